@@ -1,0 +1,12 @@
+//! Stresses and forces under one wheel (equations (2) to (18) of the paper).
+//!
+//! Everything here happens in the frame of one wheel: `forward` and `lateral` are the
+//! velocity of its centre along the body's X and Y, and the contact arc is measured by
+//! theta from the wheel's lowest point, positive towards the side that compacts soil.
+
+mod patch;
+mod quadrature;
+mod wheel;
+
+pub use quadrature::Resolution;
+pub use wheel::{Regularisation, WheelContact, WheelForces, WheelMotion};

@@ -1,0 +1,355 @@
+//! The integrals over one contact patch whose compacting side is the +X side.
+
+use super::quadrature::{Nodes, Quadrature};
+use crate::scalar::{Packed, Real, Scalar};
+use fearless_simd::{Simd, f64x8, prelude::*};
+
+/// Soil and wheel as the integrand needs them, computed once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PatchLaw {
+    /// Cohesion c \[Pa\].
+    pub cohesion: f64,
+    /// tan phi.
+    pub friction: f64,
+    /// 1 / K \[1/m\].
+    pub inverse_shear_modulus: f64,
+    /// Sinkage exponent n.
+    pub exponent: f64,
+    /// k (2 r)^n: pressure where the halved cosine difference is 1 \[Pa\].
+    pub pressure: f64,
+    /// Wheel radius r \[m\].
+    pub radius: f64,
+    /// Wheel width b \[m\].
+    pub width: f64,
+    /// Square of the slip speed below which the direction of the shear fades \[m^2/s^2\].
+    pub slip_speed_squared: f64,
+}
+
+/// Motion of the wheel over the patch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PatchMotion<S> {
+    /// V_X - Omega Y_i \[m/s\].
+    pub forward: S,
+    /// V_Y + Omega X_i \[m/s\].
+    pub lateral: S,
+    /// Omega \[rad/s\].
+    pub yaw_rate: S,
+    /// r omega \[m/s\].
+    pub rim_speed: S,
+    /// 1 / abs(omega), bounded \[s\]: contact time for each radian of the arc.
+    pub time_per_angle: S,
+}
+
+/// Sums over the patch, per metre of radius and width (dA = r b dtheta d(y/b)).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PatchSums<S> {
+    /// Shear along X, Y, Z.
+    pub shear: [S; 3],
+    /// Normal stress against X, and along Z.
+    pub normal: [S; 2],
+    /// y tau_X.
+    pub width_moment: S,
+    /// sin theta tau_Y.
+    pub arc_moment: S,
+}
+
+/// What the rows of the patch share at eight nodes of the arc.
+struct Column<P> {
+    sin: P,
+    cos: P,
+    /// Normal stress sigma, weighted.
+    stress: P,
+    /// Shear strength c + sigma tan phi, weighted.
+    strength: P,
+    /// cos theta - cos theta_1.
+    rise: P,
+    /// (cos theta + cos theta_1) / 2.
+    mean_cos: P,
+    /// ((theta_1 - theta) + (sin 2 theta_1 - sin 2 theta) / 2) / 2: j_X grows with V_Xi by it.
+    stretch: P,
+    /// r omega (sin theta_1 - sin theta).
+    rolled: P,
+    /// V_jY, and its square with the slip speed's.
+    sideways: P,
+    sideways_squared: P,
+    /// j_Y^2 in units of the contact time, with the floor that keeps its root smooth.
+    path_squared: P,
+}
+
+/// What the whole patch shares.
+struct Arc<S> {
+    entry: S,
+    /// sin(theta_1 / 2)^2.
+    half_sine_squared: S,
+    sin_entry: S,
+    cos_entry: S,
+}
+
+struct Accumulator<P> {
+    shear: [P; 3],
+    width_moment: P,
+    arc_moment: P,
+}
+
+/// One line of the patch along the rolling direction.
+#[derive(Clone, Copy)]
+struct Row<S> {
+    /// Offset from the wheel's middle plane \[m\].
+    offset: f64,
+    /// Weight across the width.
+    weight: f64,
+    /// V_Xi of this row.
+    forward: S,
+}
+
+impl PatchLaw {
+    /// Integrates the stresses over the patch with the entry angle `entry`.
+    #[inline(always)]
+    pub(super) fn integrate<V: Simd, S: Scalar>(
+        &self,
+        simd: V,
+        rule: &Quadrature,
+        motion: &PatchMotion<S>,
+        entry: S,
+    ) -> PatchSums<S> {
+        let (half_sine, half_cosine) = entry.scale(0.5).sin_cos_small();
+        let arc = Arc {
+            entry,
+            half_sine_squared: half_sine * half_sine,
+            sin_entry: half_sine * half_cosine.scale(2.0),
+            cos_entry: (half_sine * half_sine).scale(-2.0).offset(1.0),
+        };
+        let zero = S::constant(0.0).splat(simd);
+        let mut sums = Accumulator {
+            shear: [zero; 3],
+            width_moment: zero,
+            arc_moment: zero,
+        };
+        let mut normal = [zero; 2];
+        let (width, reversed) = self.rows_and_reversals(rule, motion, &arc);
+        for nodes in &rule.arc {
+            let (at, weight) = nodes.load(simd);
+            let packed_entry = entry.splat(simd);
+            let angle = packed_entry.scale_lanes(at);
+            // (5) is (3) mirrored about the middle of the arc.
+            let from_middle = at.max(1.0 - at);
+            let stress = self.stress(simd, &arc, packed_entry.scale_lanes(from_middle));
+            let weight = packed_entry.scale_lanes(weight);
+            let column = self.column(simd, motion, &arc, angle, stress, weight);
+            normal[0] += column.stress * column.sin;
+            normal[1] += column.stress * column.cos;
+            let rows = self.rows(width, motion).enumerate();
+            let straight = rows.filter(|(index, _)| reversed & (1 << index) == 0);
+            self.accumulate(simd, &mut sums, motion, &column, straight.map(|(_, row)| row));
+        }
+        if reversed != 0 {
+            for (index, row) in self.rows(width, motion).enumerate() {
+                if reversed & (1 << index) != 0 {
+                    self.accumulate_reversed(simd, &mut sums, rule, motion, &arc, &row);
+                }
+            }
+        }
+        PatchSums {
+            shear: [sums.shear[0].sum(), sums.shear[1].sum(), sums.shear[2].sum()],
+            normal: [normal[0].sum(), normal[1].sum()],
+            width_moment: sums.width_moment.sum(),
+            arc_moment: sums.arc_moment.sum(),
+        }
+    }
+
+    #[inline(always)]
+    fn rows<S: Scalar>(
+        &self,
+        width: &[(f64, f64)],
+        motion: &PatchMotion<S>,
+    ) -> impl Iterator<Item = Row<S>> {
+        width.iter().map(|&(at, weight)| Row {
+            offset: at * self.width,
+            weight,
+            forward: motion.forward - motion.yaw_rate.scale(at * self.width),
+        })
+    }
+
+    /// The nodes across the width, and the rows (as bits) in which the tangential slip
+    /// velocity V_Xi cos theta - r omega changes its sign inside the contact. Where it does,
+    /// the shear varies faster across the width too, and a finer rule serves.
+    #[inline(always)]
+    fn rows_and_reversals<'r, S: Scalar>(
+        &self,
+        rule: &'r Quadrature,
+        motion: &PatchMotion<S>,
+        arc: &Arc<S>,
+    ) -> (&'r [(f64, f64)], u64) {
+        let coarse = self.reversed_rows(&rule.width, motion, arc);
+        if coarse == 0 {
+            return (&rule.width, 0);
+        }
+        (&rule.width_reversed, self.reversed_rows(&rule.width_reversed, motion, arc))
+    }
+
+    #[inline(always)]
+    fn reversed_rows<S: Scalar>(
+        &self,
+        width: &[(f64, f64)],
+        motion: &PatchMotion<S>,
+        arc: &Arc<S>,
+    ) -> u64 {
+        let rim = motion.rim_speed.value();
+        let cos_entry = arc.cos_entry.value();
+        let mut bits = 0;
+        for (index, &(at, _)) in width.iter().enumerate() {
+            let forward = motion.forward.value() - motion.yaw_rate.value() * at * self.width;
+            let reversed = (forward - rim) * (forward * cos_entry - rim) < 0.0;
+            bits |= u64::from(reversed) << index;
+        }
+        bits
+    }
+
+    /// Normal stress (3) at an angle of the front half; (5) mirrors it to the rear half.
+    #[inline(always)]
+    fn stress<V: Simd, S: Scalar>(&self, simd: V, arc: &Arc<S>, angle: S::Packed<V>) -> S::Packed<V> {
+        let (sine, _) = angle.scale(0.5).sin_cos_small();
+        let half_rise = arc.half_sine_squared.splat(simd) - sine * sine;
+        half_rise.power(self.exponent).scale(self.pressure)
+    }
+
+    /// Prepares eight nodes of the arc.
+    #[inline(always)]
+    fn column<V: Simd, S: Scalar>(
+        &self,
+        simd: V,
+        motion: &PatchMotion<S>,
+        arc: &Arc<S>,
+        angle: S::Packed<V>,
+        stress: S::Packed<V>,
+        weight: S::Packed<V>,
+    ) -> Column<S::Packed<V>> {
+        let (half_sine, half_cosine) = angle.scale(0.5).sin_cos_small();
+        let sine_squared = half_sine * half_sine;
+        let sin = half_sine * half_cosine.scale(2.0);
+        let cos = sine_squared.scale(-2.0).offset(1.0);
+        let rise = (arc.half_sine_squared.splat(simd) - sine_squared).scale(2.0);
+        let travelled = arc.entry.splat(simd) - angle;
+        let cos_entry = arc.cos_entry.splat(simd);
+        let sin_entry = arc.sin_entry.splat(simd);
+        let lateral = motion.lateral.splat(simd);
+        let spin = motion.yaw_rate.scale(self.radius).splat(simd);
+        let sideways = lateral + spin * sin;
+        let path = lateral * travelled + spin * rise;
+        Column {
+            sin,
+            cos,
+            stress: stress * weight,
+            strength: stress.scale(self.friction).offset(self.cohesion) * weight,
+            rise,
+            mean_cos: (cos + cos_entry).scale(0.5),
+            stretch: (travelled + sin_entry * cos_entry - sin * cos).scale(0.5),
+            rolled: motion.rim_speed.splat(simd) * (sin_entry - sin),
+            sideways,
+            sideways_squared: (sideways * sideways).offset(self.slip_speed_squared),
+            path_squared: (path * path).offset(DISPLACEMENT_FLOOR),
+        }
+    }
+
+    /// Adds the shear stress (16) of some rows at eight nodes of the arc.
+    #[inline(always)]
+    fn accumulate<V: Simd, S: Scalar>(
+        &self,
+        simd: V,
+        sums: &mut Accumulator<S::Packed<V>>,
+        motion: &PatchMotion<S>,
+        column: &Column<S::Packed<V>>,
+        rows: impl Iterator<Item = Row<S>>,
+    ) {
+        let rim = motion.rim_speed.splat(simd);
+        let rate = motion.time_per_angle.scale(-self.inverse_shear_modulus).splat(simd);
+        let zero = S::constant(0.0).splat(simd);
+        let (mut along, mut across, mut twist) = (zero, zero, zero);
+        for row in rows {
+            let forward = row.forward.splat(simd);
+            // Tangential slip velocity (12), along (cos theta, sin theta).
+            let tangential = forward * column.cos - rim;
+            // Shear displacement (14), with sin 2a - sin 2b and cos 2a - cos 2b expanded.
+            let x = forward * column.stretch - column.rolled;
+            let z = (forward * column.mean_cos - rim) * column.rise;
+            let path_squared = x * x + z * z + column.path_squared;
+            let path = path_squared * path_squared.inverse_sqrt();
+            // -(1 - exp(-j / K)), for the shear is opposite to the slip velocity.
+            let mobilised = (path * rate).decay().offset(-1.0);
+            let speed_squared = tangential * tangential + column.sideways_squared;
+            let factor = (mobilised * speed_squared.inverse_sqrt()).scale(row.weight);
+            along += factor * tangential;
+            twist += (factor * tangential).scale(row.offset);
+            across += factor;
+        }
+        let along = along * column.strength;
+        let shear_y = across * column.strength * column.sideways;
+        sums.shear[0] += along * column.cos;
+        sums.shear[1] += shear_y;
+        sums.shear[2] += along * column.sin;
+        sums.width_moment += twist * column.strength * column.cos;
+        sums.arc_moment += shear_y * column.sin;
+    }
+
+    /// A row in which the slip velocity changes its sign: there the shear's direction (16)
+    /// turns round within a short stretch, so the arc is split at that angle.
+    #[inline(always)]
+    fn accumulate_reversed<V: Simd, S: Scalar>(
+        &self,
+        simd: V,
+        sums: &mut Accumulator<S::Packed<V>>,
+        rule: &Quadrature,
+        motion: &PatchMotion<S>,
+        arc: &Arc<S>,
+        row: &Row<S>,
+    ) {
+        let ratio = motion.rim_speed / row.forward;
+        let turn = ratio.value().clamp(-1.0, 1.0).acos();
+        let turn = S::chain(turn, &[-1.0 / turn.sin().max(1e-9)], &[ratio]);
+        let middle = arc.entry.scale(0.5);
+        let (first, second) = if turn.value() < middle.value() {
+            (turn, middle)
+        } else {
+            (middle, turn)
+        };
+        let ends = [S::constant(0.0), first, second, arc.entry];
+        for pair in ends.windows(2) {
+            let (start, length) = (pair[0], pair[1] - pair[0]);
+            let front = start.value() >= middle.value();
+            for nodes in &rule.stretch {
+                let (at, weight) = nodes.load(simd);
+                let packed_length = length.splat(simd);
+                let angle = start.splat(simd) + packed_length.scale_lanes(at);
+                let mirrored = arc.entry.splat(simd) - angle;
+                let stress = self.stress(simd, arc, if front { angle } else { mirrored });
+                let weight = packed_length.scale_lanes(weight);
+                let column = self.column(simd, motion, arc, angle, stress, weight);
+                self.accumulate(simd, sums, motion, &column, std::iter::once(*row));
+            }
+        }
+    }
+}
+
+/// Square of a slip distance per time [m^2/s^2] far below any that matters: it keeps the
+/// displacement's derivative finite where nothing moves.
+const DISPLACEMENT_FLOOR: f64 = 1e-20;
+
+impl Nodes {
+    #[inline(always)]
+    fn load<V: Simd>(&self, simd: V) -> (f64x8<V>, f64x8<V>) {
+        (f64x8::simd_from(simd, self.at), f64x8::simd_from(simd, self.weight))
+    }
+}
+
+/// The part of the vertical force that the normal stress carries at small entry angles:
+/// F_Z / theta_1^(2n+1), from sigma = k (r theta_1^2 / 2)^n (1 - u^2)^n and cos theta = 1.
+pub(super) fn small_angle_support(law: &PatchLaw, rule: &Quadrature) -> f64 {
+    let integral: f64 = rule
+        .arc
+        .iter()
+        .flat_map(|nodes| nodes.at.into_iter().zip(nodes.weight))
+        .map(|(u, weight)| weight * (1.0 - u.max(1.0 - u).powi(2)).powf(law.exponent))
+        .sum();
+    // Half the cosine difference is theta_1^2 (1 - u^2) / 4.
+    law.pressure * 0.25_f64.powf(law.exponent) * integral * law.radius * law.width
+}

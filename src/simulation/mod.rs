@@ -1,0 +1,382 @@
+//! The vehicle's motion in time.
+
+mod rosenbrock;
+mod snapshot;
+mod state;
+
+pub use rosenbrock::Counters;
+pub use state::{State, WheelSpeeds};
+
+use crate::vehicle::{
+    Balance, BalanceError, Linearisation, Motion, Trend, VehicleModel, Wrench,
+};
+use nalgebra::{SMatrix, SVector};
+use rosenbrock::Stages;
+use std::fmt;
+use std::sync::Arc;
+
+pub(crate) type StateVector = SVector<f64, { State::COUNT }>;
+type StateMatrix = SMatrix<f64, { State::COUNT }, { State::COUNT }>;
+type InputMatrix = SMatrix<f64, { State::COUNT }, 2>;
+
+/// A vehicle driving on a terrain: wheel speeds in, motion out.
+///
+/// A simulation is a value: a clone goes on exactly as the original would. It allocates
+/// nothing while it steps, and the same calls give the same bits.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    model: Arc<VehicleModel>,
+    time: f64,
+    state: State,
+    inputs: WheelSpeeds,
+    input_rates: WheelSpeeds,
+    /// Balance at the end of the last step: the first guess for whatever is asked next, so
+    /// that what a caller reads between steps leaves no trace in the steps that follow.
+    anchor: Balance,
+    now: Evaluation,
+    /// How the balance changed with the motion at the last Jacobian: improves the guesses.
+    trend: Trend,
+    integrator: rosenbrock::Integrator,
+    work: Work,
+}
+
+/// Forces and rates at one state and input.
+#[derive(Debug, Clone)]
+struct Evaluation {
+    /// Whether the rest belongs to the current state and inputs.
+    valid: bool,
+    motion: Motion,
+    balance: Balance,
+    wrench: Wrench,
+    derivative: StateVector,
+}
+
+/// Memory that carries nothing from one call to the next.
+#[derive(Debug, Clone)]
+struct Work {
+    linearisation: Linearisation,
+    partial: Wrench,
+    stages: Stages,
+}
+
+/// Derivatives of the state's rate of change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jacobian {
+    /// By the state, in the order of [`State::to_array`].
+    pub by_state: StateMatrix,
+    /// By the left and right wheel speed.
+    pub by_input: InputMatrix,
+}
+
+/// Why a simulation cannot go on.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SimulationError {
+    /// The wheels find no balance at this time \[s\].
+    Balance {
+        /// Simulated time \[s\].
+        time: f64,
+        /// What the wheels lack.
+        source: BalanceError,
+    },
+    /// A step that is negative or not finite \[s\].
+    StepSize(f64),
+    /// An input or state that is not finite.
+    NotFinite {
+        /// What it is.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The error control asks for steps below the resolution of the time \[s\].
+    StepTooSmall {
+        /// Simulated time \[s\].
+        time: f64,
+    },
+}
+
+impl fmt::Display for SimulationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Balance { time, source } => write!(f, "at {time} s: {source}"),
+            Self::StepSize(step) => {
+                write!(f, "cannot step by {step} s: a step is finite and not negative")
+            }
+            Self::NotFinite { what, value } => write!(f, "{what} = {value} is not finite"),
+            Self::StepTooSmall { time } => write!(
+                f,
+                "at {time} s the motion changes faster than the smallest step can follow"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for SimulationError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Balance { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}
+
+impl Simulation {
+    /// A vehicle at rest at the origin, heading east, wheels standing still, at time 0.
+    #[must_use]
+    pub fn new(model: impl Into<Arc<VehicleModel>>) -> Self {
+        let model = model.into();
+        let balance = Balance::new(&model);
+        let now = Evaluation {
+            valid: false,
+            motion: Motion::default(),
+            balance: balance.clone(),
+            wrench: Wrench::for_model(&model),
+            derivative: StateVector::zeros(),
+        };
+        let trend = Trend::new(&model);
+        let work = Work {
+            linearisation: Linearisation::new(&model),
+            partial: Wrench::for_model(&model),
+            stages: Stages::new(&now),
+        };
+        Self {
+            model,
+            time: 0.0,
+            state: State::default(),
+            inputs: WheelSpeeds::default(),
+            input_rates: WheelSpeeds::default(),
+            anchor: balance,
+            now,
+            trend,
+            integrator: rosenbrock::Integrator::default(),
+            work,
+        }
+    }
+
+    /// The vehicle and the terrain.
+    #[must_use]
+    pub fn model(&self) -> &VehicleModel {
+        &self.model
+    }
+
+    /// Simulated time \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Sets the simulated time \[s\]; nothing else depends on it.
+    pub fn set_time(&mut self, time: f64) {
+        self.time = time;
+    }
+
+    /// Pose and velocities.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Places the vehicle elsewhere or gives it another velocity.
+    ///
+    /// # Errors
+    /// A value that is not finite; then nothing has changed.
+    pub fn set_state(&mut self, state: State) -> Result<(), SimulationError> {
+        const NAMES: [&str; State::COUNT] = ["x", "y", "heading", "v_x", "v_y", "yaw_rate"];
+        finite(&NAMES, &state.to_array())?;
+        if state != self.state {
+            self.state = state;
+            self.now.valid = false;
+        }
+        Ok(())
+    }
+
+    /// Wheel speeds at the current time \[rad/s\].
+    #[must_use]
+    pub fn wheel_speeds(&self) -> WheelSpeeds {
+        self.inputs
+    }
+
+    /// Sets the wheel speeds from the current time on \[rad/s\].
+    ///
+    /// # Errors
+    /// A value that is not finite; then nothing has changed.
+    pub fn set_wheel_speeds(&mut self, speeds: WheelSpeeds) -> Result<(), SimulationError> {
+        finite(&["omega_left", "omega_right"], &[speeds.left, speeds.right])?;
+        if speeds != self.inputs {
+            self.inputs = speeds;
+            self.now.valid = false;
+        }
+        Ok(())
+    }
+
+    /// Sets the rates at which the wheel speeds change within the next steps \[rad/s^2\];
+    /// zero at the beginning.
+    ///
+    /// # Errors
+    /// A value that is not finite; then nothing has changed.
+    pub fn set_wheel_accelerations(&mut self, rates: WheelSpeeds) -> Result<(), SimulationError> {
+        let names = ["rate of omega_left", "rate of omega_right"];
+        finite(&names, &[rates.left, rates.right])?;
+        self.input_rates = rates;
+        Ok(())
+    }
+
+    /// Forces, moments and resistances at the current state and wheel speeds.
+    ///
+    /// # Errors
+    /// A bogged wheel, or velocities too large for finite forces.
+    pub fn wrench(&mut self) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        Ok(&self.now.wrench)
+    }
+
+    /// Rate of change of the state, in the order of [`State::to_array`].
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn derivative(&mut self) -> Result<[f64; State::COUNT], SimulationError> {
+        self.evaluate()?;
+        Ok(self.now.derivative.into())
+    }
+
+    /// Whether some wheel carries nothing at the current state and wheel speeds.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wheel_lifted(&mut self) -> Result<bool, SimulationError> {
+        self.evaluate()?;
+        Ok(self.now.balance.lifted())
+    }
+
+    /// The derivative of the wrench when velocities and wheel speeds change in `direction`.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wrench_derivative(&mut self, direction: &Motion) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        let Work {
+            linearisation,
+            partial,
+            ..
+        } = &mut self.work;
+        let (motion, balance) = (&self.now.motion, &self.now.balance);
+        linearisation.evaluate(&self.model, motion, balance);
+        linearisation.derivative(&self.model, motion, balance, direction, partial);
+        Ok(partial)
+    }
+
+    /// Derivatives of the state's rate of change by the state and the wheel speeds.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn jacobian(&mut self) -> Result<Jacobian, SimulationError> {
+        self.evaluate()?;
+        let mut trend = self.trend.clone();
+        Ok(self.work.jacobian(&self.model, &self.state, &self.now, &mut trend))
+    }
+
+    fn evaluate(&mut self) -> Result<(), SimulationError> {
+        if self.now.valid {
+            return Ok(());
+        }
+        self.now.balance.clone_from(&self.anchor);
+        let (time, motion) = (self.time, self.state.motion(self.inputs));
+        self.now.solve(&self.model, &self.state, motion, time)
+    }
+}
+
+fn finite<const N: usize>(names: &[&'static str; N], values: &[f64; N]) -> Result<(), SimulationError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(index) => Err(SimulationError::NotFinite {
+            what: names[index],
+            value: values[index],
+        }),
+        None => Ok(()),
+    }
+}
+
+impl Evaluation {
+    /// Solves for the forces at a state and motion, starting from the balance that it holds.
+    fn solve(
+        &mut self,
+        model: &VehicleModel,
+        state: &State,
+        motion: Motion,
+        time: f64,
+    ) -> Result<(), SimulationError> {
+        self.valid = false;
+        self.motion = motion;
+        model
+            .solve(&motion, &mut self.balance)
+            .map_err(|source| SimulationError::Balance { time, source })?;
+        self.balance.wrench(model, &motion, &mut self.wrench);
+        self.derivative = state.derivative(&self.wrench).into();
+        self.valid = true;
+        Ok(())
+    }
+
+    /// Takes another evaluation's balance as the first guess at a motion.
+    fn guess_from(&mut self, other: &Self, trend: &Trend, motion: &Motion) {
+        self.balance.clone_from(&other.balance);
+        let (from, to) = (other.motion.to_array(), motion.to_array());
+        let mut change = [0.0; 5];
+        for k in 0..5 {
+            change[k] = to[k] - from[k];
+        }
+        self.balance.predict(trend, &change);
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.valid = other.valid;
+        self.motion = other.motion;
+        self.balance.clone_from(&other.balance);
+        self.wrench.clone_from(&other.wrench);
+        self.derivative = other.derivative;
+    }
+}
+
+impl Work {
+    fn jacobian(
+        &mut self,
+        model: &VehicleModel,
+        state: &State,
+        at: &Evaluation,
+        trend: &mut Trend,
+    ) -> Jacobian {
+        let (sin, cos) = state.heading.sin_cos();
+        let mut by_state = StateMatrix::zeros();
+        let mut by_input = InputMatrix::zeros();
+        // Kinematics: dx/dt, dy/dt by heading and velocities, dpsi/dt by the yaw rate.
+        by_state[(0, 2)] = -state.v_x * sin - state.v_y * cos;
+        by_state[(1, 2)] = state.v_x * cos - state.v_y * sin;
+        (by_state[(0, 3)], by_state[(0, 4)]) = (cos, -sin);
+        (by_state[(1, 3)], by_state[(1, 4)]) = (sin, cos);
+        by_state[(2, 5)] = 1.0;
+        self.linearisation.evaluate(model, &at.motion, &at.balance);
+        for direction in 0..5 {
+            let mut along = [0.0; 5];
+            along[direction] = 1.0;
+            let along = Motion::from_array(along);
+            let Self {
+                linearisation,
+                partial,
+                ..
+            } = self;
+            linearisation.derivative(model, &at.motion, &at.balance, &along, partial);
+            trend.set_direction(direction, partial);
+            let rates = [partial.a_x, partial.a_y, partial.yaw_acceleration];
+            for (row, rate) in rates.into_iter().enumerate() {
+                if direction < 3 {
+                    by_state[(3 + row, 3 + direction)] = rate;
+                } else {
+                    by_input[(3 + row, direction - 3)] = rate;
+                }
+            }
+        }
+        // The rotating frame: + V_Y Omega and - V_X Omega.
+        by_state[(3, 4)] += state.yaw_rate;
+        by_state[(3, 5)] += state.v_y;
+        by_state[(4, 3)] -= state.yaw_rate;
+        by_state[(4, 5)] -= state.v_x;
+        Jacobian { by_state, by_input }
+    }
+}

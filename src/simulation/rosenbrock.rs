@@ -1,0 +1,236 @@
+//! Time integration: the Rosenbrock (2,3) pair of Shampine & Reichelt, "The MATLAB ODE
+//! suite", SIAM J. Sci. Comput. 18 (1997), there called ode23s.
+//!
+//! L-stable, so that the forces near standstill (which grow like 1/omega) do not limit the
+//! step; of order 2 with any matrix in place of the Jacobian, so that one Jacobian serves
+//! several steps; and its last stage is the next step's first, so that a step costs two
+//! evaluations of the forces.
+
+use super::{Evaluation, InputMatrix, Simulation, SimulationError, StateMatrix, StateVector};
+use super::{State, WheelSpeeds};
+use nalgebra::LU;
+
+type StateLu = LU<f64, nalgebra::Const<{ State::COUNT }>, nalgebra::Const<{ State::COUNT }>>;
+
+/// d = 1 / (2 + sqrt 2) and e_32 = 6 + sqrt 2 of the method.
+const D: f64 = 0.292_893_218_813_452_5;
+const E32: f64 = 7.414_213_562_373_095;
+
+/// Tolerated error of each state in one step: absolute part, and part of its magnitude.
+const ABSOLUTE_TOLERANCE: [f64; State::COUNT] = [2e-5, 2e-5, 1e-5, 1e-4, 1e-4, 1e-4];
+const RELATIVE_TOLERANCE: [f64; State::COUNT] = [0.0, 0.0, 0.0, 1e-4, 1e-4, 1e-4];
+/// First step tried \[s\], and the longest.
+const FIRST_STEP: f64 = 1e-3;
+const LONGEST_STEP: f64 = 0.5;
+/// Below this share of the elapsed time (or this time \[s\]) a step means nothing any more.
+const SMALLEST_STEP: f64 = 1e-12;
+/// Step control: safety factor, and limits of the change from one step to the next.
+const SAFETY: f64 = 0.85;
+const SHRINK: f64 = 0.2;
+const GROW: f64 = 4.0;
+/// A Jacobian serves so many steps, as long as the error stays below this share.
+const JACOBIAN_STEPS: u32 = 12;
+const JACOBIAN_ERROR: f64 = 0.6;
+
+/// What the integrator carries from step to step.
+#[derive(Debug, Clone)]
+pub(super) struct Integrator {
+    /// Step size \[s\] that the error control would take next.
+    pub next_step: f64,
+    pub by_state: StateMatrix,
+    pub by_input: InputMatrix,
+    /// Steps that the Jacobian has served; `JACOBIAN_STEPS` where there is none.
+    pub jacobian_age: u32,
+    pub counters: Counters,
+}
+
+/// What the integration of a simulation has cost so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Steps that met the tolerance.
+    pub steps: u64,
+    /// Steps that did not, and were repeated shorter.
+    pub rejected: u64,
+    /// Evaluations of the forces.
+    pub evaluations: u64,
+    /// Evaluations of the Jacobian.
+    pub jacobians: u64,
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self {
+            next_step: FIRST_STEP,
+            by_state: StateMatrix::zeros(),
+            by_input: InputMatrix::zeros(),
+            jacobian_age: JACOBIAN_STEPS,
+            counters: Counters::default(),
+        }
+    }
+}
+
+/// The evaluations within one step.
+#[derive(Debug, Clone)]
+pub(super) struct Stages {
+    middle: Evaluation,
+    end: Evaluation,
+}
+
+impl Stages {
+    pub(super) fn new(like: &Evaluation) -> Self {
+        Self {
+            middle: like.clone(),
+            end: like.clone(),
+        }
+    }
+}
+
+impl Simulation {
+    /// What the integration has cost so far.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.integrator.counters
+    }
+
+    /// Drives on for `seconds`, the wheel speeds changing linearly at their rates.
+    ///
+    /// Within the step the integrator takes as many steps of its own as the accuracy needs.
+    ///
+    /// # Errors
+    /// A step that is negative or not finite, or forces that do not exist (a bogged vehicle).
+    /// Then the simulation stands at the last point that it reached.
+    pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
+        if !(seconds.is_finite() && seconds >= 0.0) {
+            return Err(SimulationError::StepSize(seconds));
+        }
+        let (start, speeds) = (self.time, self.inputs);
+        let mut done = 0.0;
+        while done < seconds {
+            let rest = seconds - done;
+            let wanted = self.integrator.next_step;
+            // Rather two even steps than a long one and a stub.
+            let step = if rest <= wanted * 1.05 {
+                rest
+            } else if rest < 2.0 * wanted {
+                0.5 * rest
+            } else {
+                wanted
+            };
+            let last = step == rest;
+            let reached = if last { seconds } else { done + step };
+            let end_speeds = speeds.after(self.input_rates, reached);
+            if self.try_step(step, end_speeds, start + reached)? {
+                done = reached;
+                self.time = start + reached;
+                self.inputs = end_speeds;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes one step if its error is tolerable, and chooses the next step's size.
+    fn try_step(
+        &mut self,
+        step: f64,
+        end_speeds: WheelSpeeds,
+        end_time: f64,
+    ) -> Result<bool, SimulationError> {
+        self.evaluate()?;
+        self.refresh_jacobian();
+        let attempt = self.attempt(step, end_speeds, end_time);
+        let error = match attempt {
+            Ok((_, error)) if error.is_finite() => error,
+            _ => f64::INFINITY,
+        };
+        let integrator = &mut self.integrator;
+        let factor = (SAFETY * error.powf(-1.0 / 3.0)).clamp(SHRINK, GROW);
+        if let (Ok((state, _)), true) = (&attempt, error <= 1.0) {
+            integrator.counters.steps += 1;
+            integrator.jacobian_age += 1;
+            if error > JACOBIAN_ERROR {
+                integrator.jacobian_age = JACOBIAN_STEPS;
+            }
+            // A step cut short by the caller says nothing against longer ones.
+            let proposed = (step * factor).min(LONGEST_STEP);
+            integrator.next_step = if step < integrator.next_step {
+                proposed.max(integrator.next_step)
+            } else {
+                proposed
+            };
+            self.state = *state;
+            self.now.copy_from(&self.work.stages.end);
+            self.anchor.clone_from(&self.now.balance);
+            return Ok(true);
+        }
+        integrator.counters.rejected += 1;
+        if integrator.jacobian_age > 0 {
+            // The Jacobian may be what was wrong.
+            integrator.jacobian_age = JACOBIAN_STEPS;
+        }
+        integrator.next_step = step * factor.min(0.7);
+        if integrator.next_step < SMALLEST_STEP * self.time.abs().max(1.0) {
+            let too_small = SimulationError::StepTooSmall { time: self.time };
+            return Err(attempt.err().unwrap_or(too_small));
+        }
+        Ok(false)
+    }
+
+    fn refresh_jacobian(&mut self) {
+        if self.integrator.jacobian_age < JACOBIAN_STEPS {
+            return;
+        }
+        let jacobian = self.work.jacobian(&self.model, &self.state, &self.now, &mut self.trend);
+        self.integrator.by_state = jacobian.by_state;
+        self.integrator.by_input = jacobian.by_input;
+        self.integrator.jacobian_age = 0;
+        self.integrator.counters.jacobians += 1;
+    }
+
+    /// One step: the new state, and the largest error in units of its tolerance.
+    fn attempt(
+        &mut self,
+        h: f64,
+        end_speeds: WheelSpeeds,
+        end_time: f64,
+    ) -> Result<(State, f64), SimulationError> {
+        let Integrator {
+            by_state, by_input, ..
+        } = &self.integrator;
+        let rates = nalgebra::Vector2::new(self.input_rates.left, self.input_rates.right);
+        let by_time = by_input * rates * (h * D);
+        let lu: StateLu = (StateMatrix::identity() - by_state * (h * D)).lu();
+        let solve = |mut rhs: StateVector| {
+            if !lu.solve_mut(&mut rhs) {
+                rhs.fill(f64::NAN);
+            }
+            rhs
+        };
+        let y = StateVector::from(self.state.to_array());
+        let f0 = self.now.derivative;
+        let k1 = solve(f0 + by_time);
+        let middle = State::from_array((y + k1 * (0.5 * h)).into());
+        let speeds = self.inputs.after(self.input_rates, 0.5 * h);
+        let Stages { middle: at_middle, end: at_end } = &mut self.work.stages;
+        self.integrator.counters.evaluations += 2;
+        let motion = middle.motion(speeds);
+        at_middle.guess_from(&self.now, &self.trend, &motion);
+        at_middle.solve(&self.model, &middle, motion, end_time - 0.5 * h)?;
+        let f1 = at_middle.derivative;
+        let k2 = solve(f1 - k1) + k1;
+        let end = State::from_array((y + k2 * h).into());
+        let motion = end.motion(end_speeds);
+        at_end.guess_from(at_middle, &self.trend, &motion);
+        at_end.solve(&self.model, &end, motion, end_time)?;
+        let f2 = at_end.derivative;
+        let k3 = solve(f2 - (k2 - f1) * E32 - (k1 - f0) * 2.0 + by_time);
+        let error = (k1 - k2 * 2.0 + k3) * (h / 6.0);
+        let (old, new) = (self.state.to_array(), end.to_array());
+        let ratio = (0..State::COUNT).map(|i| {
+            let size = old[i].abs().max(new[i].abs());
+            error[i].abs() / (ABSOLUTE_TOLERANCE[i] + RELATIVE_TOLERANCE[i] * size)
+        });
+        // max() would drop a NaN.
+        let worst = ratio.fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });
+        Ok((end, worst))
+    }
+}

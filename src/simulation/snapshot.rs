@@ -1,0 +1,78 @@
+//! A simulation's state as plain numbers, to be stored and taken up elsewhere.
+
+use super::Simulation;
+use crate::vehicle::Motion;
+
+impl Simulation {
+    /// Everything that determines how the simulation goes on, as numbers; the model is not
+    /// among them.
+    #[must_use]
+    pub fn snapshot(&self) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        self.clone().visit(&mut |number| numbers.push(*number));
+        numbers
+    }
+
+    /// Takes up the state of another simulation of the same model.
+    ///
+    /// # Errors
+    /// The number of numbers that this model's snapshots have, if it differs; then nothing
+    /// has changed.
+    pub fn restore(&mut self, snapshot: &[f64]) -> Result<(), usize> {
+        let mut expected = 0;
+        self.visit(&mut |_| expected += 1);
+        if snapshot.len() != expected {
+            return Err(expected);
+        }
+        let mut numbers = snapshot.iter();
+        self.visit(&mut |number| *number = numbers.next().copied().unwrap_or_default());
+        self.now.wrench.wheels.fill_with(Default::default);
+        let (model, motion) = (&self.model, self.now.motion);
+        self.now.balance.wrench(model, &motion, &mut self.now.wrench);
+        self.now.derivative = self.state.derivative(&self.now.wrench).into();
+        Ok(())
+    }
+
+    fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
+        visit(&mut self.time);
+        let mut state = self.state.to_array();
+        state.iter_mut().for_each(&mut *visit);
+        self.state = super::State::from_array(state);
+        for speeds in [&mut self.inputs, &mut self.input_rates] {
+            visit(&mut speeds.left);
+            visit(&mut speeds.right);
+        }
+        self.anchor.visit(visit);
+        self.now.balance.visit(visit);
+        let mut motion = self.now.motion.to_array();
+        motion.iter_mut().for_each(&mut *visit);
+        self.now.motion = Motion::from_array(motion);
+        visit_flag(&mut self.now.valid, visit);
+        self.trend.visit(visit);
+        let integrator = &mut self.integrator;
+        visit(&mut integrator.next_step);
+        integrator.by_state.iter_mut().for_each(&mut *visit);
+        integrator.by_input.iter_mut().for_each(&mut *visit);
+        let mut age = f64::from(integrator.jacobian_age);
+        visit(&mut age);
+        integrator.jacobian_age = age as u32;
+        let counters = &mut integrator.counters;
+        for count in [
+            &mut counters.steps,
+            &mut counters.rejected,
+            &mut counters.evaluations,
+            &mut counters.jacobians,
+        ] {
+            // Exact up to 2^53 steps.
+            let mut number = *count as f64;
+            visit(&mut number);
+            *count = number as u64;
+        }
+    }
+}
+
+pub(crate) fn visit_flag(flag: &mut bool, visit: &mut impl FnMut(&mut f64)) {
+    let mut number = f64::from(u8::from(*flag));
+    visit(&mut number);
+    *flag = number != 0.0;
+}

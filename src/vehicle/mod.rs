@@ -1,0 +1,57 @@
+//! The whole vehicle: geometry, load transfer, and the balance of all its wheels.
+//!
+//! # Frames and signs
+//! World: x east, y north, heading psi counter-clockwise from x. Body: origin at the
+//! centre of mass, X forward, Y left, Z up. Wheels count from 0 in the code (from 1 in
+//! the variables' names): even ones on the left, odd ones on the right, front row first.
+//! Moments and yaw rate are positive counter-clockwise, a wheel's angular speed is
+//! positive when it rolls forward. `a_x`, `a_y` are the accelerations of the centre of
+//! mass along the body's axes: dV_X/dt = a_x + V_Y Omega, dV_Y/dt = a_y - V_X Omega.
+
+mod balance;
+mod geometry;
+mod linear;
+mod loads;
+mod wrench;
+
+pub(crate) use balance::Trend;
+pub use balance::{Balance, BalanceError, VehicleModel};
+pub use geometry::Vehicle;
+pub use linear::Linearisation;
+pub use loads::{GRAVITY, LoadPlane};
+pub use wrench::{WheelOutputs, Wrench};
+
+/// Velocities of the vehicle and speeds of its wheels: what the ground's forces depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// Velocity of the centre of mass along X, V_X \[m/s\].
+    pub v_x: f64,
+    /// Velocity of the centre of mass along Y, V_Y \[m/s\].
+    pub v_y: f64,
+    /// Yaw rate Omega \[rad/s\].
+    pub yaw_rate: f64,
+    /// Angular speed of the left wheels \[rad/s\].
+    pub omega_left: f64,
+    /// Angular speed of the right wheels \[rad/s\].
+    pub omega_right: f64,
+}
+
+impl Motion {
+    /// The five quantities in the order of the fields.
+    #[must_use]
+    pub fn to_array(self) -> [f64; 5] {
+        [self.v_x, self.v_y, self.yaw_rate, self.omega_left, self.omega_right]
+    }
+
+    /// From the five quantities in the order of the fields.
+    #[must_use]
+    pub fn from_array([v_x, v_y, yaw_rate, omega_left, omega_right]: [f64; 5]) -> Self {
+        Self {
+            v_x,
+            v_y,
+            yaw_rate,
+            omega_left,
+            omega_right,
+        }
+    }
+}

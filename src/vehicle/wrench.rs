@@ -1,0 +1,99 @@
+//! What the ground does to the vehicle: totals and each wheel's share.
+
+use super::{Motion, VehicleModel};
+use crate::contact::WheelForces;
+
+/// Forces, moments and resistances at one instant (or their derivative in one direction).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Wrench {
+    /// Acceleration of the centre of mass along X \[m/s^2\] (19).
+    pub a_x: f64,
+    /// Acceleration of the centre of mass along Y \[m/s^2\] (20).
+    pub a_y: f64,
+    /// dOmega/dt \[rad/s^2\] (24).
+    pub yaw_acceleration: f64,
+    /// Rolling resistance R_r \[N\] (21).
+    pub rolling_resistance: f64,
+    /// Moment of turning resistance M_r \[N m\] (25).
+    pub turning_resistance_moment: f64,
+    /// Moment of the thrust \[N m\], the first term of (24).
+    pub turning_moment: f64,
+    /// Each wheel's share, front row first, left before right.
+    pub wheels: Vec<WheelOutputs>,
+}
+
+/// One wheel at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WheelOutputs {
+    /// Longitudinal slip S_X \[-\] at the wheel's lowest point (13).
+    pub longitudinal_slip: f64,
+    /// Lateral slip S_Y \[-\] at the wheel's lowest point (13).
+    pub lateral_slip: f64,
+    /// Vertical load \[N\].
+    pub load: f64,
+    /// Sinkage r (1 - cos theta_1) \[m\] (2).
+    pub sinkage: f64,
+    /// Entry angle theta_1 \[rad\].
+    pub entry_angle: f64,
+    /// Force of the ground along X \[N\] (18).
+    pub force_x: f64,
+    /// Force of the ground along Y \[N\] (18).
+    pub force_y: f64,
+}
+
+impl Wrench {
+    /// An empty wrench with room for every wheel of a model.
+    #[must_use]
+    pub fn for_model(model: &VehicleModel) -> Self {
+        Self {
+            wheels: vec![WheelOutputs::default(); model.vehicle().wheel_count()],
+            ..Self::default()
+        }
+    }
+
+    /// Sums the wheels' forces, which may as well be derivatives: the sums are linear.
+    pub(super) fn sum(&mut self, model: &VehicleModel, forces: &[WheelForces<f64>]) {
+        let vehicle = model.vehicle();
+        let (mut force_x, mut force_y) = (0.0, 0.0);
+        let (mut resistance, mut turning, mut turning_resistance) = (0.0, 0.0, 0.0);
+        for (index, force) in forces.iter().enumerate() {
+            let (ahead, left) = vehicle.wheel_centre(index);
+            let wheel_x = force.thrust - force.compaction;
+            force_x += wheel_x;
+            force_y += force.lateral;
+            resistance += force.rolling_resistance;
+            turning -= left * wheel_x + force.width_moment;
+            turning_resistance -= ahead * force.lateral + force.arc_moment;
+            self.wheels[index].force_x = wheel_x;
+            self.wheels[index].force_y = force.lateral;
+        }
+        self.a_x = force_x / vehicle.mass;
+        self.a_y = force_y / vehicle.mass;
+        self.rolling_resistance = resistance;
+        self.turning_moment = turning;
+        self.turning_resistance_moment = turning_resistance;
+        self.yaw_acceleration = (turning - turning_resistance) / vehicle.yaw_inertia;
+    }
+
+    /// Sets one wheel's load and entry angle, and the sinkage that follows.
+    pub(super) fn set_contact(&mut self, model: &VehicleModel, index: usize, load: f64, entry: f64) {
+        let wheel = &mut self.wheels[index];
+        wheel.load = load;
+        wheel.entry_angle = entry;
+        // 1 - cos theta = 2 sin^2(theta / 2), exact for small angles.
+        wheel.sinkage = model.vehicle().wheel_radius * 2.0 * (entry / 2.0).sin().powi(2);
+    }
+
+    /// Sets the slips (13) of every wheel: S_X = -V_jX / (r omega), S_Y = -V_jY / (r omega),
+    /// with omega kept away from zero as in the contact time; at omega = 0 as for a wheel
+    /// that just begins to roll forward.
+    pub(super) fn set_slips(&mut self, model: &VehicleModel, motion: &Motion) {
+        for (index, wheel) in self.wheels.iter_mut().enumerate() {
+            let local = model.wheel_motion(motion, index);
+            let rim = model.slip_denominator(local.angular_speed);
+            let rolling = model.vehicle().wheel_radius * local.angular_speed;
+            wheel.longitudinal_slip = -(local.forward - rolling) / rim;
+            wheel.lateral_slip = -local.lateral / rim;
+        }
+    }
+}
