@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Builds the FMU's shared library and the tool, and leaves target/ugv.fmu.
+# Arguments are passed on to `ugv package` (--vehicle, --terrain, --output ...).
+set -euo pipefail
+here=$(dirname "${BASH_SOURCE[0]}")
+"$here/setup.sh"
+"$here/build_fmu_library.sh"
+target=${CARGO_TARGET_DIR:-$here/../target}
+cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet
+"$target/release/ugv" package --library "linux64=$target/fmu/ugv.so" --output "$target/ugv.fmu" "$@"

@@ -1,0 +1,140 @@
+//! Everything that can end the tool early, with its exit status and remedy.
+
+use std::error::Error;
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+use ugv_terrain::json::JsonError;
+use ugv_terrain::parameter::ParameterError;
+use ugv_terrain::recording::CsvError;
+use ugv_terrain::simulation::SimulationError;
+use ugv_terrain::vehicle::BalanceError;
+
+/// Exit status where the arguments or the files that they name are wrong.
+const BAD_INPUT: u8 = 2;
+/// Exit status where the work itself fails.
+const FAILED: u8 = 1;
+
+/// Why the tool stops.
+#[derive(Debug)]
+pub enum Failure {
+    /// Arguments that do not parse.
+    Usage(clap::Error),
+    /// Arguments that do not fit together.
+    Argument {
+        /// What is wrong.
+        reason: String,
+        /// What to write instead.
+        hint: Option<String>,
+    },
+    /// A file that cannot be read.
+    Read { path: PathBuf, source: io::Error },
+    /// A file that describes no vehicle or terrain.
+    Json { path: PathBuf, source: JsonError },
+    /// A file that is no recording.
+    Recording(CsvError),
+    /// Vehicle and terrain that do not fit together.
+    Model(ParameterError),
+    /// A vehicle that cannot drive on; times are those of the recording.
+    Simulation(SimulationError),
+    /// A file that cannot be written.
+    Write { target: String, source: io::Error },
+    /// A picture that cannot be drawn.
+    Plot(String),
+}
+
+impl Failure {
+    /// The exit status.
+    pub fn status(&self) -> u8 {
+        match self {
+            Self::Simulation(SimulationError::NotFinite { .. }) => BAD_INPUT,
+            Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
+            _ => BAD_INPUT,
+        }
+    }
+
+    /// The error with all its causes on one line, and a remedy below where there is one.
+    pub fn report(&self) -> String {
+        if let Self::Usage(error) = self {
+            // It brings its own hints; without any argument it is the help.
+            let text = error.render().to_string();
+            let prefix = if text.starts_with("error:") {
+                "ugv: "
+            } else {
+                ""
+            };
+            return format!("{prefix}{text}");
+        }
+        let mut message = self.to_string();
+        let mut cause = self.source();
+        while let Some(error) = cause {
+            let text = error.to_string();
+            // Some errors tell their cause themselves.
+            if !message.ends_with(&text) {
+                message = format!("{message}: {text}");
+            }
+            cause = error.source();
+        }
+        let message = message.replace('\n', " ");
+        match self.hint() {
+            Some(hint) => format!("ugv: error: {message}\nugv: hint: {hint}\n"),
+            None => format!("ugv: error: {message}\n"),
+        }
+    }
+
+    fn hint(&self) -> Option<String> {
+        match self {
+            Self::Argument { hint, .. } => hint.clone(),
+            Self::Json {
+                source: JsonError::SeveralTerrains { names },
+                ..
+            } => Some(format!(
+                "keep one of the objects in the file, or name a preset: --terrain {}",
+                names.first()?
+            )),
+            Self::Json { .. } => Some(
+                "`ugv vehicle` and `ugv terrains NAME` print files that are right".into(),
+            ),
+            Self::Simulation(SimulationError::Balance {
+                source: BalanceError::Bogged { .. },
+                ..
+            }) => Some(
+                "take a firmer terrain (a larger frictional_modulus), a lighter vehicle, or larger or \
+                 wider wheels; nothing was written"
+                    .into(),
+            ),
+            Self::Simulation(SimulationError::Balance { .. } | SimulationError::StepTooSmall { .. }) => Some(
+                "look for a jump or an outlier in the wheel speeds at that time; nothing was written".into(),
+            ),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(error) => error.fmt(f),
+            Self::Argument { reason, .. } => reason.fmt(f),
+            Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
+            Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::Recording(error) => error.fmt(f),
+            Self::Model(error) => error.fmt(f),
+            Self::Simulation(error) => error.fmt(f),
+            Self::Write { target, .. } => write!(f, "cannot write {target}"),
+            Self::Plot(reason) => write!(f, "cannot draw the picture: {reason}"),
+        }
+    }
+}
+
+impl Error for Failure {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
+            Self::Json { source, .. } => source.source(),
+            Self::Recording(error) => error.source(),
+            Self::Simulation(error) => error.source(),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! `--initial`: where the vehicle starts, and how fast.
+
+use super::Failure;
+use std::str::FromStr;
+use ugv_terrain::simulation::{State, WheelSpeeds};
+use ugv_terrain::spelling::nearest;
+use ugv_terrain::vehicle::Vehicle;
+
+/// Velocities of rolling without slip at the first wheel speeds.
+const NO_SLIP: &str = "no-slip";
+
+/// A state that can be set.
+struct Key {
+    name: &'static str,
+    /// Whether `no-slip` sets it.
+    velocity: bool,
+    field: fn(&mut State) -> &mut f64,
+}
+
+const KEYS: [Key; State::COUNT] = [
+    Key {
+        name: "x",
+        velocity: false,
+        field: |state| &mut state.x,
+    },
+    Key {
+        name: "y",
+        velocity: false,
+        field: |state| &mut state.y,
+    },
+    Key {
+        name: "heading",
+        velocity: false,
+        field: |state| &mut state.heading,
+    },
+    Key {
+        name: "v_x",
+        velocity: true,
+        field: |state| &mut state.v_x,
+    },
+    Key {
+        name: "v_y",
+        velocity: true,
+        field: |state| &mut state.v_y,
+    },
+    Key {
+        name: "yaw_rate",
+        velocity: true,
+        field: |state| &mut state.yaw_rate,
+    },
+];
+
+/// One of the arguments of `--initial`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Initial {
+    /// `no-slip`.
+    NoSlip,
+    /// `key=value`: the index of the key, and the value.
+    Value(usize, f64),
+}
+
+impl FromStr for Initial {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == NO_SLIP {
+            return Ok(Self::NoSlip);
+        }
+        let names = KEYS.iter().map(|key| key.name);
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(format!("found `{text}`, expected KEY=VALUE or {NO_SLIP}"));
+        };
+        let (name, value) = (name.trim(), value.trim());
+        let Some(index) = names.clone().position(|key| key == name) else {
+            let meant = nearest(name, names.clone()).unwrap_or_default();
+            let known = names.collect::<Vec<_>>().join(", ");
+            return Err(format!(
+                "unknown key `{name}`, the nearest is `{meant}` (of {known})"
+            ));
+        };
+        match value.parse() {
+            Ok(number) if f64::is_finite(number) => Ok(Self::Value(index, number)),
+            _ => Err(format!(
+                "found `{value}` for {name}, expected a finite number"
+            )),
+        }
+    }
+}
+
+/// The state at the beginning: at rest at the origin but for what the arguments say.
+pub fn initial_state(
+    arguments: &[Initial],
+    vehicle: &Vehicle,
+    wheel_speeds: WheelSpeeds,
+) -> Result<State, Failure> {
+    let mut state = State::default();
+    let no_slip = arguments.contains(&Initial::NoSlip);
+    if no_slip {
+        state = state.rolling_without_slip(wheel_speeds, vehicle.wheel_radius, vehicle.half_track);
+    }
+    let mut seen = [false; State::COUNT];
+    for argument in arguments {
+        let Initial::Value(index, value) = *argument else {
+            continue;
+        };
+        let Key {
+            name,
+            velocity,
+            field,
+        } = &KEYS[index];
+        if seen[index] {
+            return Err(conflict(format!("--initial sets {name} twice")));
+        }
+        if no_slip && *velocity {
+            return Err(conflict(format!(
+                "--initial sets {name} beside {NO_SLIP}, which sets it too"
+            )));
+        }
+        seen[index] = true;
+        *field(&mut state) = value;
+    }
+    Ok(state)
+}
+
+fn conflict(reason: String) -> Failure {
+    Failure::Argument { reason, hint: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(words: &[&str]) -> Result<State, String> {
+        let arguments: Vec<Initial> = words
+            .iter()
+            .map(|word| word.parse())
+            .collect::<Result<_, _>>()?;
+        let speeds = WheelSpeeds {
+            left: 4.0,
+            right: 8.0,
+        };
+        initial_state(&arguments, &Vehicle::tran2007(), speeds)
+            .map_err(|failure| failure.to_string())
+    }
+
+    #[test]
+    fn rest_unless_told_otherwise() {
+        assert_eq!(state(&[]), Ok(State::default()));
+        let expected = State {
+            y: 2.0,
+            v_x: -1.1,
+            ..State::default()
+        };
+        assert_eq!(state(&["v_x=-1.1", "y = 2"]), Ok(expected));
+    }
+
+    #[test]
+    fn no_slip_goes_with_a_pose() {
+        let expected = State {
+            heading: 0.5,
+            // r (4 + 8) / 2 and r (8 - 4) / (2 B).
+            v_x: 1.5,
+            yaw_rate: 1.0 / 1.22,
+            ..State::default()
+        };
+        assert_eq!(state(&["no-slip", "heading=0.5"]), Ok(expected));
+        assert!(
+            state(&["v_y=0", "no-slip"])
+                .unwrap_err()
+                .contains("v_y beside no-slip")
+        );
+    }
+
+    #[test]
+    fn faults_are_explained() {
+        for (words, expected) in [
+            (
+                &["vx=1"][..],
+                "unknown key `vx`, the nearest is `v_x` (of x, y, heading, v_x, v_y, yaw_rate)",
+            ),
+            (&["x=a"], "found `a` for x, expected a finite number"),
+            (&["x=nan"], "found `nan` for x, expected a finite number"),
+            (&["slip"], "found `slip`, expected KEY=VALUE or no-slip"),
+            (&["x=1", "x=2"], "--initial sets x twice"),
+        ] {
+            assert_eq!(state(words).unwrap_err(), expected);
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Arguments and output; no physics. One file per subcommand.
+
+mod completions;
+mod failure;
+mod initial;
+mod model;
+mod output;
+mod package;
+mod plot;
+mod presets;
+mod simulate;
+
+pub use failure::Failure;
+
+use clap::{Parser, Subcommand};
+use output::write_stdout;
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
+  ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
+  ugv terrains dry_sand > soil.json
+
+Exit status: 0 done; 1 the simulation or writing failed; 2 wrong arguments or input.";
+
+/// Wheel-terrain model of a skid-steer UGV (Tran et al. 2007).
+#[derive(Parser)]
+#[command(name = "ugv", version, after_help = EXAMPLES, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Simulate(simulate::Args),
+    Package(package::Args),
+    Terrains(presets::TerrainsArgs),
+    Vehicle(presets::VehicleArgs),
+    Completions(completions::Args),
+}
+
+/// Parses the arguments and does what they ask for.
+pub fn run() -> Result<(), Failure> {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => return Err(Failure::Usage(error)),
+        // --help and --version.
+        Err(answer) => return write_stdout(&answer.render().to_string()),
+    };
+    match cli.command {
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Package(args) => package::run(&args),
+        Command::Terrains(args) => presets::terrains(&args),
+        Command::Vehicle(args) => presets::vehicle(&args),
+        Command::Completions(args) => completions::run(&args),
+    }
+}
+
+/// Prints a line for the user beside whatever goes to standard output.
+fn tell(line: &str) {
+    use std::io::Write;
+    // A closed standard error is no reason to stop.
+    let _ = writeln!(std::io::stderr(), "ugv: {line}");
+}

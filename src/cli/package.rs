@@ -1,0 +1,160 @@
+//! `ugv package`: makes an FMU of a vehicle on a terrain.
+
+use super::model::{load_terrain, load_vehicle};
+use super::{Failure, tell};
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+use ugv_terrain::declaration::Configuration;
+use ugv_terrain::package::{PackageError, Platform, write_fmu};
+use ugv_terrain::vehicle::VehicleModel;
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv package
+  ugv package --vehicle mine.json --terrain soil.json --output mine.fmu
+  ugv package --library linux64=target/fmu/ugv.so --library win64=ugv.dll";
+
+/// Make an FMU of a vehicle on a terrain.
+///
+/// The four terrains of the paper are in every FMU, to be chosen by its parameter `terrain`;
+/// a terrain from a file becomes its custom one.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Vehicle, as `ugv vehicle` prints it [default: the vehicle of the paper]
+    #[arg(long, value_name = "FILE.json")]
+    vehicle: Option<PathBuf>,
+
+    /// Terrain to begin with: a preset, or a file as `ugv terrains NAME` prints it
+    #[arg(long, value_name = "NAME|FILE.json", default_value = "clayed_soil")]
+    terrain: PathBuf,
+
+    /// The FMU to write
+    #[arg(long, short, value_name = "FILE.fmu", default_value = "ugv.fmu", overrides_with = "output")]
+    output: PathBuf,
+
+    /// Shared library of a platform (linux64, win64, darwin64, aarch64-linux), once for each
+    /// [default: the ugv.so that scripts/package.sh built]
+    #[arg(long, value_name = "PLATFORM=FILE")]
+    library: Vec<String>,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let configuration = configuration(args)?;
+    let libraries = libraries(&args.library)?;
+    let folder = match args.output.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let fail = |source| Failure::Write {
+        target: args.output.display().to_string(),
+        source,
+    };
+    let mut file = NamedTempFile::new_in(folder).map_err(fail)?;
+    write_fmu(file.as_file_mut(), &configuration, &libraries).map_err(|error| match error {
+        PackageError::Write(source) => fail(source),
+        other => Failure::Argument {
+            reason: other.to_string(),
+            hint: Some("build the library anew with scripts/package.sh".into()),
+        },
+    })?;
+    make_readable(file.as_file()).map_err(fail)?;
+    file.persist(&args.output)
+        .map_err(|error| fail(error.error))?;
+    let platforms: Vec<&str> = libraries
+        .iter()
+        .map(|(platform, _)| platform.name())
+        .collect();
+    tell(&format!(
+        "{} written, for {}",
+        args.output.display(),
+        platforms.join(", ")
+    ));
+    Ok(())
+}
+
+/// A temporary file is its owner's alone; an FMU is like any other file.
+fn make_readable(file: &fs::File) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.set_permissions(fs::Permissions::from_mode(0o644))?;
+    }
+    Ok(())
+}
+
+fn configuration(args: &Args) -> Result<Configuration, Failure> {
+    let mut configuration = Configuration::default();
+    if let Some(path) = &args.vehicle {
+        configuration.vehicle = load_vehicle(path)?;
+    }
+    if !args
+        .terrain
+        .to_str()
+        .is_some_and(|name| configuration.select(name))
+    {
+        configuration.select_custom(load_terrain(&args.terrain)?);
+    }
+    // Refuses a vehicle and a terrain that do not fit together.
+    VehicleModel::new(configuration.vehicle.clone(), *configuration.terrain())
+        .map_err(Failure::Model)?;
+    Ok(configuration)
+}
+
+fn libraries(named: &[String]) -> Result<Vec<(Platform, Vec<u8>)>, Failure> {
+    if named.is_empty() {
+        let path = built_library()?;
+        return Ok(vec![(Platform::Linux64, read(&path)?)]);
+    }
+    let mut libraries: Vec<(Platform, Vec<u8>)> = Vec::new();
+    for argument in named {
+        let platform = argument.split_once('=').and_then(|(name, path)| {
+            let known = Platform::ALL
+                .into_iter()
+                .find(|platform| platform.name() == name)?;
+            Some((known, path))
+        });
+        let Some((platform, path)) = platform else {
+            return Err(Failure::Argument {
+                reason: format!("--library {argument}: PLATFORM=FILE is expected"),
+                hint: Some(format!(
+                    "the platforms are {}",
+                    Platform::ALL.map(Platform::name).join(", ")
+                )),
+            });
+        };
+        if libraries.iter().any(|(other, _)| *other == platform) {
+            return Err(Failure::Argument {
+                reason: format!("--library {argument}: there is one for this platform already"),
+                hint: None,
+            });
+        }
+        libraries.push((platform, read(Path::new(path))?));
+    }
+    Ok(libraries)
+}
+
+/// The library that the build leaves beside the tool's own folder, or beside the tool.
+fn built_library() -> Result<PathBuf, Failure> {
+    let tool = std::env::current_exe().unwrap_or_default();
+    let folder = tool.parent().unwrap_or(Path::new("."));
+    let places = [folder.join("ugv.so"), folder.join("../fmu/ugv.so")];
+    places
+        .into_iter()
+        .find(|place| place.is_file())
+        .ok_or_else(|| Failure::Argument {
+            reason: "there is no ugv.so beside the tool".into(),
+            hint: Some(
+                "build it with scripts/package.sh, or name one: --library linux64=path/to/ugv.so"
+                    .into(),
+            ),
+        })
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    fs::read(path).map_err(|source| Failure::Read {
+        path: path.into(),
+        source,
+    })
+}

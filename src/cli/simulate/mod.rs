@@ -1,0 +1,212 @@
+//! `ugv simulate`: drives a vehicle with recorded or invented wheel speeds.
+
+mod drive;
+mod progress;
+mod table;
+
+use super::initial::{Initial, initial_state};
+use super::model::ModelArgs;
+use super::output::Output;
+use super::plot::{self, Trace};
+use super::{Failure, tell};
+pub use drive::Stop;
+use drive::{Schedule, drive};
+use progress::Progress;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use ugv_terrain::recording::{CsvError, Recording, read_csv};
+use ugv_terrain::simulation::{Simulation, State};
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv simulate --input drive.csv --output motion.csv --plot motion.svg
+  ugv simulate --input drive.csv --terrain dry_sand --initial v_x=1.1 --output-step 0.05
+  ugv simulate --input drive.csv --vehicle mine.json --terrain soil.json --initial no-slip heading=1.57
+  generate | ugv simulate --input - --quiet | plot
+
+Input:   a header with time,omega_left,omega_right [s, rad/s], linear in between. Other columns are
+         ignored; an empty cell of a wheel speed is a missing sample.
+Output:  wheel speeds, pose, velocities, accelerations, resistances and moments, then each wheel's
+         slips, load, sinkage, entry angle and forces, in SI units and radians. When the vehicle
+         cannot drive on to the end, nothing is written.";
+
+/// Drive a vehicle over a terrain: wheel speeds in, motion and forces out.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// CSV file with the columns time,omega_left,omega_right; - reads standard input
+    #[arg(long, value_name = "FILE.csv")]
+    input: PathBuf,
+
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// Where the vehicle starts and how fast: any of x, y, heading, v_x, v_y, yaw_rate, or
+    /// no-slip for the velocities of rolling without slip at the first wheel speeds
+    /// [default: at rest at the origin]
+    #[arg(long, value_name = "KEY=VALUE|no-slip", num_args = 1..)]
+    initial: Vec<Initial>,
+
+    /// CSV file for the motion; - or nothing writes to standard output
+    #[arg(long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+
+    /// Write a row every so many seconds and at the end, instead of one per row of the input
+    #[arg(long, value_name = "S", value_parser = step)]
+    output_step: Option<f64>,
+
+    /// Draw path, speeds, slips, resistance and moments
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+
+    /// Neither summary nor progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+fn step(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(step) if f64::is_finite(step) && step > 0.0 => Ok(step),
+        _ => Err("expected a number of seconds above 0".into()),
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let model = args.model.load()?;
+    let recording = read(&args.input)?;
+    let state = initial_state(&args.initial, model.vehicle(), recording.wheel_speeds(0))?;
+    let schedule = Schedule::new(&recording, args.output_step)?;
+    let mut table = Output::to(args.output.as_deref())?;
+    let picture = args
+        .plot
+        .as_deref()
+        .map(|path| picture(path, &table))
+        .transpose()?;
+
+    let mut trace = picture
+        .is_some()
+        .then(|| Trace::new(model.vehicle(), state));
+    let mut progress = Progress::new(&recording, args.quiet);
+    let mut simulation = Simulation::new(model);
+    simulation.set_state(state).map_err(Failure::Simulation)?;
+    let mut summary = Summary::new(&recording, simulation.state());
+    table
+        .write_all(table::header(simulation.model().vehicle().wheel_count()).as_bytes())
+        .map_err(|source| table.failure(source))?;
+    drive(&recording, schedule, &mut simulation, |stop| {
+        summary.visit(stop);
+        progress.visit(stop);
+        if let Some(trace) = &mut trace {
+            trace.visit(stop);
+        }
+        if stop.is_row {
+            table::write_row(&mut table, stop).map_err(|source| table.failure(source))?;
+        }
+        Ok(())
+    })?;
+    progress.finish();
+    let elapsed = summary.started.elapsed();
+
+    if let (Some(trace), Some(mut picture)) = (&trace, picture) {
+        let svg =
+            plot::draw(trace, &args.model.terrain.to_string_lossy()).map_err(Failure::Plot)?;
+        picture
+            .write_all(svg.as_bytes())
+            .map_err(|source| picture.failure(source))?;
+        picture.finish()?;
+    }
+    table.finish()?;
+    if !args.quiet {
+        summary.tell(&recording, elapsed.as_secs_f64());
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Recording, Failure> {
+    if path == Path::new("-") {
+        return read_csv("standard input", io::stdin().lock()).map_err(Failure::Recording);
+    }
+    let file = path.display().to_string();
+    let opened = File::open(path);
+    opened
+        .map_err(|source| CsvError::Read {
+            file: file.clone(),
+            source,
+        })
+        .and_then(|input| read_csv(&file, input))
+        .map_err(Failure::Recording)
+}
+
+fn picture(path: &Path, table: &Output) -> Result<Output, Failure> {
+    let picture = Output::to(Some(path))?;
+    if picture.collides_with(table) {
+        return Err(Failure::Argument {
+            reason: "--plot and --output lead to the same place".into(),
+            hint: None,
+        });
+    }
+    Ok(picture)
+}
+
+/// What the user is told in the end.
+struct Summary {
+    started: Instant,
+    start: f64,
+    last: State,
+    distance: f64,
+    warned: bool,
+}
+
+impl Summary {
+    fn new(recording: &Recording, state: State) -> Self {
+        Self {
+            started: Instant::now(),
+            start: recording.time[0],
+            last: state,
+            distance: 0.0,
+            warned: false,
+        }
+    }
+
+    fn visit(&mut self, stop: &Stop) {
+        self.distance += (stop.state.x - self.last.x).hypot(stop.state.y - self.last.y);
+        self.last = stop.state;
+        let lifted = stop
+            .wrench
+            .wheels
+            .iter()
+            .position(|wheel| wheel.load <= 0.0);
+        if let Some(wheel) = lifted
+            && !self.warned
+        {
+            self.warned = true;
+            tell(&format!(
+                "warning: at {} s wheel {} lifts off the ground; the others carry its load",
+                stop.time,
+                wheel + 1
+            ));
+        }
+    }
+
+    fn tell(&self, recording: &Recording, elapsed: f64) {
+        let seconds = recording.duration();
+        let State { x, y, heading, .. } = self.last;
+        let heading_deg = heading.to_degrees();
+        let filled = recording.filled_rows;
+        if filled > 0 {
+            tell(&format!(
+                "note: {filled} of {} rows lack a wheel speed; it was interpolated",
+                recording.len()
+            ));
+        }
+        tell(&format!(
+            "simulated {seconds:.2} s from {} s on, drove {:.3} m to x {x:.3} m, y {y:.3} m, \
+             heading {heading_deg:.2} deg, {:.0} times as fast as real time",
+            self.start,
+            self.distance,
+            seconds / elapsed
+        ));
+    }
+}

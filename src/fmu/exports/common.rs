@@ -1,0 +1,427 @@
+//! Creation, initialization, states, directional derivatives.
+
+use super::conforms;
+use crate::declaration::{Configuration, guid};
+use crate::fmu::calls::{Call, Mode};
+use crate::fmu::guard::{call, free, into_component, out, panic_message, read, write};
+use crate::fmu::instance::{Instance, Interface, Outcome, refuse};
+use crate::fmu::logger::{CATEGORIES, Logger};
+use crate::fmu::resources;
+use crate::fmu::saved::Saved;
+use fmi_sys::fmi2::*;
+use std::ffi::{CStr, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+conforms! {
+    fmi2GetTypesPlatformTYPE = fmi2GetTypesPlatform;
+    fmi2GetVersionTYPE = fmi2GetVersion;
+    fmi2SetDebugLoggingTYPE = fmi2SetDebugLogging;
+    fmi2InstantiateTYPE = fmi2Instantiate;
+    fmi2FreeInstanceTYPE = fmi2FreeInstance;
+    fmi2SetupExperimentTYPE = fmi2SetupExperiment;
+    fmi2EnterInitializationModeTYPE = fmi2EnterInitializationMode;
+    fmi2ExitInitializationModeTYPE = fmi2ExitInitializationMode;
+    fmi2TerminateTYPE = fmi2Terminate;
+    fmi2ResetTYPE = fmi2Reset;
+    fmi2GetFMUstateTYPE = fmi2GetFMUstate;
+    fmi2SetFMUstateTYPE = fmi2SetFMUstate;
+    fmi2FreeFMUstateTYPE = fmi2FreeFMUstate;
+    fmi2SerializedFMUstateSizeTYPE = fmi2SerializedFMUstateSize;
+    fmi2SerializeFMUstateTYPE = fmi2SerializeFMUstate;
+    fmi2DeSerializeFMUstateTYPE = fmi2DeSerializeFMUstate;
+    fmi2GetDirectionalDerivativeTYPE = fmi2GetDirectionalDerivative;
+}
+
+/// The platform's types, `default`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// The version of the standard, `2.0`.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// Switches the reporting of events on and off; errors and warnings are always reported.
+///
+/// # Safety
+/// As the standard says: a live component, `n_categories` strings.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    component: fmi2Component,
+    logging_on: fmi2Boolean,
+    n_categories: usize,
+    categories: *const fmi2String,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::SetDebugLogging, "fmi2SetDebugLogging", |instance| {
+            for &category in read(categories, n_categories)? {
+                let known = text(category)?;
+                if !CATEGORIES.contains(&known) {
+                    let known: Vec<_> = CATEGORIES.iter().map(|c| c.to_string_lossy()).collect();
+                    return refuse(format!("the log categories are {}", known.join(", ")));
+                }
+            }
+            instance.logger.verbose = logging_on != 0;
+            Ok(())
+        })
+    }
+}
+
+/// A string that C hands over.
+///
+/// # Safety
+/// `string` is null or ends in a zero byte and lives as long as the result is used.
+unsafe fn text<'a>(string: fmi2String) -> Outcome<&'a CStr> {
+    if string.is_null() {
+        return refuse("a string is a null pointer");
+    }
+    // SAFETY: not null; the caller promises the rest.
+    Ok(unsafe { CStr::from_ptr(string) })
+}
+
+/// Creates an instance, or reports why not and returns null.
+///
+/// # Safety
+/// As the standard says: strings that end in zero, callbacks that outlive the instance.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    instance_name: fmi2String,
+    fmu_type: fmi2Type,
+    fmu_guid: fmi2String,
+    fmu_resource_location: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    _visible: fmi2Boolean,
+    logging_on: fmi2Boolean,
+) -> fmi2Component {
+    // SAFETY: the caller keeps the standard's promises; a null pointer is no reference.
+    let (functions, name) = unsafe { (functions.as_ref(), text(instance_name)) };
+    let name = name.unwrap_or(c"ugv");
+    let logger = Logger::new(functions, name, logging_on != 0);
+    let created = catch_unwind(AssertUnwindSafe(|| {
+        // SAFETY: as above.
+        let (guid, location) = unsafe { (text(fmu_guid), text(fmu_resource_location)) };
+        let Ok(guid) = guid else {
+            return Err("the guid is a null pointer".to_owned());
+        };
+        configure(&logger, fmu_type, guid, location.unwrap_or(c""))
+    }));
+    let message = match created {
+        Ok(Ok((interface, configuration))) => {
+            return into_component(Instance::new(logger, interface, configuration));
+        }
+        Ok(Err(message)) => message,
+        Err(panic) => panic_message(panic.as_ref()).to_owned(),
+    };
+    logger.error(&format!("fmi2Instantiate: {message}"));
+    std::ptr::null_mut()
+}
+
+/// What the instance is to be, from what the importer says and the resources hold.
+fn configure(
+    logger: &Logger,
+    fmu_type: fmi2Type,
+    expected_guid: &CStr,
+    location: &CStr,
+) -> Result<(Interface, Configuration), String> {
+    let interface = match fmu_type {
+        fmi2Type_fmi2ModelExchange => Interface::ModelExchange,
+        fmi2Type_fmi2CoSimulation => Interface::CoSimulation,
+        other => return Err(format!("there is no FMU type {other}")),
+    };
+    let location = location
+        .to_str()
+        .map_err(|_| "the resource location is not UTF-8".to_owned())?;
+    let folder = resources::folder(location)?;
+    let configuration = match &folder {
+        Some(folder) if folder.is_dir() => {
+            Configuration::from_resources(|file| resources::read(folder, file))
+                .map_err(|error| error.to_string())?
+        }
+        Some(folder) => {
+            let folder = folder.display();
+            logger.warning(&format!("{folder} is no folder; the built-in vehicle and terrains serve"));
+            Configuration::default()
+        }
+        None => Configuration::default(),
+    };
+    let actual = guid(&configuration);
+    let expected = expected_guid.to_string_lossy();
+    if expected.trim_matches(['{', '}']) != actual {
+        return Err(format!(
+            "the model description's guid {expected} is not {actual}, the one of this library with these resources; \
+             package the FMU anew with \"ugv package\""
+        ));
+    }
+    Ok((interface, configuration))
+}
+
+/// Frees an instance; nothing for null.
+///
+/// # Safety
+/// `component` is null or a live component, which is none after this.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe { free(component) }
+}
+
+/// Tells start and stop time.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetupExperiment(
+    component: fmi2Component,
+    _tolerance_defined: fmi2Boolean,
+    _tolerance: fmi2Real,
+    start_time: fmi2Real,
+    stop_time_defined: fmi2Boolean,
+    stop_time: fmi2Real,
+) -> fmi2Status {
+    let stop_time = (stop_time_defined != 0).then_some(stop_time);
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::SetupExperiment, "fmi2SetupExperiment", |instance| {
+            instance.setup_experiment(start_time, stop_time)
+        })
+    }
+}
+
+/// Begins the initialization.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::EnterInitializationMode, "fmi2EnterInitializationMode", |instance| {
+            instance.core.mode = Mode::Initialization;
+            Ok(())
+        })
+    }
+}
+
+/// Ends the initialization: parameters are fixed from here on.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2ExitInitializationMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::ExitInitializationMode, "fmi2ExitInitializationMode", |instance| {
+            instance.exit_initialization()
+        })
+    }
+}
+
+/// Ends the simulation; values can still be read.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Terminate, "fmi2Terminate", |instance| {
+            instance.core.mode = Mode::Terminated;
+            let cost = instance.core.simulation()?.counters();
+            instance.logger.event(&format!("integration: {cost:?}"));
+            Ok(())
+        })
+    }
+}
+
+/// Back to how the instance was created.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Reset(component: fmi2Component) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Reset, "fmi2Reset", |instance| {
+            instance.reset();
+            Ok(())
+        })
+    }
+}
+
+/// A state that C holds.
+///
+/// # Safety
+/// `state` is null or came from [`fmi2GetFMUstate`] or [`fmi2DeSerializeFMUstate`] and has
+/// not been freed.
+unsafe fn saved<'a>(state: fmi2FMUstate) -> Outcome<&'a Saved> {
+    // SAFETY: the caller's promise.
+    match unsafe { state.cast::<Saved>().as_ref() } {
+        Some(saved) => Ok(saved),
+        None => refuse("the state is a null pointer"),
+    }
+}
+
+/// Hands a state to C, in place of the one that it may hold there.
+///
+/// # Safety
+/// `place` points to null or to a live state.
+unsafe fn hand_over(state: Saved, place: *mut fmi2FMUstate) -> Outcome {
+    // SAFETY: the caller's promise.
+    let place = unsafe { out(place) }?;
+    if place.is_null() {
+        *place = Box::into_raw(Box::new(state)).cast();
+    } else {
+        // SAFETY: not null, so by the caller's promise a live state.
+        unsafe { *place.cast::<Saved>() = state };
+    }
+    Ok(())
+}
+
+/// Saves the instance's state.
+///
+/// # Safety
+/// A live component; `state` points to null or to a live state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetFMUstate(
+    component: fmi2Component,
+    state: *mut fmi2FMUstate,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::GetState, "fmi2GetFMUstate", |instance| {
+            hand_over(instance.save(), state)
+        })
+    }
+}
+
+/// Returns to a saved state.
+///
+/// # Safety
+/// A live component and a live state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetFMUstate(
+    component: fmi2Component,
+    state: fmi2FMUstate,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::SetState, "fmi2SetFMUstate", |instance| {
+            instance.restore(saved(state)?)
+        })
+    }
+}
+
+/// Frees a saved state; nothing for null.
+///
+/// # Safety
+/// A live component; `state` is null or points to null or to a live state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeFMUstate(
+    component: fmi2Component,
+    state: *mut fmi2FMUstate,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises; the box is not used after this.
+    unsafe {
+        call(component, Call::GetState, "fmi2FreeFMUstate", |_| {
+            if let Some(state) = state.as_mut().filter(|state| !state.is_null()) {
+                drop(Box::from_raw(state.cast::<Saved>()));
+                *state = std::ptr::null_mut();
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The number of bytes that [`fmi2SerializeFMUstate`] writes.
+///
+/// # Safety
+/// A live component and a live state; `size` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    component: fmi2Component,
+    state: fmi2FMUstate,
+    size: *mut usize,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Serialize, "fmi2SerializedFMUstateSize", |instance| {
+            *out(size)? = instance.serialize(saved(state)?).len();
+            Ok(())
+        })
+    }
+}
+
+/// Writes a saved state as bytes.
+///
+/// # Safety
+/// A live component and a live state; room for `size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    component: fmi2Component,
+    state: fmi2FMUstate,
+    serialized: *mut fmi2Byte,
+    size: usize,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Serialize, "fmi2SerializeFMUstate", |instance| {
+            let bytes = instance.serialize(saved(state)?);
+            let room = write(serialized.cast::<u8>(), size)?;
+            match room.get_mut(..bytes.len()) {
+                Some(room) => room.copy_from_slice(&bytes),
+                None => return refuse(format!("{} bytes are needed, not {size}", bytes.len())),
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Makes a state from bytes.
+///
+/// # Safety
+/// A live component; `size` bytes; `state` points to null or to a live state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    component: fmi2Component,
+    serialized: *const fmi2Byte,
+    size: usize,
+    state: *mut fmi2FMUstate,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Serialize, "fmi2DeSerializeFMUstate", |instance| {
+            hand_over(instance.deserialize(read(serialized.cast::<u8>(), size)?)?, state)
+        })
+    }
+}
+
+/// Derivatives of outputs and state derivatives in a direction of inputs and states.
+///
+/// # Safety
+/// A live component; arrays of the given lengths.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
+    component: fmi2Component,
+    unknown_references: *const fmi2ValueReference,
+    n_unknown: usize,
+    known_references: *const fmi2ValueReference,
+    n_known: usize,
+    known_seeds: *const fmi2Real,
+    unknown_values: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Differentiate, "fmi2GetDirectionalDerivative", |instance| {
+            instance.directional_derivative(
+                read(unknown_references, n_unknown)?,
+                read(known_references, n_known)?,
+                read(known_seeds, n_known)?,
+                write(unknown_values, n_unknown)?,
+            )
+        })
+    }
+}

@@ -1,0 +1,220 @@
+//! Model exchange: the importer integrates the six states.
+
+use super::conforms;
+use crate::fmu::calls::{Call, Mode};
+use crate::fmu::guard::{call, out, read, write};
+use crate::fmu::instance::{Failure, Outcome, refuse};
+use crate::simulation::State;
+use fmi_sys::fmi2::*;
+
+conforms! {
+    fmi2EnterEventModeTYPE = fmi2EnterEventMode;
+    fmi2NewDiscreteStatesTYPE = fmi2NewDiscreteStates;
+    fmi2EnterContinuousTimeModeTYPE = fmi2EnterContinuousTimeMode;
+    fmi2CompletedIntegratorStepTYPE = fmi2CompletedIntegratorStep;
+    fmi2SetTimeTYPE = fmi2SetTime;
+    fmi2SetContinuousStatesTYPE = fmi2SetContinuousStates;
+    fmi2GetDerivativesTYPE = fmi2GetDerivatives;
+    fmi2GetEventIndicatorsTYPE = fmi2GetEventIndicators;
+    fmi2GetContinuousStatesTYPE = fmi2GetContinuousStates;
+    fmi2GetNominalsOfContinuousStatesTYPE = fmi2GetNominalsOfContinuousStates;
+}
+
+/// Orders of magnitude of the states, as declared.
+const NOMINALS: [f64; State::COUNT] = [1.0, 1.0, 1.0, 1.0, 0.1, 0.5];
+
+/// Enters event mode.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::EnterEventMode, "fmi2EnterEventMode", |instance| {
+            instance.core.mode = Mode::Event;
+            Ok(())
+        })
+    }
+}
+
+/// Handles an event: the model has none of its own, so nothing changes.
+///
+/// # Safety
+/// A live component; `event_info` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2NewDiscreteStates(
+    component: fmi2Component,
+    event_info: *mut fmi2EventInfo,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::NewDiscreteStates, "fmi2NewDiscreteStates", |_| {
+            *out(event_info)? = fmi2EventInfo {
+                newDiscreteStatesNeeded: 0,
+                terminateSimulation: 0,
+                nominalsOfContinuousStatesChanged: 0,
+                valuesOfContinuousStatesChanged: 0,
+                nextEventTimeDefined: 0,
+                nextEventTime: 0.0,
+            };
+            Ok(())
+        })
+    }
+}
+
+/// Enters continuous-time mode.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::EnterContinuousTimeMode, "fmi2EnterContinuousTimeMode", |instance| {
+            instance.core.mode = Mode::ContinuousTime;
+            Ok(())
+        })
+    }
+}
+
+/// Takes note of a completed step; the model never asks for an event.
+///
+/// # Safety
+/// A live component; the two results can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
+    component: fmi2Component,
+    _no_set_fmu_state_prior_to_current_point: fmi2Boolean,
+    enter_event_mode: *mut fmi2Boolean,
+    terminate_simulation: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::CompletedIntegratorStep, "fmi2CompletedIntegratorStep", |_| {
+            *out(enter_event_mode)? = 0;
+            *out(terminate_simulation)? = 0;
+            Ok(())
+        })
+    }
+}
+
+/// Sets the time, on which nothing in the model depends.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::SetTime, "fmi2SetTime", |instance| {
+            if !time.is_finite() {
+                return refuse(format!("time {time} is not finite"));
+            }
+            instance.core.time = time;
+            instance.core.simulation()?.set_time(time);
+            Ok(())
+        })
+    }
+}
+
+/// Sets the states.
+///
+/// # Safety
+/// A live component; an array of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetContinuousStates(
+    component: fmi2Component,
+    states: *const fmi2Real,
+    count: usize,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::SetContinuousStates, "fmi2SetContinuousStates", |instance| {
+            instance.set_states(read(states, count)?)
+        })
+    }
+}
+
+/// Fills an array with one number for each state.
+fn fill(values: &mut [f64], numbers: [f64; State::COUNT]) -> Outcome {
+    if values.len() != State::COUNT {
+        return refuse(format!("there are {} states, not {}", State::COUNT, values.len()));
+    }
+    values.copy_from_slice(&numbers);
+    Ok(())
+}
+
+/// Rates of change of the states.
+///
+/// # Safety
+/// A live component; an array of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetDerivatives(
+    component: fmi2Component,
+    derivatives: *mut fmi2Real,
+    count: usize,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::GetDerivatives, "fmi2GetDerivatives", |instance| {
+            let rates = instance.core.simulation()?.derivative();
+            fill(write(derivatives, count)?, rates.map_err(|e| Failure::Broken(e.to_string()))?)
+        })
+    }
+}
+
+/// There are no event indicators; reading none of them succeeds.
+///
+/// # Safety
+/// `component` is null or a live component.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetEventIndicators(
+    component: fmi2Component,
+    _indicators: *mut fmi2Real,
+    count: usize,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::GetContinuousStates, "fmi2GetEventIndicators", |_| match count {
+            0 => Ok(()),
+            _ => refuse("there are no event indicators"),
+        })
+    }
+}
+
+/// The states.
+///
+/// # Safety
+/// A live component; an array of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetContinuousStates(
+    component: fmi2Component,
+    states: *mut fmi2Real,
+    count: usize,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::GetContinuousStates, "fmi2GetContinuousStates", |instance| {
+            fill(write(states, count)?, instance.core.simulation()?.state().to_array())
+        })
+    }
+}
+
+/// Orders of magnitude of the states.
+///
+/// # Safety
+/// A live component; an array of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
+    component: fmi2Component,
+    nominals: *mut fmi2Real,
+    count: usize,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::GetContinuousStates, "fmi2GetNominalsOfContinuousStates", |_| {
+            fill(write(nominals, count)?, NOMINALS)
+        })
+    }
+}

@@ -1,0 +1,201 @@
+//! Reading and writing variables.
+
+use super::conforms;
+use crate::declaration::{Kind, Quantity};
+use crate::fmu::calls::Call;
+use crate::fmu::guard::{call, read, write};
+use crate::fmu::instance::{Outcome, refuse};
+use fmi_sys::fmi2::*;
+
+conforms! {
+    fmi2GetRealTYPE = fmi2GetReal;
+    fmi2GetIntegerTYPE = fmi2GetInteger;
+    fmi2GetBooleanTYPE = fmi2GetBoolean;
+    fmi2GetStringTYPE = fmi2GetString;
+    fmi2SetRealTYPE = fmi2SetReal;
+    fmi2SetIntegerTYPE = fmi2SetInteger;
+    fmi2SetBooleanTYPE = fmi2SetBoolean;
+    fmi2SetStringTYPE = fmi2SetString;
+}
+
+/// Reads variables of type Real.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetReal(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    values: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Get, "fmi2GetReal", |instance| {
+            instance.get_reals(read(references, count)?, write(values, count)?)
+        })
+    }
+}
+
+/// Sets variables of type Real.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetReal(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    values: *const fmi2Real,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Set, "fmi2SetReal", |instance| {
+            instance.set_reals(read(references, count)?, read(values, count)?)
+        })
+    }
+}
+
+/// Reads variables of type Integer or of an enumeration.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetInteger(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    values: *mut fmi2Integer,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Get, "fmi2GetInteger", |instance| {
+            let values = write(values, count)?;
+            for (reference, value) in read(references, count)?.iter().zip(values) {
+                instance.find(*reference, Kind::Enumeration)?;
+                *value = instance.core.parameters.configuration.selected as fmi2Integer + 1;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Sets variables of type Integer or of an enumeration.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetInteger(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    values: *const fmi2Integer,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Set, "fmi2SetInteger", |instance| {
+            for (reference, value) in read(references, count)?.iter().zip(read(values, count)?) {
+                let (_, attributes) = instance.find(*reference, Kind::Enumeration)?;
+                instance.check_settable(*reference, attributes)?;
+                if !(1..=5).contains(value) {
+                    return refuse(format!("terrain {value} is not one of 1 to 5"));
+                }
+                instance.core.parameters.configuration.selected = *value as usize - 1;
+                instance.core.simulation = None;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Reads variables of type Boolean.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetBoolean(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    values: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Get, "fmi2GetBoolean", |instance| {
+            let values = write(values, count)?;
+            for (reference, value) in read(references, count)?.iter().zip(values) {
+                instance.find(*reference, Kind::Boolean)?;
+                *value = fmi2Boolean::from(instance.core.parameters.no_slip);
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Sets variables of type Boolean.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetBoolean(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    values: *const fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Set, "fmi2SetBoolean", |instance| {
+            for (reference, value) in read(references, count)?.iter().zip(read(values, count)?) {
+                let (quantity, attributes) = instance.find(*reference, Kind::Boolean)?;
+                instance.check_settable(*reference, attributes)?;
+                if quantity == Quantity::NoSlip {
+                    instance.core.parameters.no_slip = *value != 0;
+                    instance.core.simulation = None;
+                }
+            }
+            Ok(())
+        })
+    }
+}
+
+/// There are no variables of type String; reading none of them succeeds.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetString(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    _values: *mut fmi2String,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Get, "fmi2GetString", |_| no_strings(read(references, count)?))
+    }
+}
+
+/// There are no variables of type String; setting none of them succeeds.
+///
+/// # Safety
+/// A live component; arrays of the given length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetString(
+    component: fmi2Component,
+    references: *const fmi2ValueReference,
+    count: usize,
+    _values: *const fmi2String,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the standard's promises.
+    unsafe {
+        call(component, Call::Set, "fmi2SetString", |_| no_strings(read(references, count)?))
+    }
+}
+
+fn no_strings(references: &[fmi2ValueReference]) -> Outcome {
+    match references.first() {
+        Some(reference) => refuse(format!("value reference {reference} is no String; there are none")),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,76 @@
+//! The values that an importer may set before the simulation starts.
+
+use crate::declaration::{Configuration, Quantity};
+use crate::parameter::ParameterError;
+use crate::simulation::{State, WheelSpeeds};
+use crate::vehicle::{Vehicle, VehicleModel};
+
+/// Everything that a simulation is built from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Parameters {
+    pub configuration: Configuration,
+    pub initial: State,
+    pub no_slip: bool,
+}
+
+impl Parameters {
+    pub(super) fn new(configuration: Configuration) -> Self {
+        Self {
+            configuration,
+            initial: State::default(),
+            no_slip: false,
+        }
+    }
+
+    /// The vehicle on its terrain.
+    pub(super) fn model(&self) -> Result<VehicleModel, ParameterError> {
+        let Configuration { vehicle, .. } = &self.configuration;
+        VehicleModel::new(vehicle.clone(), *self.configuration.terrain())
+    }
+
+    /// Pose and velocities at the start, with these wheel speeds.
+    pub(super) fn initial_state(&self, speeds: WheelSpeeds) -> State {
+        let Vehicle {
+            wheel_radius,
+            half_track,
+            ..
+        } = self.configuration.vehicle;
+        if self.no_slip {
+            self.initial.rolling_without_slip(speeds, wheel_radius, half_track)
+        } else {
+            self.initial
+        }
+    }
+
+    /// The number behind a parameter of type Real.
+    pub(super) fn real(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::Initial(index) => Some(self.initial.to_array()[index]),
+            other => self.configuration.parameter(other),
+        }
+    }
+
+    /// Sets a parameter of type Real; whether there is one.
+    pub(super) fn set_real(&mut self, quantity: Quantity, value: f64) -> bool {
+        match quantity {
+            Quantity::Initial(index) => {
+                let mut initial = self.initial.to_array();
+                initial[index] = value;
+                self.initial = State::from_array(initial);
+                true
+            }
+            other => self.configuration.set_parameter(other, value),
+        }
+    }
+
+    /// Visits every number, for a saved state.
+    pub(super) fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
+        self.configuration.visit(visit);
+        let mut initial = self.initial.to_array();
+        initial.iter_mut().for_each(&mut *visit);
+        self.initial = State::from_array(initial);
+        let mut no_slip = f64::from(u8::from(self.no_slip));
+        visit(&mut no_slip);
+        self.no_slip = no_slip != 0.0;
+    }
+}

@@ -1,0 +1,102 @@
+//! Saved states of an instance, in memory and as bytes.
+
+use super::calls::Mode;
+use super::instance::{Core, Failure, Instance, Outcome, refuse};
+use crate::declaration;
+use crate::simulation::{Simulation, WheelSpeeds};
+
+/// A saved state; the importer holds a pointer to it.
+pub(super) struct Saved {
+    core: Core,
+}
+
+/// Bytes that every serialized state begins with: what it is, and its version.
+const MAGIC: &[u8; 8] = b"ugvstat1";
+
+impl Instance {
+    pub(super) fn save(&self) -> Saved {
+        let core = self.core.clone();
+        Saved { core }
+    }
+
+    pub(super) fn restore(&mut self, saved: &Saved) -> Outcome {
+        let rows = |core: &Core| core.parameters.configuration.vehicle.row_positions.len();
+        if rows(&saved.core) != rows(&self.core) {
+            return refuse("the state was saved from another vehicle");
+        }
+        self.core = saved.core.clone();
+        Ok(())
+    }
+
+    /// The saved state as bytes: magic, identity of the FMU, then numbers.
+    pub(super) fn serialize(&self, saved: &Saved) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(self.identity().as_bytes());
+        let mut core = saved.core.clone();
+        let mut numbers = Vec::new();
+        core.visit(&mut |number| numbers.push(*number));
+        if let Some(simulation) = &core.simulation {
+            numbers.extend(simulation.snapshot());
+        }
+        bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        bytes
+    }
+
+    /// The state behind bytes that [`Instance::serialize`] wrote, in any process.
+    pub(super) fn deserialize(&self, bytes: &[u8]) -> Outcome<Saved> {
+        let identity = self.identity();
+        let Some(rest) = bytes.strip_prefix(MAGIC.as_slice()) else {
+            return refuse("these bytes are no state of this FMU");
+        };
+        let Some(rest) = rest.strip_prefix(identity.as_bytes()) else {
+            return refuse("these bytes are the state of another FMU, or of another version of it");
+        };
+        let (chunks, remainder) = rest.as_chunks::<8>();
+        let numbers: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
+        let mut core = self.core.clone();
+        let mut count = 0;
+        core.visit(&mut |_| count += 1);
+        if numbers.len() < count || !remainder.is_empty() {
+            return refuse("these bytes are only a part of a state");
+        }
+        let mut next = numbers.iter();
+        let has_simulation = core.visit(&mut |number| *number = next.next().copied().unwrap_or(0.0));
+        core.simulation = None;
+        if has_simulation {
+            let model = core.parameters.model().map_err(|e| Failure::Refused(e.to_string()))?;
+            let mut simulation = Simulation::new(model);
+            if simulation.restore(&numbers[count..]).is_err() {
+                return refuse("these bytes are not a whole state");
+            }
+            core.simulation = Some(simulation);
+        }
+        Ok(Saved { core })
+    }
+
+    fn identity(&self) -> String {
+        declaration::guid(self.configuration())
+    }
+}
+
+impl Core {
+    /// Visits every number but the simulation's, and tells whether there is a simulation.
+    fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) -> bool {
+        let mut mode = f64::from(self.mode as u16);
+        visit(&mut mode);
+        self.mode = Mode::from_code(mode as u16).unwrap_or(Mode::Error);
+        self.parameters.visit(visit);
+        let Self { speeds, rates, .. } = self;
+        for WheelSpeeds { left, right } in [speeds, rates] {
+            visit(left);
+            visit(right);
+        }
+        visit(&mut self.time);
+        visit(&mut self.stop_time);
+        let mut reported = f64::from(u8::from(self.lift_reported));
+        visit(&mut reported);
+        self.lift_reported = reported != 0.0;
+        let mut present = f64::from(u8::from(self.simulation.is_some()));
+        visit(&mut present);
+        present != 0.0
+    }
+}

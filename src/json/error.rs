@@ -1,0 +1,145 @@
+//! What can be wrong with a vehicle's or a terrain's JSON.
+
+use crate::parameter::ParameterError;
+use serde_json::Value;
+use std::fmt;
+
+/// Why a text describes no vehicle or terrain.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JsonError {
+    /// The text is not JSON.
+    Syntax {
+        /// Line of the text, from 1.
+        line: usize,
+        /// Column of the line, from 1.
+        column: usize,
+        /// What the parser says.
+        message: String,
+    },
+    /// A value of another type than wanted.
+    WrongType {
+        /// Where: a key, an element such as `row_positions[1]`, or what the text describes.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What should.
+        expected: String,
+    },
+    /// A key that must be there and is not.
+    MissingKey {
+        /// What is described: a vehicle or a terrain.
+        what: &'static str,
+        /// The key.
+        key: &'static str,
+        /// What it should hold.
+        expected: String,
+    },
+    /// A key that nothing reads.
+    UnknownKey {
+        /// What is described: a vehicle or a terrain.
+        what: &'static str,
+        /// The key.
+        key: String,
+        /// The known key that is spelled most like it.
+        nearest: &'static str,
+    },
+    /// An object of several terrains where one is wanted.
+    SeveralTerrains {
+        /// Their names.
+        names: Vec<String>,
+    },
+    /// One terrain among several is wrong.
+    InTerrain {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        source: Box<JsonError>,
+    },
+    /// A value outside its range.
+    OutOfRange(ParameterError),
+}
+
+impl JsonError {
+    pub(super) fn wrong_type(place: impl Into<String>, found: &Value, expected: String) -> Self {
+        Self::WrongType {
+            place: place.into(),
+            found: describe(found),
+            expected,
+        }
+    }
+}
+
+/// What a value is, short enough for a message.
+fn describe(value: &Value) -> String {
+    match value {
+        Value::Null => "null".into(),
+        Value::Bool(truth) => format!("the truth value {truth}"),
+        Value::Number(number) => format!("the number {number}"),
+        Value::String(text) => format!("the text {text:?}"),
+        Value::Array(items) => format!("an array of {} values", items.len()),
+        Value::Object(_) => "an object".into(),
+    }
+}
+
+impl From<serde_json::Error> for JsonError {
+    fn from(error: serde_json::Error) -> Self {
+        let (line, column) = (error.line(), error.column());
+        let message = error.to_string();
+        let place = format!(" at line {line} column {column}");
+        Self::Syntax {
+            line,
+            column,
+            message: message.strip_suffix(&place).unwrap_or(&message).into(),
+        }
+    }
+}
+
+impl From<ParameterError> for JsonError {
+    fn from(error: ParameterError) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
+impl fmt::Display for JsonError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Syntax {
+                line,
+                column,
+                message,
+            } => write!(f, "line {line}, column {column}: not JSON: {message}"),
+            Self::WrongType {
+                place,
+                found,
+                expected,
+            } => write!(f, "{place}: found {found}, expected {expected}"),
+            Self::MissingKey {
+                what,
+                key,
+                expected,
+            } => write!(f, "the {what} has no key `{key}`, expected {expected}"),
+            Self::UnknownKey { what, key, nearest } => write!(
+                f,
+                "the {what} has an unknown key `{key}`; the nearest known one is `{nearest}`"
+            ),
+            Self::SeveralTerrains { names } => {
+                write!(
+                    f,
+                    "found several terrains ({}), expected one",
+                    names.join(", ")
+                )
+            }
+            Self::InTerrain { name, source } => write!(f, "{name}: {source}"),
+            Self::OutOfRange(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for JsonError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::InTerrain { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A JSON object with a fixed set of keys.
+
+use super::JsonError;
+use crate::spelling::nearest;
+use serde_json::{Map, Value};
+use std::fmt::Write;
+
+/// Recordings list under this key which values of a vehicle were not measured.
+const IGNORED: &str = "assumed";
+
+/// A key and what it holds.
+pub(super) struct Key {
+    pub name: &'static str,
+    /// "a number [kg]".
+    pub expected: &'static str,
+}
+
+pub(super) const fn key(name: &'static str, expected: &'static str) -> Key {
+    Key { name, expected }
+}
+
+/// An object whose keys are all known.
+pub(super) struct Object<'a> {
+    what: &'static str,
+    keys: &'static [Key],
+    map: &'a Map<String, Value>,
+}
+
+/// Parses a text, with or without a byte order mark.
+pub(super) fn parse(text: &str) -> Result<Value, JsonError> {
+    Ok(serde_json::from_str(
+        text.strip_prefix('\u{feff}').unwrap_or(text),
+    )?)
+}
+
+/// What describes a vehicle or a terrain: the value itself, or what the object has under
+/// that key, as the files beside recordings do.
+pub(super) fn unwrap<'a>(value: &'a Value, key: &str) -> &'a Value {
+    value
+        .get(key)
+        .filter(|inner| inner.is_object())
+        .unwrap_or(value)
+}
+
+impl<'a> Object<'a> {
+    pub fn new(
+        what: &'static str,
+        keys: &'static [Key],
+        value: &'a Value,
+    ) -> Result<Self, JsonError> {
+        let Value::Object(map) = value else {
+            let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
+            let expected = format!("an object with the keys {}", names.join(", "));
+            return Err(JsonError::wrong_type(what, value, expected));
+        };
+        let known = || keys.iter().map(|key| key.name);
+        let unknown = map
+            .keys()
+            .find(|key| *key != IGNORED && known().all(|name| name != *key));
+        if let Some((key, nearest)) = unknown.and_then(|key| Some((key, nearest(key, known())?))) {
+            return Err(JsonError::UnknownKey {
+                what,
+                key: key.clone(),
+                nearest,
+            });
+        }
+        Ok(Self { what, keys, map })
+    }
+
+    fn get(&self, name: &'static str) -> Result<(&'a Value, &'static str), JsonError> {
+        let expected = self
+            .keys
+            .iter()
+            .find(|key| key.name == name)
+            .map_or("", |key| key.expected);
+        match self.map.get(name) {
+            Some(value) => Ok((value, expected)),
+            None => Err(JsonError::MissingKey {
+                what: self.what,
+                key: name,
+                expected: expected.into(),
+            }),
+        }
+    }
+
+    pub fn number(&self, name: &'static str) -> Result<f64, JsonError> {
+        let (value, expected) = self.get(name)?;
+        value
+            .as_f64()
+            .ok_or_else(|| JsonError::wrong_type(name, value, expected.into()))
+    }
+
+    pub fn numbers(&self, name: &'static str) -> Result<Vec<f64>, JsonError> {
+        let (value, expected) = self.get(name)?;
+        let Value::Array(items) = value else {
+            return Err(JsonError::wrong_type(name, value, expected.into()));
+        };
+        let number = |(index, item): (usize, &Value)| {
+            item.as_f64().ok_or_else(|| {
+                JsonError::wrong_type(format!("{name}[{index}]"), item, "a number".into())
+            })
+        };
+        items.iter().enumerate().map(number).collect()
+    }
+}
+
+/// Writes an object, one key to a line, in the order of the table.
+pub(super) fn write(keys: &[Key], value: impl Fn(&str) -> Value) -> String {
+    let mut text = String::from("{\n");
+    for (index, Key { name, .. }) in keys.iter().enumerate() {
+        let comma = if index + 1 < keys.len() { "," } else { "" };
+        let _ = writeln!(text, "  \"{name}\": {}{comma}", value(name));
+    }
+    text + "}\n"
+}

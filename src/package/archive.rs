@@ -1,0 +1,219 @@
+//! The FMU's archive.
+
+use super::{MODEL_IDENTIFIER, documentation, model_description};
+use crate::declaration::{Configuration, SOURCE};
+use std::fmt;
+use std::io::{self, Seek, Write};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+const ICON: &[u8] = include_bytes!("../../modelDescription/model.png");
+const TERMINALS: &str = include_str!("../../modelDescription/terminalsAndIcons.xml");
+const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
+const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
+
+/// A platform that an FMU can hold a shared library for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Platform {
+    /// 64-bit Linux on x86.
+    Linux64,
+    /// 64-bit Windows on x86.
+    Win64,
+    /// 64-bit macOS.
+    Darwin64,
+    /// 64-bit Linux on ARM.
+    Aarch64Linux,
+}
+
+impl Platform {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Linux64, Self::Win64, Self::Darwin64, Self::Aarch64Linux];
+
+    /// The name of its folder under `binaries/`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linux64 => "linux64",
+            Self::Win64 => "win64",
+            Self::Darwin64 => "darwin64",
+            Self::Aarch64Linux => "aarch64-linux",
+        }
+    }
+
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Linux64 | Self::Aarch64Linux => "so",
+            Self::Win64 => "dll",
+            Self::Darwin64 => "dylib",
+        }
+    }
+
+    /// Whether bytes begin like a shared library of this platform: the format's magic, and
+    /// in ELF the machine's number.
+    fn recognises(self, library: &[u8]) -> bool {
+        let elf = |machine: u8| library.starts_with(b"\x7fELF") && library.get(18) == Some(&machine);
+        match self {
+            Self::Linux64 => elf(62),
+            Self::Aarch64Linux => elf(183),
+            Self::Win64 => library.starts_with(b"MZ"),
+            Self::Darwin64 => {
+                library.starts_with(b"\xcf\xfa\xed\xfe") || library.starts_with(b"\xca\xfe\xba\xbe")
+            }
+        }
+    }
+}
+
+/// Why an FMU cannot be made.
+#[derive(Debug)]
+pub enum PackageError {
+    /// A file that is no shared library of its platform.
+    WrongPlatform(Platform),
+    /// A shared library of another version, which would refuse this model description.
+    OtherVersion(Platform),
+    /// Writing failed.
+    Write(io::Error),
+}
+
+impl fmt::Display for PackageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WrongPlatform(platform) => {
+                write!(f, "the library for {} is none for that platform", platform.name())
+            }
+            Self::OtherVersion(platform) => write!(
+                f,
+                "the library for {} was built from another version of ugv-terrain",
+                platform.name()
+            ),
+            Self::Write(error) => write!(f, "the FMU cannot be written: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for PackageError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Write(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<io::Error> for PackageError {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+impl From<zip::result::ZipError> for PackageError {
+    fn from(error: zip::result::ZipError) -> Self {
+        Self::Write(io::Error::other(error))
+    }
+}
+
+/// Writes the FMU of a configuration with the given shared libraries. The same input gives
+/// the same bytes: entries are in a fixed order and carry a fixed time.
+///
+/// # Errors
+/// A library that does not fit, or a failure to write.
+pub fn write_fmu<W: Write + Seek>(
+    target: W,
+    configuration: &Configuration,
+    libraries: &[(Platform, Vec<u8>)],
+) -> Result<(), PackageError> {
+    for (platform, library) in libraries {
+        if !platform.recognises(library) {
+            return Err(PackageError::WrongPlatform(*platform));
+        }
+        if !contains(library, SOURCE.as_bytes()) {
+            return Err(PackageError::OtherVersion(*platform));
+        }
+    }
+    let mut zip = ZipWriter::new(target);
+    let mut add = |name: &str, content: &[u8]| -> Result<(), PackageError> {
+        let executable = name.starts_with("binaries/");
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(DateTime::default())
+            .unix_permissions(if executable { 0o755 } else { 0o644 });
+        zip.start_file(name, options)?;
+        zip.write_all(content)?;
+        Ok(())
+    };
+    add("modelDescription.xml", model_description(configuration).as_bytes())?;
+    add("model.png", ICON)?;
+    add("documentation/index.html", documentation(configuration).as_bytes())?;
+    add("documentation/licenses/LICENSE-MIT.txt", LICENSE_MIT.as_bytes())?;
+    add("documentation/licenses/LICENSE-APACHE.txt", LICENSE_APACHE.as_bytes())?;
+    for (name, text) in configuration.to_resources() {
+        add(&format!("resources/{name}"), text.as_bytes())?;
+    }
+    add("terminalsAndIcons/terminalsAndIcons.xml", TERMINALS.as_bytes())?;
+    add("terminalsAndIcons/icon.png", ICON)?;
+    for (platform, library) in libraries {
+        let (folder, extension) = (platform.name(), platform.extension());
+        add(&format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}"), library)?;
+    }
+    zip.finish()?;
+    Ok(())
+}
+
+fn contains(haystack: &[u8], needle: &[u8]) -> bool {
+    let Some(first) = needle.first() else {
+        return true;
+    };
+    let starts = haystack.iter().enumerate().filter(|(_, byte)| *byte == first);
+    starts.map(|(index, _)| &haystack[index..]).any(|rest| rest.starts_with(needle))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Cursor, Read};
+
+    fn library() -> Vec<u8> {
+        let mut library = b"\x7fELF".to_vec();
+        library.resize(64, 0);
+        library[18] = 62;
+        library.extend(SOURCE.as_bytes());
+        library
+    }
+
+    fn packed(libraries: &[(Platform, Vec<u8>)]) -> Result<Vec<u8>, PackageError> {
+        let mut bytes = Cursor::new(Vec::new());
+        write_fmu(&mut bytes, &Configuration::default(), libraries)?;
+        Ok(bytes.into_inner())
+    }
+
+    #[test]
+    fn the_same_input_gives_the_same_bytes() {
+        let libraries = [(Platform::Linux64, library())];
+        assert_eq!(packed(&libraries).unwrap(), packed(&libraries).unwrap());
+    }
+
+    #[test]
+    fn the_archive_holds_what_the_standard_asks_for() {
+        let bytes = packed(&[(Platform::Linux64, library())]).unwrap();
+        let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+        let mut content = Vec::new();
+        archive.by_name("binaries/linux64/ugv.so").unwrap().read_to_end(&mut content).unwrap();
+        assert_eq!(content, library());
+        for name in ["modelDescription.xml", "resources/vehicle.json", "documentation/index.html"] {
+            assert!(archive.by_name(name).is_ok(), "{name}");
+        }
+    }
+
+    #[test]
+    fn foreign_libraries_are_refused() {
+        let mut other = library();
+        other.truncate(64);
+        assert!(matches!(
+            packed(&[(Platform::Linux64, other)]),
+            Err(PackageError::OtherVersion(Platform::Linux64))
+        ));
+        assert!(matches!(
+            packed(&[(Platform::Win64, library())]),
+            Err(PackageError::WrongPlatform(Platform::Win64))
+        ));
+    }
+}

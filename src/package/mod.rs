@@ -1,0 +1,13 @@
+//! Makes the FMU: the model description, its documentation, and the archive of both with
+//! the shared libraries.
+
+mod archive;
+mod documentation;
+mod model_description;
+
+pub use archive::{PackageError, Platform, write_fmu};
+pub use documentation::documentation;
+pub use model_description::model_description;
+
+/// The FMU's name: model, model identifier, and file name of the shared library.
+pub const MODEL_IDENTIFIER: &str = "ugv";

@@ -1,0 +1,118 @@
+//! What can be wrong with a recording's CSV, and where.
+
+use super::COLUMNS;
+use crate::spelling::nearest;
+use std::fmt;
+use std::io;
+
+/// Where in a file something is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// Name of the file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column among the separated ones, from 1.
+    pub column: usize,
+    /// The column's name, where it has one.
+    pub name: Option<String>,
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}: line {}, column {}",
+            self.file, self.line, self.column
+        )?;
+        match &self.name {
+            Some(name) => write!(f, " ({name})"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Why a text is no recording.
+#[derive(Debug)]
+pub enum CsvError {
+    /// The file cannot be read.
+    Read {
+        /// Name of the file.
+        file: String,
+        /// Why.
+        source: io::Error,
+    },
+    /// The header lacks a column.
+    MissingColumn {
+        /// Behind the header's last cell.
+        cell: Cell,
+        /// The column that is missing.
+        expected: &'static str,
+        /// The header's cells.
+        found: Vec<String>,
+    },
+    /// Something else stands in a place than should.
+    Malformed {
+        /// The place.
+        cell: Cell,
+        /// What stands there.
+        found: String,
+        /// What should.
+        expected: String,
+    },
+}
+
+impl fmt::Display for CsvError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read { file, .. } => write!(f, "cannot read {file}"),
+            Self::MissingColumn {
+                cell,
+                expected,
+                found,
+            } => {
+                write!(
+                    f,
+                    "{cell}: found no column `{expected}` among `{}`",
+                    found.join("`, `")
+                )?;
+                let names: Vec<_> = COLUMNS.iter().map(|column| column.name).collect();
+                write!(f, ", expected a header with {}", names.join(", "))?;
+                let others = found
+                    .iter()
+                    .map(String::as_str)
+                    .filter(|name| !names.contains(name));
+                match nearest(expected, others) {
+                    Some(name) => write!(f, " (the nearest is `{name}`)"),
+                    None => Ok(()),
+                }
+            }
+            Self::Malformed {
+                cell,
+                found,
+                expected,
+            } => write!(f, "{cell}: found {found}, expected {expected}"),
+        }
+    }
+}
+
+impl std::error::Error for CsvError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Read { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}
+
+pub(super) fn malformed(
+    cell: Cell,
+    found: impl Into<String>,
+    expected: impl Into<String>,
+) -> CsvError {
+    CsvError::Malformed {
+        cell,
+        found: found.into(),
+        expected: expected.into(),
+    }
+}

@@ -1,0 +1,146 @@
+use super::*;
+
+fn read(text: &str) -> Result<Recording, CsvError> {
+    read_csv("drive.csv", text.as_bytes())
+}
+
+fn error(text: &str) -> String {
+    read(text).unwrap_err().to_string()
+}
+
+const HEADER: &str = "time,omega_left,omega_right\n";
+
+#[test]
+fn reads_columns_in_any_order_among_others() {
+    let recording =
+        read("note,omega_right,time,x,omega_left\nstart,3,0,,1\n,4.5,0.5,nan,-2e-1\n").unwrap();
+    assert_eq!(recording.time, [0.0, 0.5]);
+    assert_eq!(recording.omega_left, [1.0, -0.2]);
+    assert_eq!(recording.omega_right, [3.0, 4.5]);
+    assert_eq!(recording.filled_rows, 0);
+}
+
+#[test]
+fn forgives_what_editors_do() {
+    let plain = read("time,omega_left,omega_right\n0,1,2\n1,3,4\n").unwrap();
+    for text in [
+        "\u{feff}time,omega_left,omega_right\r\n0,1,2\r\n1,3,4\r\n",
+        " time ,\tomega_left, omega_right\n 0, 1 ,2 \n1,3,4",
+        "\"time\",\"omega_left\",\"omega_right\"\n\n\"0\",1,2\n1,3,4\n\n   \n",
+    ] {
+        assert_eq!(read(text).unwrap(), plain, "{text:?}");
+    }
+}
+
+#[test]
+fn one_row_is_a_recording() {
+    let recording = read("time,omega_left,omega_right\n2,1,1\n").unwrap();
+    assert_eq!((recording.len(), recording.duration()), (1, 0.0));
+}
+
+#[test]
+fn empty_cells_of_wheel_speeds_are_missing_samples() {
+    let recording = read("time,omega_left,omega_right\n0,1,2\n1,,4\n2,5,\n").unwrap();
+    assert_eq!(recording.omega_left, [1.0, 3.0, 5.0]);
+    assert_eq!(recording.omega_right, [2.0, 4.0, 4.0]);
+    assert_eq!(recording.filled_rows, 2);
+}
+
+#[test]
+fn faults_are_located_and_explained() {
+    let of = |rows: &str| error(&format!("{HEADER}{rows}"));
+    for (found, expected) in [
+        (
+            error(""),
+            "drive.csv: line 1, column 1: found an empty file, expected a header with time, omega_left, omega_right",
+        ),
+        (
+            error(HEADER),
+            "drive.csv: line 2, column 1 (time): found the end of the file, expected at least one row of numbers",
+        ),
+        (
+            of("0,1,2\n0.1,abc,2\n"),
+            "drive.csv: line 3, column 2 (omega_left): found `abc`, expected a number [rad/s]",
+        ),
+        (
+            of("0,1,NaN\n"),
+            "drive.csv: line 2, column 3 (omega_right): found `NaN`, expected a finite number [rad/s]",
+        ),
+        (
+            of("inf,1,2\n"),
+            "drive.csv: line 2, column 1 (time): found `inf`, expected a finite number [s]",
+        ),
+        (
+            of("0,1,1e999\n"),
+            "drive.csv: line 2, column 3 (omega_right): found `1e999`, expected a finite number [rad/s]",
+        ),
+        (
+            of("0,1,2\n\n1,2\n"),
+            "drive.csv: line 4, column 3 (omega_right): found 2 cells, expected 3 as in the header",
+        ),
+        (
+            of("0,5,1,5,2,5\n"),
+            "drive.csv: line 2, column 4: found 6 cells, expected 3 as in the header",
+        ),
+        (
+            of("0,1,2\n0.5,1,2\n0.5,1,2\n"),
+            "drive.csv: line 4, column 1 (time): found 0.5, expected a time later than 0.5 s",
+        ),
+        (
+            of(",1,2\n"),
+            "drive.csv: line 2, column 1 (time): found an empty cell, expected a number [s]",
+        ),
+        (
+            of("0,,2\n1,,2\n"),
+            "drive.csv: line 3, column 2 (omega_left): found nothing but empty cells, \
+             expected at least one number [rad/s]",
+        ),
+        (
+            error("time,omega_lft,omega_right\n0,1,2\n"),
+            "drive.csv: line 1, column 4: found no column `omega_left` among `time`, `omega_lft`, `omega_right`, \
+             expected a header with time, omega_left, omega_right (the nearest is `omega_lft`)",
+        ),
+        (
+            error("time,time,omega_left,omega_right\n0,1,2,3\n"),
+            "drive.csv: line 1, column 2 (time): found a second column `time`, expected one of each",
+        ),
+    ] {
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn several_runs_in_one_file_get_a_hint() {
+    let message = error("run,time,omega_left,omega_right\n0,5,1,1\n1,0,1,1\n");
+    assert!(
+        message.contains("line 3, column 2 (time): found 0"),
+        "{message}"
+    );
+    assert!(
+        message.contains("column `run` holds several drives"),
+        "{message}"
+    );
+}
+
+#[test]
+fn bytes_that_are_not_text_are_shown() {
+    let error = read_csv("drive.csv", &b"time,omega_left,omega_right\n0,\xff,1\n"[..]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("column 2 (omega_left): found `\u{fffd}`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn lines_are_counted_as_editors_do() {
+    for (end, mark) in [("\n", ""), ("\r\n", ""), ("\r", ""), ("\r\n", "\u{feff}")] {
+        let text = format!("{mark}time,omega_left,omega_right\n0,1,2\n\n1,1,2\n2,x,2\n")
+            .replace('\n', end);
+        assert!(
+            error(&text).starts_with("drive.csv: line 5, column 2 (omega_left)"),
+            "{end:?}"
+        );
+    }
+}

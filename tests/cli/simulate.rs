@@ -1,0 +1,207 @@
+//! Drives that go well.
+
+use super::*;
+use predicates::str::contains;
+use ugv_terrain::recording::{Recording, read_csv};
+use ugv_terrain::simulation::{Simulation, State};
+use ugv_terrain::terrain::Terrain;
+use ugv_terrain::vehicle::{Vehicle, VehicleModel};
+
+fn recording() -> Recording {
+    read_csv("drive", DRIVE.as_bytes()).unwrap()
+}
+
+/// What the library computes, in the order of the tool's columns.
+fn expected_rows(terrain: &str, state: State) -> Vec<Vec<f64>> {
+    let recording = recording();
+    let model = VehicleModel::new(Vehicle::tran2007(), Terrain::preset(terrain).unwrap()).unwrap();
+    let mut simulation = Simulation::new(model);
+    simulation.set_state(state).unwrap();
+    let mut rows = Vec::new();
+    for row in 0..recording.len() {
+        let speeds = recording.wheel_speeds(row);
+        simulation.set_wheel_speeds(speeds).unwrap();
+        simulation
+            .set_wheel_accelerations(recording.wheel_accelerations(row))
+            .unwrap();
+        let mut values = vec![recording.time[row], speeds.left, speeds.right];
+        values.extend(simulation.state().to_array());
+        let wrench = simulation.wrench().unwrap();
+        values.extend([
+            wrench.a_x,
+            wrench.a_y,
+            wrench.rolling_resistance,
+            wrench.turning_resistance_moment,
+            wrench.turning_moment,
+        ]);
+        for w in &wrench.wheels {
+            values.extend([w.longitudinal_slip, w.lateral_slip, w.load, w.sinkage]);
+            values.extend([w.entry_angle, w.force_x, w.force_y]);
+        }
+        rows.push(values);
+        if let Some(next) = recording.time.get(row + 1) {
+            simulation.step(next - recording.time[row]).unwrap();
+        }
+    }
+    rows
+}
+
+#[test]
+fn columns_have_the_promised_names_and_order() {
+    let csv = Bench::new().stdout("simulate --input drive.csv");
+    let mut expected = String::from(
+        "time,omega_left,omega_right,x,y,heading,v_x,v_y,yaw_rate,a_x,a_y,\
+         rolling_resistance,turning_resistance_moment,turning_moment",
+    );
+    for wheel in 1..=8 {
+        for name in [
+            "longitudinal_slip",
+            "lateral_slip",
+            "load",
+            "sinkage",
+            "entry_angle",
+            "force_x",
+            "force_y",
+        ] {
+            expected += &format!(",wheel[{wheel}].{name}");
+        }
+    }
+    assert_eq!(csv.lines().next().unwrap(), expected);
+}
+
+#[test]
+fn output_is_what_the_library_computes_to_the_last_digit() {
+    let bench = Bench::new();
+    let start = State {
+        x: -3.0,
+        heading: 0.3,
+        v_x: 1.1,
+        ..State::default()
+    };
+    for terrain in Terrain::PRESETS {
+        let initial = "--initial v_x=1.1 x=-3 --initial heading=0.3";
+        let csv = bench.stdout(&format!(
+            "simulate --input drive.csv --terrain {terrain} {initial}"
+        ));
+        assert_eq!(numbers(&csv), expected_rows(terrain, start), "{terrain}");
+    }
+    // Rest on clayed soil is the default.
+    let csv = bench.stdout("simulate --input drive.csv");
+    assert_eq!(
+        numbers(&csv),
+        expected_rows("clayed_soil", State::default())
+    );
+}
+
+#[test]
+fn no_slip_starts_at_the_speed_of_the_wheels() {
+    let bench = Bench::new();
+    bench.write("turn.csv", "time,omega_left,omega_right\n1,4,8\n");
+    let csv = bench.stdout("simulate --input turn.csv --initial no-slip y=2");
+    let row = &numbers(&csv)[0];
+    // r (4 + 8) / 2 and r (8 - 4) / (2 B).
+    assert_eq!(
+        row[..9],
+        [1.0, 4.0, 8.0, 0.0, 2.0, 0.0, 1.5, 0.0, 1.0 / 1.22]
+    );
+}
+
+#[test]
+fn output_step_sets_the_rows() {
+    let bench = Bench::new();
+    let csv = bench.stdout("simulate --input drive.csv --output-step 0.1");
+    assert_eq!(
+        column(&csv, "time"),
+        [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65]
+    );
+    // Stopping in between moves the integrator's steps, within its tolerance.
+    let end = |csv: &str| *column(csv, "x").last().unwrap();
+    assert!((end(&csv) - end(&bench.stdout("simulate --input drive.csv"))).abs() < 1e-3);
+    let csv = bench.stdout("simulate --input drive.csv --output-step 100");
+    assert_eq!(column(&csv, "time"), [0.0, 0.65]);
+}
+
+#[test]
+fn missing_samples_are_interpolated_and_told() {
+    let bench = Bench::new();
+    bench.write(
+        "gaps.csv",
+        "time,omega_left,omega_right\n0,1,1\n0.1,,2\n0.2,3,\n",
+    );
+    let assert = bench.ugv("simulate --input gaps.csv").assert().success();
+    let assert = assert.stderr(contains("2 of 3 rows lack a wheel speed"));
+    let csv = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
+    assert_eq!(column(&csv, "omega_left"), [1.0, 2.0, 3.0]);
+    assert_eq!(column(&csv, "omega_right"), [1.0, 2.0, 2.0]);
+}
+
+#[test]
+fn vehicle_may_stand_in_the_file_beside_a_recording() {
+    let bench = Bench::new();
+    bench.write(
+        "recorded.json",
+        r#"{"vehicle": {"mass": 470.0, "yaw_inertia": 165.0, "wheel_radius": 0.3, "wheel_width": 0.25,
+            "row_positions": [0.457, -0.457], "half_track": 0.568, "com_offset": 0.0, "com_height": 0.45,
+            "assumed": ["yaw_inertia"]}, "terrain_as_recorded": "grass", "sensors": {}, "note": ""}"#,
+    );
+    let csv = bench.stdout("simulate --input drive.csv --vehicle recorded.json");
+    assert!(csv.lines().next().unwrap().ends_with("wheel[4].force_y"));
+    let loads: f64 = (1..=4)
+        .map(|wheel| column(&csv, &format!("wheel[{wheel}].load"))[0])
+        .sum();
+    // The loads carry the weight, to rounding.
+    assert!((loads - 470.0 * 9.81).abs() < 1e-9);
+}
+
+#[test]
+fn presets_come_back_as_files() {
+    let bench = Bench::new();
+    bench.write("vehicle.json", bench.stdout("vehicle"));
+    for terrain in Terrain::PRESETS {
+        bench.write("soil.json", bench.stdout(&format!("terrains {terrain}")));
+        let by_name = bench.stdout(&format!("simulate --input drive.csv --terrain {terrain}"));
+        let by_file =
+            bench.stdout("simulate --input drive.csv --vehicle vehicle.json --terrain soil.json");
+        assert_eq!(by_name, by_file);
+    }
+    let all = Terrain::presets_from_json(&bench.stdout("terrains")).unwrap();
+    assert_eq!(
+        all.to_vec(),
+        Terrain::PRESETS.map(|name| Terrain::preset(name).unwrap())
+    );
+    bench.write("all.json", bench.stdout("terrains"));
+    let message = bench.fails("simulate --input drive.csv --terrain all.json", 2);
+    assert!(
+        message.contains("all.json: found several terrains"),
+        "{message}"
+    );
+}
+
+#[test]
+fn picture_shows_four_panels() {
+    let bench = Bench::new();
+    bench
+        .ugv("simulate --input drive.csv --output motion.csv --plot drive.svg")
+        .assert()
+        .success();
+    let svg = bench.read("drive.svg");
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+    for text in [
+        "x, east [m]",
+        "y, north [m]",
+        "speed [m/s]",
+        "slip [-]",
+        "force [N], moment [N m]",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // One row leaves nothing but points to draw.
+    bench.write("one.csv", "time,omega_left,omega_right\n0,1,1\n");
+    bench
+        .ugv("simulate --input one.csv --plot one.svg")
+        .assert()
+        .success();
+    assert!(!bench.read("one.svg").contains("NaN"));
+    let message = bench.fails("simulate --input drive.csv --output same --plot same", 2);
+    assert!(message.contains("same place"), "{message}");
+}
