@@ -12,30 +12,65 @@ fn main() {
     let text = fs::read_to_string(SOURCE).unwrap_or_else(|e| panic!("{SOURCE}: {e}"));
     let declared: Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{SOURCE}: {e}"));
     let mut out = String::new();
-    table(&mut out, "SCALARS", "Declared", &declared["variables"], variable);
-    table(&mut out, "ROW", "DeclaredEach", &declared["row_variables"], each);
-    table(&mut out, "WHEEL", "DeclaredEach", &declared["wheel_variables"], each);
+    table(
+        &mut out,
+        "SCALARS",
+        "Declared",
+        &declared["variables"],
+        variable,
+    );
+    table(
+        &mut out,
+        "ROW",
+        "DeclaredEach",
+        &declared["row_variables"],
+        each,
+    );
+    table(
+        &mut out,
+        "WHEEL",
+        "DeclaredEach",
+        &declared["wheel_variables"],
+        each,
+    );
     table(&mut out, "UNITS", "Unit", &declared["units"], unit);
-    table(&mut out, "ENUMERATIONS", "Enumeration", &declared["enumerations"], enumeration);
+    table(
+        &mut out,
+        "ENUMERATIONS",
+        "Enumeration",
+        &declared["enumerations"],
+        enumeration,
+    );
     let file = Path::new(&env::var("OUT_DIR").expect("cargo sets OUT_DIR")).join("declared.rs");
     fs::write(file, out).expect("OUT_DIR can be written");
 }
 
 fn table(out: &mut String, name: &str, kind: &str, list: &Value, item: fn(&Value) -> String) {
     let items: Vec<String> = array(list).iter().map(item).collect();
-    writeln!(out, "static {name}: [{kind}; {}] = [{}];", items.len(), items.join(", ")).unwrap();
+    writeln!(
+        out,
+        "static {name}: [{kind}; {}] = [{}];",
+        items.len(),
+        items.join(", ")
+    )
+    .unwrap();
 }
 
 fn array(list: &Value) -> &[Value] {
-    list.as_array().unwrap_or_else(|| panic!("{SOURCE}: a list is expected"))
+    list.as_array()
+        .unwrap_or_else(|| panic!("{SOURCE}: a list is expected"))
 }
 
 fn text<'v>(item: &'v Value, key: &str) -> &'v str {
-    item[key].as_str().unwrap_or_else(|| panic!("{SOURCE}: {key} is missing in {item}"))
+    item[key]
+        .as_str()
+        .unwrap_or_else(|| panic!("{SOURCE}: {key} is missing in {item}"))
 }
 
 fn number(item: &Value, key: &str) -> String {
-    item[key].as_f64().map_or("None".to_owned(), |number| format!("Some({number:?})"))
+    item[key]
+        .as_f64()
+        .map_or("None".to_owned(), |number| format!("Some({number:?})"))
 }
 
 fn declared(item: &Value) -> String {
@@ -65,27 +100,47 @@ fn declared(item: &Value) -> String {
 
 fn variable(item: &Value) -> String {
     let (name, quantity) = (text(item, "name"), text(item, "is"));
-    format!("Declared {{ name: {name:?}, quantity: Quantity::{quantity}, attributes: {} }}", declared(item))
+    format!(
+        "Declared {{ name: {name:?}, quantity: Quantity::{quantity}, attributes: {} }}",
+        declared(item)
+    )
 }
 
 fn each(item: &Value) -> String {
-    format!("DeclaredEach {{ name: {:?}, attributes: {} }}", text(item, "name"), declared(item))
+    format!(
+        "DeclaredEach {{ name: {:?}, attributes: {} }}",
+        text(item, "name"),
+        declared(item)
+    )
 }
 
 fn unit(item: &Value) -> String {
     let base = item["base"].as_object().map(|base| {
-        let exponents: Vec<String> =
-            base.iter().map(|(name, power)| format!("({name:?}, {power})")).collect();
+        let exponents: Vec<String> = base
+            .iter()
+            .map(|(name, power)| format!("({name:?}, {power})"))
+            .collect();
         format!("&[{}]", exponents.join(", "))
     });
     let base = base.map_or("None".to_owned(), |b| format!("Some({b})"));
-    format!("Unit {{ name: {:?}, base: {base}, factor: {} }}", text(item, "name"), number(item, "factor"))
+    format!(
+        "Unit {{ name: {:?}, base: {base}, factor: {} }}",
+        text(item, "name"),
+        number(item, "factor")
+    )
 }
 
 fn enumeration(item: &Value) -> String {
     let items: Vec<String> = array(&item["items"])
         .iter()
-        .map(|i| format!("({:?}, {}, {:?})", text(i, "name"), i["value"], text(i, "description")))
+        .map(|i| {
+            format!(
+                "({:?}, {}, {:?})",
+                text(i, "name"),
+                i["value"],
+                text(i, "description")
+            )
+        })
         .collect();
     format!(
         "Enumeration {{ name: {:?}, description: {:?}, items: &[{}] }}",

@@ -99,7 +99,10 @@ impl fmt::Display for ParameterError {
             unit,
             range,
         } = self;
-        write!(f, "{name} = {value} {unit} is outside its range {range} {unit}")
+        write!(
+            f,
+            "{name} = {value} {unit} is outside its range {range} {unit}"
+        )
     }
 }
 
@@ -115,13 +118,19 @@ mod tests {
         assert!(bounds.check(0.0).is_err());
         assert!(bounds.check(3.0).is_ok());
         assert!(bounds.check(f64::NAN).is_err());
-        assert!(Bounds::half_open("phi", "deg", 0.0, 90.0).check(90.0).is_err());
+        assert!(
+            Bounds::half_open("phi", "deg", 0.0, 90.0)
+                .check(90.0)
+                .is_err()
+        );
         assert!(Bounds::open("d", "m", -1.0, 1.0).check(-1.0).is_err());
     }
 
     #[test]
     fn message_has_name_value_unit_and_range() {
-        let error = Bounds::open_low("mass", "kg", 0.0, 1e6).check(-3.0).unwrap_err();
+        let error = Bounds::open_low("mass", "kg", 0.0, 1e6)
+            .check(-3.0)
+            .unwrap_err();
         assert_eq!(
             error.to_string(),
             "mass = -3 kg is outside its range (0, 1000000] kg"

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use std::fs;
-use std::io::{self, Seek, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, SpooledTempFile};
 
@@ -20,7 +20,7 @@ enum Target {
 #[derive(Debug)]
 pub struct Output {
     target: Target,
-    spool: SpooledTempFile,
+    spool: BufWriter<SpooledTempFile>,
 }
 
 impl Output {
@@ -37,7 +37,7 @@ impl Output {
         };
         let output = Self {
             target,
-            spool: SpooledTempFile::new(SPOOL_BYTES),
+            spool: BufWriter::new(SpooledTempFile::new(SPOOL_BYTES)),
         };
         match &output.target {
             Target::File(path) => check_place(path).map_err(|source| output.failure(source))?,
@@ -66,9 +66,10 @@ impl Output {
     /// Whatever the file system refuses. A reader of standard output that has seen enough
     /// is no error.
     pub fn finish(mut self) -> Result<(), Failure> {
+        // Seeking writes what the buffer holds.
         let done = self.spool.rewind().and_then(|()| match &self.target {
-            Target::Stdout => ignore_broken_pipe(copy(&mut self.spool, io::stdout().lock())),
-            Target::File(path) => replace(&mut self.spool, path),
+            Target::Stdout => ignore_broken_pipe(copy(self.spool.get_mut(), io::stdout().lock())),
+            Target::File(path) => replace(self.spool.get_mut(), path),
         });
         done.map_err(|source| self.failure(source))
     }

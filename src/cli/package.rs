@@ -31,7 +31,13 @@ pub struct Args {
     terrain: PathBuf,
 
     /// The FMU to write
-    #[arg(long, short, value_name = "FILE.fmu", default_value = "ugv.fmu", overrides_with = "output")]
+    #[arg(
+        long,
+        short,
+        value_name = "FILE.fmu",
+        default_value = "ugv.fmu",
+        overrides_with = "output"
+    )]
     output: PathBuf,
 
     /// Shared library of a platform (linux64, win64, darwin64, aarch64-linux), once for each

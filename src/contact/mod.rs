@@ -9,4 +9,5 @@ mod quadrature;
 mod wheel;
 
 pub use quadrature::Resolution;
+pub(crate) use wheel::FORCE_COUNT;
 pub use wheel::{Regularisation, WheelContact, WheelForces, WheelMotion};

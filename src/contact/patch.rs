@@ -51,6 +51,8 @@ pub(super) struct PatchSums<S> {
     pub width_moment: S,
     /// sin theta tau_Y.
     pub arc_moment: S,
+    /// Shear along (cos theta, sin theta), the tangent of the rim.
+    pub tangential: S,
 }
 
 /// What the rows of the patch share at eight nodes of the arc.
@@ -89,6 +91,7 @@ struct Accumulator<P> {
     shear: [P; 3],
     width_moment: P,
     arc_moment: P,
+    tangential: P,
 }
 
 /// One line of the patch along the rolling direction.
@@ -124,6 +127,7 @@ impl PatchLaw {
             shear: [zero; 3],
             width_moment: zero,
             arc_moment: zero,
+            tangential: zero,
         };
         let mut normal = [zero; 2];
         let (width, reversed) = self.rows_and_reversals(rule, motion, &arc);
@@ -140,7 +144,13 @@ impl PatchLaw {
             normal[1] += column.stress * column.cos;
             let rows = self.rows(width, motion).enumerate();
             let straight = rows.filter(|(index, _)| reversed & (1 << index) == 0);
-            self.accumulate(simd, &mut sums, motion, &column, straight.map(|(_, row)| row));
+            self.accumulate(
+                simd,
+                &mut sums,
+                motion,
+                &column,
+                straight.map(|(_, row)| row),
+            );
         }
         if reversed != 0 {
             for (index, row) in self.rows(width, motion).enumerate() {
@@ -150,10 +160,15 @@ impl PatchLaw {
             }
         }
         PatchSums {
-            shear: [sums.shear[0].sum(), sums.shear[1].sum(), sums.shear[2].sum()],
+            shear: [
+                sums.shear[0].sum(),
+                sums.shear[1].sum(),
+                sums.shear[2].sum(),
+            ],
             normal: [normal[0].sum(), normal[1].sum()],
             width_moment: sums.width_moment.sum(),
             arc_moment: sums.arc_moment.sum(),
+            tangential: sums.tangential.sum(),
         }
     }
 
@@ -184,7 +199,10 @@ impl PatchLaw {
         if coarse == 0 {
             return (&rule.width, 0);
         }
-        (&rule.width_reversed, self.reversed_rows(&rule.width_reversed, motion, arc))
+        (
+            &rule.width_reversed,
+            self.reversed_rows(&rule.width_reversed, motion, arc),
+        )
     }
 
     #[inline(always)]
@@ -207,7 +225,12 @@ impl PatchLaw {
 
     /// Normal stress (3) at an angle of the front half; (5) mirrors it to the rear half.
     #[inline(always)]
-    fn stress<V: Simd, S: Scalar>(&self, simd: V, arc: &Arc<S>, angle: S::Packed<V>) -> S::Packed<V> {
+    fn stress<V: Simd, S: Scalar>(
+        &self,
+        simd: V,
+        arc: &Arc<S>,
+        angle: S::Packed<V>,
+    ) -> S::Packed<V> {
         let (sine, _) = angle.scale(0.5).sin_cos_small();
         let half_rise = arc.half_sine_squared.splat(simd) - sine * sine;
         half_rise.power(self.exponent).scale(self.pressure)
@@ -262,7 +285,10 @@ impl PatchLaw {
         rows: impl Iterator<Item = Row<S>>,
     ) {
         let rim = motion.rim_speed.splat(simd);
-        let rate = motion.time_per_angle.scale(-self.inverse_shear_modulus).splat(simd);
+        let rate = motion
+            .time_per_angle
+            .scale(-self.inverse_shear_modulus)
+            .splat(simd);
         let zero = S::constant(0.0).splat(simd);
         let (mut along, mut across, mut twist) = (zero, zero, zero);
         for row in rows {
@@ -284,6 +310,7 @@ impl PatchLaw {
         }
         let along = along * column.strength;
         let shear_y = across * column.strength * column.sideways;
+        sums.tangential += along;
         sums.shear[0] += along * column.cos;
         sums.shear[1] += shear_y;
         sums.shear[2] += along * column.sin;
@@ -337,7 +364,10 @@ const DISPLACEMENT_FLOOR: f64 = 1e-20;
 impl Nodes {
     #[inline(always)]
     fn load<V: Simd>(&self, simd: V) -> (f64x8<V>, f64x8<V>) {
-        (f64x8::simd_from(simd, self.at), f64x8::simd_from(simd, self.weight))
+        (
+            f64x8::simd_from(simd, self.at),
+            f64x8::simd_from(simd, self.weight),
+        )
     }
 }
 

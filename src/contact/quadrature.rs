@@ -63,11 +63,13 @@ impl Quadrature {
         });
         let arc = packed(arc.collect());
         // theta = s^3 (10 - 15 s + 6 s^2): clusters with power 3 at both ends.
-        let stretch = gauss_legendre(resolution.reversal).into_iter().map(|(s, w)| {
-            let rest = 1.0 - s;
-            let at = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
-            (at, w * 30.0 * s * s * rest * rest)
-        });
+        let stretch = gauss_legendre(resolution.reversal)
+            .into_iter()
+            .map(|(s, w)| {
+                let rest = 1.0 - s;
+                let at = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+                (at, w * 30.0 * s * s * rest * rest)
+            });
         let stretch = packed(stretch.collect());
         let across = |count| -> Vec<(f64, f64)> {
             let rule = gauss_legendre(count).into_iter();

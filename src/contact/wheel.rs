@@ -98,16 +98,22 @@ pub struct WheelForces<S> {
     pub arc_moment: S,
     /// Horizontal force of the normal stress against the wheel's travel \[N\] (21).
     pub rolling_resistance: S,
+    /// Torque that the axle needs \[N m\], positive drives forward: the shear along the rim
+    /// times the radius (the normal stress points at the axle).
+    pub torque: S,
 }
+
+/// Number of the fields of [`WheelForces`].
+pub(crate) const FORCE_COUNT: usize = 8;
 
 impl<S: Scalar> WheelForces<S> {
     /// A wheel that carries nothing.
     #[must_use]
     pub fn zero() -> Self {
-        Self::from_array([S::constant(0.0); 7])
+        Self::from_array([S::constant(0.0); FORCE_COUNT])
     }
 
-    pub(crate) fn to_array(self) -> [S; 7] {
+    pub(crate) fn to_array(self) -> [S; FORCE_COUNT] {
         [
             self.thrust,
             self.compaction,
@@ -116,10 +122,11 @@ impl<S: Scalar> WheelForces<S> {
             self.width_moment,
             self.arc_moment,
             self.rolling_resistance,
+            self.torque,
         ]
     }
 
-    pub(crate) fn from_array(array: [S; 7]) -> Self {
+    pub(crate) fn from_array(array: [S; FORCE_COUNT]) -> Self {
         let [
             thrust,
             compaction,
@@ -128,6 +135,7 @@ impl<S: Scalar> WheelForces<S> {
             width_moment,
             arc_moment,
             rolling_resistance,
+            torque,
         ] = array;
         Self {
             thrust,
@@ -137,6 +145,7 @@ impl<S: Scalar> WheelForces<S> {
             width_moment,
             arc_moment,
             rolling_resistance,
+            torque,
         }
     }
 }
@@ -169,8 +178,13 @@ impl WheelContact {
         Bounds::closed("nodes across the width", "nodes", 1.0, 64.0)
             .check(resolution.width as f64)?;
         let modulus = terrain.sinkage_modulus(width);
-        Bounds::open_low("cohesive_modulus / b + frictional_modulus", "N/m^(n+2)", 0.0, 1e14)
-            .check(modulus)?;
+        Bounds::open_low(
+            "cohesive_modulus / b + frictional_modulus",
+            "N/m^(n+2)",
+            0.0,
+            1e14,
+        )
+        .check(modulus)?;
         let law = PatchLaw {
             cohesion: terrain.cohesion,
             friction: terrain.friction_angle.tan(),
@@ -193,7 +207,9 @@ impl WheelContact {
 
     /// Entry angle \[rad\] at which the normal stress alone would carry a load \[N\].
     pub(crate) fn entry_angle_guess(&self, load: f64) -> f64 {
-        (load / self.support).powf(1.0 / (2.0 * self.law.exponent + 1.0)).min(1.5)
+        (load / self.support)
+            .powf(1.0 / (2.0 * self.law.exponent + 1.0))
+            .min(1.5)
     }
 
     /// Forces of the ground on the wheel, whose rim enters the soil at `entry_angle` \[rad\].
@@ -229,6 +245,7 @@ impl WheelContact {
             forces.vertical += one.vertical * share;
             forces.width_moment += one.width_moment.scale(sign) * share;
             forces.arc_moment += one.arc_moment.scale(sign) * share;
+            forces.torque += one.torque.scale(sign) * share;
         }
         let travel = if side.value() < 0.0 { -1.0 } else { 1.0 };
         forces.rolling_resistance = forces.compaction.scale(travel);
@@ -243,7 +260,9 @@ impl WheelContact {
         motion: &WheelMotion<S>,
         entry_angle: S,
     ) -> WheelForces<S> {
-        let bounded = self.regularisation.bounded_angular_speed(motion.angular_speed);
+        let bounded = self
+            .regularisation
+            .bounded_angular_speed(motion.angular_speed);
         let patch = PatchMotion {
             forward: motion.forward,
             lateral: motion.lateral,
@@ -256,6 +275,7 @@ impl WheelContact {
             normal: [normal_x, normal_z],
             width_moment,
             arc_moment,
+            tangential,
         } = self.law.integrate(simd, &self.rule, &patch, entry_angle);
         let area = self.law.radius * self.law.width;
         let compaction = normal_x.scale(area);
@@ -267,6 +287,7 @@ impl WheelContact {
             width_moment: width_moment.scale(area),
             arc_moment: arc_moment.scale(area * self.law.radius),
             rolling_resistance: compaction,
+            torque: tangential.scale(area * self.law.radius),
         }
     }
 }

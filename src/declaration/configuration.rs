@@ -9,8 +9,13 @@ use std::fmt;
 use uuid::Uuid;
 
 /// Names of the terrains in the order of their numbers, from 1.
-pub const TERRAIN_NAMES: [&str; 5] =
-    ["dry_sand", "sandy_loam", "clayed_soil", "dry_clay", "custom"];
+pub const TERRAIN_NAMES: [&str; 5] = [
+    "dry_sand",
+    "sandy_loam",
+    "clayed_soil",
+    "dry_clay",
+    "custom",
+];
 
 const CLAYED_SOIL: usize = 2;
 /// Position of the custom soil in [`TERRAIN_NAMES`].
@@ -63,9 +68,8 @@ const SELECTION_FILE: &str = "terrain.json";
 impl Default for Configuration {
     /// The paper's vehicle and terrains, on clayed soil.
     fn default() -> Self {
-        let presets = Terrain::PRESETS.map(|name| {
-            Terrain::preset(name).expect("the presets are in the crate, and tested")
-        });
+        let presets = Terrain::PRESETS
+            .map(|name| Terrain::preset(name).expect("the presets are in the crate, and tested"));
         Self::new(Vehicle::tran2007(), presets)
     }
 }
@@ -129,7 +133,10 @@ impl Configuration {
         self.selected = (selected as usize).min(CUSTOM);
         let rows = self.vehicle.row_positions.len();
         let vehicle = (0..7).map(Quantity::Vehicle);
-        let all = (0..6).map(Quantity::Soil).chain(vehicle).chain((0..rows).map(Quantity::Row));
+        let all = (0..6)
+            .map(Quantity::Soil)
+            .chain(vehicle)
+            .chain((0..rows).map(Quantity::Row));
         for quantity in all {
             if let Some(slot) = self.slot(quantity) {
                 visit(slot);
@@ -192,7 +199,10 @@ impl Configuration {
         let Ok(value) = serde_json::from_str::<Value>(text) else {
             return Err(wrong);
         };
-        let custom = value.get("custom").map(Terrain::from_json_value).transpose();
+        let custom = value
+            .get("custom")
+            .map(Terrain::from_json_value)
+            .transpose();
         let custom = custom.map_err(|e| ConfigurationError::Json(SELECTION_FILE, e))?;
         if let Some(custom) = custom {
             self.terrains[CUSTOM] = custom;
@@ -256,7 +266,10 @@ mod tests {
         for configuration in [Configuration::default(), custom()] {
             let files = configuration.to_resources();
             let read = |name: &str| {
-                Ok(files.iter().find(|(file, _)| *file == name).map(|(_, text)| text.clone()))
+                Ok(files
+                    .iter()
+                    .find(|(file, _)| *file == name)
+                    .map(|(_, text)| text.clone()))
             };
             assert_eq!(Configuration::from_resources(read).unwrap(), configuration);
         }
@@ -265,7 +278,12 @@ mod tests {
     #[test]
     fn parameters_are_read_back_as_they_were_set() {
         let mut configuration = Configuration::default();
-        for quantity in [Quantity::Soil(1), Quantity::Soil(4), Quantity::Vehicle(6), Quantity::Row(3)] {
+        for quantity in [
+            Quantity::Soil(1),
+            Quantity::Soil(4),
+            Quantity::Vehicle(6),
+            Quantity::Row(3),
+        ] {
             assert!(configuration.set_parameter(quantity, 29.3));
             assert_eq!(configuration.parameter(quantity), Some(29.3));
         }
@@ -281,9 +299,13 @@ mod tests {
 
     #[test]
     fn a_wrong_selection_is_refused() {
-        let read = |name: &str| Ok((name == SELECTION_FILE).then(|| "{\"selected\": \"mud\"}".into()));
+        let read =
+            |name: &str| Ok((name == SELECTION_FILE).then(|| "{\"selected\": \"mud\"}".into()));
         let error = Configuration::from_resources(read).unwrap_err().to_string();
-        assert!(error.contains("terrain.json") && error.contains("dry_sand"), "{error}");
+        assert!(
+            error.contains("terrain.json") && error.contains("dry_sand"),
+            "{error}"
+        );
     }
 
     #[test]

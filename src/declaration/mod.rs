@@ -140,28 +140,42 @@ const PER_WHEEL: u32 = 16;
 /// The variables of a vehicle with so many wheel rows, in the order of the model description.
 #[must_use]
 pub fn variables(rows: usize) -> Vec<Variable> {
-    let scalars = SCALARS.iter().zip(0..).map(|(declared, reference)| Variable {
-        name: declared.name.to_owned(),
-        reference,
-        quantity: declared.quantity,
-        attributes: &declared.attributes,
-    });
+    let scalars = SCALARS
+        .iter()
+        .zip(0..)
+        .map(|(declared, reference)| Variable {
+            name: declared.name.to_owned(),
+            reference,
+            quantity: declared.quantity,
+            attributes: &declared.attributes,
+        });
     let each = |declared: &'static DeclaredEach, index: usize, first, quantity| Variable {
         name: declared.name.replace("{}", &(index + 1).to_string()),
         reference: first,
         quantity,
         attributes: &declared.attributes,
     };
-    let row_variables = (0..rows).zip(FIRST_ROW..).flat_map(move |(row, reference)| {
-        ROW.iter().map(move |declared| each(declared, row, reference, Quantity::Row(row)))
-    });
+    let row_variables = (0..rows)
+        .zip(FIRST_ROW..)
+        .flat_map(move |(row, reference)| {
+            ROW.iter()
+                .map(move |declared| each(declared, row, reference, Quantity::Row(row)))
+        });
     let wheel_variables = (0..2 * rows).flat_map(move |wheel| {
         let first = FIRST_WHEEL + PER_WHEEL * wheel as u32;
         WHEEL.iter().enumerate().map(move |(field, declared)| {
-            each(declared, wheel, first + field as u32, Quantity::Wheel(wheel, field))
+            each(
+                declared,
+                wheel,
+                first + field as u32,
+                Quantity::Wheel(wheel, field),
+            )
         })
     });
-    scalars.chain(row_variables).chain(wheel_variables).collect()
+    scalars
+        .chain(row_variables)
+        .chain(wheel_variables)
+        .collect()
 }
 
 /// The variable behind a value reference, for a vehicle with so many wheel rows.
@@ -204,13 +218,24 @@ mod tests {
             let variables = variables(rows);
             for variable in &variables {
                 let found = find(variable.reference, rows);
-                assert_eq!(found, Some((variable.quantity, variable.attributes)), "{}", variable.name);
+                assert_eq!(
+                    found,
+                    Some((variable.quantity, variable.attributes)),
+                    "{}",
+                    variable.name
+                );
             }
             let references: HashSet<u32> = variables.iter().map(|v| v.reference).collect();
             let names: HashSet<&str> = variables.iter().map(|v| v.name.as_str()).collect();
-            assert_eq!((references.len(), names.len()), (variables.len(), variables.len()));
+            assert_eq!(
+                (references.len(), names.len()),
+                (variables.len(), variables.len())
+            );
             for reference in (0..10_000).chain([u32::MAX]) {
-                assert_eq!(find(reference, rows).is_some(), references.contains(&reference));
+                assert_eq!(
+                    find(reference, rows).is_some(),
+                    references.contains(&reference)
+                );
             }
         }
     }

@@ -117,9 +117,7 @@ impl Call {
             Self::CompletedIntegratorStep | Self::SetContinuousStates => CONTINUOUS,
             Self::SetTime => EVENT | CONTINUOUS,
             Self::GetDerivatives => EVENT | CONTINUOUS | TERMINATED | ERROR,
-            Self::GetContinuousStates => {
-                INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR
-            }
+            Self::GetContinuousStates => INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR,
         }
     }
 
@@ -140,7 +138,10 @@ impl Call {
             }
             (_, true) => format!("{function} has nothing to act on"),
             (_, false) => {
-                format!("{function} is not allowed {now}, but {}", allowed.join(", "))
+                format!(
+                    "{function} is not allowed {now}, but {}",
+                    allowed.join(", ")
+                )
             }
         })
     }
@@ -160,7 +161,9 @@ mod tests {
 
     #[test]
     fn a_refusal_says_when_the_call_is_allowed() {
-        let error = Call::DoStep.check("fmi2DoStep", Mode::Instantiated).unwrap_err();
+        let error = Call::DoStep
+            .check("fmi2DoStep", Mode::Instantiated)
+            .unwrap_err();
         assert_eq!(
             error,
             "fmi2DoStep is not allowed before initialization, but between two steps"

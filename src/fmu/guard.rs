@@ -3,8 +3,8 @@
 use super::calls::{Call, Mode};
 use super::instance::{Failure, Instance, Outcome, refuse};
 use fmi_sys::fmi2::{
-    fmi2Component, fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error,
-    fmi2Status_fmi2Fatal, fmi2Status_fmi2OK,
+    fmi2Component, fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
+    fmi2Status_fmi2OK,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -101,7 +101,9 @@ impl Instance {
         let time = self.core.time;
         let simulation = self.core.simulation()?;
         simulation.set_time(time);
-        simulation.wrench().map_err(|e| Failure::Broken(e.to_string()))?;
+        simulation
+            .wrench()
+            .map_err(|e| Failure::Broken(e.to_string()))?;
         self.core.mode = match self.interface {
             Interface::CoSimulation => Mode::StepComplete,
             Interface::ModelExchange => Mode::Event,
@@ -111,14 +113,20 @@ impl Instance {
     }
 
     /// The variable behind a reference, which must be of the given type.
-    pub(super) fn find(&self, reference: u32, kind: Kind) -> Outcome<(Quantity, &'static Attributes)> {
+    pub(super) fn find(
+        &self,
+        reference: u32,
+        kind: Kind,
+    ) -> Outcome<(Quantity, &'static Attributes)> {
         match declaration::find(reference, self.rows()) {
             Some((quantity, attributes)) if attributes.kind == kind => Ok((quantity, attributes)),
             Some((_, attributes)) => refuse(format!(
                 "value reference {reference} is of type {:?}, not {kind:?}",
                 attributes.kind
             )),
-            None => refuse(format!("there is no variable with value reference {reference}")),
+            None => refuse(format!(
+                "there is no variable with value reference {reference}"
+            )),
         }
     }
 
@@ -136,7 +144,9 @@ impl Instance {
             let (_, attributes) = self.find(*reference, Kind::Real)?;
             self.check_settable(*reference, attributes)?;
             if !value.is_finite() {
-                return refuse(format!("value reference {reference} cannot be set to {value}"));
+                return refuse(format!(
+                    "value reference {reference} cannot be set to {value}"
+                ));
             }
         }
         for (reference, value) in references.iter().zip(values) {
@@ -196,7 +206,9 @@ impl Instance {
         let on_time = (point - core.time).abs() <= rounding;
         if !on_time {
             let time = core.time;
-            return refuse(format!("communication point {point} s is not the current time {time} s"));
+            return refuse(format!(
+                "communication point {point} s is not the current time {time} s"
+            ));
         }
         let (end, stop) = (point + size, core.stop_time);
         if end > stop + rounding {
@@ -235,7 +247,11 @@ impl Instance {
 
     pub(super) fn set_states(&mut self, states: &[f64]) -> Outcome {
         let Ok(array) = <[f64; State::COUNT]>::try_from(states) else {
-            return refuse(format!("there are {} continuous states, not {}", State::COUNT, states.len()));
+            return refuse(format!(
+                "there are {} continuous states, not {}",
+                State::COUNT,
+                states.len()
+            ));
         };
         let simulation = self.core.simulation()?;
         simulation
@@ -261,7 +277,10 @@ impl Core {
     /// The simulation, built from the parameters if there is none yet.
     pub(super) fn simulation(&mut self) -> Outcome<&mut Simulation> {
         if self.simulation.is_none() {
-            let model = self.parameters.model().map_err(|e| Failure::Broken(e.to_string()))?;
+            let model = self
+                .parameters
+                .model()
+                .map_err(|e| Failure::Broken(e.to_string()))?;
             let mut simulation = Simulation::new(model);
             let state = self.parameters.initial_state(self.speeds);
             simulation
@@ -284,9 +303,10 @@ impl Core {
             Quantity::State(index) => self.simulation()?.state().to_array()[index],
             Quantity::Rate(index) => self.simulation()?.derivative().map_err(broken)?[index],
             Quantity::Total(index) => total(self.simulation()?.wrench().map_err(broken)?, index),
-            Quantity::Wheel(wheel, field) => {
-                wheel_field(&self.simulation()?.wrench().map_err(broken)?.wheels[wheel], field)
-            }
+            Quantity::Wheel(wheel, field) => wheel_field(
+                &self.simulation()?.wrench().map_err(broken)?.wheels[wheel],
+                field,
+            ),
             parameter => match self.parameters.real(parameter) {
                 Some(value) => value,
                 None => return refuse("that variable is no Real"),

@@ -19,7 +19,11 @@ pub(super) struct Logger {
 }
 
 impl Logger {
-    pub(super) fn new(functions: Option<&fmi2CallbackFunctions>, name: &CStr, verbose: bool) -> Self {
+    pub(super) fn new(
+        functions: Option<&fmi2CallbackFunctions>,
+        name: &CStr,
+        verbose: bool,
+    ) -> Self {
         Self {
             callback: functions.and_then(|f| f.logger),
             environment: functions.map_or(std::ptr::null_mut(), |f| f.componentEnvironment),
@@ -55,7 +59,10 @@ impl Logger {
             return;
         };
         // The message is a printf format to the importer, and some replace #...# as well.
-        let clean = message.replace('%', " percent").replace('#', " ").replace('\0', " ");
+        let clean = message
+            .replace('%', " percent")
+            .replace('#', " ")
+            .replace('\0', " ");
         let Ok(text) = CString::new(clean) else {
             return;
         };

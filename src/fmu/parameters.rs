@@ -36,7 +36,8 @@ impl Parameters {
             ..
         } = self.configuration.vehicle;
         if self.no_slip {
-            self.initial.rolling_without_slip(speeds, wheel_radius, half_track)
+            self.initial
+                .rolling_without_slip(speeds, wheel_radius, half_track)
         } else {
             self.initial
         }

@@ -77,7 +77,14 @@ mod tests {
     #[test]
     fn nothing_is_no_folder_and_rubbish_an_error() {
         assert_eq!(folder("").unwrap(), None);
-        for location in ["rubbish", "http://host/x", "file:relative", "file:///%FF%FE", "%%%", "f"] {
+        for location in [
+            "rubbish",
+            "http://host/x",
+            "file:relative",
+            "file:///%FF%FE",
+            "%%%",
+            "f",
+        ] {
             assert!(folder(location).is_err(), "{location}");
         }
     }

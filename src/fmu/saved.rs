@@ -52,7 +52,10 @@ impl Instance {
             return refuse("these bytes are the state of another FMU, or of another version of it");
         };
         let (chunks, remainder) = rest.as_chunks::<8>();
-        let numbers: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
+        let numbers: Vec<f64> = chunks
+            .iter()
+            .map(|chunk| f64::from_le_bytes(*chunk))
+            .collect();
         let mut core = self.core.clone();
         let mut count = 0;
         core.visit(&mut |_| count += 1);
@@ -60,10 +63,14 @@ impl Instance {
             return refuse("these bytes are only a part of a state");
         }
         let mut next = numbers.iter();
-        let has_simulation = core.visit(&mut |number| *number = next.next().copied().unwrap_or(0.0));
+        let has_simulation =
+            core.visit(&mut |number| *number = next.next().copied().unwrap_or(0.0));
         core.simulation = None;
         if has_simulation {
-            let model = core.parameters.model().map_err(|e| Failure::Refused(e.to_string()))?;
+            let model = core
+                .parameters
+                .model()
+                .map_err(|e| Failure::Refused(e.to_string()))?;
             let mut simulation = Simulation::new(model);
             if simulation.restore(&numbers[count..]).is_err() {
                 return refuse("these bytes are not a whole state");

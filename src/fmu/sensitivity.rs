@@ -37,7 +37,10 @@ fn along(simulation: &mut Simulation, direction: Direction) -> Result<Change, Si
     let wrench = simulation.wrench_derivative(&direction.motion())?.clone();
     let (sin, cos) = state.heading.sin_cos();
     let [_, _, turn, v_x, v_y, yaw_rate] = direction.state;
-    let (east, north) = (state.v_x * cos - state.v_y * sin, state.v_x * sin + state.v_y * cos);
+    let (east, north) = (
+        state.v_x * cos - state.v_y * sin,
+        state.v_x * sin + state.v_y * cos,
+    );
     let rate = [
         v_x * cos - v_y * sin - north * turn,
         v_x * sin + v_y * cos + east * turn,

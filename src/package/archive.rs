@@ -27,7 +27,12 @@ pub enum Platform {
 
 impl Platform {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Linux64, Self::Win64, Self::Darwin64, Self::Aarch64Linux];
+    pub const ALL: [Self; 4] = [
+        Self::Linux64,
+        Self::Win64,
+        Self::Darwin64,
+        Self::Aarch64Linux,
+    ];
 
     /// The name of its folder under `binaries/`.
     #[must_use]
@@ -51,7 +56,8 @@ impl Platform {
     /// Whether bytes begin like a shared library of this platform: the format's magic, and
     /// in ELF the machine's number.
     fn recognises(self, library: &[u8]) -> bool {
-        let elf = |machine: u8| library.starts_with(b"\x7fELF") && library.get(18) == Some(&machine);
+        let elf =
+            |machine: u8| library.starts_with(b"\x7fELF") && library.get(18) == Some(&machine);
         match self {
             Self::Linux64 => elf(62),
             Self::Aarch64Linux => elf(183),
@@ -78,7 +84,11 @@ impl fmt::Display for PackageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::WrongPlatform(platform) => {
-                write!(f, "the library for {} is none for that platform", platform.name())
+                write!(
+                    f,
+                    "the library for {} is none for that platform",
+                    platform.name()
+                )
             }
             Self::OtherVersion(platform) => write!(
                 f,
@@ -140,19 +150,37 @@ pub fn write_fmu<W: Write + Seek>(
         zip.write_all(content)?;
         Ok(())
     };
-    add("modelDescription.xml", model_description(configuration).as_bytes())?;
+    add(
+        "modelDescription.xml",
+        model_description(configuration).as_bytes(),
+    )?;
     add("model.png", ICON)?;
-    add("documentation/index.html", documentation(configuration).as_bytes())?;
-    add("documentation/licenses/LICENSE-MIT.txt", LICENSE_MIT.as_bytes())?;
-    add("documentation/licenses/LICENSE-APACHE.txt", LICENSE_APACHE.as_bytes())?;
+    add(
+        "documentation/index.html",
+        documentation(configuration).as_bytes(),
+    )?;
+    add(
+        "documentation/licenses/LICENSE-MIT.txt",
+        LICENSE_MIT.as_bytes(),
+    )?;
+    add(
+        "documentation/licenses/LICENSE-APACHE.txt",
+        LICENSE_APACHE.as_bytes(),
+    )?;
     for (name, text) in configuration.to_resources() {
         add(&format!("resources/{name}"), text.as_bytes())?;
     }
-    add("terminalsAndIcons/terminalsAndIcons.xml", TERMINALS.as_bytes())?;
+    add(
+        "terminalsAndIcons/terminalsAndIcons.xml",
+        TERMINALS.as_bytes(),
+    )?;
     add("terminalsAndIcons/icon.png", ICON)?;
     for (platform, library) in libraries {
         let (folder, extension) = (platform.name(), platform.extension());
-        add(&format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}"), library)?;
+        add(
+            &format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}"),
+            library,
+        )?;
     }
     zip.finish()?;
     Ok(())
@@ -162,8 +190,13 @@ fn contains(haystack: &[u8], needle: &[u8]) -> bool {
     let Some(first) = needle.first() else {
         return true;
     };
-    let starts = haystack.iter().enumerate().filter(|(_, byte)| *byte == first);
-    starts.map(|(index, _)| &haystack[index..]).any(|rest| rest.starts_with(needle))
+    let starts = haystack
+        .iter()
+        .enumerate()
+        .filter(|(_, byte)| *byte == first);
+    starts
+        .map(|(index, _)| &haystack[index..])
+        .any(|rest| rest.starts_with(needle))
 }
 
 #[cfg(test)]
@@ -196,9 +229,17 @@ mod tests {
         let bytes = packed(&[(Platform::Linux64, library())]).unwrap();
         let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
         let mut content = Vec::new();
-        archive.by_name("binaries/linux64/ugv.so").unwrap().read_to_end(&mut content).unwrap();
+        archive
+            .by_name("binaries/linux64/ugv.so")
+            .unwrap()
+            .read_to_end(&mut content)
+            .unwrap();
         assert_eq!(content, library());
-        for name in ["modelDescription.xml", "resources/vehicle.json", "documentation/index.html"] {
+        for name in [
+            "modelDescription.xml",
+            "resources/vehicle.json",
+            "documentation/index.html",
+        ] {
             assert!(archive.by_name(name).is_ok(), "{name}");
         }
     }

@@ -27,7 +27,10 @@ impl Indices<'_> {
 
     fn where_(&self, wanted: impl Fn(&Variable) -> bool) -> Vec<usize> {
         let numbered = self.variables.iter().zip(1..);
-        numbered.filter(|(v, _)| wanted(v)).map(|(_, index)| index).collect()
+        numbered
+            .filter(|(v, _)| wanted(v))
+            .map(|(_, index)| index)
+            .collect()
     }
 }
 
@@ -54,28 +57,40 @@ fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
             ("fmiVersion", "2.0"),
             ("modelName", MODEL_IDENTIFIER),
             ("guid", guid.as_str()),
-            ("description", "Wheel-terrain model of a skid-steer UGV after Tran, Kwok, Scheding and Ha (2007)"),
+            (
+                "description",
+                "Wheel-terrain model of a skid-steer UGV after Tran, Kwok, Scheding and Ha (2007)",
+            ),
             ("author", "The ugv-terrain developers"),
             ("version", env!("CARGO_PKG_VERSION")),
             ("license", "MIT OR Apache-2.0"),
-            ("generationTool", concat!("ugv-terrain ", env!("CARGO_PKG_VERSION"))),
+            (
+                "generationTool",
+                concat!("ugv-terrain ", env!("CARGO_PKG_VERSION")),
+            ),
             ("generationDateAndTime", GENERATION_TIME),
             ("variableNamingConvention", "structured"),
             ("numberOfEventIndicators", "0"),
         ])
         .write_inner_content(|xml| {
             write_interfaces(xml)?;
-            xml.create_element("UnitDefinitions").write_inner_content(|xml| {
-                units().iter().try_for_each(|unit| write_unit(xml, unit))
-            })?;
-            xml.create_element("TypeDefinitions").write_inner_content(write_enumerations)?;
-            xml.create_element("LogCategories").write_inner_content(write_log_categories)?;
+            xml.create_element("UnitDefinitions")
+                .write_inner_content(|xml| {
+                    units().iter().try_for_each(|unit| write_unit(xml, unit))
+                })?;
+            xml.create_element("TypeDefinitions")
+                .write_inner_content(write_enumerations)?;
+            xml.create_element("LogCategories")
+                .write_inner_content(write_log_categories)?;
             xml.create_element("DefaultExperiment")
                 .with_attributes([("startTime", "0"), ("stopTime", "10"), ("stepSize", "0.01")])
                 .write_empty()?;
-            xml.create_element("ModelVariables").write_inner_content(|xml| {
-                variables.iter().try_for_each(|v| write_variable(xml, v, &indices, configuration))
-            })?;
+            xml.create_element("ModelVariables")
+                .write_inner_content(|xml| {
+                    variables
+                        .iter()
+                        .try_for_each(|v| write_variable(xml, v, &indices, configuration))
+                })?;
             xml.create_element("ModelStructure")
                 .write_inner_content(|xml| write_structure(xml, &indices))?;
             Ok(())
@@ -108,7 +123,9 @@ fn write_interfaces(xml: &mut Xml) -> io::Result<()> {
 }
 
 fn write_unit(xml: &mut Xml, unit: &Unit) -> io::Result<()> {
-    let element = xml.create_element("Unit").with_attribute(("name", unit.name));
+    let element = xml
+        .create_element("Unit")
+        .with_attribute(("name", unit.name));
     // Exponents that depend on the soil cannot be told.
     let Some(base) = unit.base else {
         return element.write_empty().map(drop);
@@ -129,21 +146,25 @@ fn write_unit(xml: &mut Xml, unit: &Unit) -> io::Result<()> {
 fn write_enumerations(xml: &mut Xml) -> io::Result<()> {
     for enumeration in enumerations() {
         xml.create_element("SimpleType")
-            .with_attributes([("name", enumeration.name), ("description", enumeration.description)])
+            .with_attributes([
+                ("name", enumeration.name),
+                ("description", enumeration.description),
+            ])
             .write_inner_content(|xml| {
-                xml.create_element("Enumeration").write_inner_content(|xml| {
-                    for (name, value, description) in enumeration.items {
-                        let value = value.to_string();
-                        xml.create_element("Item")
-                            .with_attributes([
-                                ("name", *name),
-                                ("value", value.as_str()),
-                                ("description", *description),
-                            ])
-                            .write_empty()?;
-                    }
-                    Ok(())
-                })?;
+                xml.create_element("Enumeration")
+                    .write_inner_content(|xml| {
+                        for (name, value, description) in enumeration.items {
+                            let value = value.to_string();
+                            xml.create_element("Item")
+                                .with_attributes([
+                                    ("name", *name),
+                                    ("value", value.as_str()),
+                                    ("description", *description),
+                                ])
+                                .write_empty()?;
+                        }
+                        Ok(())
+                    })?;
                 Ok(())
             })?;
     }
@@ -152,8 +173,14 @@ fn write_enumerations(xml: &mut Xml) -> io::Result<()> {
 
 fn write_log_categories(xml: &mut Xml) -> io::Result<()> {
     for (name, description) in [
-        ("logStatusError", "Calls that fail, and why; always reported"),
-        ("logStatusWarning", "What the user should know, such as a lifted wheel; always reported"),
+        (
+            "logStatusError",
+            "Calls that fail, and why; always reported",
+        ),
+        (
+            "logStatusWarning",
+            "What the user should know, such as a lifted wheel; always reported",
+        ),
         ("logEvents", "What the integration has cost, at the end"),
     ] {
         xml.create_element("Category")
@@ -190,7 +217,9 @@ fn write_variable(
     element.write_inner_content(|xml| {
         let selected = (configuration.selected + 1).to_string();
         match attributes.kind {
-            Kind::Boolean => xml.create_element("Boolean").with_attribute(("start", "false")),
+            Kind::Boolean => xml
+                .create_element("Boolean")
+                .with_attribute(("start", "false")),
             Kind::Enumeration => xml
                 .create_element("Enumeration")
                 .with_attributes([("declaredType", "Terrain"), ("start", selected.as_str())]),
@@ -203,7 +232,12 @@ fn write_variable(
                     ("min", attributes.min),
                     ("max", attributes.max),
                     ("nominal", attributes.nominal),
-                    ("start", configuration.parameter(variable.quantity).or(attributes.start)),
+                    (
+                        "start",
+                        configuration
+                            .parameter(variable.quantity)
+                            .or(attributes.start),
+                    ),
                 ];
                 for (name, number) in numbers {
                     if let Some(number) = number {
@@ -226,7 +260,10 @@ fn write_variable(
 /// What a state or rate depends on: its own state alone, or the quantities of its equation.
 fn dependencies(quantity: Quantity, indices: &Indices) -> (Vec<usize>, &'static str) {
     let states = |range: &[usize]| -> Vec<usize> {
-        range.iter().map(|index| indices.of(Quantity::State(*index))).collect()
+        range
+            .iter()
+            .map(|index| indices.of(Quantity::State(*index)))
+            .collect()
     };
     let motion = || {
         let mut all = states(&[3, 4, 5]);
@@ -244,24 +281,34 @@ fn dependencies(quantity: Quantity, indices: &Indices) -> (Vec<usize>, &'static 
 
 fn write_structure(xml: &mut Xml, indices: &Indices) -> io::Result<()> {
     let outputs = indices.where_(|v| v.attributes.causality == Causality::Output);
-    let rates: Vec<usize> =
-        (0..State::COUNT).map(|state| indices.of(Quantity::Rate(state))).collect();
+    let rates: Vec<usize> = (0..State::COUNT)
+        .map(|state| indices.of(Quantity::Rate(state)))
+        .collect();
     let mut initial = [outputs.clone(), rates.clone()].concat();
     initial.sort_unstable();
     xml.create_element("Outputs").write_inner_content(|xml| {
-        outputs.iter().try_for_each(|index| write_unknown(xml, *index, indices))
+        outputs
+            .iter()
+            .try_for_each(|index| write_unknown(xml, *index, indices))
     })?;
-    xml.create_element("Derivatives").write_inner_content(|xml| {
-        rates.iter().try_for_each(|index| write_unknown(xml, *index, indices))
-    })?;
+    xml.create_element("Derivatives")
+        .write_inner_content(|xml| {
+            rates
+                .iter()
+                .try_for_each(|index| write_unknown(xml, *index, indices))
+        })?;
     // At the start everything may depend on every parameter: no list says so.
-    xml.create_element("InitialUnknowns").write_inner_content(|xml| {
-        initial.iter().try_for_each(|index| {
-            let index = index.to_string();
-            let element = xml.create_element("Unknown");
-            element.with_attribute(("index", index.as_str())).write_empty().map(drop)
-        })
-    })?;
+    xml.create_element("InitialUnknowns")
+        .write_inner_content(|xml| {
+            initial.iter().try_for_each(|index| {
+                let index = index.to_string();
+                let element = xml.create_element("Unknown");
+                element
+                    .with_attribute(("index", index.as_str()))
+                    .write_empty()
+                    .map(drop)
+            })
+        })?;
     Ok(())
 }
 

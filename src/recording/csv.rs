@@ -5,7 +5,7 @@ mod error;
 
 pub use error::{Cell, CsvError};
 
-use super::{Recording, fill};
+use super::{Recording, fill_gaps};
 use csv::{ByteRecord, ReaderBuilder, Trim};
 use error::malformed;
 use std::io::Read;
@@ -249,7 +249,7 @@ impl Rows {
             ));
         }
         let column = |samples: &[Option<f64>], index: usize| {
-            fill(&self.time, samples).ok_or_else(|| {
+            fill_gaps(&self.time, samples).ok_or_else(|| {
                 let cell = header.cell_at(end, header.positions[index]);
                 let expected = format!("at least one number [{}]", COLUMNS[index].unit);
                 malformed(cell, "nothing but empty cells", expected)

@@ -37,7 +37,10 @@ impl Recording {
     /// From the first row to the last \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.time[self.len() - 1] - self.time[0]
+        match (self.time.first(), self.time.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
     }
 
     /// Wheel speeds in a row \[rad/s\].
@@ -67,7 +70,8 @@ impl Recording {
 
 /// Fills gaps between samples linearly and holds the first and the last sample beyond them.
 /// `None` where there is no sample at all.
-fn fill(time: &[f64], samples: &[Option<f64>]) -> Option<Vec<f64>> {
+#[must_use]
+pub fn fill_gaps(time: &[f64], samples: &[Option<f64>]) -> Option<Vec<f64>> {
     let mut filled = Vec::with_capacity(samples.len());
     let mut last: Option<(usize, f64)> = None;
     for (row, sample) in samples.iter().enumerate() {
@@ -94,9 +98,9 @@ mod tests {
     fn gaps_are_filled_linearly_and_ends_held() {
         let time = [0.0, 1.0, 2.0, 4.0, 5.0, 6.0];
         let samples = [None, Some(2.0), None, None, Some(10.0), None];
-        let filled = fill(&time, &samples).unwrap();
+        let filled = fill_gaps(&time, &samples).unwrap();
         assert_eq!(filled, [2.0, 2.0, 4.0, 8.0, 10.0, 10.0]);
-        assert_eq!(fill(&time[..2], &[None, None]), None);
+        assert_eq!(fill_gaps(&time[..2], &[None, None]), None);
     }
 
     #[test]

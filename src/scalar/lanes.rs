@@ -96,7 +96,10 @@ impl<S: Simd> Real for f64x8<S> {
     #[inline(always)]
     fn sin_cos_small(self) -> (Self, Self) {
         let square = self * self;
-        (self * polynomial(square, &SINE), polynomial(square, &COSINE))
+        (
+            self * polynomial(square, &SINE),
+            polynomial(square, &COSINE),
+        )
     }
 }
 

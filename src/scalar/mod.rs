@@ -83,7 +83,8 @@ mod tests {
     #[inline(always)]
     fn sample<R: Real>(x: R, y: R) -> R {
         let (sin, cos) = (x * y).sin_cos_small();
-        (sin.scale(0.3) + cos * (-x).decay()) * y.offset(2.0).inverse_sqrt() - x.offset(3.0).power(0.7)
+        (sin.scale(0.3) + cos * (-x).decay()) * y.offset(2.0).inverse_sqrt()
+            - x.offset(3.0).power(0.7)
     }
 
     #[test]

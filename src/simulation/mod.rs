@@ -7,9 +7,7 @@ mod state;
 pub use rosenbrock::Counters;
 pub use state::{State, WheelSpeeds};
 
-use crate::vehicle::{
-    Balance, BalanceError, Linearisation, Motion, Trend, VehicleModel, Wrench,
-};
+use crate::vehicle::{Balance, BalanceError, Linearisation, Motion, Trend, VehicleModel, Wrench};
 use nalgebra::{SMatrix, SVector};
 use rosenbrock::Stages;
 use std::fmt;
@@ -99,7 +97,10 @@ impl fmt::Display for SimulationError {
         match self {
             Self::Balance { time, source } => write!(f, "at {time} s: {source}"),
             Self::StepSize(step) => {
-                write!(f, "cannot step by {step} s: a step is finite and not negative")
+                write!(
+                    f,
+                    "cannot step by {step} s: a step is finite and not negative"
+                )
             }
             Self::NotFinite { what, value } => write!(f, "{what} = {value} is not finite"),
             Self::StepTooSmall { time } => write!(
@@ -271,20 +272,25 @@ impl Simulation {
     pub fn jacobian(&mut self) -> Result<Jacobian, SimulationError> {
         self.evaluate()?;
         let mut trend = self.trend.clone();
-        Ok(self.work.jacobian(&self.model, &self.state, &self.now, &mut trend))
+        Ok(self
+            .work
+            .jacobian(&self.model, &self.state, &self.now, &mut trend))
     }
 
     fn evaluate(&mut self) -> Result<(), SimulationError> {
         if self.now.valid {
             return Ok(());
         }
-        self.now.balance.clone_from(&self.anchor);
+        self.now.balance.copy_from(&self.anchor);
         let (time, motion) = (self.time, self.state.motion(self.inputs));
         self.now.solve(&self.model, &self.state, motion, time)
     }
 }
 
-fn finite<const N: usize>(names: &[&'static str; N], values: &[f64; N]) -> Result<(), SimulationError> {
+fn finite<const N: usize>(
+    names: &[&'static str; N],
+    values: &[f64; N],
+) -> Result<(), SimulationError> {
     match values.iter().position(|v| !v.is_finite()) {
         Some(index) => Err(SimulationError::NotFinite {
             what: names[index],
@@ -316,7 +322,7 @@ impl Evaluation {
 
     /// Takes another evaluation's balance as the first guess at a motion.
     fn guess_from(&mut self, other: &Self, trend: &Trend, motion: &Motion) {
-        self.balance.clone_from(&other.balance);
+        self.balance.copy_from(&other.balance);
         let (from, to) = (other.motion.to_array(), motion.to_array());
         let mut change = [0.0; 5];
         for k in 0..5 {
@@ -328,8 +334,8 @@ impl Evaluation {
     fn copy_from(&mut self, other: &Self) {
         self.valid = other.valid;
         self.motion = other.motion;
-        self.balance.clone_from(&other.balance);
-        self.wrench.clone_from(&other.wrench);
+        self.balance.copy_from(&other.balance);
+        self.wrench.copy_from(&other.wrench);
         self.derivative = other.derivative;
     }
 }

@@ -159,7 +159,7 @@ impl Simulation {
             };
             self.state = *state;
             self.now.copy_from(&self.work.stages.end);
-            self.anchor.clone_from(&self.now.balance);
+            self.anchor.copy_from(&self.now.balance);
             return Ok(true);
         }
         integrator.counters.rejected += 1;
@@ -179,7 +179,9 @@ impl Simulation {
         if self.integrator.jacobian_age < JACOBIAN_STEPS {
             return;
         }
-        let jacobian = self.work.jacobian(&self.model, &self.state, &self.now, &mut self.trend);
+        let jacobian = self
+            .work
+            .jacobian(&self.model, &self.state, &self.now, &mut self.trend);
         self.integrator.by_state = jacobian.by_state;
         self.integrator.by_input = jacobian.by_input;
         self.integrator.jacobian_age = 0;
@@ -210,7 +212,10 @@ impl Simulation {
         let k1 = solve(f0 + by_time);
         let middle = State::from_array((y + k1 * (0.5 * h)).into());
         let speeds = self.inputs.after(self.input_rates, 0.5 * h);
-        let Stages { middle: at_middle, end: at_end } = &mut self.work.stages;
+        let Stages {
+            middle: at_middle,
+            end: at_end,
+        } = &mut self.work.stages;
         self.integrator.counters.evaluations += 2;
         let motion = middle.motion(speeds);
         at_middle.guess_from(&self.now, &self.trend, &motion);

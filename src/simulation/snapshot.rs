@@ -28,7 +28,9 @@ impl Simulation {
         self.visit(&mut |number| *number = numbers.next().copied().unwrap_or_default());
         self.now.wrench.wheels.fill_with(Default::default);
         let (model, motion) = (&self.model, self.now.motion);
-        self.now.balance.wrench(model, &motion, &mut self.now.wrench);
+        self.now
+            .balance
+            .wrench(model, &motion, &mut self.now.wrench);
         self.now.derivative = self.state.derivative(&self.now.wrench).into();
         Ok(())
     }

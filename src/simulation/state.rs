@@ -26,7 +26,14 @@ impl State {
     /// The states in the order of the fields.
     #[must_use]
     pub fn to_array(self) -> [f64; Self::COUNT] {
-        [self.x, self.y, self.heading, self.v_x, self.v_y, self.yaw_rate]
+        [
+            self.x,
+            self.y,
+            self.heading,
+            self.v_x,
+            self.v_y,
+            self.yaw_rate,
+        ]
     }
 
     /// From the states in the order of the fields.

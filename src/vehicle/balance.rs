@@ -128,7 +128,12 @@ impl VehicleModel {
     /// # Errors
     /// The first parameter that lies outside its range.
     pub fn new(vehicle: Vehicle, terrain: Terrain) -> Result<Self, ParameterError> {
-        Self::with_settings(vehicle, terrain, Regularisation::default(), Resolution::default())
+        Self::with_settings(
+            vehicle,
+            terrain,
+            Regularisation::default(),
+            Resolution::default(),
+        )
     }
 
     /// A vehicle on a terrain, with other regularisation speeds or quadrature nodes.
@@ -224,7 +229,9 @@ impl VehicleModel {
             }
             balance.acceleration[0] += step[0];
             balance.acceleration[1] += step[1];
-            balance.lifted = self.plane.distribute(balance.acceleration, &mut balance.loads);
+            balance.lifted = self
+                .plane
+                .distribute(balance.acceleration, &mut balance.loads);
             let longest = balance.advance();
             let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
             if settled && longest < STEP_TOLERANCE {
@@ -243,7 +250,9 @@ impl VehicleModel {
 
     #[inline(always)]
     fn evaluate_with<V: Simd>(&self, simd: V, motion: &Motion, balance: &mut Balance) {
-        balance.lifted = self.plane.distribute(balance.acceleration, &mut balance.loads);
+        balance.lifted = self
+            .plane
+            .distribute(balance.acceleration, &mut balance.loads);
         for index in 0..balance.wheels.len() {
             let wheel = &mut balance.wheels[index];
             wheel.load = balance.loads[index][0];
@@ -278,8 +287,11 @@ impl VehicleModel {
         let [a_x, a_y] = balance.acceleration;
         let mut residual = [-mass * a_x, -mass * a_y];
         let mut matrix = [[mass, 0.0], [0.0, mass]];
-        for ((force, slope), load) in
-            balance.forces.iter().zip(&balance.slopes).zip(&balance.loads)
+        for ((force, slope), load) in balance
+            .forces
+            .iter()
+            .zip(&balance.slopes)
+            .zip(&balance.loads)
         {
             residual[0] += force.thrust - force.compaction;
             residual[1] += force.lateral;
@@ -331,7 +343,11 @@ impl Balance {
     /// one that this balance solves.
     pub(crate) fn predict(&mut self, trend: &Trend, change: &[f64; 5]) {
         let along = |slopes: &[f64; 5]| -> f64 {
-            slopes.iter().zip(change).map(|(slope, by)| slope * by).sum()
+            slopes
+                .iter()
+                .zip(change)
+                .map(|(slope, by)| slope * by)
+                .sum()
         };
         for (a, slopes) in self.acceleration.iter_mut().zip(&trend.acceleration) {
             *a += along(slopes);
@@ -340,6 +356,16 @@ impl Balance {
             let longest = 0.2 * wheel.entry_angle;
             wheel.entry_angle += along(slopes).clamp(-longest, longest);
         }
+    }
+
+    /// Takes over another balance of the same vehicle without allocating.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.acceleration = other.acceleration;
+        self.wheels.copy_from_slice(&other.wheels);
+        self.lifted = other.lifted;
+        self.loads.copy_from_slice(&other.loads);
+        self.forces.copy_from_slice(&other.forces);
+        self.slopes.copy_from_slice(&other.slopes);
     }
 
     /// Back to the first guess of [`Balance::new`].

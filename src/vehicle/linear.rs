@@ -2,7 +2,7 @@
 
 use super::balance::solve_2x2;
 use super::{Balance, Motion, VehicleModel, Wrench};
-use crate::contact::{WheelForces, WheelMotion};
+use crate::contact::{FORCE_COUNT, WheelForces, WheelMotion};
 use crate::scalar::Dual;
 use fearless_simd::{Simd, dispatch};
 
@@ -18,7 +18,7 @@ pub struct Linearisation {
     /// Scratch: derivatives of the forces in the direction asked for.
     forces: Vec<WheelForces<f64>>,
     /// Scratch: derivatives of the forces at fixed entry angles.
-    partial: Vec<[f64; 7]>,
+    partial: Vec<[f64; FORCE_COUNT]>,
 }
 
 impl Linearisation {
@@ -31,7 +31,7 @@ impl Linearisation {
             wheels: vec![zero; count],
             loads: vec![[0.0; 3]; count],
             forces: vec![WheelForces::zero(); count],
-            partial: vec![[0.0; 7]; count],
+            partial: vec![[0.0; FORCE_COUNT]; count],
         }
     }
 
@@ -42,7 +42,13 @@ impl Linearisation {
     }
 
     #[inline(always)]
-    fn evaluate_with<V: Simd>(&mut self, simd: V, model: &VehicleModel, motion: &Motion, balance: &Balance) {
+    fn evaluate_with<V: Simd>(
+        &mut self,
+        simd: V,
+        model: &VehicleModel,
+        motion: &Motion,
+        balance: &Balance,
+    ) {
         for (index, wheel) in balance.wheels.iter().enumerate() {
             self.wheels[index] = if wheel.load <= 0.0 {
                 WheelForces::zero()
@@ -74,10 +80,15 @@ impl Linearisation {
         let mut matrix = [[mass, 0.0], [0.0, mass]];
         for index in 0..self.wheels.len() {
             let change = model.wheel_motion(direction, index);
-            let along = [change.forward, change.lateral, change.yaw_rate, change.angular_speed];
-            let partial = self.wheels[index].to_array().map(|force| {
-                along.iter().zip(force.eps).map(|(d, e)| d * e).sum::<f64>()
-            });
+            let along = [
+                change.forward,
+                change.lateral,
+                change.yaw_rate,
+                change.angular_speed,
+            ];
+            let partial = self.wheels[index]
+                .to_array()
+                .map(|force| along.iter().zip(force.eps).map(|(d, e)| d * e).sum::<f64>());
             self.partial[index] = partial;
             let partial = WheelForces::from_array(partial);
             let slope = self.entry_slope(index);

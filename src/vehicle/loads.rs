@@ -141,7 +141,11 @@ mod tests {
         assert!(!lifted);
         let moment = |axis: fn((f64, f64)) -> f64| -> f64 {
             let arm = |i| axis(vehicle.wheel_centre(i));
-            loads.iter().enumerate().map(|(i, load)| arm(i) * load).sum()
+            loads
+                .iter()
+                .enumerate()
+                .map(|(i, load)| arm(i) * load)
+                .sum()
         };
         let leverage = vehicle.mass * vehicle.com_height;
         assert!((moment(|_| 1.0) - vehicle.mass * GRAVITY).abs() < ROUNDING);

@@ -40,7 +40,13 @@ impl Motion {
     /// The five quantities in the order of the fields.
     #[must_use]
     pub fn to_array(self) -> [f64; 5] {
-        [self.v_x, self.v_y, self.yaw_rate, self.omega_left, self.omega_right]
+        [
+            self.v_x,
+            self.v_y,
+            self.yaw_rate,
+            self.omega_left,
+            self.omega_right,
+        ]
     }
 
     /// From the five quantities in the order of the fields.

@@ -39,6 +39,8 @@ pub struct WheelOutputs {
     pub force_x: f64,
     /// Force of the ground along Y \[N\] (18).
     pub force_y: f64,
+    /// Torque that the axle needs \[N m\], positive drives forward.
+    pub drive_torque: f64,
 }
 
 impl Wrench {
@@ -49,6 +51,13 @@ impl Wrench {
             wheels: vec![WheelOutputs::default(); model.vehicle().wheel_count()],
             ..Self::default()
         }
+    }
+
+    /// Takes over another wrench of the same vehicle without allocating.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.wheels.copy_from_slice(&other.wheels);
+        let wheels = std::mem::take(&mut self.wheels);
+        *self = Self { wheels, ..*other };
     }
 
     /// Sums the wheels' forces, which may as well be derivatives: the sums are linear.
@@ -66,6 +75,7 @@ impl Wrench {
             turning_resistance -= ahead * force.lateral + force.arc_moment;
             self.wheels[index].force_x = wheel_x;
             self.wheels[index].force_y = force.lateral;
+            self.wheels[index].drive_torque = force.torque;
         }
         self.a_x = force_x / vehicle.mass;
         self.a_y = force_y / vehicle.mass;
@@ -76,7 +86,13 @@ impl Wrench {
     }
 
     /// Sets one wheel's load and entry angle, and the sinkage that follows.
-    pub(super) fn set_contact(&mut self, model: &VehicleModel, index: usize, load: f64, entry: f64) {
+    pub(super) fn set_contact(
+        &mut self,
+        model: &VehicleModel,
+        index: usize,
+        load: f64,
+        entry: f64,
+    ) {
         let wheel = &mut self.wheels[index];
         wheel.load = load;
         wheel.entry_angle = entry;

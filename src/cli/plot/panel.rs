@@ -19,6 +19,8 @@ const UNIT: i32 = SCALE as i32;
 
 /// Around a panel, above its axes for title and legend, beside and below them for labels.
 const MARGIN: u32 = 12 * SCALE;
+/// Half of the last tick's label reaches beyond the axis.
+const MARGIN_RIGHT: u32 = 22 * SCALE;
 const HEADER: u32 = 52 * SCALE;
 const LABELS_BESIDE: u32 = 66 * SCALE;
 const LABELS_BELOW: u32 = 46 * SCALE;
@@ -34,7 +36,7 @@ const LINE_WIDTH: u32 = 2 * SCALE;
 const FIRST_LINE_WIDTH: u32 = 3 * SCALE;
 const DOT: i32 = 5 * UNIT;
 /// Width of a letter as a share of the font's size.
-const LETTER: f64 = 0.45;
+const LETTER: f64 = 0.44;
 /// Free space beyond the largest values, as a share of their range, and the narrowest range.
 const PADDING: f64 = 0.06;
 const LEAST_WIDTH: f64 = 1e-3;
@@ -82,7 +84,7 @@ pub struct Panel {
 impl Panel {
     /// Draws the diagram over a whole area.
     pub fn draw(&self, area: &Area) -> Drawn {
-        let area = area.margin(MARGIN, MARGIN, MARGIN, MARGIN);
+        let area = area.margin(MARGIN, MARGIN, MARGIN, MARGIN_RIGHT);
         let (header, body) = area.split_vertically(HEADER);
         self.draw_header(&header)?;
         let (width, height) = body.dim_in_pixel();

@@ -23,7 +23,7 @@ const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --output motion.csv --plot motion.svg
   ugv simulate --input drive.csv --terrain dry_sand --initial v_x=1.1 --output-step 0.05
-  ugv simulate --input drive.csv --vehicle mine.json --terrain soil.json --initial no-slip heading=1.57
+  ugv simulate --input drive.csv --vehicle mine.json --initial no-slip heading=1.57 --output -
   generate | ugv simulate --input - --quiet | plot
 
 Input:   a header with time,omega_left,omega_right [s, rad/s], linear in between. Other columns are

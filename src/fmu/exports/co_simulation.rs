@@ -32,10 +32,15 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::SetInputDerivatives, "fmi2SetRealInputDerivatives", |instance| {
-            let (orders, values) = (read(orders, count)?, read(values, count)?);
-            instance.set_input_rates(read(references, count)?, orders, values)
-        })
+        call(
+            component,
+            Call::SetInputDerivatives,
+            "fmi2SetRealInputDerivatives",
+            |instance| {
+                let (orders, values) = (read(orders, count)?, read(values, count)?);
+                instance.set_input_rates(read(references, count)?, orders, values)
+            },
+        )
     }
 }
 
@@ -53,10 +58,15 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::GetOutputDerivatives, "fmi2GetRealOutputDerivatives", |instance| {
-            let (orders, values) = (read(orders, count)?, write(values, count)?);
-            instance.output_derivatives(read(references, count)?, orders, values)
-        })
+        call(
+            component,
+            Call::GetOutputDerivatives,
+            "fmi2GetRealOutputDerivatives",
+            |instance| {
+                let (orders, values) = (read(orders, count)?, write(values, count)?);
+                instance.output_derivatives(read(references, count)?, orders, values)
+            },
+        )
     }
 }
 
@@ -98,7 +108,9 @@ fn unavailable(kind: fmi2StatusKind) -> Outcome {
         fmi2StatusKind_fmi2Terminated => "fmi2Terminated",
         other => return refuse(format!("there is no status kind {other}")),
     };
-    Err(Failure::Unavailable(format!("{name} is not available: no step is ever pending")))
+    Err(Failure::Unavailable(format!(
+        "{name} is not available: no step is ever pending"
+    )))
 }
 
 /// Not available: steps are never asynchronous.
@@ -112,7 +124,11 @@ pub unsafe extern "C" fn fmi2GetStatus(
     _value: *mut fmi2Status,
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
-    unsafe { call(component, Call::GetStatus, "fmi2GetStatus", |_| unavailable(kind)) }
+    unsafe {
+        call(component, Call::GetStatus, "fmi2GetStatus", |_| {
+            unavailable(kind)
+        })
+    }
 }
 
 /// The time that the last step reached.
@@ -127,13 +143,18 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::GetStatus, "fmi2GetRealStatus", |instance| {
-            if kind != fmi2StatusKind_fmi2LastSuccessfulTime {
-                return unavailable(kind);
-            }
-            *out(value)? = instance.core.time;
-            Ok(())
-        })
+        call(
+            component,
+            Call::GetStatus,
+            "fmi2GetRealStatus",
+            |instance| {
+                if kind != fmi2StatusKind_fmi2LastSuccessfulTime {
+                    return unavailable(kind);
+                }
+                *out(value)? = instance.core.time;
+                Ok(())
+            },
+        )
     }
 }
 
@@ -148,7 +169,11 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
     _value: *mut fmi2Integer,
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
-    unsafe { call(component, Call::GetStatus, "fmi2GetIntegerStatus", |_| unavailable(kind)) }
+    unsafe {
+        call(component, Call::GetStatus, "fmi2GetIntegerStatus", |_| {
+            unavailable(kind)
+        })
+    }
 }
 
 /// Whether the FMU wants to end the simulation: it never does.
@@ -184,5 +209,9 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
     _value: *mut fmi2String,
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
-    unsafe { call(component, Call::GetStatus, "fmi2GetStringStatus", |_| unavailable(kind)) }
+    unsafe {
+        call(component, Call::GetStatus, "fmi2GetStringStatus", |_| {
+            unavailable(kind)
+        })
+    }
 }

@@ -57,17 +57,23 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::SetDebugLogging, "fmi2SetDebugLogging", |instance| {
-            for &category in read(categories, n_categories)? {
-                let known = text(category)?;
-                if !CATEGORIES.contains(&known) {
-                    let known: Vec<_> = CATEGORIES.iter().map(|c| c.to_string_lossy()).collect();
-                    return refuse(format!("the log categories are {}", known.join(", ")));
+        call(
+            component,
+            Call::SetDebugLogging,
+            "fmi2SetDebugLogging",
+            |instance| {
+                for &category in read(categories, n_categories)? {
+                    let known = text(category)?;
+                    if !CATEGORIES.contains(&known) {
+                        let known: Vec<_> =
+                            CATEGORIES.iter().map(|c| c.to_string_lossy()).collect();
+                        return refuse(format!("the log categories are {}", known.join(", ")));
+                    }
                 }
-            }
-            instance.logger.verbose = logging_on != 0;
-            Ok(())
-        })
+                instance.logger.verbose = logging_on != 0;
+                Ok(())
+            },
+        )
     }
 }
 
@@ -143,7 +149,9 @@ fn configure(
         }
         Some(folder) => {
             let folder = folder.display();
-            logger.warning(&format!("{folder} is no folder; the built-in vehicle and terrains serve"));
+            logger.warning(&format!(
+                "{folder} is no folder; the built-in vehicle and terrains serve"
+            ));
             Configuration::default()
         }
         None => Configuration::default(),
@@ -185,9 +193,12 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     let stop_time = (stop_time_defined != 0).then_some(stop_time);
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::SetupExperiment, "fmi2SetupExperiment", |instance| {
-            instance.setup_experiment(start_time, stop_time)
-        })
+        call(
+            component,
+            Call::SetupExperiment,
+            "fmi2SetupExperiment",
+            |instance| instance.setup_experiment(start_time, stop_time),
+        )
     }
 }
 
@@ -199,10 +210,15 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::EnterInitializationMode, "fmi2EnterInitializationMode", |instance| {
-            instance.core.mode = Mode::Initialization;
-            Ok(())
-        })
+        call(
+            component,
+            Call::EnterInitializationMode,
+            "fmi2EnterInitializationMode",
+            |instance| {
+                instance.core.mode = Mode::Initialization;
+                Ok(())
+            },
+        )
     }
 }
 
@@ -214,9 +230,12 @@ pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -
 pub unsafe extern "C" fn fmi2ExitInitializationMode(component: fmi2Component) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::ExitInitializationMode, "fmi2ExitInitializationMode", |instance| {
-            instance.exit_initialization()
-        })
+        call(
+            component,
+            Call::ExitInitializationMode,
+            "fmi2ExitInitializationMode",
+            |instance| instance.exit_initialization(),
+        )
     }
 }
 
@@ -348,10 +367,15 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::Serialize, "fmi2SerializedFMUstateSize", |instance| {
-            *out(size)? = instance.serialize(saved(state)?).len();
-            Ok(())
-        })
+        call(
+            component,
+            Call::Serialize,
+            "fmi2SerializedFMUstateSize",
+            |instance| {
+                *out(size)? = instance.serialize(saved(state)?).len();
+                Ok(())
+            },
+        )
     }
 }
 
@@ -368,15 +392,20 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::Serialize, "fmi2SerializeFMUstate", |instance| {
-            let bytes = instance.serialize(saved(state)?);
-            let room = write(serialized.cast::<u8>(), size)?;
-            match room.get_mut(..bytes.len()) {
-                Some(room) => room.copy_from_slice(&bytes),
-                None => return refuse(format!("{} bytes are needed, not {size}", bytes.len())),
-            }
-            Ok(())
-        })
+        call(
+            component,
+            Call::Serialize,
+            "fmi2SerializeFMUstate",
+            |instance| {
+                let bytes = instance.serialize(saved(state)?);
+                let room = write(serialized.cast::<u8>(), size)?;
+                match room.get_mut(..bytes.len()) {
+                    Some(room) => room.copy_from_slice(&bytes),
+                    None => return refuse(format!("{} bytes are needed, not {size}", bytes.len())),
+                }
+                Ok(())
+            },
+        )
     }
 }
 
@@ -393,9 +422,17 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::Serialize, "fmi2DeSerializeFMUstate", |instance| {
-            hand_over(instance.deserialize(read(serialized.cast::<u8>(), size)?)?, state)
-        })
+        call(
+            component,
+            Call::Serialize,
+            "fmi2DeSerializeFMUstate",
+            |instance| {
+                hand_over(
+                    instance.deserialize(read(serialized.cast::<u8>(), size)?)?,
+                    state,
+                )
+            },
+        )
     }
 }
 
@@ -415,13 +452,18 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::Differentiate, "fmi2GetDirectionalDerivative", |instance| {
-            instance.directional_derivative(
-                read(unknown_references, n_unknown)?,
-                read(known_references, n_known)?,
-                read(known_seeds, n_known)?,
-                write(unknown_values, n_unknown)?,
-            )
-        })
+        call(
+            component,
+            Call::Differentiate,
+            "fmi2GetDirectionalDerivative",
+            |instance| {
+                instance.directional_derivative(
+                    read(unknown_references, n_unknown)?,
+                    read(known_references, n_known)?,
+                    read(known_seeds, n_known)?,
+                    write(unknown_values, n_unknown)?,
+                )
+            },
+        )
     }
 }

@@ -31,10 +31,15 @@ const NOMINALS: [f64; State::COUNT] = [1.0, 1.0, 1.0, 1.0, 0.1, 0.5];
 pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::EnterEventMode, "fmi2EnterEventMode", |instance| {
-            instance.core.mode = Mode::Event;
-            Ok(())
-        })
+        call(
+            component,
+            Call::EnterEventMode,
+            "fmi2EnterEventMode",
+            |instance| {
+                instance.core.mode = Mode::Event;
+                Ok(())
+            },
+        )
     }
 }
 
@@ -49,17 +54,22 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::NewDiscreteStates, "fmi2NewDiscreteStates", |_| {
-            *out(event_info)? = fmi2EventInfo {
-                newDiscreteStatesNeeded: 0,
-                terminateSimulation: 0,
-                nominalsOfContinuousStatesChanged: 0,
-                valuesOfContinuousStatesChanged: 0,
-                nextEventTimeDefined: 0,
-                nextEventTime: 0.0,
-            };
-            Ok(())
-        })
+        call(
+            component,
+            Call::NewDiscreteStates,
+            "fmi2NewDiscreteStates",
+            |_| {
+                *out(event_info)? = fmi2EventInfo {
+                    newDiscreteStatesNeeded: 0,
+                    terminateSimulation: 0,
+                    nominalsOfContinuousStatesChanged: 0,
+                    valuesOfContinuousStatesChanged: 0,
+                    nextEventTimeDefined: 0,
+                    nextEventTime: 0.0,
+                };
+                Ok(())
+            },
+        )
     }
 }
 
@@ -71,10 +81,15 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(
 pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::EnterContinuousTimeMode, "fmi2EnterContinuousTimeMode", |instance| {
-            instance.core.mode = Mode::ContinuousTime;
-            Ok(())
-        })
+        call(
+            component,
+            Call::EnterContinuousTimeMode,
+            "fmi2EnterContinuousTimeMode",
+            |instance| {
+                instance.core.mode = Mode::ContinuousTime;
+                Ok(())
+            },
+        )
     }
 }
 
@@ -91,11 +106,16 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::CompletedIntegratorStep, "fmi2CompletedIntegratorStep", |_| {
-            *out(enter_event_mode)? = 0;
-            *out(terminate_simulation)? = 0;
-            Ok(())
-        })
+        call(
+            component,
+            Call::CompletedIntegratorStep,
+            "fmi2CompletedIntegratorStep",
+            |_| {
+                *out(enter_event_mode)? = 0;
+                *out(terminate_simulation)? = 0;
+                Ok(())
+            },
+        )
     }
 }
 
@@ -130,16 +150,23 @@ pub unsafe extern "C" fn fmi2SetContinuousStates(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::SetContinuousStates, "fmi2SetContinuousStates", |instance| {
-            instance.set_states(read(states, count)?)
-        })
+        call(
+            component,
+            Call::SetContinuousStates,
+            "fmi2SetContinuousStates",
+            |instance| instance.set_states(read(states, count)?),
+        )
     }
 }
 
 /// Fills an array with one number for each state.
 fn fill(values: &mut [f64], numbers: [f64; State::COUNT]) -> Outcome {
     if values.len() != State::COUNT {
-        return refuse(format!("there are {} states, not {}", State::COUNT, values.len()));
+        return refuse(format!(
+            "there are {} states, not {}",
+            State::COUNT,
+            values.len()
+        ));
     }
     values.copy_from_slice(&numbers);
     Ok(())
@@ -157,10 +184,18 @@ pub unsafe extern "C" fn fmi2GetDerivatives(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::GetDerivatives, "fmi2GetDerivatives", |instance| {
-            let rates = instance.core.simulation()?.derivative();
-            fill(write(derivatives, count)?, rates.map_err(|e| Failure::Broken(e.to_string()))?)
-        })
+        call(
+            component,
+            Call::GetDerivatives,
+            "fmi2GetDerivatives",
+            |instance| {
+                let rates = instance.core.simulation()?.derivative();
+                fill(
+                    write(derivatives, count)?,
+                    rates.map_err(|e| Failure::Broken(e.to_string()))?,
+                )
+            },
+        )
     }
 }
 
@@ -176,10 +211,15 @@ pub unsafe extern "C" fn fmi2GetEventIndicators(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::GetContinuousStates, "fmi2GetEventIndicators", |_| match count {
-            0 => Ok(()),
-            _ => refuse("there are no event indicators"),
-        })
+        call(
+            component,
+            Call::GetContinuousStates,
+            "fmi2GetEventIndicators",
+            |_| match count {
+                0 => Ok(()),
+                _ => refuse("there are no event indicators"),
+            },
+        )
     }
 }
 
@@ -195,9 +235,17 @@ pub unsafe extern "C" fn fmi2GetContinuousStates(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::GetContinuousStates, "fmi2GetContinuousStates", |instance| {
-            fill(write(states, count)?, instance.core.simulation()?.state().to_array())
-        })
+        call(
+            component,
+            Call::GetContinuousStates,
+            "fmi2GetContinuousStates",
+            |instance| {
+                fill(
+                    write(states, count)?,
+                    instance.core.simulation()?.state().to_array(),
+                )
+            },
+        )
     }
 }
 
@@ -213,8 +261,11 @@ pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::GetContinuousStates, "fmi2GetNominalsOfContinuousStates", |_| {
-            fill(write(nominals, count)?, NOMINALS)
-        })
+        call(
+            component,
+            Call::GetContinuousStates,
+            "fmi2GetNominalsOfContinuousStates",
+            |_| fill(write(nominals, count)?, NOMINALS),
+        )
     }
 }

@@ -172,7 +172,9 @@ pub unsafe extern "C" fn fmi2GetString(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::Get, "fmi2GetString", |_| no_strings(read(references, count)?))
+        call(component, Call::Get, "fmi2GetString", |_| {
+            no_strings(read(references, count)?)
+        })
     }
 }
 
@@ -189,13 +191,17 @@ pub unsafe extern "C" fn fmi2SetString(
 ) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
-        call(component, Call::Set, "fmi2SetString", |_| no_strings(read(references, count)?))
+        call(component, Call::Set, "fmi2SetString", |_| {
+            no_strings(read(references, count)?)
+        })
     }
 }
 
 fn no_strings(references: &[fmi2ValueReference]) -> Outcome {
     match references.first() {
-        Some(reference) => refuse(format!("value reference {reference} is no String; there are none")),
+        Some(reference) => refuse(format!(
+            "value reference {reference} is no String; there are none"
+        )),
         None => Ok(()),
     }
 }
