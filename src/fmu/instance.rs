@@ -141,8 +141,10 @@ impl Instance {
     pub(super) fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         // First check them all, so that a refused call has changed nothing.
         for (reference, value) in references.iter().zip(values) {
-            let (_, attributes) = self.find(*reference, Kind::Real)?;
-            self.check_settable(*reference, attributes)?;
+            let (quantity, attributes) = self.find(*reference, Kind::Real)?;
+            if !self.is_free_state(quantity) {
+                self.check_settable(*reference, attributes)?;
+            }
             if !value.is_finite() {
                 return refuse(format!(
                     "value reference {reference} cannot be set to {value}"
@@ -154,6 +156,12 @@ impl Instance {
             self.core.set_real(quantity, *value)?;
         }
         Ok(())
+    }
+
+    /// In model exchange the states are the importer's, and some set them one by one.
+    fn is_free_state(&self, quantity: Quantity) -> bool {
+        matches!(quantity, Quantity::State(_))
+            && matches!(self.core.mode, Mode::Event | Mode::ContinuousTime)
     }
 
     /// Inputs can be set at any time, parameters until the end of the initialization.
@@ -322,6 +330,14 @@ impl Core {
                 self.speeds.right = value;
             }
             return self.pass_on_speeds();
+        }
+        if let Quantity::State(index) = quantity {
+            let simulation = self.simulation()?;
+            let mut states = simulation.state().to_array();
+            states[index] = value;
+            return simulation
+                .set_state(State::from_array(states))
+                .map_err(|e| Failure::Refused(e.to_string()));
         }
         if self.parameters.set_real(quantity, value) {
             self.simulation = None;

@@ -59,10 +59,7 @@ impl Logger {
             return;
         };
         // The message is a printf format to the importer, and some replace #...# as well.
-        let clean = message
-            .replace('%', " percent")
-            .replace('#', " ")
-            .replace('\0', " ");
+        let clean = message.replace('%', " percent").replace(['#', '\0'], " ");
         let Ok(text) = CString::new(clean) else {
             return;
         };

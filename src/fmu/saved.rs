@@ -1,7 +1,7 @@
 //! Saved states of an instance, in memory and as bytes.
 
 use super::calls::Mode;
-use super::instance::{Core, Failure, Instance, Outcome, refuse};
+use super::instance::{Core, Failure, Instance, Interface, Outcome, refuse};
 use crate::declaration;
 use crate::simulation::{Simulation, WheelSpeeds};
 
@@ -24,11 +24,18 @@ impl Instance {
         if rows(&saved.core) != rows(&self.core) {
             return refuse("the state was saved from another vehicle");
         }
+        let foreign = match self.interface {
+            Interface::CoSimulation => &[Mode::Event, Mode::ContinuousTime][..],
+            Interface::ModelExchange => &[Mode::StepComplete],
+        };
+        if foreign.contains(&saved.core.mode) {
+            return refuse("the state was saved from an instance of the other interface");
+        }
         self.core = saved.core.clone();
         Ok(())
     }
 
-    /// The saved state as bytes: magic, identity of the FMU, then numbers.
+    /// The saved state as bytes: magic, identity of the FMU, numbers, and a checksum of all.
     pub(super) fn serialize(&self, saved: &Saved) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(self.identity().as_bytes());
@@ -39,6 +46,7 @@ impl Instance {
             numbers.extend(simulation.snapshot());
         }
         bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        bytes.extend(checksum(&bytes).to_le_bytes());
         bytes
     }
 
@@ -51,6 +59,13 @@ impl Instance {
         let Some(rest) = rest.strip_prefix(identity.as_bytes()) else {
             return refuse("these bytes are the state of another FMU, or of another version of it");
         };
+        // Numbers that no simulation wrote could keep a step from ever ending.
+        let Some((rest, _)) = rest
+            .split_last_chunk::<8>()
+            .filter(|(_, sum)| checksum(&bytes[..bytes.len() - sum.len()]).to_le_bytes() == **sum)
+        else {
+            return refuse("these bytes are only a part of a state, or were changed");
+        };
         let (chunks, remainder) = rest.as_chunks::<8>();
         let numbers: Vec<f64> = chunks
             .iter()
@@ -60,7 +75,7 @@ impl Instance {
         let mut count = 0;
         core.visit(&mut |_| count += 1);
         if numbers.len() < count || !remainder.is_empty() {
-            return refuse("these bytes are only a part of a state");
+            return refuse("these bytes are not a whole state");
         }
         let mut next = numbers.iter();
         let has_simulation =
@@ -83,6 +98,14 @@ impl Instance {
     fn identity(&self) -> String {
         declaration::guid(self.configuration())
     }
+}
+
+/// FNV-1a: tells bytes that were damaged or cut short, not ones that were forged.
+fn checksum(bytes: &[u8]) -> u64 {
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0100_0000_01b3;
+    let mix = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(PRIME);
+    bytes.iter().fold(BASIS, mix)
 }
 
 impl Core {

@@ -6,8 +6,6 @@ mod csv;
 #[cfg(feature = "cli")]
 pub use csv::{Cell, CsvError, read_csv};
 
-use crate::simulation::WheelSpeeds;
-
 /// Wheel speeds over time, linear in between; at least one row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
@@ -43,28 +41,22 @@ impl Recording {
         }
     }
 
-    /// Wheel speeds in a row \[rad/s\].
+    /// Left and right wheel speed in a row \[rad/s\].
     #[must_use]
-    pub fn wheel_speeds(&self, row: usize) -> WheelSpeeds {
-        WheelSpeeds {
-            left: self.omega_left[row],
-            right: self.omega_right[row],
-        }
+    pub fn wheel_speeds(&self, row: usize) -> [f64; 2] {
+        [self.omega_left[row], self.omega_right[row]]
     }
 
-    /// The rates at which the wheel speeds change from a row to the next \[rad/s^2\];
-    /// zero after the last.
+    /// The rates at which left and right wheel speed change from a row to the next
+    /// \[rad/s^2\]; zero after the last.
     #[must_use]
-    pub fn wheel_accelerations(&self, row: usize) -> WheelSpeeds {
+    pub fn wheel_accelerations(&self, row: usize) -> [f64; 2] {
         if row + 1 == self.len() {
-            return WheelSpeeds::default();
+            return [0.0; 2];
         }
         let seconds = self.time[row + 1] - self.time[row];
         let (from, to) = (self.wheel_speeds(row), self.wheel_speeds(row + 1));
-        WheelSpeeds {
-            left: (to.left - from.left) / seconds,
-            right: (to.right - from.right) / seconds,
-        }
+        [0, 1].map(|side| (to[side] - from[side]) / seconds)
     }
 }
 
@@ -111,9 +103,8 @@ mod tests {
             omega_right: vec![4.0, 2.0],
             filled_rows: 0,
         };
-        let slopes = recording.wheel_accelerations(0);
-        assert_eq!((slopes.left, slopes.right), (2.0, -4.0));
-        assert_eq!(recording.wheel_accelerations(1), WheelSpeeds::default());
+        assert_eq!(recording.wheel_accelerations(0), [2.0, -4.0]);
+        assert_eq!(recording.wheel_accelerations(1), [0.0; 2]);
         assert_eq!(recording.duration(), 0.5);
     }
 }

@@ -1,4 +1,9 @@
 //! Forward dual numbers.
+#![allow(
+    clippy::suspicious_arithmetic_impl,
+    clippy::needless_range_loop,
+    reason = "the product rule adds; loops by index keep the lanes in registers"
+)]
 
 use super::{Packed, Real, Scalar};
 use fearless_simd::{Simd, f64x8};

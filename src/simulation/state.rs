@@ -102,6 +102,12 @@ pub struct WheelSpeeds {
     pub right: f64,
 }
 
+impl From<[f64; 2]> for WheelSpeeds {
+    fn from([left, right]: [f64; 2]) -> Self {
+        Self { left, right }
+    }
+}
+
 impl WheelSpeeds {
     /// The speeds `seconds` later when they change at these `rates`.
     #[must_use]

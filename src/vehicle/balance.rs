@@ -1,26 +1,12 @@
 //! The balance of all wheels: every wheel carries its load, the loads follow from the
 //! accelerations, and the accelerations from the wheels' forces.
 
-use super::{LoadPlane, Motion, Vehicle, Wrench};
-use crate::contact::{Regularisation, Resolution, WheelContact, WheelForces, WheelMotion};
-use crate::parameter::ParameterError;
-use crate::scalar::{Dual, Scalar};
-use crate::terrain::Terrain;
-use fearless_simd::{Level, Simd, dispatch};
+use super::{Motion, VehicleModel, Wrench};
+use crate::contact::{WheelForces, WheelMotion};
+use crate::scalar::Dual;
+use fearless_simd::{Simd, dispatch};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
-
-/// A vehicle on a terrain: everything about the two that does not move.
-#[derive(Debug, Clone)]
-pub struct VehicleModel {
-    vehicle: Vehicle,
-    terrain: Terrain,
-    regularisation: Regularisation,
-    contact: WheelContact,
-    plane: LoadPlane,
-    /// The processor's vector instructions.
-    level: Level,
-}
 
 /// Entry angles and accelerations at which all wheels are in balance.
 ///
@@ -57,7 +43,7 @@ impl Trend {
     pub(crate) fn new(model: &VehicleModel) -> Self {
         Self {
             acceleration: [[0.0; 5]; 2],
-            entry_angles: vec![[0.0; 5]; model.vehicle.wheel_count()],
+            entry_angles: vec![[0.0; 5]; model.vehicle().wheel_count()],
         }
     }
 
@@ -123,90 +109,6 @@ const MAX_LOG_STEP: f64 = 0.7;
 const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-7, 1.8);
 
 impl VehicleModel {
-    /// A vehicle on a terrain, with the default settings.
-    ///
-    /// # Errors
-    /// The first parameter that lies outside its range.
-    pub fn new(vehicle: Vehicle, terrain: Terrain) -> Result<Self, ParameterError> {
-        Self::with_settings(
-            vehicle,
-            terrain,
-            Regularisation::default(),
-            Resolution::default(),
-        )
-    }
-
-    /// A vehicle on a terrain, with other regularisation speeds or quadrature nodes.
-    ///
-    /// # Errors
-    /// The first parameter that lies outside its range.
-    pub fn with_settings(
-        vehicle: Vehicle,
-        terrain: Terrain,
-        regularisation: Regularisation,
-        resolution: Resolution,
-    ) -> Result<Self, ParameterError> {
-        vehicle.validate()?;
-        let (radius, width) = (vehicle.wheel_radius, vehicle.wheel_width);
-        let contact = WheelContact::new(&terrain, radius, width, regularisation, resolution)?;
-        let plane = LoadPlane::new(&vehicle);
-        Ok(Self {
-            vehicle,
-            terrain,
-            regularisation,
-            contact,
-            plane,
-            level: Level::new(),
-        })
-    }
-
-    /// The vehicle.
-    #[must_use]
-    pub fn vehicle(&self) -> &Vehicle {
-        &self.vehicle
-    }
-
-    /// The terrain.
-    #[must_use]
-    pub fn terrain(&self) -> &Terrain {
-        &self.terrain
-    }
-
-    /// How one wheel moves (10).
-    pub(super) fn wheel_motion(&self, motion: &Motion, index: usize) -> WheelMotion<f64> {
-        let (ahead, left) = self.vehicle.wheel_centre(index);
-        WheelMotion {
-            forward: motion.v_x - motion.yaw_rate * left,
-            lateral: motion.v_y + motion.yaw_rate * ahead,
-            yaw_rate: motion.yaw_rate,
-            angular_speed: if left > 0.0 {
-                motion.omega_left
-            } else {
-                motion.omega_right
-            },
-        }
-    }
-
-    /// r omega \[m/s\] of (13), kept away from zero.
-    pub(super) fn slip_denominator<S: Scalar>(&self, omega: S) -> S {
-        let bounded = self.regularisation.bounded_angular_speed(omega);
-        let sign = if omega.value() < 0.0 { -1.0 } else { 1.0 };
-        bounded.scale(self.vehicle.wheel_radius * sign)
-    }
-
-    /// Each wheel's load and its derivatives by a_X and a_Y.
-    pub(super) fn plane_loads(&self, acceleration: [f64; 2], loads: &mut [[f64; 3]]) {
-        self.plane.distribute(acceleration, loads);
-    }
-
-    pub(super) fn level(&self) -> Level {
-        self.level
-    }
-
-    pub(super) fn contact(&self) -> &WheelContact {
-        &self.contact
-    }
-
     /// Finds the balance at a motion, starting from what `balance` holds.
     ///
     /// Newton's method on all entry angles and both accelerations at once; each wheel's
@@ -229,9 +131,7 @@ impl VehicleModel {
             }
             balance.acceleration[0] += step[0];
             balance.acceleration[1] += step[1];
-            balance.lifted = self
-                .plane
-                .distribute(balance.acceleration, &mut balance.loads);
+            balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
             let longest = balance.advance();
             let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
             if settled && longest < STEP_TOLERANCE {
@@ -245,14 +145,12 @@ impl VehicleModel {
 
     /// Evaluates every wheel's forces and their slope by its entry angle.
     fn evaluate(&self, motion: &Motion, balance: &mut Balance) {
-        dispatch!(self.level, simd => self.evaluate_with(simd, motion, balance));
+        dispatch!(self.level(), simd => self.evaluate_with(simd, motion, balance));
     }
 
     #[inline(always)]
     fn evaluate_with<V: Simd>(&self, simd: V, motion: &Motion, balance: &mut Balance) {
-        balance.lifted = self
-            .plane
-            .distribute(balance.acceleration, &mut balance.loads);
+        balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
         for index in 0..balance.wheels.len() {
             let wheel = &mut balance.wheels[index];
             wheel.load = balance.loads[index][0];
@@ -264,7 +162,10 @@ impl VehicleModel {
             }
             if wheel.entry_angle <= 0.0 {
                 let (low, high) = ENTRY_ANGLE_RANGE;
-                wheel.entry_angle = self.contact.entry_angle_guess(wheel.load).clamp(low, high);
+                wheel.entry_angle = self
+                    .contact()
+                    .entry_angle_guess(wheel.load)
+                    .clamp(low, high);
             }
             let local = self.wheel_motion(motion, index);
             let constant = |re| Dual { re, eps: [0.0] };
@@ -275,7 +176,7 @@ impl VehicleModel {
                 angular_speed: constant(local.angular_speed),
             };
             let entry = Dual::<f64, 1>::variable(wheel.entry_angle, 0);
-            let forces = self.contact.forces(simd, &local, entry).to_array();
+            let forces = self.contact().forces(simd, &local, entry).to_array();
             balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
             balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
         }
@@ -283,7 +184,7 @@ impl VehicleModel {
 
     /// Newton's step of a_X and a_Y, all entry angles following their loads.
     fn acceleration_step(&self, balance: &Balance) -> [f64; 2] {
-        let mass = self.vehicle.mass;
+        let mass = self.vehicle().mass;
         let [a_x, a_y] = balance.acceleration;
         let mut residual = [-mass * a_x, -mass * a_y];
         let mut matrix = [[mass, 0.0], [0.0, mass]];
@@ -328,7 +229,7 @@ impl Balance {
     /// A first guess: no acceleration, and entry angles from the loads at rest.
     #[must_use]
     pub fn new(model: &VehicleModel) -> Self {
-        let count = model.vehicle.wheel_count();
+        let count = model.vehicle().wheel_count();
         Self {
             acceleration: [0.0; 2],
             wheels: vec![BalancedWheel::default(); count],

@@ -37,7 +37,7 @@ impl Linearisation {
 
     /// Differentiates every wheel at a solved balance and its motion.
     pub fn evaluate(&mut self, model: &VehicleModel, motion: &Motion, balance: &Balance) {
-        model.plane_loads(balance.acceleration, &mut self.loads);
+        model.distribute_loads(balance.acceleration, &mut self.loads);
         dispatch!(model.level(), simd => self.evaluate_with(simd, model, motion, balance));
     }
 

@@ -12,13 +12,15 @@ mod balance;
 mod geometry;
 mod linear;
 mod loads;
+mod model;
 mod wrench;
 
 pub(crate) use balance::Trend;
-pub use balance::{Balance, BalanceError, VehicleModel};
+pub use balance::{Balance, BalanceError};
 pub use geometry::Vehicle;
 pub use linear::Linearisation;
 pub use loads::{GRAVITY, LoadPlane};
+pub use model::VehicleModel;
 pub use wrench::{WheelOutputs, Wrench};
 
 /// Velocities of the vehicle and speeds of its wheels: what the ground's forces depend on.

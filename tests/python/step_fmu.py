@@ -98,6 +98,9 @@ class Drive:
 def main() -> None:
     """Carries out what standard input says."""
     task: dict[str, Any] = json.load(sys.stdin)
+    answers = sys.stdout
+    # fmpy prints what the FMU logs there.
+    sys.stdout = sys.stderr
     description = read_model_description(task["fmu"])
     folder = extract(task["fmu"])
     try:
@@ -106,7 +109,7 @@ def main() -> None:
             for operation, *arguments in each["do"]:
                 getattr(drive, operation)(*arguments)
                 if operation in READ_AFTER:
-                    print(drive.read())
+                    print(drive.read(), file=answers)
             drive.fmu.terminate()
             drive.fmu.freeInstance()
     finally:

@@ -107,10 +107,10 @@ pub fn drive(
         // a clock that started in 1970 would make far too long.
         simulation.set_time(knot - start);
         simulation
-            .set_wheel_speeds(recording.wheel_speeds(row))
+            .set_wheel_speeds(recording.wheel_speeds(row).into())
             .map_err(failed)?;
         simulation
-            .set_wheel_accelerations(recording.wheel_accelerations(row))
+            .set_wheel_accelerations(recording.wheel_accelerations(row).into())
             .map_err(failed)?;
         visit(&stop(simulation, knot, schedule.due_at(knot)).map_err(failed)?)?;
         let Some(&next) = recording.time.get(row + 1) else {

@@ -76,7 +76,11 @@ fn step(text: &str) -> Result<f64, String> {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let model = args.model.load()?;
     let recording = read(&args.input)?;
-    let state = initial_state(&args.initial, model.vehicle(), recording.wheel_speeds(0))?;
+    let state = initial_state(
+        &args.initial,
+        model.vehicle(),
+        recording.wheel_speeds(0).into(),
+    )?;
     let schedule = Schedule::new(&recording, args.output_step)?;
     let mut table = Output::to(args.output.as_deref())?;
     let picture = args

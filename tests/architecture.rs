@@ -1,0 +1,123 @@
+//! The layers: which module may use which, sizes of files, and where unsafe code may be.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Each module with the modules that it may use.
+const EDGES: [(&str, &[&str]); 14] = [
+    ("parameter", &[]),
+    ("spelling", &[]),
+    ("scalar", &[]),
+    ("terrain", &["parameter"]),
+    ("contact", &["parameter", "scalar", "terrain"]),
+    ("vehicle", &["contact", "parameter", "scalar", "terrain"]),
+    ("simulation", &["vehicle"]),
+    ("json", &["parameter", "spelling", "terrain", "vehicle"]),
+    ("declaration", &["json", "terrain", "vehicle"]),
+    ("recording", &["spelling"]),
+    (
+        "fmu",
+        &["declaration", "parameter", "simulation", "vehicle"],
+    ),
+    ("package", &["declaration", "simulation"]),
+    ("lib", &[]),
+    ("main", &["cli"]),
+];
+
+/// Files are to be read in one go.
+const LONGEST_FILE: usize = 400;
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Every source file with the name of its top-level module and its text.
+fn all() -> Vec<(PathBuf, String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    sources(&root, &mut found);
+    assert!(found.len() > 30);
+    let describe = |path: PathBuf| {
+        let inside = path.strip_prefix(&root).unwrap().to_path_buf();
+        let first = inside.iter().next().unwrap().to_str().unwrap().to_owned();
+        let text = fs::read_to_string(&path).unwrap();
+        (inside, first.trim_end_matches(".rs").to_owned(), text)
+    };
+    found.into_iter().map(describe).collect()
+}
+
+/// The part of a file before its unit tests, which may use anything.
+fn product(text: &str) -> &str {
+    text.split("#[cfg(test)]").next().unwrap_or_default()
+}
+
+#[test]
+fn dependencies_point_one_way() {
+    let mut seen = 0;
+    for (path, module, text) in all() {
+        // The tool's own modules are in another crate.
+        if module == "cli" {
+            continue;
+        }
+        let allowed = EDGES.iter().find(|(name, _)| *name == module);
+        let (_, allowed) = allowed.unwrap_or_else(|| panic!("module {module} has no edges"));
+        for (number, line) in product(&text).lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            for used in code.split("crate::").skip(1) {
+                let used: String = used
+                    .chars()
+                    .take_while(|c| c.is_alphanumeric() || *c == '_')
+                    .collect();
+                seen += 1;
+                assert!(
+                    used == module || allowed.contains(&used.as_str()),
+                    "src/{}:{}: {module} must not use {used}",
+                    path.display(),
+                    number + 1
+                );
+            }
+        }
+    }
+    assert!(seen > 50, "the search finds nothing: {seen}");
+}
+
+#[test]
+fn only_the_c_interface_is_unsafe() {
+    for (path, module, text) in all() {
+        let unsafe_code = text.lines().any(|line| {
+            let code = line.split("//").next().unwrap_or_default();
+            code.contains("unsafe ") || code.contains("unsafe{")
+        });
+        assert!(!unsafe_code || module == "fmu", "src/{}", path.display());
+        if module == "fmu" {
+            let blocks = text.matches("unsafe {").count();
+            let reasons = text.matches("// SAFETY:").count();
+            let tests = text.split("#[cfg(test)]").nth(1).unwrap_or_default();
+            let in_tests = tests.matches("unsafe {").count();
+            assert!(
+                blocks - in_tests <= reasons,
+                "src/{}: {blocks} and {reasons}",
+                path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn files_stay_readable() {
+    for (path, _, text) in all() {
+        let lines = text.lines().count();
+        assert!(
+            lines <= LONGEST_FILE,
+            "src/{}: {lines} lines",
+            path.display()
+        );
+    }
+}
