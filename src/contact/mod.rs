@@ -10,4 +10,4 @@ mod wheel;
 
 pub use quadrature::Resolution;
 pub(crate) use wheel::FORCE_COUNT;
-pub use wheel::{Regularisation, WheelContact, WheelForces, WheelMotion};
+pub use wheel::{Detail, Regularisation, WheelContact, WheelForces, WheelMotion};

@@ -81,8 +81,10 @@ struct Column<P> {
 /// What the whole patch shares.
 struct Arc<S> {
     entry: S,
-    /// sin(theta_1 / 2)^2.
+    /// sin(theta_1 / 2), its square, and cos(theta_1 / 2).
+    half_sine: S,
     half_sine_squared: S,
+    half_cosine: S,
     sin_entry: S,
     cos_entry: S,
 }
@@ -118,7 +120,9 @@ impl PatchLaw {
         let (half_sine, half_cosine) = entry.scale(0.5).sin_cos_small();
         let arc = Arc {
             entry,
+            half_sine,
             half_sine_squared: half_sine * half_sine,
+            half_cosine,
             sin_entry: half_sine * half_cosine.scale(2.0),
             cos_entry: (half_sine * half_sine).scale(-2.0).offset(1.0),
         };
@@ -135,11 +139,9 @@ impl PatchLaw {
             let (at, weight) = nodes.load(simd);
             let packed_entry = entry.splat(simd);
             let angle = packed_entry.scale_lanes(at);
-            // (5) is (3) mirrored about the middle of the arc.
-            let from_middle = at.max(1.0 - at);
-            let stress = self.stress(simd, &arc, packed_entry.scale_lanes(from_middle));
             let weight = packed_entry.scale_lanes(weight);
-            let column = self.column(simd, motion, &arc, angle, stress, weight);
+            let front = f64x8::simd_from(simd, nodes.front);
+            let column = self.column(simd, motion, &arc, angle, front, weight);
             normal[0] += column.stress * column.sin;
             normal[1] += column.stress * column.cos;
             let rows = self.rows(width, motion).enumerate();
@@ -223,20 +225,7 @@ impl PatchLaw {
         bits
     }
 
-    /// Normal stress (3) at an angle of the front half; (5) mirrors it to the rear half.
-    #[inline(always)]
-    fn stress<V: Simd, S: Scalar>(
-        &self,
-        simd: V,
-        arc: &Arc<S>,
-        angle: S::Packed<V>,
-    ) -> S::Packed<V> {
-        let (sine, _) = angle.scale(0.5).sin_cos_small();
-        let half_rise = arc.half_sine_squared.splat(simd) - sine * sine;
-        half_rise.power(self.exponent).scale(self.pressure)
-    }
-
-    /// Prepares eight nodes of the arc.
+    /// Prepares eight nodes of the arc; `front` is 1 for those in the front half, else 0.
     #[inline(always)]
     fn column<V: Simd, S: Scalar>(
         &self,
@@ -244,15 +233,22 @@ impl PatchLaw {
         motion: &PatchMotion<S>,
         arc: &Arc<S>,
         angle: S::Packed<V>,
-        stress: S::Packed<V>,
+        front: f64x8<V>,
         weight: S::Packed<V>,
     ) -> Column<S::Packed<V>> {
         let (half_sine, half_cosine) = angle.scale(0.5).sin_cos_small();
         let sine_squared = half_sine * half_sine;
         let sin = half_sine * half_cosine.scale(2.0);
         let cos = sine_squared.scale(-2.0).offset(1.0);
-        let rise = (arc.half_sine_squared.splat(simd) - sine_squared).scale(2.0);
+        let entry_squared = arc.half_sine_squared.splat(simd);
+        let rise = (entry_squared - sine_squared).scale(2.0);
         let travelled = arc.entry.splat(simd) - angle;
+        // (5) is (3) at the angle theta_1 - theta.
+        let mirrored =
+            arc.half_sine.splat(simd) * half_cosine - arc.half_cosine.splat(simd) * half_sine;
+        let from_middle = mirrored + (half_sine - mirrored).scale_lanes(front);
+        let half_rise = entry_squared - from_middle * from_middle;
+        let stress = half_rise.power(self.exponent).scale(self.pressure);
         let cos_entry = arc.cos_entry.splat(simd);
         let sin_entry = arc.sin_entry.splat(simd);
         let lateral = motion.lateral.splat(simd);
@@ -342,15 +338,14 @@ impl PatchLaw {
         let ends = [S::constant(0.0), first, second, arc.entry];
         for pair in ends.windows(2) {
             let (start, length) = (pair[0], pair[1] - pair[0]);
-            let front = start.value() >= middle.value();
+            let front = f64::from(u8::from(start.value() >= middle.value()));
+            let front = f64x8::splat(simd, front);
             for nodes in &rule.stretch {
                 let (at, weight) = nodes.load(simd);
                 let packed_length = length.splat(simd);
                 let angle = start.splat(simd) + packed_length.scale_lanes(at);
-                let mirrored = arc.entry.splat(simd) - angle;
-                let stress = self.stress(simd, arc, if front { angle } else { mirrored });
                 let weight = packed_length.scale_lanes(weight);
-                let column = self.column(simd, motion, arc, angle, stress, weight);
+                let column = self.column(simd, motion, arc, angle, front, weight);
                 self.accumulate(simd, sums, motion, &column, std::iter::once(*row));
             }
         }

@@ -11,7 +11,7 @@
 pub struct Resolution {
     /// Nodes along the contact arc.
     pub arc: usize,
-    /// Nodes across the wheel's width; twice as many where the slip velocity changes its
+    /// Nodes across the wheel's width; half as many more where the slip velocity changes its
     /// sign inside the contact.
     pub width: usize,
     /// Nodes in each third of an arc in which the slip velocity changes its sign.
@@ -31,11 +31,25 @@ impl Default for Resolution {
 /// Nodes are evaluated so many at a time.
 pub(crate) const LANES: usize = 8;
 
+impl Resolution {
+    /// Half the nodes in each direction.
+    #[must_use]
+    pub fn halved(self) -> Self {
+        Self {
+            arc: self.arc.div_ceil(2),
+            width: self.width.div_ceil(2),
+            reversal: self.reversal.div_ceil(2),
+        }
+    }
+}
+
 /// Eight nodes of a rule on (0, 1) and their weights.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Nodes {
     pub at: [f64; LANES],
     pub weight: [f64; LANES],
+    /// 1 for nodes beyond the middle, else 0.
+    pub front: [f64; LANES],
 }
 
 /// The rules that a contact evaluation uses, computed once.
@@ -47,7 +61,7 @@ pub(crate) struct Quadrature {
     pub stretch: Vec<Nodes>,
     /// Across the width: offset y / b in (-1/2, 1/2) and weight.
     pub width: Vec<(f64, f64)>,
-    /// The same with twice the nodes, for a wheel in which the slip velocity changes its sign.
+    /// The same with half as many more, for a wheel in which the slip velocity changes its sign.
     pub width_reversed: Vec<(f64, f64)>,
 }
 
@@ -79,7 +93,7 @@ impl Quadrature {
             arc,
             stretch,
             width: across(resolution.width),
-            width_reversed: across(2 * resolution.width),
+            width_reversed: across((3 * resolution.width).div_ceil(2)),
         }
     }
 }
@@ -90,6 +104,7 @@ fn packed(mut nodes: Vec<(f64, f64)>) -> Vec<Nodes> {
     let eight = |chunk: &[(f64, f64)]| Nodes {
         at: std::array::from_fn(|k| chunk[k].0),
         weight: std::array::from_fn(|k| chunk[k].1),
+        front: std::array::from_fn(|k| f64::from(u8::from(chunk[k].0 > 0.5))),
     };
     nodes.chunks_exact(LANES).map(eight).collect()
 }

@@ -78,6 +78,7 @@ pub(super) enum Call {
     SetContinuousStates,
     GetDerivatives,
     GetContinuousStates,
+    GetNominals,
 }
 
 const INSTANTIATED: u16 = Mode::Instantiated as u16;
@@ -118,6 +119,9 @@ impl Call {
             Self::SetTime => EVENT | CONTINUOUS,
             Self::GetDerivatives => EVENT | CONTINUOUS | TERMINATED | ERROR,
             Self::GetContinuousStates => INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR,
+            Self::GetNominals => {
+                INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR
+            }
         }
     }
 

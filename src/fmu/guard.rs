@@ -141,3 +141,167 @@ pub(super) unsafe fn out<'a, T>(pointer: *mut T) -> Outcome<&'a mut T> {
         _ => refuse("a result has nowhere to go"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::declaration::Configuration;
+    use crate::fmu::instance::Interface;
+    use crate::fmu::logger::Logger;
+    use fmi_sys::fmi2::{
+        fmi2CallbackFunctions, fmi2CallbackLogger, fmi2ComponentEnvironment,
+        fmi2Status_fmi2Warning, fmi2String,
+    };
+    use std::cell::RefCell;
+    use std::ffi::CStr;
+    use std::ptr::null_mut;
+
+    /// What the importer's logger was told.
+    #[derive(Default)]
+    struct Log(RefCell<Vec<(fmi2Status, String)>>);
+
+    /// The standard's logger, but for the arguments that a format would take: there are none.
+    unsafe extern "C" fn log(
+        environment: fmi2ComponentEnvironment,
+        _instance_name: fmi2String,
+        status: fmi2Status,
+        _category: fmi2String,
+        message: fmi2String,
+    ) {
+        // SAFETY: the environment is the log of `component`, the message ends in zero.
+        let (log, message) = unsafe { (&*environment.cast::<Log>(), CStr::from_ptr(message)) };
+        let message = message.to_str().unwrap().to_owned();
+        log.0.borrow_mut().push((status, message));
+    }
+
+    fn component(environment: &Log) -> fmi2Component {
+        // SAFETY: the fixed arguments of a variadic function are passed like any others.
+        let logger: fmi2CallbackLogger = unsafe { std::mem::transmute(log as *const ()) };
+        let functions = fmi2CallbackFunctions {
+            logger,
+            allocateMemory: None,
+            freeMemory: None,
+            stepFinished: None,
+            componentEnvironment: std::ptr::from_ref(environment).cast_mut().cast(),
+        };
+        let logger = Logger::new(Some(&functions), c"test", false);
+        let configuration = Configuration::default();
+        into_component(Instance::new(
+            logger,
+            Interface::CoSimulation,
+            configuration,
+        ))
+    }
+
+    fn run(component: fmi2Component, body: impl FnOnce(&mut Instance) -> Outcome) -> fmi2Status {
+        // SAFETY: the tests use live components or null.
+        unsafe { call(component, Call::SetDebugLogging, "fmi2Test", body) }
+    }
+
+    #[test]
+    fn a_panic_is_fatal_poisons_the_instance_and_leaves_the_others_alone() {
+        let (log, other_log) = (Log::default(), Log::default());
+        let (broken, other) = (component(&log), component(&other_log));
+        let status = run(broken, |instance| {
+            instance.core.time = 3.0;
+            panic!("an index of {} is 100% out of bounds", 7)
+        });
+        assert_eq!(status, fmi2Status_fmi2Fatal);
+        let expected = "fmi2Test failed internally (an index of 7 is 100 percent out of bounds); \
+                        this instance can only be freed";
+        assert_eq!(log.0.take(), [(fmi2Status_fmi2Fatal, expected.to_owned())]);
+
+        let status = run(broken, |_| {
+            unreachable!("a poisoned instance is left alone")
+        });
+        assert_eq!(status, fmi2Status_fmi2Error);
+        let expected = "fmi2Test: this instance failed internally and can only be freed";
+        assert_eq!(log.0.take(), [(fmi2Status_fmi2Error, expected.to_owned())]);
+
+        let status = run(other, |instance| instance.setup_experiment(1.0, None));
+        assert_eq!(status, fmi2Status_fmi2OK);
+        // SAFETY: both are live, and not used any more.
+        unsafe {
+            free(broken);
+            free(other);
+        }
+        assert!(log.0.borrow().is_empty() && other_log.0.borrow().is_empty());
+    }
+
+    #[test]
+    fn a_panic_without_words_is_fatal_as_well() {
+        let log = Log::default();
+        let component = component(&log);
+        let status = run(component, |_| std::panic::panic_any(7_u8));
+        assert_eq!(status, fmi2Status_fmi2Fatal);
+        assert!(log.0.borrow()[0].1.contains("(no message)"));
+        // SAFETY: it is live, and not used any more.
+        unsafe { free(component) };
+    }
+
+    #[test]
+    fn failures_have_the_standards_status_and_are_reported() {
+        let log = Log::default();
+        let component = component(&log);
+        let text = || "reason".to_owned();
+        for (failure, status, severity, mode) in [
+            (
+                Failure::Unavailable(text()),
+                fmi2Status_fmi2Discard,
+                fmi2Status_fmi2Warning,
+                Mode::Instantiated,
+            ),
+            (
+                Failure::Refused(text()),
+                fmi2Status_fmi2Error,
+                fmi2Status_fmi2Error,
+                Mode::Instantiated,
+            ),
+            (
+                Failure::Broken(text()),
+                fmi2Status_fmi2Error,
+                fmi2Status_fmi2Error,
+                Mode::Error,
+            ),
+        ] {
+            assert_eq!(run(component, |_| Err(failure)), status);
+            assert_eq!(log.0.take(), [(severity, "fmi2Test: reason".to_owned())]);
+            let now = |instance: &mut Instance| {
+                assert_eq!(instance.core.mode, mode);
+                Ok(())
+            };
+            assert_eq!(run(component, now), fmi2Status_fmi2OK);
+        }
+        // SAFETY: it is live, and not used any more.
+        unsafe { free(component) };
+    }
+
+    #[test]
+    fn what_is_no_handle_is_refused() {
+        let unreachable = |_: &mut Instance| unreachable!();
+        assert_eq!(run(null_mut(), unreachable), fmi2Status_fmi2Error);
+        let mut memory = vec![0_u64; size_of::<Handle>()];
+        let other = memory.as_mut_ptr().cast();
+        assert_eq!(run(other, unreachable), fmi2Status_fmi2Error);
+        // SAFETY: null is allowed, and what has not the handle's mark is not touched.
+        unsafe {
+            free(null_mut());
+            free(other);
+        }
+    }
+
+    #[test]
+    fn empty_arrays_may_be_null_and_others_not() {
+        // SAFETY: what is read or written is null or a live local.
+        unsafe {
+            assert!(read::<f64>(std::ptr::null(), 0).unwrap().is_empty());
+            assert!(read::<f64>(std::ptr::null(), 1).is_err());
+            assert!(write::<f64>(null_mut(), 0).unwrap().is_empty());
+            assert!(write::<f64>(null_mut(), 2).is_err());
+            assert!(out::<f64>(null_mut()).is_err());
+            let values = [1.0, 2.0];
+            assert_eq!(read(values.as_ptr(), 2).unwrap(), values);
+            assert!(read(values.as_ptr().wrapping_byte_add(1), 1).is_err());
+        }
+    }
+}

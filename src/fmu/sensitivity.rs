@@ -80,6 +80,9 @@ impl Instance {
         let mut direction = Direction::default();
         for (reference, seed) in knowns.iter().zip(seeds) {
             let (quantity, _) = self.find(*reference, Kind::Real)?;
+            if !seed.is_finite() {
+                return refuse(format!("a seed cannot be {seed}"));
+            }
             match quantity {
                 Quantity::Input(0) => direction.speeds.left += seed,
                 Quantity::Input(_) => direction.speeds.right += seed,

@@ -1,7 +1,7 @@
 //! Values: one `f64`, or eight in the processor's vector registers.
 
 use super::{Packed, Real, Scalar};
-use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, f64x8, i64x8};
+use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, SimdSplit, f64x8, i64x8};
 
 /// Where [`Real::decay`] levels off: exp(-700) is still a normal number.
 const DECAY_FLOOR: f64 = -700.0;
@@ -112,9 +112,10 @@ impl<S: Simd> Packed<S> for f64x8<S> {
     /// Summed in a fixed order, so that every instruction set gives the same bits.
     #[inline(always)]
     fn sum(self) -> f64 {
-        let lanes = self.as_slice();
-        let pairs = |k: usize| (lanes[k] + lanes[k + 4]) + (lanes[k + 2] + lanes[k + 6]);
-        pairs(0) + pairs(1)
+        let (low, high) = self.split();
+        let (low, high) = (low + high).split();
+        let last = low + high;
+        last.as_slice()[0] + last.as_slice()[1]
     }
 }
 

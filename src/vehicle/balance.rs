@@ -2,7 +2,7 @@
 //! accelerations, and the accelerations from the wheels' forces.
 
 use super::{Motion, VehicleModel, Wrench};
-use crate::contact::{WheelForces, WheelMotion};
+use crate::contact::{Detail, WheelForces, WheelMotion};
 use crate::scalar::Dual;
 use fearless_simd::{Simd, dispatch};
 use std::f64::consts::FRAC_PI_2;
@@ -99,8 +99,10 @@ impl std::error::Error for BalanceError {}
 
 /// Relative change of the entry angles, and change of the accelerations \[m/s^2\], below which
 /// Newton's method stops. It applies that last step too, so what remains is its square.
-const STEP_TOLERANCE: f64 = 3e-4;
-const ACCELERATION_TOLERANCE: f64 = 1e-3;
+const STEP_TOLERANCE: f64 = 1e-3;
+const ACCELERATION_TOLERANCE: f64 = 5e-3;
+/// The coarse rule is worth no smaller steps than this.
+const COARSE_STEP_TOLERANCE: f64 = 0.02;
 /// Newton's method settles in two or three steps; many more mean that it never will.
 const MAX_ITERATIONS: usize = 60;
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
@@ -113,7 +115,8 @@ impl VehicleModel {
     ///
     /// Newton's method on all entry angles and both accelerations at once; each wheel's
     /// angle couples to the others through the accelerations alone, so that a step is one
-    /// evaluation of every wheel and a 2 by 2 system.
+    /// evaluation of every wheel and a 2 by 2 system. Where nothing is known yet, the first
+    /// steps integrate by the coarse rule.
     ///
     /// # Errors
     /// A bogged wheel, or a motion that is not finite. `balance` is then of no use as an
@@ -122,8 +125,10 @@ impl VehicleModel {
         if !motion.to_array().iter().all(|v| v.is_finite()) {
             return Err(BalanceError::NotFinite(*motion));
         }
+        let fresh = balance.wheels.iter().all(|wheel| wheel.entry_angle == 0.0);
+        let mut detail = if fresh { Detail::Coarse } else { Detail::Full };
         for _ in 0..MAX_ITERATIONS {
-            self.evaluate(motion, balance);
+            self.evaluate(motion, balance, detail);
             let step = self.acceleration_step(balance);
             if !step.iter().all(|v| v.is_finite()) {
                 balance.reset();
@@ -134,8 +139,12 @@ impl VehicleModel {
             balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
             let longest = balance.advance();
             let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
-            if settled && longest < STEP_TOLERANCE {
-                return balance.check_bogged();
+            match detail {
+                Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
+                Detail::Full if settled && longest < STEP_TOLERANCE => {
+                    return balance.check_bogged();
+                }
+                _ => {}
             }
         }
         let outcome = balance.check_bogged();
@@ -144,12 +153,18 @@ impl VehicleModel {
     }
 
     /// Evaluates every wheel's forces and their slope by its entry angle.
-    fn evaluate(&self, motion: &Motion, balance: &mut Balance) {
-        dispatch!(self.level(), simd => self.evaluate_with(simd, motion, balance));
+    fn evaluate(&self, motion: &Motion, balance: &mut Balance, detail: Detail) {
+        dispatch!(self.level(), simd => self.evaluate_with(simd, motion, balance, detail));
     }
 
     #[inline(always)]
-    fn evaluate_with<V: Simd>(&self, simd: V, motion: &Motion, balance: &mut Balance) {
+    fn evaluate_with<V: Simd>(
+        &self,
+        simd: V,
+        motion: &Motion,
+        balance: &mut Balance,
+        detail: Detail,
+    ) {
         balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
         for index in 0..balance.wheels.len() {
             let wheel = &mut balance.wheels[index];
@@ -176,7 +191,10 @@ impl VehicleModel {
                 angular_speed: constant(local.angular_speed),
             };
             let entry = Dual::<f64, 1>::variable(wheel.entry_angle, 0);
-            let forces = self.contact().forces(simd, &local, entry).to_array();
+            let forces = self
+                .contact()
+                .forces(simd, &local, entry, detail)
+                .to_array();
             balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
             balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
         }

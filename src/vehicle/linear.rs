@@ -2,7 +2,7 @@
 
 use super::balance::solve_2x2;
 use super::{Balance, Motion, VehicleModel, Wrench};
-use crate::contact::{FORCE_COUNT, WheelForces, WheelMotion};
+use crate::contact::{Detail, FORCE_COUNT, WheelForces, WheelMotion};
 use crate::scalar::Dual;
 use fearless_simd::{Simd, dispatch};
 
@@ -61,7 +61,7 @@ impl Linearisation {
                     angular_speed: Dual::variable(local.angular_speed, 3),
                 };
                 let entry = Dual::variable(wheel.entry_angle, 4);
-                model.contact().forces(simd, &local, entry)
+                model.contact().forces(simd, &local, entry, Detail::Full)
             };
         }
     }

@@ -20,11 +20,11 @@ fn expected_rows(terrain: &str, state: State) -> Vec<Vec<f64>> {
     let mut rows = Vec::new();
     for row in 0..recording.len() {
         let speeds = recording.wheel_speeds(row);
-        simulation.set_wheel_speeds(speeds).unwrap();
+        simulation.set_wheel_speeds(speeds.into()).unwrap();
         simulation
-            .set_wheel_accelerations(recording.wheel_accelerations(row))
+            .set_wheel_accelerations(recording.wheel_accelerations(row).into())
             .unwrap();
-        let mut values = vec![recording.time[row], speeds.left, speeds.right];
+        let mut values = vec![recording.time[row], speeds[0], speeds[1]];
         values.extend(simulation.state().to_array());
         let wrench = simulation.wrench().unwrap();
         values.extend([

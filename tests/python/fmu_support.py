@@ -6,10 +6,12 @@
 import atexit
 import ctypes
 import functools
+import json
 import os
+import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
 from typing import NamedTuple, Self
@@ -29,6 +31,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 STATES = ("x", "y", "heading", "v_x", "v_y", "yaw_rate")
 RATES = tuple(f"der({name})" for name in STATES)
 INPUTS = ("omega_left", "omega_right")
+ANY_GUID = "00000000-0000-0000-0000-000000000000"
 TERRAINS = {"dry_sand": 1, "sandy_loam": 2, "clayed_soil": 3, "dry_clay": 4, "custom": 5}
 
 
@@ -292,3 +295,35 @@ def as_references(references: Sequence[int]) -> ctypes.Array[c_uint]:
 def as_reals(values: Sequence[float]) -> ctypes.Array[c_double]:
     """Numbers as C takes them."""
     return (c_double * len(values))(*values)
+
+
+def resources(change: Callable[[Path], None] | None = None, name: str = "resources") -> Path:
+    """A changed copy of the FMU's resources."""
+    folder = Path(tempfile.mkdtemp(dir=scratch())) / name
+    shutil.copytree(fmu().folder / "resources", folder)
+    if change:
+        change(folder)
+    return folder
+
+
+def refusal(**arguments: str | int | None) -> str:
+    """Why no instance is created."""
+    with Instance(**arguments) as instance:
+        if instance.handle is not None:
+            raise AssertionError(f"an instance was created with {arguments}")
+        return instance.messages[-1].text
+
+
+def lighter(folder: Path) -> None:
+    """Takes 100 kg off the vehicle and one row from under it."""
+    file = folder / "vehicle.json"
+    vehicle = json.loads(file.read_text())
+    vehicle["mass"] -= 100.0
+    vehicle["row_positions"].pop(1)
+    file.write_text(json.dumps(vehicle))
+
+
+def guid_of(folder: Path) -> str:
+    """The guid that the library expects with these resources, from its complaint."""
+    complaint = refusal(guid=ANY_GUID, resources=folder.as_uri())
+    return re.search(rf"guid {ANY_GUID} is not ([0-9a-f-]{{36}}),", complaint)[1]

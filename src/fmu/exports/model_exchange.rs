@@ -263,7 +263,7 @@ pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
     unsafe {
         call(
             component,
-            Call::GetContinuousStates,
+            Call::GetNominals,
             "fmi2GetNominalsOfContinuousStates",
             |_| fill(write(nominals, count)?, NOMINALS),
         )

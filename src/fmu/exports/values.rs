@@ -1,7 +1,7 @@
 //! Reading and writing variables.
 
 use super::conforms;
-use crate::declaration::{Kind, Quantity};
+use crate::declaration::Kind;
 use crate::fmu::calls::Call;
 use crate::fmu::guard::{call, read, write};
 use crate::fmu::instance::{Outcome, refuse};
@@ -94,12 +94,16 @@ pub unsafe extern "C" fn fmi2SetInteger(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Set, "fmi2SetInteger", |instance| {
-            for (reference, value) in read(references, count)?.iter().zip(read(values, count)?) {
+            let values = read(values, count)?;
+            for (reference, value) in read(references, count)?.iter().zip(values) {
                 let (_, attributes) = instance.find(*reference, Kind::Enumeration)?;
                 instance.check_settable(*reference, attributes)?;
                 if !(1..=5).contains(value) {
                     return refuse(format!("terrain {value} is not one of 1 to 5"));
                 }
+            }
+            // The only one is the terrain.
+            if let Some(value) = values.last() {
                 instance.core.parameters.configuration.selected = *value as usize - 1;
                 instance.core.simulation = None;
             }
@@ -146,13 +150,15 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Set, "fmi2SetBoolean", |instance| {
-            for (reference, value) in read(references, count)?.iter().zip(read(values, count)?) {
-                let (quantity, attributes) = instance.find(*reference, Kind::Boolean)?;
+            let values = read(values, count)?;
+            for reference in read(references, count)? {
+                let (_, attributes) = instance.find(*reference, Kind::Boolean)?;
                 instance.check_settable(*reference, attributes)?;
-                if quantity == Quantity::NoSlip {
-                    instance.core.parameters.no_slip = *value != 0;
-                    instance.core.simulation = None;
-                }
+            }
+            // The only one is whether to start without slip.
+            if let Some(value) = values.last() {
+                instance.core.parameters.no_slip = *value != 0;
+                instance.core.simulation = None;
             }
             Ok(())
         })
