@@ -335,19 +335,19 @@ impl PatchLaw {
         } else {
             (middle, turn)
         };
-        let ends = [S::constant(0.0), first, second, arc.entry];
-        for pair in ends.windows(2) {
-            let (start, length) = (pair[0], pair[1] - pair[0]);
-            let front = f64::from(u8::from(start.value() >= middle.value()));
-            let front = f64x8::splat(simd, front);
-            for nodes in &rule.stretch {
-                let (at, weight) = nodes.load(simd);
-                let packed_length = length.splat(simd);
-                let angle = start.splat(simd) + packed_length.scale_lanes(at);
-                let weight = packed_length.scale_lanes(weight);
-                let column = self.column(simd, motion, arc, angle, front, weight);
-                self.accumulate(simd, sums, motion, &column, std::iter::once(*row));
-            }
+        let ends = [first.splat(simd), second.splat(simd), arc.entry.splat(simd)];
+        let late = usize::from(turn.value() >= middle.value());
+        for nodes in &rule.reversed[late] {
+            let mix = |shares: &[[f64; 8]; 3]| {
+                let share = |end: usize| f64x8::simd_from(simd, shares[end]);
+                ends[0].scale_lanes(share(0))
+                    + ends[1].scale_lanes(share(1))
+                    + ends[2].scale_lanes(share(2))
+            };
+            let (angle, weight) = (mix(&nodes.at), mix(&nodes.weight));
+            let front = f64x8::simd_from(simd, nodes.front);
+            let column = self.column(simd, motion, arc, angle, front, weight);
+            self.accumulate(simd, sums, motion, &column, std::iter::once(*row));
         }
     }
 }

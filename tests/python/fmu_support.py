@@ -16,6 +16,7 @@ from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
 from typing import NamedTuple, Self
 
+import fmpy
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import (
     fmi2CallbackFunctions,
@@ -33,6 +34,14 @@ RATES = tuple(f"der({name})" for name in STATES)
 INPUTS = ("omega_left", "omega_right")
 ANY_GUID = "00000000-0000-0000-0000-000000000000"
 TERRAINS = {"dry_sand": 1, "sandy_loam": 2, "clayed_soil": 3, "dry_clay": 4, "custom": 5}
+
+# The functions that the standard's header declares, without their prefix.
+STANDARD = set(
+    re.findall(
+        r"FMI2_Export fmi2\w+TYPE\s+fmi2(\w+);",
+        (Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h").read_text("latin-1"),
+    )
+)
 
 
 def fmu_path() -> Path:
@@ -139,7 +148,9 @@ class Instance:
         )
         self.time = 0.0
 
-    def _log(self, environment: int, name: bytes, status: int, category: bytes, text: bytes) -> None:
+    def _log(
+        self, environment: int, name: bytes, status: int, category: bytes, text: bytes
+    ) -> None:
         message = Message(environment, name.decode(), status, category.decode(), text.decode())
         self.messages.append(message)
 

@@ -2,12 +2,13 @@
 
 import itertools
 import unittest
+from typing import ClassVar
 
 import numpy as np
 from fmu_support import INPUTS, RATES, STATES, Failed, Instance, fmu, model_exchange
 
-# Central differences: the difference's own error grows with the square of the step, the noise of the
-# balance (below 1e-12 of a value) with its inverse; 1e-5 is about where they meet.
+# Central differences: the difference's own error grows with the square of the step, the noise of
+# the balance (below 1e-12 of a value) with its inverse; 1e-5 is about where they meet.
 STEP = 1e-5
 # What is left of both, as a share of the derivative and of the value itself.
 RELATIVE_TOLERANCE = 1e-5
@@ -109,8 +110,8 @@ class Directional(unittest.TestCase):
 class OutputDerivatives(unittest.TestCase):
     """fmi2GetRealOutputDerivatives."""
 
-    # Two short steps, from the middle of which the derivative is asked; the integrator's own error in
-    # them is far below its tolerance, but not zero.
+    # Two short steps, from the middle of which the derivative is asked; the integrator's own error
+    # in them is far below its tolerance, but not zero.
     SECONDS = 1e-3
     TOLERANCE = 2e-3
 
@@ -152,7 +153,7 @@ class InputDerivatives(unittest.TestCase):
     """fmi2SetRealInputDerivatives: inputs that are linear within a step."""
 
     RATES = (3.0, -2.0)
-    START = {"omega_left": 4.0, "omega_right": 6.0, "initial.no_slip": True}
+    START: ClassVar = {"omega_left": 4.0, "omega_right": 6.0, "initial.no_slip": True}
     # The error control's tolerances [m, rad, m/s], as in test_fmu_interfaces.
     TOLERANCES = (1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3)
 
@@ -176,9 +177,7 @@ class InputDerivatives(unittest.TestCase):
         coarse, _ = self.drive(1, constant=True)
         for steps in (1, 4, 50):
             states, speeds = self.drive(steps, constant=False)
-            for name, one, other, limit in zip(
-                STATES, states, fine, self.TOLERANCES, strict=True
-            ):
+            for name, one, other, limit in zip(STATES, states, fine, self.TOLERANCES, strict=True):
                 self.assertAlmostEqual(one, other, delta=limit, msg=f"{name}, {steps} steps")
             np.testing.assert_allclose(speeds, [5.5, 5.0], rtol=1e-14)
         # One step with the mean speeds is no substitute.

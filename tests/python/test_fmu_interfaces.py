@@ -22,8 +22,8 @@ STATE_TOLERANCES = dict(
         strict=True,
     )
 )
-# Outputs once the start is over: d(output)/d(velocity) times the velocity's tolerance, as a share of
-# the largest value.
+# Outputs once the start is over: d(output)/d(velocity) times the velocity's tolerance, as a share
+# of the largest value.
 OUTPUT_TOLERANCE = 0.03
 CVODE_TOLERANCE = 1e-8
 # The same code with the same arguments, but for the path that the first guess took.
@@ -96,9 +96,7 @@ class Interfaces(unittest.TestCase):
                     self.assertAlmostEqual(one, other, delta=STATE_TOLERANCES[name], msg=name)
 
     def test_casadi_gets_the_same_rates_outputs_and_jacobian(self) -> None:
-        function = casadi.DaeBuilder("ugv", str(fmu().folder)).create(
-            "f", ["x", "u"], ["ode", "y"]
-        )
+        function = casadi.DaeBuilder("ugv", str(fmu().folder)).create("f", ["x", "u"], ["ode", "y"])
         rates, outputs = function(STATE, SPEEDS)
         factory = function.factory("j", ["x", "u"], ["jac:ode:x", "jac:ode:u", "jac:y:x"])
         by_state, by_input, outputs_by_state = map(np.array, factory(STATE, SPEEDS))

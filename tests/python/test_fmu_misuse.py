@@ -6,6 +6,7 @@ from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from fmpy.fmi2 import fmi2Discard, fmi2Error, fmi2OK
 from fmu_support import (
     INPUTS,
+    STANDARD,
     Failed,
     Instance,
     as_reals,
@@ -13,7 +14,6 @@ from fmu_support import (
     fmu,
     model_exchange,
 )
-from test_fmu_order import table
 
 NULL = c_void_p()
 ZERO, TWO = c_size_t(0), c_size_t(2)
@@ -25,15 +25,11 @@ class NullPointers(unittest.TestCase):
     """NULL where the standard has no place for it, and where it has."""
 
     def test_every_function_survives_a_null_component(self) -> None:
-        functions = {function: arguments for function, (arguments, _) in table().items()}
-        functions |= {
-            "GetStatus": (0, byref(c_int())),
-            "GetIntegerStatus": (0, byref(c_int())),
-            "GetStringStatus": (1, byref(c_char_p())),
-        }
+        functions = STANDARD - {"GetTypesPlatform", "GetVersion", "Instantiate", "FreeInstance"}
         self.assertEqual(len(functions), 40)
-        for function, arguments in functions.items():
-            status = getattr(fmu().library, "fmi2" + function)(NULL, *arguments)
+        for function in functions:
+            # No function has more arguments than these.
+            status = getattr(fmu().library, "fmi2" + function)(NULL, *[NULL] * 6)
             self.assertEqual(status, fmi2Error, function)
         fmu().library.fmi2FreeInstance(NULL)
 

@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 from fmu_support import ANY_GUID, Instance, fmu, guid_of, lighter, refusal, resources, scratch
 
+
 def load_of_front_wheel(**arguments: str | None) -> float:
     """Something that depends on the resources."""
     with Instance(**arguments) as instance:

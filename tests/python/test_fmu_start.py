@@ -114,7 +114,11 @@ class BadParameters(unittest.TestCase):
             ("vehicle.mass", -1.0, "mass = -1 kg is outside its range (0, 10000000] kg"),
             ("vehicle.mass", 0.0, "mass = 0 kg is outside its range (0, 10000000] kg"),
             ("vehicle.yaw_inertia", 0.0, "yaw_inertia = 0 kg m^2"),
-            ("vehicle.wheel_radius", -0.25, "wheel_radius = -0.25 m is outside its range (0, 10] m"),
+            (
+                "vehicle.wheel_radius",
+                -0.25,
+                "wheel_radius = -0.25 m is outside its range (0, 10] m",
+            ),
             ("vehicle.wheel_width", 2.0, "wheel_width = 2 m is outside its range (0, 1.22] m"),
             ("vehicle.half_track", 21.0, "half_track = 21 m is outside its range (0, 20] m"),
             ("vehicle.com_offset", 3.0, "com_offset = 3 m is outside its range (-0.915, 0.915) m"),
