@@ -11,9 +11,10 @@
  * Prints how often each function returned each status. Exit code: 0, or 1 if something is wrong.
  */
 #include "fmi2Functions.h"
+#include "fmu_host_random.h"
+#include "ugv.h"
 
 #include <dlfcn.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -67,28 +68,7 @@ static void fail(const char *what) {
     exit(1);
 }
 
-/* Random numbers: splitmix64. */
-static uint64_t draw(struct actor *a) {
-    uint64_t z = (a->random += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static unsigned below(struct actor *a, unsigned count) { return (unsigned)(draw(a) % count); }
-static int percent(struct actor *a, unsigned chance) { return below(a, 100) < chance; }
-static double uniform(struct actor *a, double low, double high) {
-    return low + (high - low) * (double)(draw(a) >> 11) * 0x1p-53;
-}
-
-/* Mostly a sensible number, sometimes a strange one. */
-static double real(struct actor *a, double size) {
-    static const double strange[] = {0.0, -0.0, NAN, INFINITY, -INFINITY, 1e300, -1e300, 1e-310, 1e6};
-    if (percent(a, 3)) return strange[below(a, sizeof strange / sizeof *strange)];
-    return uniform(a, -size, size);
-}
-
-static int integer(struct actor *a) { return percent(a, 90) ? 1 + (int)below(a, 5) : (int)draw(a); }
+static int integer(struct actor *a) { return percent(&a->random, 90) ? 1 + (int)below(&a->random, 5) : (int)draw(&a->random); }
 
 static void digest(struct actor *a, const void *data, size_t size) {
     const unsigned char *bytes = data;
@@ -107,7 +87,7 @@ static void logger(fmi2ComponentEnvironment environment, fmi2String name, fmi2St
 
 /* Arrays have exactly the size that is told, for a memory checker to see what goes beyond. */
 static void *array(struct actor *a, size_t count, size_t size) {
-    if (percent(a, count ? 2 : 50)) return NULL;
+    if (percent(&a->random, count ? 2 : 50)) return NULL;
     void *memory = calloc(count ? count : 1, size);
     if (!memory) fail("out of memory");
     return memory;
@@ -115,7 +95,7 @@ static void *array(struct actor *a, size_t count, size_t size) {
 
 static fmi2Real *reals(struct actor *a, size_t count, double size) {
     fmi2Real *values = array(a, count, sizeof *values);
-    for (size_t i = 0; values && i < count; i++) values[i] = real(a, size);
+    for (size_t i = 0; values && i < count; i++) values[i] = real(&a->random, size);
     return values;
 }
 
@@ -127,48 +107,48 @@ static fmi2Integer *integers(struct actor *a, size_t count) {
 
 /* Mostly inputs, outputs or parameters that are there. */
 static fmi2ValueReference reference(struct actor *a) {
-    switch (below(a, 10)) {
-    case 0: return below(a, 60);
-    case 1: return 1000 + below(a, 5);
-    case 2: case 3: return 2000 + 16 * below(a, 8) + below(a, 7);
-    case 4: return percent(a, 70) ? below(a, 13) : (fmi2ValueReference)draw(a);
-    case 5: case 6: return 2 + below(a, 11);
-    default: return below(a, 2);
+    switch (below(&a->random, 10)) {
+    case 0: return below(&a->random, 60);
+    case 1: return 1000 + below(&a->random, 5);
+    case 2: case 3: return 2000 + 16 * below(&a->random, 8) + below(&a->random, 7);
+    case 4: return percent(&a->random, 70) ? below(&a->random, 13) : (fmi2ValueReference)draw(&a->random);
+    case 5: case 6: return 2 + below(&a->random, 11);
+    default: return below(&a->random, 2);
     }
 }
 
 static fmi2ValueReference *references(struct actor *a, size_t count, int inputs) {
     fmi2ValueReference *values = array(a, count, sizeof *values);
     for (size_t i = 0; values && i < count; i++)
-        values[i] = inputs && percent(a, 85) ? below(a, 2) : reference(a);
+        values[i] = inputs && percent(&a->random, 85) ? below(&a->random, 2) : reference(a);
     return values;
 }
 
 static fmi2Component instantiate(struct actor *a) {
     static const char *const places[] = {"", "rubbish", "file:///nowhere/%20", NULL};
-    const fmi2CallbackFunctions functions = {percent(a, 90) ? logger : NULL, NULL, NULL, NULL, a};
-    int wrong = percent(a, 3);
-    fmi2Type kind = (fmi2Type)(percent(a, 97) ? below(a, 2) : draw(a) % 1000);
-    const char *place = percent(a, 50) ? resources : places[below(a, 4)];
-    const char *name = percent(a, 95) ? "random" : NULL;
-    return fmu.Instantiate(name, kind, wrong ? "{0}" : guid, place, percent(a, 95) ? &functions : NULL,
-                           (int)below(a, 2), (int)below(a, 2));
+    const fmi2CallbackFunctions functions = {percent(&a->random, 90) ? logger : NULL, NULL, NULL, NULL, a};
+    int wrong = percent(&a->random, 3);
+    fmi2Type kind = (fmi2Type)(percent(&a->random, 97) ? below(&a->random, 2) : draw(&a->random) % 1000);
+    const char *place = percent(&a->random, 50) ? resources : places[below(&a->random, 4)];
+    const char *name = percent(&a->random, 95) ? "random" : NULL;
+    return fmu.Instantiate(name, kind, wrong ? "{0}" : guid, place, percent(&a->random, 95) ? &functions : NULL,
+                           (int)below(&a->random, 2), (int)below(&a->random, 2));
 }
 
 /* One call; what it gave goes into the digest. */
 static int call(struct actor *a, enum function function) {
-    unsigned which = below(a, SLOTS), kept = below(a, STATES);
+    unsigned which = below(&a->random, SLOTS), kept = below(&a->random, STATES);
     struct slot *slot = &a->slots[which];
-    fmi2Component c = percent(a, 1) ? NULL : slot->component;
+    fmi2Component c = percent(&a->random, 1) ? NULL : slot->component;
     fmi2FMUstate *state = &a->states[kept];
-    size_t n = below(a, MOST), m = below(a, 4), six = percent(a, 90) ? 6 : n, size = 0;
+    size_t n = below(&a->random, MOST), m = below(&a->random, 4), six = percent(&a->random, 90) ? 6 : n, size = 0;
     fmi2ValueReference *known = NULL, *unknown = NULL;
-    fmi2Real *x = NULL, *y = NULL, number = 0.0, step = pow(10.0, uniform(a, -6.0, -2.5));
+    fmi2Real *x = NULL, *y = NULL, number = 0.0, step = pow(10.0, uniform(&a->random, -6.0, -2.5));
     fmi2Integer *i = NULL, orders[MOST], flag = 0, other = 0;
     fmi2String *strings = NULL, text = NULL;
     fmi2EventInfo event;
     fmi2Status status = fmi2OK, value = fmi2OK;
-    fmi2StatusKind kind = (fmi2StatusKind)below(a, 5);
+    fmi2StatusKind kind = (fmi2StatusKind)below(&a->random, 5);
 
     switch (function) {
     case F_GetTypesPlatform: status = strcmp(fmu.GetTypesPlatform(), "default") ? fmi2Error : fmi2OK; break;
@@ -176,8 +156,8 @@ static int call(struct actor *a, enum function function) {
     case F_SetDebugLogging: {
         static const char *const categories[] = {"logStatusError", "logStatusWarning", "logEvents", "logAll", NULL};
         strings = array(a, m, sizeof *strings);
-        for (size_t k = 0; strings && k < m; k++) strings[k] = categories[percent(a, 90) ? below(a, 3) : below(a, 5)];
-        status = fmu.SetDebugLogging(c, (int)below(a, 2), m, strings);
+        for (size_t k = 0; strings && k < m; k++) strings[k] = categories[percent(&a->random, 90) ? below(&a->random, 3) : below(&a->random, 5)];
+        status = fmu.SetDebugLogging(c, (int)below(&a->random, 2), m, strings);
         break;
     }
     case F_Instantiate:
@@ -190,8 +170,8 @@ static int call(struct actor *a, enum function function) {
         if (c) slot->component = NULL;
         break;
     case F_SetupExperiment:
-        number = percent(a, 80) ? 0.0 : real(a, 100.0);
-        status = fmu.SetupExperiment(c, (int)below(a, 2), real(a, 1.0), number, percent(a, 10), real(a, 10.0));
+        number = percent(&a->random, 80) ? 0.0 : real(&a->random, 100.0);
+        status = fmu.SetupExperiment(c, (int)below(&a->random, 2), real(&a->random, 1.0), number, percent(&a->random, 10), real(&a->random, 10.0));
         if (status == fmi2OK) slot->time = number;
         break;
     case F_EnterInitializationMode: status = fmu.EnterInitializationMode(c); break;
@@ -210,7 +190,9 @@ static int call(struct actor *a, enum function function) {
         known = array(a, m, sizeof *known);
         /* The terrain and initial.no_slip, or their neighbours. */
         for (size_t k = 0; known && k < m; k++)
-            known[k] = percent(a, 5) ? reference(a) : function == F_GetInteger || function == F_SetInteger ? 19 : 39;
+            known[k] = percent(&a->random, 5)                                          ? reference(a)
+                       : function == F_GetInteger || function == F_SetInteger ? UGV_VR_TERRAIN
+                                                                           : UGV_VR_INITIAL_NO_SLIP;
         i = integers(a, m);
         status = function == F_GetInteger   ? fmu.GetInteger(c, known, m, i)
                  : function == F_GetBoolean ? fmu.GetBoolean(c, known, m, i)
@@ -219,7 +201,7 @@ static int call(struct actor *a, enum function function) {
         if (i) digest(a, i, m * sizeof *i);
         break;
     case F_GetString: case F_SetString:
-        m = percent(a, 50) ? 0 : m;
+        m = percent(&a->random, 50) ? 0 : m;
         strings = array(a, m, sizeof *strings);
         known = references(a, m, 0);
         status = function == F_GetString ? fmu.GetString(c, known, m, strings) : fmu.SetString(c, known, m, strings);
@@ -232,14 +214,14 @@ static int call(struct actor *a, enum function function) {
         status = fmu.SetFMUstate(c, *state);
         if (status == fmi2OK) slot->time = a->state_times[kept];
         break;
-    case F_FreeFMUstate: status = fmu.FreeFMUstate(c, percent(a, 95) ? state : NULL); break;
+    case F_FreeFMUstate: status = fmu.FreeFMUstate(c, percent(&a->random, 95) ? state : NULL); break;
     case F_SerializedFMUstateSize:
         status = fmu.SerializedFMUstateSize(c, *state, &size);
         digest(a, &size, sizeof size);
         break;
     case F_SerializeFMUstate: {
         if (fmu.SerializedFMUstateSize(c, *state, &size) != fmi2OK) { status = fmi2Error; break; }
-        if (percent(a, 10)) size -= 1 + below(a, 100);
+        if (percent(&a->random, 10)) size -= 1 + below(&a->random, 100);
         fmi2Byte *bytes = calloc(size, 1);
         status = fmu.SerializeFMUstate(c, *state, bytes, size);
         digest(a, bytes, size);
@@ -249,10 +231,10 @@ static int call(struct actor *a, enum function function) {
         break;
     }
     case F_DeSerializeFMUstate:
-        if (a->bytes && percent(a, 20)) {
+        if (a->bytes && percent(&a->random, 20)) {
             /* Damaged, cut short, or both; the next ones will be whole again. */
-            if (percent(a, 70)) a->bytes[below(a, (unsigned)a->size)] ^= (fmi2Byte)(1 + below(a, 255));
-            size = a->size - (percent(a, 50) ? below(a, (unsigned)a->size) : 0);
+            if (percent(&a->random, 70)) a->bytes[below(&a->random, (unsigned)a->size)] ^= (fmi2Byte)(1 + below(&a->random, 255));
+            size = a->size - (percent(&a->random, 50) ? below(&a->random, (unsigned)a->size) : 0);
             status = fmu.DeSerializeFMUstate(c, a->bytes, size, state);
             if (c && status == fmi2OK && size != a->size) fail("a part of a state was taken for a whole one");
             if (status != fmi2OK) { free(a->bytes); a->bytes = NULL; }
@@ -263,8 +245,8 @@ static int call(struct actor *a, enum function function) {
         break;
     case F_GetDirectionalDerivative:
         unknown = array(a, n, sizeof *unknown), known = array(a, m, sizeof *known);
-        for (size_t k = 0; unknown && k < n; k++) unknown[k] = percent(a, 97) ? 2 + below(a, 17) : reference(a);
-        for (size_t k = 0; known && k < m; k++) known[k] = percent(a, 97) ? below(a, 8) : reference(a);
+        for (size_t k = 0; unknown && k < n; k++) unknown[k] = percent(&a->random, 97) ? 2 + below(&a->random, 17) : reference(a);
+        for (size_t k = 0; known && k < m; k++) known[k] = percent(&a->random, 97) ? below(&a->random, 8) : reference(a);
         x = reals(a, m, 10.0), y = array(a, n, sizeof *y);
         status = fmu.GetDirectionalDerivative(c, unknown, n, known, m, x, y);
         if (y) digest(a, y, n * sizeof *y);
@@ -272,12 +254,15 @@ static int call(struct actor *a, enum function function) {
     case F_EnterEventMode: status = fmu.EnterEventMode(c); break;
     case F_NewDiscreteStates:
         memset(&event, 0, sizeof event);
-        status = fmu.NewDiscreteStates(c, percent(a, 98) ? &event : NULL);
+        status = fmu.NewDiscreteStates(c, percent(&a->random, 98) ? &event : NULL);
         digest(a, &event.nextEventTime, sizeof event.nextEventTime);
         break;
     case F_EnterContinuousTimeMode: status = fmu.EnterContinuousTimeMode(c); break;
-    case F_CompletedIntegratorStep: status = fmu.CompletedIntegratorStep(c, 1, percent(a, 98) ? &flag : NULL, &other); break;
-    case F_SetTime: status = fmu.SetTime(c, real(a, 100.0)); break;
+    case F_CompletedIntegratorStep: status = fmu.CompletedIntegratorStep(c, 1, percent(&a->random, 98) ? &flag : NULL, &other); break;
+    case F_SetTime:
+        status = fmu.SetTime(c, number = real(&a->random, 100.0));
+        if (status == fmi2OK) slot->time = number;
+        break;
     case F_SetContinuousStates: status = fmu.SetContinuousStates(c, x = reals(a, six, 2.0), six); break;
     case F_GetDerivatives: status = fmu.GetDerivatives(c, x = array(a, six, sizeof *x), six); break;
     case F_GetEventIndicators: status = fmu.GetEventIndicators(c, x = array(a, m, sizeof *x), m); break;
@@ -286,27 +271,29 @@ static int call(struct actor *a, enum function function) {
         status = fmu.GetNominalsOfContinuousStates(c, x = array(a, six, sizeof *x), six);
         break;
     case F_SetRealInputDerivatives: case F_GetRealOutputDerivatives:
-        for (size_t k = 0; k < MOST; k++) orders[k] = percent(a, 98) ? 1 : integer(a);
+        for (size_t k = 0; k < MOST; k++) orders[k] = percent(&a->random, 98) ? 1 : integer(a);
         known = array(a, n, sizeof *known);
         flag = function == F_SetRealInputDerivatives;
         for (size_t k = 0; known && k < n; k++)
-            known[k] = percent(a, 3) ? reference(a) : flag ? below(a, 2) : 2 + below(a, 11);
+            known[k] = percent(&a->random, 3) ? reference(a) : flag ? below(&a->random, 2) : 2 + below(&a->random, 11);
         x = reals(a, n, 20.0);
         status = flag ? fmu.SetRealInputDerivatives(c, known, n, orders, x)
                       : fmu.GetRealOutputDerivatives(c, known, n, orders, x);
         if (x) digest(a, x, n * sizeof *x);
         break;
     case F_DoStep:
-        if (percent(a, 5)) step = real(a, 1e-3);
-        number = percent(a, 95) ? slot->time : real(a, 1.0);
-        status = fmu.DoStep(c, number, step, (int)below(a, 2));
+        if (percent(&a->random, 5)) step = real(&a->random, 1e-3);
+        number = percent(&a->random, 95) ? slot->time : real(&a->random, 1.0);
+        status = fmu.DoStep(c, number, step, (int)below(&a->random, 2));
         if (status == fmi2OK) slot->time = number + step;
+        /* A step that failed may have got somewhere. */
+        else fmu.GetRealStatus(c, fmi2LastSuccessfulTime, &slot->time);
         break;
     case F_CancelStep: status = fmu.CancelStep(c); break;
     case F_GetStatus: status = fmu.GetStatus(c, kind, &value); break;
     case F_GetRealStatus:
         status = fmu.GetRealStatus(c, kind, &number);
-        if (status == fmi2OK && number != slot->time && a->count[F_DoStep][fmi2Error] == 0) fail("the time is wrong");
+        if (status == fmi2OK && number != slot->time) fail("the time is wrong");
         break;
     case F_GetIntegerStatus: status = fmu.GetIntegerStatus(c, kind, &flag); break;
     case F_GetBooleanStatus: status = fmu.GetBooleanStatus(c, kind, &flag); break;
@@ -321,4 +308,110 @@ static int call(struct actor *a, enum function function) {
         exit(1);
     }
     return (int)status;
+}
+
+/* What is needed to get anywhere comes more often than what ends a simulation. */
+static enum function choose(struct actor *a) {
+    static const enum function often[] = {
+        F_EnterInitializationMode, F_ExitInitializationMode, F_DoStep, F_DoStep, F_DoStep, F_GetReal, F_SetReal,
+        F_SetReal, F_EnterContinuousTimeMode, F_SetContinuousStates, F_GetDerivatives, F_SetRealInputDerivatives,
+        F_GetFMUstate, F_SetFMUstate, F_SerializeFMUstate, F_DeSerializeFMUstate,
+    };
+    if (percent(&a->random, 60)) return often[below(&a->random, sizeof often / sizeof *often)];
+    enum function function = (enum function)below(&a->random, FUNCTION_COUNT);
+    int ends = function == F_Terminate || function == F_FreeInstance || function == F_Instantiate;
+    return ends && percent(&a->random, 80) ? F_GetReal : function;
+}
+
+/* A slot that is ready for anything. */
+static void begin(struct actor *a, struct slot *slot) {
+    fmi2EventInfo event;
+    if (!slot->component) *slot = (struct slot){instantiate(a), 0.0};
+    fmu.Reset(slot->component);
+    slot->time = 0.0;
+    fmu.EnterInitializationMode(slot->component);
+    fmu.ExitInitializationMode(slot->component);
+    fmu.NewDiscreteStates(slot->component, &event);
+    fmu.EnterContinuousTimeMode(slot->component);
+}
+
+static void one_call(struct actor *a) {
+    if (percent(&a->random, 5)) begin(a, &a->slots[below(&a->random, SLOTS)]);
+    enum function function = choose(a);
+    int status = call(a, function);
+    a->count[function][status]++;
+    digest(a, &status, sizeof status);
+    a->calls--;
+}
+
+static void *all_calls(void *actor) {
+    struct actor *a = actor;
+    while (a->calls > 0) one_call(a);
+    return NULL;
+}
+
+/* Frees everything, through an instance that makes sure of one. */
+static void finish(struct actor *a) {
+    const fmi2CallbackFunctions functions = {logger, NULL, NULL, NULL, a};
+    fmi2Component c = fmu.Instantiate("last", fmi2CoSimulation, guid, resources, &functions, 0, 0);
+    if (!c) fail("the last instance was refused");
+    for (unsigned k = 0; k < STATES; k++)
+        if (fmu.FreeFMUstate(c, &a->states[k]) != fmi2OK || a->states[k]) fail("a state was not freed");
+    fmu.FreeInstance(c);
+    for (unsigned k = 0; k < SLOTS; k++) fmu.FreeInstance(a->slots[k].component);
+    free(a->bytes);
+}
+
+static void run(struct actor *actors, const char *way, uint64_t seed, long calls) {
+    uint64_t schedule = seed;
+    memset(actors, 0, ACTORS * sizeof *actors);
+    for (unsigned k = 0; k < ACTORS; k++) {
+        actors[k].random = draw(&schedule);
+        actors[k].calls = calls / ACTORS;
+    }
+    if (strcmp(way, "threads") == 0) {
+        pthread_t threads[ACTORS];
+        for (unsigned k = 0; k < ACTORS; k++)
+            if (pthread_create(&threads[k], NULL, all_calls, &actors[k]) != 0) fail("no thread");
+        for (unsigned k = 0; k < ACTORS; k++) pthread_join(threads[k], NULL);
+    } else if (strcmp(way, "mixed") == 0) {
+        for (long done = 0; done < calls / ACTORS * ACTORS;) {
+            struct actor *a = &actors[below(&schedule, ACTORS)];
+            if (a->calls > 0) one_call(a), done++;
+        }
+    } else if (strcmp(way, "serial") == 0) {
+        for (unsigned k = 0; k < ACTORS; k++) all_calls(&actors[k]);
+    } else {
+        fail("the ways are mixed, serial and threads");
+    }
+    for (unsigned k = 0; k < ACTORS; k++) finish(&actors[k]);
+}
+
+int main(int argc, char **argv) {
+    static struct actor first[ACTORS], again[ACTORS];
+    if (argc < 7) fail("usage: fmu_host LIBRARY RESOURCES GUID SEED CALLS WAY...");
+    void *library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
+    if (!library) fail(dlerror());
+#define LOAD(name) \
+    if (!(fmu.name = (fmi2##name##TYPE *)dlsym(library, "fmi2" #name))) fail("fmi2" #name " is missing");
+    FUNCTIONS(LOAD)
+    resources = argv[2], guid = argv[3];
+    uint64_t seed = strtoull(argv[4], NULL, 10);
+    long calls = strtol(argv[5], NULL, 10);
+    run(first, argv[6], seed, calls);
+    for (int way = 7; way < argc; way++) {
+        run(again, argv[way], seed, calls);
+        for (unsigned k = 0; k < ACTORS; k++)
+            if (again[k].digest != first[k].digest) fail("the ways saw different things");
+    }
+    for (unsigned f = 0; f < FUNCTION_COUNT; f++) {
+        printf("%s", NAMES[f]);
+        for (unsigned status = fmi2OK; status <= fmi2Error; status++) {
+            unsigned long sum = 0;
+            for (unsigned k = 0; k < ACTORS; k++) sum += first[k].count[f][status];
+            printf(" %lu", sum);
+        }
+        printf("\n");
+    }
+    return 0;
 }

@@ -55,7 +55,7 @@ pub enum Kind {
     Real,
     /// `fmi2Boolean`.
     Boolean,
-    /// `fmi2Integer`, one of the items of [`ENUMERATIONS`].
+    /// `fmi2Integer`, one of the items of [`enumerations()`].
     Enumeration,
 }
 
@@ -66,7 +66,7 @@ pub struct Attributes {
     pub causality: Causality,
     /// FMI's type.
     pub kind: Kind,
-    /// Name of the unit, one of [`UNITS`]; empty for what is no physical quantity.
+    /// Name of the unit, one of [`units()`]; empty for what is no physical quantity.
     pub unit: &'static str,
     /// Value at the start, where it does not come from the vehicle or the terrain.
     pub start: Option<f64>,
