@@ -22,9 +22,9 @@ from matplotlib.figure import Figure
 from path_follower import TERRAINS, running
 
 # Time [s], left and right wheel speed [rad/s], linear in between: faster and faster straight
-# ahead, then the inner (right) wheels slow down.
-TURN, SETTLED, END = 4.0, 5.0, 6.0
-MANOEUVRE = np.array([(0, 0, 0), (TURN, 12, 12), (SETTLED, 12, 5), (END, 12, 5)], dtype=float)
+# ahead, then the right wheels slow down.
+TURN, SETTLED, END = 3.0, 3.5, 6.0
+MANOEUVRE = np.array([(0, 0, 0), (1, 8, 8), (TURN, 12, 12), (SETTLED, 12, 7), (END, 12, 7)], float)
 STEP = 0.02  # s
 ROLLING = 0.2  # s from which on the rolling resistances are compared: the wheels roll by then
 
@@ -43,11 +43,11 @@ OUTPUTS = {
 # turn is negative in the model; the paper shows magnitudes.
 PANELS = {
     "paths": ("Paths", "North (m)", 1, []),
+    "wheel_speeds": ("Wheel speeds, on all terrains", "rad/s", 1, ["omega_left", "omega_right"]),
     "slips": ("Longitudinal slip ratio", "%", 100, ["slip_left", "slip_right"]),
     "rolling_resistance": ("Rolling resistance", "N", 1, ["rolling"]),
     "turning_resistance": ("Moment of turning resistance", "N m", -1, ["turning"]),
     "turning_moment": ("Turning moment of the thrust, to the right", "N m", -1, ["thrust"]),
-    "wheel_speeds": ("Wheel speeds, on all terrains", "rad/s", 1, ["omega_left", "omega_right"]),
 }
 GREY = "#888888"
 COLORS = {  # readable on white and on black
@@ -185,8 +185,7 @@ def check(drives: dict[str, Drive], ideal: Drive) -> list[Finding]:
         ),
         Finding(
             "They decrease from dry sand over dry clay and clayed soil to sandy loam. (A matter of "
-            "the manoeuvre: the more of it is turning, the further dry clay gets, and ahead of "
-            "dry sand.)",
+            "the manoeuvre: with more turning, dry clay comes first.)",
             sorted(distance, key=distance.__getitem__) == by_distance,
             f"{each('.2f', distance)} m",
         ),
@@ -226,10 +225,12 @@ def check(drives: dict[str, Drive], ideal: Drive) -> list[Finding]:
 def draw(names: list[str], drives: dict[str, Drive], ideal: Drive) -> Figure:
     """A picture of the named panels, at most two in a row, below one legend."""
     columns = min(len(names), 2)
-    rows = -(-len(names) // columns)
-    figure = Figure(figsize=(4.8 * columns, 0.4 + 3.1 * rows), layout="constrained")
-    for position, name in enumerate(names, start=1):
-        axes = figure.add_subplot(rows, columns, position)
+    low = ("paths", "wheel_speeds")
+    heights = [2.3 if name in low else 3.1 for name in names[::columns]]
+    figure = Figure(figsize=(4.8 * columns, 0.4 + sum(heights)), layout="constrained")
+    grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
+    for cell, name in zip(grid, names, strict=True):
+        axes = figure.add_subplot(cell)
         title, unit, factor, outputs = PANELS[name]
         axes.set(title=title, ylabel=unit)
         if name == "paths":
@@ -247,9 +248,11 @@ def draw(names: list[str], drives: dict[str, Drive], ideal: Drive) -> Figure:
                     axes.plot([], [], line, color=GREY, label=text)
             axes.set(xlabel="Time (s)", xlim=(0, END))
         if axes.get_legend_handles_labels()[1]:
-            axes.legend(loc="upper left" if name == "wheel_speeds" else "lower left")
+            axes.legend(loc="lower right" if name == "wheel_speeds" else "lower left")
     keys = [axes.plot([], [], color=COLORS[t], label=label(t).capitalize())[0] for t in drives]
-    figure.legend(handles=keys, loc="outside upper center", ncols=len(keys), columnspacing=1.2)
+    if names != ["wheel_speeds"]:
+        place = {"loc": "outside upper center", "ncols": 4, "columnspacing": 1, "handlelength": 1.2}
+        figure.legend(handles=keys, **place)
     return figure
 
 
@@ -301,12 +304,12 @@ figure { margin: 0; min-width: 0; }
 svg { width: 100%; height: auto; display: block; }
 .panels { display: grid; gap: 1.5rem;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); }
-.table, pre { overflow-x: auto; }
 table { border-collapse: collapse; font-size: 0.9rem; }
-th, td { border-bottom: 1px solid #8885; padding: 0.3rem 0.6rem; text-align: right; }
-th { vertical-align: bottom; }
-td { white-space: nowrap; }
-th:first-child, td:first-child { text-align: left; }
+th, td { border-bottom: 1px solid #8885; padding: 0.3rem clamp(0.2rem, 1.5vw, 1rem); }
+th { text-align: left; font-weight: normal; }
+td { text-align: right; }
+tr:first-child > * { font-weight: bold; vertical-align: bottom; }
+pre { white-space: pre-wrap; }
 ul { list-style: none; padding: 0; }
 li { margin-bottom: 0.6rem; }
 small { display: block; opacity: 0.8; }
@@ -329,9 +332,9 @@ Scheding and Ha show in Fig.&nbsp;3 of &ldquo;Dynamic Modelling of Wheel-Terrain
 UGV&rdquo; (IEEE CASE 2007): from rest straight ahead for {turn:g} s, then a right turn. The wheel
 speeds are the same on all soils. The paper does not print its own, so compare shapes and orders
 with it, not values.</p>
-<div class="table"><table>
+<table>
 {table}
-</table></div>
+</table>
 <p>Without slip: {distance:.2f} m and {heading:.0f}°, counter-clockwise positive. Slips: means from
 {settled:g} s on. Times real time: through fmpy, with set, step and get every {step:g} ms.</p>
 <div class="panels">
@@ -350,8 +353,9 @@ steers the FMU around a figure of eight on dry sand. It starts half a metre besi
 {eight}
 </figure>
 <h2>Again, and otherwise</h2>
-<pre>./scripts/demo.sh                        # all of this
-target/venv/bin/python scripts/demo.py   # only the drives and this page
+<p>All of this, from a fresh machine; only the drives and this page; the controller elsewhere:</p>
+<pre>./scripts/demo.sh
+target/venv/bin/python scripts/demo.py
 target/venv/bin/python scripts/path_follower.py --terrain dry_clay --laps 2</pre>
 <p>The wheel speeds are the table <code>MANOEUVRE</code> in <code>scripts/demo.py</code>.</p>
 </body>
@@ -367,10 +371,10 @@ def page(
     pictures: dict[str, str],
 ) -> str:
     """The page, all in one file."""
-    columns = summary(drives, ideal)
-    table = ["<tr>" + "".join(f"<th>{heading}</th>" for heading in columns) + "</tr>"]
-    for row in zip(*columns.values(), strict=True):
-        table.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>")
+    table = [
+        f"<tr><th>{heading}</th>" + "".join(f"<td>{text}</td>" for text in texts) + "</tr>"
+        for heading, texts in summary(drives, ideal).items()
+    ]
     items = [
         ("<li><b>Holds.</b> " if finding.holds else '<li><b class="fails">Does not hold.</b> ')
         + f"{html.escape(finding.statement)}<small>{html.escape(finding.evidence)}</small></li>"

@@ -76,7 +76,7 @@ def follow(fmu: Path, terrain: str, laps: int = 1, feedback: bool = True) -> np.
     rows, progress, planned, grip, omega = [], 0, 0.0, np.ones(2), np.zeros(2)
     with running(fmu, terrain, **initial) as (slave, reference):
         r, B = slave.getReal([reference[f"vehicle.{p}"] for p in ("wheel_radius", "half_track")])
-        while progress < laps * len(path) - 1:
+        while max(progress, planned / SPACING / 2) < laps * len(path) - 1:  # or gives up
             state = slave.getReal([reference[name] for name in STATE + SLIP])
             x, y, heading, v_x, v_y, yaw_rate, *slips = state
             speed = min(CRUISE, RAMP * len(rows) * STEP)

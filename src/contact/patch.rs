@@ -1,6 +1,6 @@
 //! The integrals over one contact patch whose compacting side is the +X side.
 
-use super::quadrature::{Nodes, Quadrature};
+use super::quadrature::{MOST_ROWS, Nodes, Quadrature};
 use crate::scalar::{Packed, Real, Scalar};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
@@ -134,7 +134,9 @@ impl PatchLaw {
             tangential: zero,
         };
         let mut normal = [zero; 2];
-        let (width, reversed) = self.rows_and_reversals(rule, motion, &arc);
+        let mut room = [(0.0, 0.0); MOST_ROWS];
+        let width = self.width_nodes(rule, motion, &arc, &mut room);
+        let reversed = self.reversed_rows(width, motion, &arc);
         for nodes in &rule.arc {
             let (at, weight) = nodes.load(simd);
             let packed_entry = entry.splat(simd);
@@ -187,26 +189,62 @@ impl PatchLaw {
         })
     }
 
-    /// The nodes across the width, and the rows (as bits) in which the tangential slip
-    /// velocity V_Xi cos theta - r omega changes its sign inside the contact. Where it does,
-    /// the shear varies faster across the width too, and a finer rule serves.
+    /// The nodes across the width. Where the tangential slip velocity V_Xi cos theta - r omega
+    /// has both signs in the patch, the shear varies faster across it and a finer rule serves;
+    /// where it turns round abruptly besides, the width is split along the line of no slip.
     #[inline(always)]
-    fn rows_and_reversals<'r, S: Scalar>(
+    fn width_nodes<'r, S: Scalar>(
         &self,
         rule: &'r Quadrature,
         motion: &PatchMotion<S>,
         arc: &Arc<S>,
-    ) -> (&'r [(f64, f64)], u64) {
-        let coarse = self.reversed_rows(&rule.width, motion, arc);
-        if coarse == 0 {
-            return (&rule.width, 0);
+        room: &'r mut [(f64, f64); MOST_ROWS],
+    ) -> &'r [(f64, f64)] {
+        let (forward, rim) = (motion.forward.value(), motion.rim_speed.value());
+        let cos_entry = arc.cos_entry.value();
+        // Change of V_Xi from the right edge to the left one.
+        let twist = motion.yaw_rate.value() * self.width;
+        let ahead = |at: f64, cos: f64| (forward - twist * at) * cos > rim;
+        let first = ahead(-0.5, 1.0);
+        if [
+            ahead(0.5, 1.0),
+            ahead(-0.5, cos_entry),
+            ahead(0.5, cos_entry),
+        ] == [first; 3]
+        {
+            return &rule.width;
         }
-        (
-            &rule.width_reversed,
-            self.reversed_rows(&rule.width_reversed, motion, arc),
-        )
+        let sideways = self.least_sideways(motion, arc);
+        if sideways > 0.5 * twist.abs() {
+            return &rule.width_reversed;
+        }
+        // Where the line crosses the arc at a third of it, from theta = 0.
+        let line = (forward - rim / (1.0 - (1.0 - cos_entry) / 9.0)) / twist;
+        let line = line.clamp(-0.5, 0.5);
+        let mut count = 0;
+        for edge in [-0.5, 0.5] {
+            for &(at, weight) in &rule.width_split {
+                room[count] = (line + (edge - line) * at, weight * (edge - line).abs());
+                count += 1;
+            }
+        }
+        &room[..count]
     }
 
+    /// The least lateral slip speed in the patch, with the speed at which the shear fades.
+    #[inline(always)]
+    fn least_sideways<S: Scalar>(&self, motion: &PatchMotion<S>, arc: &Arc<S>) -> f64 {
+        let lowest = motion.lateral.value();
+        let highest = lowest + motion.yaw_rate.value() * self.radius * arc.sin_entry.value();
+        let least = if lowest * highest < 0.0 {
+            0.0
+        } else {
+            lowest.abs().min(highest.abs())
+        };
+        (least * least + self.slip_speed_squared).sqrt()
+    }
+
+    /// The rows (as bits) in which the tangential slip velocity changes its sign.
     #[inline(always)]
     fn reversed_rows<S: Scalar>(
         &self,
@@ -328,7 +366,12 @@ impl PatchLaw {
     ) {
         let ratio = motion.rim_speed / row.forward;
         let turn = ratio.value().clamp(-1.0, 1.0).acos();
-        let turn = S::chain(turn, &[-1.0 / turn.sin().max(1e-9)], &[ratio]);
+        let sine = turn.sin();
+        // The integral does not depend on where the arc is split; next to theta = 0, where the
+        // split moves infinitely fast, its derivative is left out.
+        let moves = turn > EARLIEST_MOVING_TURN * arc.entry.value();
+        let slope = if moves { -1.0 / sine } else { 0.0 };
+        let turn = S::chain(turn, &[slope], &[ratio]);
         let middle = arc.entry.scale(0.5);
         let (first, second) = if turn.value() < middle.value() {
             (turn, middle)
@@ -337,7 +380,17 @@ impl PatchLaw {
         };
         let ends = [first.splat(simd), second.splat(simd), arc.entry.splat(simd)];
         let late = usize::from(turn.value() >= middle.value());
-        for nodes in &rule.reversed[late] {
+        // The shear turns round within this angle.
+        let sideways = motion.lateral.value() + motion.yaw_rate.value() * self.radius * sine;
+        let speed = (sideways * sideways + self.slip_speed_squared).sqrt();
+        let shortest = (second.value() - first.value()).min(if late == 1 {
+            arc.entry.value() - second.value()
+        } else {
+            first.value()
+        });
+        let sharp = speed < SHARP_TURN * shortest * sine * row.forward.value().abs();
+        let nodes = if sharp { &rule.sharp } else { &rule.turning };
+        for nodes in &nodes[late] {
             let mix = |shares: &[[f64; 8]; 3]| {
                 let share = |end: usize| f64x8::simd_from(simd, shares[end]);
                 ends[0].scale_lanes(share(0))
@@ -352,6 +405,10 @@ impl PatchLaw {
     }
 }
 
+/// Share of the entry angle below which a split of the arc is held in derivatives.
+const EARLIEST_MOVING_TURN: f64 = 5e-3;
+/// A turn of the shear is sharp if it takes less than this share of the shorter part beside it.
+const SHARP_TURN: f64 = 0.3;
 /// Square of a slip distance per time [m^2/s^2] far below any that matters: it keeps the
 /// displacement's derivative finite where nothing moves.
 const DISPLACEMENT_FLOOR: f64 = 1e-20;

@@ -6,16 +6,20 @@
 //! where the shear displacement sets in besides, turn the power n into 2 n + 1 or more,
 //! smooth enough for Gauss–Legendre in s to converge in a handful of points.
 
+use crate::parameter::{Bounds, ParameterError};
+
 /// How finely the contact patch is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Resolution {
     /// Nodes along the contact arc.
     pub arc: usize,
-    /// Nodes across the wheel's width; half as many more where the slip velocity changes its
-    /// sign inside the contact.
+    /// Nodes across the wheel's width, at most 8; half as many more where the slip velocity
+    /// changes its sign inside the contact, four times as many where it does so abruptly.
     pub width: usize,
     /// Nodes in each third of an arc in which the slip velocity changes its sign.
     pub reversal: usize,
+    /// The same where the shear turns round within a small part of the arc.
+    pub sharp_reversal: usize,
 }
 
 impl Default for Resolution {
@@ -24,14 +28,28 @@ impl Default for Resolution {
             arc: 16,
             width: 4,
             reversal: 10,
+            sharp_reversal: 24,
         }
     }
 }
+
+/// Most nodes across a width that is split.
+pub(crate) const MOST_ROWS: usize = 32;
 
 /// Nodes are evaluated so many at a time.
 pub(crate) const LANES: usize = 8;
 
 impl Resolution {
+    /// Refuses numbers of nodes that make no rule.
+    pub(crate) fn validate(&self) -> Result<(), ParameterError> {
+        let check =
+            |name, most, count| Bounds::closed(name, "nodes", 1.0, most).check(count as f64);
+        check("arc", 1024.0, self.arc)?;
+        check("width", 8.0, self.width)?;
+        check("reversal", 1024.0, self.reversal)?;
+        check("sharp_reversal", 1024.0, self.sharp_reversal)
+    }
+
     /// Half the nodes in each direction.
     #[must_use]
     pub fn halved(self) -> Self {
@@ -39,6 +57,7 @@ impl Resolution {
             arc: self.arc.div_ceil(2),
             width: self.width.div_ceil(2),
             reversal: self.reversal.div_ceil(2),
+            sharp_reversal: self.sharp_reversal.div_ceil(2),
         }
     }
 }
@@ -69,7 +88,11 @@ pub(crate) struct Quadrature {
     pub arc: Vec<Nodes>,
     /// Along an arc that is split besides at the angle where the slip velocity changes its
     /// sign: below the middle of the arc, and above it.
-    pub reversed: [Vec<SplitNodes>; 2],
+    pub turning: [Vec<SplitNodes>; 2],
+    /// The same where the shear turns round within a small part of the arc.
+    pub sharp: [Vec<SplitNodes>; 2],
+    /// On (0, 1), for each side of a line that splits the width.
+    pub width_split: Vec<(f64, f64)>,
     /// Across the width: offset y / b in (-1/2, 1/2) and weight.
     pub width: Vec<(f64, f64)>,
     /// The same with half as many more, for a wheel in which the slip velocity changes its sign.
@@ -93,7 +116,9 @@ impl Quadrature {
         };
         Self {
             arc,
-            reversed: [false, true].map(|late| reversed(resolution.reversal, late)),
+            turning: [false, true].map(|late| reversed(resolution.reversal, late, false)),
+            sharp: [false, true].map(|late| reversed(resolution.sharp_reversal, late, true)),
+            width_split: gauss_legendre(2 * resolution.width),
             width: across(resolution.width),
             width_reversed: across((3 * resolution.width).div_ceil(2)),
         }
@@ -101,15 +126,20 @@ impl Quadrature {
 }
 
 /// The rule of an arc with a sign change, with `count` nodes in each part. The parts meet at
-/// the middle and at the sign change, which comes second where it is `late`. Graded like s^2
+/// the middle and at the sign change, which comes second where it is `late`. Where the turn is
+/// `sharp`, the nodes crowd at both ends of each part (like s^3); else they are graded like s^2
 /// towards theta = 0, towards theta_1, and in the second part towards the sign change.
-fn reversed(count: usize, late: bool) -> Vec<SplitNodes> {
+fn reversed(count: usize, late: bool, sharp: bool) -> Vec<SplitNodes> {
     let mut nodes = Vec::new();
     for part in 0..3 {
-        let to_its_end = part == 2 || (part == 1 && late);
         let front = part == 2 || (part == 1 && late);
+        let to_its_end = front;
         for (s, w) in gauss_legendre(count) {
-            let (at, weight) = if to_its_end {
+            let (at, weight) = if sharp {
+                let rest = 1.0 - s;
+                let at = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+                (at, w * 30.0 * s * s * rest * rest)
+            } else if to_its_end {
                 (s * (2.0 - s), w * 2.0 * (1.0 - s))
             } else {
                 (s * s, w * 2.0 * s)
@@ -212,7 +242,7 @@ mod tests {
         let (p, q, entry) = (0.21, 0.3, 0.6);
         for late in [false, true] {
             for power in 0..5 {
-                let sum: f64 = reversed(5, late)
+                let sum: f64 = reversed(5, late, false)
                     .iter()
                     .flat_map(|nodes| {
                         (0..LANES).map(|k| {

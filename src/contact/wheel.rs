@@ -186,8 +186,7 @@ impl WheelContact {
     ) -> Result<Self, ParameterError> {
         terrain.validate()?;
         regularisation.validate()?;
-        Bounds::closed("nodes across the width", "nodes", 1.0, 64.0)
-            .check(resolution.width as f64)?;
+        resolution.validate()?;
         let modulus = terrain.sinkage_modulus(width);
         Bounds::open_low(
             "cohesive_modulus / b + frictional_modulus",

@@ -1,6 +1,6 @@
 //! Exact derivatives of the wrench, by the implicit function theorem on the balance.
 
-use super::balance::solve_2x2;
+use super::newton::solve_2x2;
 use super::{Balance, Motion, VehicleModel, Wrench};
 use crate::contact::{Detail, FORCE_COUNT, WheelForces, WheelMotion};
 use crate::scalar::Dual;
@@ -15,10 +15,13 @@ const DIRECTIONS: usize = 5;
 pub struct Linearisation {
     wheels: Vec<WheelForces<Dual<f64, DIRECTIONS>>>,
     loads: Vec<[f64; 3]>,
+    /// Shares of the contacts' forces that act.
+    shares: Vec<f64>,
     /// Scratch: derivatives of the forces in the direction asked for.
     forces: Vec<WheelForces<f64>>,
-    /// Scratch: derivatives of the forces at fixed entry angles.
-    partial: Vec<[f64; FORCE_COUNT]>,
+    /// Scratch: derivatives of the forces at held loads, and for each newton of load.
+    held: Vec<[f64; FORCE_COUNT]>,
+    by_load: Vec<[f64; FORCE_COUNT]>,
 }
 
 impl Linearisation {
@@ -30,8 +33,10 @@ impl Linearisation {
         Self {
             wheels: vec![zero; count],
             loads: vec![[0.0; 3]; count],
+            shares: vec![1.0; count],
             forces: vec![WheelForces::zero(); count],
-            partial: vec![[0.0; FORCE_COUNT]; count],
+            held: vec![[0.0; FORCE_COUNT]; count],
+            by_load: vec![[0.0; FORCE_COUNT]; count],
         }
     }
 
@@ -50,6 +55,7 @@ impl Linearisation {
         balance: &Balance,
     ) {
         for (index, wheel) in balance.wheels.iter().enumerate() {
+            self.shares[index] = wheel.share;
             self.wheels[index] = if wheel.load <= 0.0 {
                 WheelForces::zero()
             } else {
@@ -80,46 +86,26 @@ impl Linearisation {
         let mut matrix = [[mass, 0.0], [0.0, mass]];
         for index in 0..self.wheels.len() {
             let change = model.wheel_motion(direction, index);
-            let along = [
-                change.forward,
-                change.lateral,
-                change.yaw_rate,
-                change.angular_speed,
-            ];
-            let partial = self.wheels[index]
-                .to_array()
-                .map(|force| along.iter().zip(force.eps).map(|(d, e)| d * e).sum::<f64>());
-            self.partial[index] = partial;
-            let partial = WheelForces::from_array(partial);
-            let slope = self.entry_slope(index);
-            residual[0] += partial.thrust - partial.compaction;
-            residual[1] += partial.lateral;
-            if slope.vertical <= 0.0 {
-                continue;
-            }
-            let by_load = [
-                (slope.thrust - slope.compaction) / slope.vertical,
-                slope.lateral / slope.vertical,
-            ];
+            self.held[index] = self.at_held_load(index, &change);
+            self.by_load[index] = self.by_load(model, index);
+            let held = WheelForces::from_array(self.held[index]);
+            let by_load = WheelForces::from_array(self.by_load[index]);
+            residual[0] += held.thrust - held.compaction;
+            residual[1] += held.lateral;
+            let by_load = [by_load.thrust - by_load.compaction, by_load.lateral];
             for row in 0..2 {
-                residual[row] -= by_load[row] * partial.vertical;
                 matrix[row][0] -= by_load[row] * self.loads[index][1];
                 matrix[row][1] -= by_load[row] * self.loads[index][2];
             }
         }
         let [a_x, a_y] = solve_2x2(matrix, residual);
         for index in 0..self.wheels.len() {
-            let slope = self.entry_slope(index);
             let load = self.loads[index][1] * a_x + self.loads[index][2] * a_y;
-            let mut total = self.partial[index];
-            let mut entry = 0.0;
-            if slope.vertical > 0.0 {
-                entry = (load - WheelForces::from_array(total).vertical) / slope.vertical;
-                for (sum, by_entry) in total.iter_mut().zip(slope.to_array()) {
-                    *sum += by_entry * entry;
-                }
-            }
+            let (held, by_load) = (&self.held[index], &self.by_load[index]);
+            let total = std::array::from_fn(|k| held[k] + by_load[k] * load);
             self.forces[index] = WheelForces::from_array(total);
+            let change = model.wheel_motion(direction, index);
+            let entry = self.entry_change(index, &change, load);
             let wheel = &mut derivative.wheels[index];
             wheel.load = load;
             wheel.entry_angle = entry;
@@ -128,6 +114,57 @@ impl Linearisation {
         }
         derivative.sum(model, &self.forces);
         derivative.set_slip_derivatives(model, motion, direction);
+    }
+
+    /// How a wheel's forces change at a fixed entry angle.
+    fn at_fixed_angle(&self, index: usize, change: &WheelMotion<f64>) -> [f64; FORCE_COUNT] {
+        let along = [
+            change.forward,
+            change.lateral,
+            change.yaw_rate,
+            change.angular_speed,
+        ];
+        let forces = self.wheels[index].to_array();
+        forces.map(|force| along.iter().zip(force.eps).map(|(d, e)| d * e).sum::<f64>())
+    }
+
+    /// How a wheel's forces change while it goes on carrying the same load.
+    fn at_held_load(&self, index: usize, change: &WheelMotion<f64>) -> [f64; FORCE_COUNT] {
+        let fixed = self.at_fixed_angle(index, change);
+        let slope = self.entry_slope(index);
+        let entry = match slope.vertical {
+            growth if growth > 0.0 => -WheelForces::from_array(fixed).vertical / growth,
+            _ => 0.0,
+        };
+        let slope = slope.to_array();
+        std::array::from_fn(|k| self.shares[index] * (fixed[k] + slope[k] * entry))
+    }
+
+    /// How a wheel's forces change for each newton of load: by the entry angle, or, of a light
+    /// wheel, by their share.
+    fn by_load(&self, model: &VehicleModel, index: usize) -> [f64; FORCE_COUNT] {
+        let slope = self.entry_slope(index);
+        if self.shares[index] < 1.0 {
+            let lightest = model.lightest_load();
+            self.wheels[index]
+                .to_array()
+                .map(|force| force.re / lightest)
+        } else if slope.vertical > 0.0 {
+            slope.to_array().map(|by_entry| by_entry / slope.vertical)
+        } else {
+            [0.0; FORCE_COUNT]
+        }
+    }
+
+    /// How a wheel's entry angle changes; a light wheel's does not follow its load.
+    fn entry_change(&self, index: usize, change: &WheelMotion<f64>, load: f64) -> f64 {
+        let slope = self.entry_slope(index).vertical;
+        if slope <= 0.0 {
+            return 0.0;
+        }
+        let fixed = WheelForces::from_array(self.at_fixed_angle(index, change));
+        let followed = if self.shares[index] < 1.0 { 0.0 } else { load };
+        (followed - fixed.vertical) / slope
     }
 
     fn entry_slope(&self, index: usize) -> WheelForces<f64> {

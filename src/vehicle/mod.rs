@@ -13,14 +13,17 @@ mod geometry;
 mod linear;
 mod loads;
 mod model;
+mod newton;
+mod trend;
 mod wrench;
 
-pub(crate) use balance::Trend;
-pub use balance::{Balance, BalanceError};
+pub use balance::Balance;
 pub use geometry::Vehicle;
 pub use linear::Linearisation;
 pub use loads::{GRAVITY, LoadPlane};
 pub use model::VehicleModel;
+pub use newton::BalanceError;
+pub(crate) use trend::Trend;
 pub use wrench::{WheelOutputs, Wrench};
 
 /// Velocities of the vehicle and speeds of its wheels: what the ground's forces depend on.

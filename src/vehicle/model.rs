@@ -91,6 +91,11 @@ impl VehicleModel {
         bounded.scale(self.vehicle.wheel_radius * sign)
     }
 
+    /// Weight m g \[N\].
+    pub(super) fn weight(&self) -> f64 {
+        self.plane.weight()
+    }
+
     /// Each wheel's load and its derivatives by a_X and a_Y; whether a wheel is lifted.
     pub(super) fn distribute_loads(&self, acceleration: [f64; 2], loads: &mut [[f64; 3]]) -> bool {
         self.plane.distribute(acceleration, loads)

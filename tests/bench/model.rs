@@ -112,11 +112,12 @@ fn wrenches(c: &mut Criterion) {
 
 fn growth(c: &mut Criterion) {
     let mut group = c.benchmark_group("wrench by nodes");
-    for factor in [1, 2, 4, 8] {
+    for factor in [1, 2, 4] {
         let resolution = Resolution {
             arc: 8 * factor,
             width: 2 * factor,
-            reversal: 8 * factor,
+            reversal: 5 * factor,
+            sharp_reversal: 12 * factor,
         };
         cold(&mut group, &clayed(resolution, 4), 16 * factor * factor);
     }

@@ -1,0 +1,214 @@
+//! Newton's method on the balance of all wheels.
+
+use super::{Balance, Motion, VehicleModel};
+use crate::contact::{Detail, WheelForces, WheelMotion};
+use crate::scalar::Dual;
+use fearless_simd::{Simd, dispatch};
+use std::f64::consts::FRAC_PI_2;
+use std::fmt;
+
+/// Why the wheels find no balance.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BalanceError {
+    /// A wheel would sink to its axle: its entry angle passes pi/2.
+    Bogged {
+        /// Number of the wheel, from 1.
+        wheel: usize,
+        /// Its load \[N\].
+        load: f64,
+    },
+    /// A velocity or wheel speed is not finite, or too large for finite forces.
+    NotFinite(Motion),
+    /// Newton's method did not settle.
+    NotConverged(Motion),
+}
+
+impl fmt::Display for BalanceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bogged { wheel, load } => write!(
+                f,
+                "the vehicle is bogged: wheel {wheel} sinks to its axle under its load of {load:.0} N \
+                 (entry angle past 90 deg); the soil is too soft for this vehicle"
+            ),
+            Self::NotFinite(motion) => write!(f, "no finite forces at {motion:?}"),
+            Self::NotConverged(motion) => {
+                write!(
+                    f,
+                    "loads and accelerations did not settle at {motion:?}; on very cohesive soil a light wheel has no steady contact"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for BalanceError {}
+
+/// Relative change of the entry angles, and change of the accelerations \[m/s^2\], below which
+/// Newton's method stops. It applies that last step too, so what remains is its square.
+const STEP_TOLERANCE: f64 = 1e-3;
+const ACCELERATION_TOLERANCE: f64 = 5e-3;
+/// The coarse rule is worth no smaller steps than this.
+const COARSE_STEP_TOLERANCE: f64 = 0.02;
+/// Newton's method settles in two or three steps; many more mean that it never will.
+const MAX_ITERATIONS: usize = 60;
+/// So many steps are taken whole, and then none shorter than this share.
+const UNDAMPED_ITERATIONS: usize = 6;
+const SHORTEST_DAMPING: f64 = 1e-9;
+/// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
+pub(super) const MAX_LOG_STEP: f64 = 0.7;
+/// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
+pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-7, 1.8);
+
+impl VehicleModel {
+    /// Finds the balance at a motion, starting from what `balance` holds.
+    ///
+    /// Newton's method on all entry angles and both accelerations at once; each wheel's
+    /// angle couples to the others through the accelerations alone, so that a step is one
+    /// evaluation of every wheel and a 2 by 2 system. Where nothing is known yet, the first
+    /// steps integrate by the coarse rule.
+    ///
+    /// # Errors
+    /// A bogged wheel, or a motion that is not finite. `balance` is then of no use as an
+    /// answer, but still a guess.
+    pub fn solve(&self, motion: &Motion, balance: &mut Balance) -> Result<(), BalanceError> {
+        if !motion.to_array().iter().all(|v| v.is_finite()) {
+            return Err(BalanceError::NotFinite(*motion));
+        }
+        let fresh = balance.wheels.iter().all(|wheel| wheel.entry_angle == 0.0);
+        let mut detail = if fresh { Detail::Coarse } else { Detail::Full };
+        let mut damping = 1.0_f64;
+        let mut last = [0.0; 2];
+        for iteration in 0..MAX_ITERATIONS {
+            self.evaluate(motion, balance, detail);
+            let step = self.acceleration_step(balance);
+            if !step.iter().all(|v| v.is_finite()) {
+                balance.reset();
+                return Err(BalanceError::NotFinite(*motion));
+            }
+            // Where wheels lift and touch down the steps may go to and fro: then shorten them.
+            let turned = step[0] * last[0] + step[1] * last[1] < 0.0;
+            if iteration >= UNDAMPED_ITERATIONS {
+                damping = if turned {
+                    (0.5 * damping).max(SHORTEST_DAMPING)
+                } else {
+                    (1.5 * damping).min(1.0)
+                };
+            }
+            last = step;
+            balance.acceleration[0] += damping * step[0];
+            balance.acceleration[1] += damping * step[1];
+            balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
+            let longest = balance.advance(self.lightest_load());
+            let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
+            match detail {
+                Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
+                Detail::Full if settled && longest < STEP_TOLERANCE => {
+                    balance.fade_light_wheels();
+                    return balance.check_bogged(FRAC_PI_2);
+                }
+                _ => {}
+            }
+        }
+        let outcome = balance.check_bogged(ENTRY_ANGLE_RANGE.1);
+        balance.reset();
+        outcome.and(Err(BalanceError::NotConverged(*motion)))
+    }
+
+    /// Load \[N\] below which a wheel's forces fade in proportion to it, a thousandth of the
+    /// mean load. (A wheel on cohesive soil has forces that grow infinitely fast with the
+    /// first newtons; with them no balance would be found where a wheel lifts.)
+    pub(super) fn lightest_load(&self) -> f64 {
+        1e-3 * self.weight() / self.vehicle().wheel_count() as f64
+    }
+
+    /// Evaluates every wheel's forces and their slope by its entry angle.
+    fn evaluate(&self, motion: &Motion, balance: &mut Balance, detail: Detail) {
+        dispatch!(self.level(), simd => self.evaluate_with(simd, motion, balance, detail));
+    }
+
+    #[inline(always)]
+    fn evaluate_with<V: Simd>(
+        &self,
+        simd: V,
+        motion: &Motion,
+        balance: &mut Balance,
+        detail: Detail,
+    ) {
+        balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
+        let lightest = self.lightest_load();
+        for index in 0..balance.wheels.len() {
+            let load = balance.loads[index][0];
+            let target = load.max(lightest);
+            let wheel = &mut balance.wheels[index];
+            wheel.load = load;
+            wheel.share = load / target;
+            if wheel.entry_angle <= 0.0 {
+                let (low, high) = ENTRY_ANGLE_RANGE;
+                wheel.entry_angle = self.contact().entry_angle_guess(target).clamp(low, high);
+            }
+            let local = self.wheel_motion(motion, index);
+            let constant = |re| Dual { re, eps: [0.0] };
+            let local = WheelMotion {
+                forward: constant(local.forward),
+                lateral: constant(local.lateral),
+                yaw_rate: constant(local.yaw_rate),
+                angular_speed: constant(local.angular_speed),
+            };
+            let entry = Dual::<f64, 1>::variable(wheel.entry_angle, 0);
+            let forces = self
+                .contact()
+                .forces(simd, &local, entry, detail)
+                .to_array();
+            balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
+            balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
+        }
+    }
+
+    /// Newton's step of a_X and a_Y, all entry angles following their loads.
+    fn acceleration_step(&self, balance: &Balance) -> [f64; 2] {
+        let mass = self.vehicle().mass;
+        let [a_x, a_y] = balance.acceleration;
+        let mut residual = [-mass * a_x, -mass * a_y];
+        let mut matrix = [[mass, 0.0], [0.0, mass]];
+        for (index, wheel) in balance.wheels.iter().enumerate() {
+            let (force, slope) = (&balance.forces[index], &balance.slopes[index]);
+            let load = balance.loads[index];
+            let (force_x, slope_x) = (
+                force.thrust - force.compaction,
+                slope.thrust - slope.compaction,
+            );
+            residual[0] += wheel.share * force_x;
+            residual[1] += wheel.share * force.lateral;
+            if slope.vertical <= 0.0 {
+                continue;
+            }
+            // Change of F_X and F_Y for each newton that the wheel carries.
+            let by_vertical = [slope_x / slope.vertical, slope.lateral / slope.vertical];
+            let missing = wheel.load - wheel.share * force.vertical;
+            // A light wheel's forces fade with its load instead.
+            let by_load = if wheel.share < 1.0 {
+                let lightest = self.lightest_load();
+                [force_x / lightest, force.lateral / lightest]
+            } else {
+                by_vertical
+            };
+            for row in 0..2 {
+                residual[row] += by_vertical[row] * missing;
+                matrix[row][0] -= by_load[row] * load[1];
+                matrix[row][1] -= by_load[row] * load[2];
+            }
+        }
+        solve_2x2(matrix, residual)
+    }
+}
+
+/// Solves a 2 by 2 system by Cramer's rule.
+pub(super) fn solve_2x2(matrix: [[f64; 2]; 2], rhs: [f64; 2]) -> [f64; 2] {
+    let [[a, b], [c, d]] = matrix;
+    let determinant = a * d - b * c;
+    [
+        (rhs[0] * d - b * rhs[1]) / determinant,
+        (a * rhs[1] - c * rhs[0]) / determinant,
+    ]
+}
