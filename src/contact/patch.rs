@@ -383,12 +383,13 @@ impl PatchLaw {
         // The shear turns round within this angle.
         let sideways = motion.lateral.value() + motion.yaw_rate.value() * self.radius * sine;
         let speed = (sideways * sideways + self.slip_speed_squared).sqrt();
-        let shortest = (second.value() - first.value()).min(if late == 1 {
+        let part = second.value() - first.value();
+        let longer = part.max(if late == 1 {
             arc.entry.value() - second.value()
         } else {
             first.value()
         });
-        let sharp = speed < SHARP_TURN * shortest * sine * row.forward.value().abs();
+        let sharp = speed < SHARP_TURN * longer * sine * row.forward.value().abs();
         let nodes = if sharp { &rule.sharp } else { &rule.turning };
         for nodes in &nodes[late] {
             let mix = |shares: &[[f64; 8]; 3]| {
@@ -407,7 +408,7 @@ impl PatchLaw {
 
 /// Share of the entry angle below which a split of the arc is held in derivatives.
 const EARLIEST_MOVING_TURN: f64 = 5e-3;
-/// A turn of the shear is sharp if it takes less than this share of the shorter part beside it.
+/// A turn of the shear is sharp if it takes less than this share of the longer part beside it.
 const SHARP_TURN: f64 = 0.3;
 /// Square of a slip distance per time [m^2/s^2] far below any that matters: it keeps the
 /// displacement's derivative finite where nothing moves.

@@ -1,0 +1,204 @@
+//! The C header of the FMU's library, `modelDescription/ugv.h`: what cbindgen makes of the exported
+//! functions, and the value references of the declaration. `UGV_BLESS=1` writes it anew.
+
+#![cfg(feature = "cli")]
+
+mod support;
+
+use cbindgen::{Builder, Config, DocumentationStyle, Language};
+use std::collections::HashSet;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use ugv_terrain::declaration::{Quantity, Variable, enumerations, variables};
+use ugv_terrain::vehicle::Vehicle;
+
+const HEADER: &str = "modelDescription/ugv.h";
+const PREAMBLE: &str = "\
+/* C interface of the FMU ugv: the functions of FMI 2.0 and the value references of the variables,
+   for programs that load the library themselves. */";
+const INCLUDES: &str = "
+/* The standard's types: https://fmi-standard.org/downloads */
+#include \"fmi2FunctionTypes.h\"
+#include \"fmi2TypesPlatform.h\"";
+
+fn generated() -> String {
+    let config = Config {
+        language: Language::C,
+        header: Some(PREAMBLE.to_owned()),
+        include_guard: Some("UGV_H".to_owned()),
+        after_includes: Some(format!("{INCLUDES}\n\n{}", constants())),
+        no_includes: true,
+        cpp_compat: true,
+        usize_is_size_t: true,
+        documentation_style: DocumentationStyle::C99,
+        ..Config::default()
+    };
+    let exports = support::root().join("src/fmu/exports");
+    let mut builder = Builder::new().with_config(config);
+    for file in files(&exports) {
+        builder = builder.with_src(file);
+    }
+    let mut text = Vec::new();
+    builder.generate().unwrap().write(&mut text);
+    String::from_utf8(text).unwrap()
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// The value references, those of rows and wheels as functions of their number from 1.
+fn constants() -> String {
+    let rows = Vehicle::tran2007().row_positions.len();
+    let declared = variables(rows);
+    let of = |wanted: fn(&Variable) -> Option<usize>| -> Vec<(usize, &Variable)> {
+        declared
+            .iter()
+            .filter_map(|variable| Some((wanted(variable)?, variable)))
+            .collect()
+    };
+    let scalars = of(|v| (!v.name.contains('[')).then_some(0));
+    let row = of(|v| match v.quantity {
+        Quantity::Row(row) => Some(row),
+        _ => None,
+    });
+    let wheel = of(|v| match v.quantity {
+        Quantity::Wheel(wheel, _) => Some(wheel),
+        _ => None,
+    });
+    let mut text = "/* Value references */\n".to_owned();
+    for (_, variable) in scalars {
+        define(&mut text, &macro_name(&variable.name), variable.reference);
+    }
+    text += "/* Value references of row i and wheel i, counted from 1 */\n";
+    for list in [row, wheel] {
+        let first = |number: usize| list.iter().filter(move |(index, _)| *index == number);
+        for ((_, one), (_, two)) in first(0).zip(first(1)) {
+            let step = two.reference - one.reference;
+            let name = macro_name(&one.name.replace("[1]", ""));
+            let last = &list[list.len() - 1];
+            let formula = format!("({}u + {step}u * ((i) - 1u))", one.reference);
+            writeln!(text, "#define {name}(i) {formula}").unwrap();
+            // The formula holds for all of them.
+            for (index, variable) in &list {
+                if variable.name.replace(&format!("[{}]", index + 1), "[1]") == one.name {
+                    assert_eq!(variable.reference, one.reference + step * *index as u32);
+                }
+            }
+            assert!(last.0 > 1);
+        }
+    }
+    for enumeration in enumerations() {
+        writeln!(text, "/* {} */", enumeration.description).unwrap();
+        for (item, value, _) in enumeration.items {
+            let name = format!("{}_{item}", enumeration.name);
+            writeln!(text, "#define UGV_{} {value}", name.to_uppercase()).unwrap();
+        }
+    }
+    text
+}
+
+fn define(text: &mut String, name: &str, reference: u32) {
+    writeln!(text, "#define {name} {reference}u").unwrap();
+}
+
+/// `soil.cohesion` as `UGV_VR_SOIL_COHESION`, `der(x)` as `UGV_VR_DER_X`.
+fn macro_name(variable: &str) -> String {
+    let words = variable.split(|c: char| !c.is_ascii_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    format!("UGV_VR_{}", words.join("_").to_uppercase())
+}
+
+#[test]
+fn the_header_is_what_the_exports_and_the_declaration_make() {
+    let file = support::root().join(HEADER);
+    let expected = generated();
+    if std::env::var_os("UGV_BLESS").is_some() {
+        std::fs::write(&file, &expected).unwrap();
+    }
+    let found = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(
+        found == expected,
+        "{HEADER} is out of date; UGV_BLESS=1 cargo test --test header writes it anew"
+    );
+}
+
+#[test]
+fn every_variable_has_a_name_of_its_own() {
+    let text = constants();
+    let names: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("#define "))
+        .map(|line| line.split([' ', '(']).next().unwrap())
+        .collect();
+    let distinct: HashSet<&str> = names.iter().copied().collect();
+    assert_eq!(names.len(), distinct.len());
+    let scalars = variables(2)
+        .iter()
+        .filter(|v| !v.name.contains('['))
+        .count();
+    // One row variable, seven wheel variables, five terrains.
+    assert_eq!(names.len(), scalars + 1 + 7 + 5);
+}
+
+/// A declaration that differs from the standard's is an error of the compiler.
+#[test]
+fn the_header_agrees_with_the_standards() {
+    let Some(standard) = support::standard_headers() else {
+        return;
+    };
+    if !support::has("gcc", "gcc") {
+        return;
+    }
+    let compile = |prologue: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let source = folder.path().join("abi.c");
+        let text = format!(
+            "{prologue}\n#include \"fmi2Functions.h\"\n#include \"ugv.h\"\n\
+             unsigned references[] = {{UGV_VR_OMEGA_LEFT, UGV_VR_WHEEL_LOAD(8), UGV_TERRAIN_CUSTOM}};\n"
+        );
+        std::fs::write(&source, text).unwrap();
+        Command::new("gcc")
+            .args([
+                "-std=c99",
+                "-Wall",
+                "-Wextra",
+                "-Wpedantic",
+                "-Werror",
+                "-fsyntax-only",
+            ])
+            .arg("-I")
+            .arg(&standard)
+            .arg("-I")
+            .arg(support::root().join("modelDescription"))
+            .arg(source)
+            .output()
+            .unwrap()
+    };
+    let compiled = compile("");
+    let said = String::from_utf8_lossy(&compiled.stderr);
+    assert!(compiled.status.success(), "{said}");
+    // The same, had the standard another opinion of one of the arguments.
+    let compiled = compile("#define fmi2DoStepTYPE fmi2ResetTYPE");
+    let said = String::from_utf8_lossy(&compiled.stderr);
+    assert!(said.contains("conflicting types for"), "{said}");
+    // The standard's functions are all there.
+    let declared = std::fs::read_to_string(standard.join("fmi2Functions.h")).unwrap();
+    let header = std::fs::read_to_string(support::root().join(HEADER)).unwrap();
+    let exported = declared.lines().filter(|l| l.contains("FMI2_Export fmi2"));
+    let names: Vec<&str> = exported
+        .map(|line| line.trim_end().trim_end_matches(';'))
+        .filter_map(|line| line.split_whitespace().last())
+        .collect();
+    assert_eq!(names.len(), 44);
+    for name in names {
+        assert!(
+            header.contains(&format!(" {name}(")) || header.contains(&format!("*{name}(")),
+            "{name}"
+        );
+    }
+}
