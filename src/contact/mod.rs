@@ -6,6 +6,7 @@
 
 mod patch;
 mod quadrature;
+mod rows;
 mod wheel;
 
 pub use quadrature::Resolution;

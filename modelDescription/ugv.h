@@ -1,0 +1,726 @@
+/* C interface of the FMU ugv: the functions of FMI 2.0 and the value references of the variables,
+   for programs that load the library themselves. */
+
+#ifndef UGV_H
+#define UGV_H
+
+
+/* The standard's types: https://fmi-standard.org/downloads */
+#include "fmi2FunctionTypes.h"
+#include "fmi2TypesPlatform.h"
+
+/* Value references */
+#define UGV_VR_OMEGA_LEFT 0u
+#define UGV_VR_OMEGA_RIGHT 1u
+#define UGV_VR_X 2u
+#define UGV_VR_Y 3u
+#define UGV_VR_HEADING 4u
+#define UGV_VR_V_X 5u
+#define UGV_VR_V_Y 6u
+#define UGV_VR_YAW_RATE 7u
+#define UGV_VR_A_X 8u
+#define UGV_VR_A_Y 9u
+#define UGV_VR_ROLLING_RESISTANCE 10u
+#define UGV_VR_TURNING_RESISTANCE_MOMENT 11u
+#define UGV_VR_TURNING_MOMENT 12u
+#define UGV_VR_DER_X 13u
+#define UGV_VR_DER_Y 14u
+#define UGV_VR_DER_HEADING 15u
+#define UGV_VR_DER_V_X 16u
+#define UGV_VR_DER_V_Y 17u
+#define UGV_VR_DER_YAW_RATE 18u
+#define UGV_VR_TERRAIN 19u
+#define UGV_VR_SOIL_COHESION 20u
+#define UGV_VR_SOIL_FRICTION_ANGLE_DEG 21u
+#define UGV_VR_SOIL_COHESIVE_MODULUS 22u
+#define UGV_VR_SOIL_FRICTIONAL_MODULUS 23u
+#define UGV_VR_SOIL_SINKAGE_EXPONENT 24u
+#define UGV_VR_SOIL_SHEAR_MODULUS 25u
+#define UGV_VR_VEHICLE_MASS 26u
+#define UGV_VR_VEHICLE_YAW_INERTIA 27u
+#define UGV_VR_VEHICLE_WHEEL_RADIUS 28u
+#define UGV_VR_VEHICLE_WHEEL_WIDTH 29u
+#define UGV_VR_VEHICLE_HALF_TRACK 30u
+#define UGV_VR_VEHICLE_COM_OFFSET 31u
+#define UGV_VR_VEHICLE_COM_HEIGHT 32u
+#define UGV_VR_INITIAL_X 33u
+#define UGV_VR_INITIAL_Y 34u
+#define UGV_VR_INITIAL_HEADING 35u
+#define UGV_VR_INITIAL_V_X 36u
+#define UGV_VR_INITIAL_V_Y 37u
+#define UGV_VR_INITIAL_YAW_RATE 38u
+#define UGV_VR_INITIAL_NO_SLIP 39u
+/* Value references of row i and wheel i, counted from 1 */
+#define UGV_VR_VEHICLE_ROW_POSITIONS(i) (1000u + 1u * ((i) - 1u))
+#define UGV_VR_WHEEL_LONGITUDINAL_SLIP(i) (2000u + 16u * ((i) - 1u))
+#define UGV_VR_WHEEL_LATERAL_SLIP(i) (2001u + 16u * ((i) - 1u))
+#define UGV_VR_WHEEL_LOAD(i) (2002u + 16u * ((i) - 1u))
+#define UGV_VR_WHEEL_SINKAGE(i) (2003u + 16u * ((i) - 1u))
+#define UGV_VR_WHEEL_ENTRY_ANGLE(i) (2004u + 16u * ((i) - 1u))
+#define UGV_VR_WHEEL_FORCE_X(i) (2005u + 16u * ((i) - 1u))
+#define UGV_VR_WHEEL_FORCE_Y(i) (2006u + 16u * ((i) - 1u))
+/* Soil under the wheels */
+#define UGV_TERRAIN_DRY_SAND 1
+#define UGV_TERRAIN_SANDY_LOAM 2
+#define UGV_TERRAIN_CLAYED_SOIL 3
+#define UGV_TERRAIN_DRY_CLAY 4
+#define UGV_TERRAIN_CUSTOM 5
+
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// Sets the rates at which the wheel speeds change during the next step.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component,
+                                       const fmi2ValueReference *references,
+                                       size_t count,
+                                       const fmi2Integer *orders,
+                                       const fmi2Real *values);
+
+// The outputs' first derivatives in time.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component,
+                                        const fmi2ValueReference *references,
+                                        size_t count,
+                                        const fmi2Integer *orders,
+                                        fmi2Real *values);
+
+// Drives on by one communication step.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2DoStep(fmi2Component component,
+                      fmi2Real current_communication_point,
+                      fmi2Real communication_step_size,
+                      fmi2Boolean _no_set_fmu_state_prior_to_current_point);
+
+// Steps are never asynchronous: there is nothing to cancel.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2CancelStep(fmi2Component component);
+
+// Not available: steps are never asynchronous.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status *_value);
+
+// The time that the last step reached.
+//
+// # Safety
+// A live component; `value` can be written.
+fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real *value);
+
+// Not available: there is no such status.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetIntegerStatus(fmi2Component component, fmi2StatusKind kind, fmi2Integer *_value);
+
+// Whether the FMU wants to end the simulation: it never does.
+//
+// # Safety
+// A live component; `value` can be written.
+fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean *value);
+
+// Not available: steps are never asynchronous.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetStringStatus(fmi2Component component, fmi2StatusKind kind, fmi2String *_value);
+
+// The platform's types, `default`.
+const char *fmi2GetTypesPlatform(void);
+
+// The version of the standard, `2.0`.
+const char *fmi2GetVersion(void);
+
+// Switches the reporting of events on and off; errors and warnings are always reported.
+//
+// # Safety
+// As the standard says: a live component, `n_categories` strings.
+fmi2Status fmi2SetDebugLogging(fmi2Component component,
+                               fmi2Boolean logging_on,
+                               size_t n_categories,
+                               const fmi2String *categories);
+
+// Creates an instance, or reports why not and returns null.
+//
+// # Safety
+// As the standard says: strings that end in zero, callbacks that outlive the instance.
+fmi2Component fmi2Instantiate(fmi2String instance_name,
+                              fmi2Type fmu_type,
+                              fmi2String fmu_guid,
+                              fmi2String fmu_resource_location,
+                              const fmi2CallbackFunctions *functions,
+                              fmi2Boolean _visible,
+                              fmi2Boolean logging_on);
+
+// Frees an instance; nothing for null.
+//
+// # Safety
+// `component` is null or a live component, which is none after this.
+void fmi2FreeInstance(fmi2Component component);
+
+// Tells start and stop time.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2SetupExperiment(fmi2Component component,
+                               fmi2Boolean _tolerance_defined,
+                               fmi2Real _tolerance,
+                               fmi2Real start_time,
+                               fmi2Boolean stop_time_defined,
+                               fmi2Real stop_time);
+
+// Begins the initialization.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2EnterInitializationMode(fmi2Component component);
+
+// Ends the initialization: parameters are fixed from here on.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2ExitInitializationMode(fmi2Component component);
+
+// Ends the simulation; values can still be read.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2Terminate(fmi2Component component);
+
+// Back to how the instance was created.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2Reset(fmi2Component component);
+
+// Derivatives of outputs and state derivatives in a direction of inputs and states.
+//
+// # Safety
+// A live component; arrays of the given lengths.
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
+                                        const fmi2ValueReference *unknown_references,
+                                        size_t n_unknown,
+                                        const fmi2ValueReference *known_references,
+                                        size_t n_known,
+                                        const fmi2Real *known_seeds,
+                                        fmi2Real *unknown_values);
+
+// Sets the rates at which the wheel speeds change during the next step.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component,
+                                       const fmi2ValueReference *references,
+                                       size_t count,
+                                       const fmi2Integer *orders,
+                                       const fmi2Real *values);
+
+// The outputs' first derivatives in time.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component,
+                                        const fmi2ValueReference *references,
+                                        size_t count,
+                                        const fmi2Integer *orders,
+                                        fmi2Real *values);
+
+// Drives on by one communication step.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2DoStep(fmi2Component component,
+                      fmi2Real current_communication_point,
+                      fmi2Real communication_step_size,
+                      fmi2Boolean _no_set_fmu_state_prior_to_current_point);
+
+// Steps are never asynchronous: there is nothing to cancel.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2CancelStep(fmi2Component component);
+
+// Not available: steps are never asynchronous.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status *_value);
+
+// The time that the last step reached.
+//
+// # Safety
+// A live component; `value` can be written.
+fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real *value);
+
+// Not available: there is no such status.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetIntegerStatus(fmi2Component component, fmi2StatusKind kind, fmi2Integer *_value);
+
+// Whether the FMU wants to end the simulation: it never does.
+//
+// # Safety
+// A live component; `value` can be written.
+fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean *value);
+
+// Not available: steps are never asynchronous.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetStringStatus(fmi2Component component, fmi2StatusKind kind, fmi2String *_value);
+
+// The platform's types, `default`.
+const char *fmi2GetTypesPlatform(void);
+
+// The version of the standard, `2.0`.
+const char *fmi2GetVersion(void);
+
+// Switches the reporting of events on and off; errors and warnings are always reported.
+//
+// # Safety
+// As the standard says: a live component, `n_categories` strings.
+fmi2Status fmi2SetDebugLogging(fmi2Component component,
+                               fmi2Boolean logging_on,
+                               size_t n_categories,
+                               const fmi2String *categories);
+
+// Creates an instance, or reports why not and returns null.
+//
+// # Safety
+// As the standard says: strings that end in zero, callbacks that outlive the instance.
+fmi2Component fmi2Instantiate(fmi2String instance_name,
+                              fmi2Type fmu_type,
+                              fmi2String fmu_guid,
+                              fmi2String fmu_resource_location,
+                              const fmi2CallbackFunctions *functions,
+                              fmi2Boolean _visible,
+                              fmi2Boolean logging_on);
+
+// Frees an instance; nothing for null.
+//
+// # Safety
+// `component` is null or a live component, which is none after this.
+void fmi2FreeInstance(fmi2Component component);
+
+// Tells start and stop time.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2SetupExperiment(fmi2Component component,
+                               fmi2Boolean _tolerance_defined,
+                               fmi2Real _tolerance,
+                               fmi2Real start_time,
+                               fmi2Boolean stop_time_defined,
+                               fmi2Real stop_time);
+
+// Begins the initialization.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2EnterInitializationMode(fmi2Component component);
+
+// Ends the initialization: parameters are fixed from here on.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2ExitInitializationMode(fmi2Component component);
+
+// Ends the simulation; values can still be read.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2Terminate(fmi2Component component);
+
+// Back to how the instance was created.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2Reset(fmi2Component component);
+
+// Derivatives of outputs and state derivatives in a direction of inputs and states.
+//
+// # Safety
+// A live component; arrays of the given lengths.
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
+                                        const fmi2ValueReference *unknown_references,
+                                        size_t n_unknown,
+                                        const fmi2ValueReference *known_references,
+                                        size_t n_known,
+                                        const fmi2Real *known_seeds,
+                                        fmi2Real *unknown_values);
+
+// Enters event mode.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2EnterEventMode(fmi2Component component);
+
+// Handles an event: the model has none of its own, so nothing changes.
+//
+// # Safety
+// A live component; `event_info` can be written.
+fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo *event_info);
+
+// Enters continuous-time mode.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component);
+
+// Takes note of a completed step; the model never asks for an event.
+//
+// # Safety
+// A live component; the two results can be written.
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component component,
+                                       fmi2Boolean _no_set_fmu_state_prior_to_current_point,
+                                       fmi2Boolean *enter_event_mode,
+                                       fmi2Boolean *terminate_simulation);
+
+// Sets the time, on which nothing in the model depends.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2SetTime(fmi2Component component, fmi2Real time);
+
+// Sets the states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real *states, size_t count);
+
+// Rates of change of the states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2GetDerivatives(fmi2Component component, fmi2Real *derivatives, size_t count);
+
+// There are no event indicators; reading none of them succeeds.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetEventIndicators(fmi2Component component, fmi2Real *_indicators, size_t count);
+
+// The states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2GetContinuousStates(fmi2Component component, fmi2Real *states, size_t count);
+
+// Orders of magnitude of the states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component component,
+                                             fmi2Real *nominals,
+                                             size_t count);
+
+// Saves the instance's state.
+//
+// # Safety
+// A live component; `state` points to null or to a live state.
+fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state);
+
+// Returns to a saved state.
+//
+// # Safety
+// A live component and a live state.
+fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state);
+
+// Frees a saved state; nothing for null.
+//
+// # Safety
+// A live component; `state` is null or points to null or to a live state.
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state);
+
+// The number of bytes that [`fmi2SerializeFMUstate`] writes.
+//
+// # Safety
+// A live component and a live state; `size` can be written.
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size);
+
+// Writes a saved state as bytes.
+//
+// # Safety
+// A live component and a live state; room for `size` bytes.
+fmi2Status fmi2SerializeFMUstate(fmi2Component component,
+                                 fmi2FMUstate state,
+                                 fmi2Byte *serialized,
+                                 size_t size);
+
+// Makes a state from bytes.
+//
+// # Safety
+// A live component; `size` bytes; `state` points to null or to a live state.
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component,
+                                   const fmi2Byte *serialized,
+                                   size_t size,
+                                   fmi2FMUstate *state);
+
+// Reads variables of type Real.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetReal(fmi2Component component,
+                       const fmi2ValueReference *references,
+                       size_t count,
+                       fmi2Real *values);
+
+// Sets variables of type Real.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetReal(fmi2Component component,
+                       const fmi2ValueReference *references,
+                       size_t count,
+                       const fmi2Real *values);
+
+// Reads variables of type Integer or of an enumeration.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetInteger(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          fmi2Integer *values);
+
+// Sets variables of type Integer or of an enumeration.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetInteger(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          const fmi2Integer *values);
+
+// Reads variables of type Boolean.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetBoolean(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          fmi2Boolean *values);
+
+// Sets variables of type Boolean.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetBoolean(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          const fmi2Boolean *values);
+
+// There are no variables of type String; reading none of them succeeds.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetString(fmi2Component component,
+                         const fmi2ValueReference *references,
+                         size_t count,
+                         fmi2String *_values);
+
+// There are no variables of type String; setting none of them succeeds.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetString(fmi2Component component,
+                         const fmi2ValueReference *references,
+                         size_t count,
+                         const fmi2String *_values);
+
+// Enters event mode.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2EnterEventMode(fmi2Component component);
+
+// Handles an event: the model has none of its own, so nothing changes.
+//
+// # Safety
+// A live component; `event_info` can be written.
+fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo *event_info);
+
+// Enters continuous-time mode.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component);
+
+// Takes note of a completed step; the model never asks for an event.
+//
+// # Safety
+// A live component; the two results can be written.
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component component,
+                                       fmi2Boolean _no_set_fmu_state_prior_to_current_point,
+                                       fmi2Boolean *enter_event_mode,
+                                       fmi2Boolean *terminate_simulation);
+
+// Sets the time, on which nothing in the model depends.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2SetTime(fmi2Component component, fmi2Real time);
+
+// Sets the states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real *states, size_t count);
+
+// Rates of change of the states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2GetDerivatives(fmi2Component component, fmi2Real *derivatives, size_t count);
+
+// There are no event indicators; reading none of them succeeds.
+//
+// # Safety
+// `component` is null or a live component.
+fmi2Status fmi2GetEventIndicators(fmi2Component component, fmi2Real *_indicators, size_t count);
+
+// The states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2GetContinuousStates(fmi2Component component, fmi2Real *states, size_t count);
+
+// Orders of magnitude of the states.
+//
+// # Safety
+// A live component; an array of the given length.
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component component,
+                                             fmi2Real *nominals,
+                                             size_t count);
+
+// Saves the instance's state.
+//
+// # Safety
+// A live component; `state` points to null or to a live state.
+fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state);
+
+// Returns to a saved state.
+//
+// # Safety
+// A live component and a live state.
+fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state);
+
+// Frees a saved state; nothing for null.
+//
+// # Safety
+// A live component; `state` is null or points to null or to a live state.
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state);
+
+// The number of bytes that [`fmi2SerializeFMUstate`] writes.
+//
+// # Safety
+// A live component and a live state; `size` can be written.
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size);
+
+// Writes a saved state as bytes.
+//
+// # Safety
+// A live component and a live state; room for `size` bytes.
+fmi2Status fmi2SerializeFMUstate(fmi2Component component,
+                                 fmi2FMUstate state,
+                                 fmi2Byte *serialized,
+                                 size_t size);
+
+// Makes a state from bytes.
+//
+// # Safety
+// A live component; `size` bytes; `state` points to null or to a live state.
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component,
+                                   const fmi2Byte *serialized,
+                                   size_t size,
+                                   fmi2FMUstate *state);
+
+// Reads variables of type Real.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetReal(fmi2Component component,
+                       const fmi2ValueReference *references,
+                       size_t count,
+                       fmi2Real *values);
+
+// Sets variables of type Real.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetReal(fmi2Component component,
+                       const fmi2ValueReference *references,
+                       size_t count,
+                       const fmi2Real *values);
+
+// Reads variables of type Integer or of an enumeration.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetInteger(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          fmi2Integer *values);
+
+// Sets variables of type Integer or of an enumeration.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetInteger(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          const fmi2Integer *values);
+
+// Reads variables of type Boolean.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetBoolean(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          fmi2Boolean *values);
+
+// Sets variables of type Boolean.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetBoolean(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          const fmi2Boolean *values);
+
+// There are no variables of type String; reading none of them succeeds.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2GetString(fmi2Component component,
+                         const fmi2ValueReference *references,
+                         size_t count,
+                         fmi2String *_values);
+
+// There are no variables of type String; setting none of them succeeds.
+//
+// # Safety
+// A live component; arrays of the given length.
+fmi2Status fmi2SetString(fmi2Component component,
+                         const fmi2ValueReference *references,
+                         size_t count,
+                         const fmi2String *_values);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* UGV_H */
