@@ -112,13 +112,15 @@ class States(unittest.TestCase):
     def test_input_derivatives_are_part_of_the_state(self) -> None:
         self.instance.set_input_derivatives((1.0, 1.0))
         saved, time = self.instance.save(), self.instance.time
+        data = self.instance.serialize()
         self.instance.step(0.1)
         expected = self.instance.outputs()
-        self.instance.restore(saved)
-        self.instance.time = time
-        self.instance.step(0.1)
-        self.assertEqual(self.instance.outputs(), expected)
-        self.instance.free_state(saved)
+        for state in (saved, self.instance.deserialize(data)):
+            self.instance.restore(state)
+            self.instance.free_state(state)
+            self.instance.time = time
+            self.instance.step(0.1)
+            self.assertEqual(self.instance.outputs(), expected)
 
     def test_a_state_fits_another_instance_in_any_mode(self) -> None:
         saved, time = self.instance.save(), self.instance.time

@@ -18,7 +18,7 @@ class Location(unittest.TestCase):
     """Every way of writing the URI that importers are known for."""
 
     def test_the_resources_are_found_however_they_are_written(self) -> None:
-        folder = resources(lighter, "Ressourcen für 100% Lehm – 空")
+        folder = resources(lighter, "Ressourcen für 100% Lehm, 空")
         guid, path = guid_of(folder), str(folder)
         self.assertNotEqual(guid, fmu().description.guid)
         expected = load_of_front_wheel(guid=guid, resources=folder.as_uri())

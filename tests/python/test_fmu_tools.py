@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 from fmu_support import fmu, fmu_path, scratch
 
 # A name that an importer has to percent-encode in the resource URI.
-AWKWARD = "Übung mit Leerzeichen – 100% 空"
+AWKWARD = "Übung mit Leerzeichen, 100% 空"
 
 
 def simulate(path: Path, temporary: Path) -> tuple[list[dict[str, str]], str]:
