@@ -365,6 +365,13 @@ fn fmpy_gets_the_bits_of_the_library_with_a_vehicle_and_soil_of_ones_own() {
         .status()
         .unwrap();
     assert!(status.success());
+    let validated = Command::new(&python)
+        .args(["-m", "fmpy", "validate"])
+        .arg(&packaged)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&validated.stdout);
+    assert!(validated.status.success(), "{said}");
     let case = Case {
         name: "two rows on a soil of one's own",
         vehicle: Vehicle::from_json(VEHICLE).unwrap(),

@@ -130,6 +130,7 @@ fn steps_and_inputs_that_make_no_sense_are_refused_and_change_nothing() {
     let untouched = simulation.snapshot();
     assert_eq!(simulation.step(-0.1), Err(SimulationError::StepSize(-0.1)));
     assert!(simulation.step(f64::NAN).is_err());
+    assert!(simulation.step(1e300).is_err());
     assert!(simulation.set_wheel_speeds(speeds(f64::NAN, 0.0)).is_err());
     assert!(
         simulation

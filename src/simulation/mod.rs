@@ -76,7 +76,7 @@ pub enum SimulationError {
         /// What the wheels lack.
         source: BalanceError,
     },
-    /// A step that is negative or not finite \[s\].
+    /// A step that is negative, not finite or longer than 1e6 s \[s\].
     StepSize(f64),
     /// An input or state that is not finite.
     NotFinite {
@@ -99,7 +99,7 @@ impl fmt::Display for SimulationError {
             Self::StepSize(step) => {
                 write!(
                     f,
-                    "cannot step by {step} s: a step is finite and not negative"
+                    "cannot step by {step} s: a step lies between 0 and 1e6 s"
                 )
             }
             Self::NotFinite { what, value } => write!(f, "{what} = {value} is not finite"),

@@ -22,6 +22,9 @@ const RELATIVE_TOLERANCE: [f64; State::COUNT] = [0.0, 0.0, 0.0, 1e-4, 1e-4, 1e-4
 /// First step tried \[s\], and the longest.
 const FIRST_STEP: f64 = 1e-3;
 const LONGEST_STEP: f64 = 0.5;
+/// Longest time \[s\] that one call may ask for, some days: more is a slip of the pen, and
+/// would seem to hang.
+const LONGEST_CALL: f64 = 1e6;
 /// Below this share of the elapsed time (or this time \[s\]) a step means nothing any more.
 const SMALLEST_STEP: f64 = 1e-12;
 /// Step control: safety factor, and limits of the change from one step to the next.
@@ -97,10 +100,10 @@ impl Simulation {
     /// Within the step the integrator takes as many steps of its own as the accuracy needs.
     ///
     /// # Errors
-    /// A step that is negative or not finite, or forces that do not exist (a bogged vehicle).
+    /// A step that is negative, not finite or longer than 1e6 s, or forces that do not exist (a bogged vehicle).
     /// Then the simulation stands at the last point that it reached.
     pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
-        if !(seconds.is_finite() && seconds >= 0.0) {
+        if !(0.0..=LONGEST_CALL).contains(&seconds) {
             return Err(SimulationError::StepSize(seconds));
         }
         let (start, speeds) = (self.time, self.inputs);

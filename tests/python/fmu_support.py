@@ -32,6 +32,8 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 STATES = ("x", "y", "heading", "v_x", "v_y", "yaw_rate")
 RATES = tuple(f"der({name})" for name in STATES)
 INPUTS = ("omega_left", "omega_right")
+# Stands for the URI of the FMU's own resources.
+OWN_RESOURCES = "own"
 ANY_GUID = "00000000-0000-0000-0000-000000000000"
 TERRAINS = {"dry_sand": 1, "sandy_loam": 2, "clayed_soil": 3, "dry_clay": 4, "custom": 5}
 
@@ -125,7 +127,7 @@ class Instance:
         *,
         of: Fmu | None = None,
         guid: str | None = None,
-        resources: str | None = "",
+        resources: str | None = OWN_RESOURCES,
         logging: bool = False,
         name: str | None = "test",
         environment: int | None = None,
@@ -136,7 +138,7 @@ class Instance:
         self.callbacks = fmi2CallbackFunctions()
         self.callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
         self.callbacks.componentEnvironment = environment
-        resources = self.fmu.resources if resources == "" else resources
+        resources = self.fmu.resources if resources == OWN_RESOURCES else resources
         self.handle: int | None = self.fmu.library.fmi2Instantiate(
             name.encode() if name is not None else None,
             kind,

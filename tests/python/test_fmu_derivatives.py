@@ -77,6 +77,30 @@ class Directional(unittest.TestCase):
             self.assertEqual(instance.directional([], [], []), [])
             self.assertEqual(instance.directional(["a_x", "v_x"], [], []), [0.0, 0.0])
 
+    def test_they_agree_with_the_dependencies_in_the_model_description(self) -> None:
+        structure = [*fmu().description.outputs, *fmu().description.derivatives]
+        self.assertEqual({each.variable.name for each in structure}, set(self.unknowns))
+        found = []
+        for states, speeds in POINTS[:2]:
+            with model_exchange() as instance:
+                self.values(instance, np.array(states + speeds))
+                columns = [instance.directional(self.unknowns, [k], [1.0]) for k in self.knowns]
+                rows = zip(self.unknowns, zip(*columns, strict=True), strict=True)
+                found.append({name: dict(zip(self.knowns, row, strict=True)) for name, row in rows})
+        one, other = found
+        for each in structure:
+            name = each.variable.name
+            kinds = {
+                known.name: kind
+                for known, kind in zip(each.dependencies, each.dependenciesKind, strict=True)
+            }
+            for known in self.knowns:
+                with self.subTest(name, known=known):
+                    if known not in kinds:
+                        self.assertEqual((one[name][known], other[name][known]), (0.0, 0.0))
+                    elif kinds[known] == "constant":
+                        self.assertEqual(one[name][known], other[name][known])
+
     def test_they_are_the_same_in_co_simulation(self) -> None:
         states, speeds = POINTS[0]
         initial = {f"initial.{name}": value for name, value in zip(STATES, states, strict=True)}

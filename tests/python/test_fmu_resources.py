@@ -48,6 +48,7 @@ class Location(unittest.TestCase):
         expected = load_of_front_wheel()
         for location, warns in (
             (None, False),
+            ("", False),
             (" ", False),
             (empty.as_uri(), False),
             (str(empty), False),
