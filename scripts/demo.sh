@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 command -v cargo >/dev/null || {
-    echo "demo: Rust is missing; install it from https://rustup.rs, open a new shell and run $0 again" >&2
+    echo "demo: Rust is missing; install it with rustup, open a new shell and run $0 again" >&2
     exit 1
 }
 
