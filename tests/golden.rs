@@ -39,6 +39,14 @@ impl GoldenState {
             .unwrap_or_else(|| panic!("{key} is missing"))
     }
 
+    /// The totals that these numbers of quadrature nodes give.
+    fn totals_with(&self, resolution: Resolution) -> [f64; 5] {
+        let soil = Terrain::preset(&self.terrain).unwrap();
+        let (vehicle, settings) = (Vehicle::tran2007(), Regularisation::default());
+        let model = VehicleModel::with_settings(vehicle, soil, settings, resolution).unwrap();
+        totals(&wrench(&model, &self.motion))
+    }
+
     /// Tolerance of every force and moment of this state.
     fn tolerance(&self) -> f64 {
         let largest = (0..8)
@@ -140,15 +148,7 @@ fn halving_the_quadrature_nodes_changes_no_golden_total() {
     let half = full.halved();
     assert_eq!((half.arc, half.width), (full.arc / 2, full.width / 2));
     for (number, golden) in golden_states().iter().enumerate() {
-        let evaluate = |resolution| {
-            let (vehicle, soil) = (
-                Vehicle::tran2007(),
-                Terrain::preset(&golden.terrain).unwrap(),
-            );
-            let settings = Regularisation::default();
-            let model = VehicleModel::with_settings(vehicle, soil, settings, resolution).unwrap();
-            totals(&wrench(&model, &golden.motion))
-        };
+        let evaluate = |resolution| golden.totals_with(resolution);
         let tolerance = golden.tolerance();
         for (fine, coarse) in evaluate(full).into_iter().zip(evaluate(half)) {
             let change = (fine - coarse).abs();
@@ -171,15 +171,7 @@ fn the_nodes_have_converged_far_below_the_tolerance() {
         sharp_reversal: 2 * full.sharp_reversal,
     };
     for (number, golden) in golden_states().iter().enumerate() {
-        let evaluate = |resolution| {
-            let (vehicle, soil) = (
-                Vehicle::tran2007(),
-                Terrain::preset(&golden.terrain).unwrap(),
-            );
-            let settings = Regularisation::default();
-            let model = VehicleModel::with_settings(vehicle, soil, settings, resolution).unwrap();
-            totals(&wrench(&model, &golden.motion))
-        };
+        let evaluate = |resolution| golden.totals_with(resolution);
         for (fine, coarse) in evaluate(double).into_iter().zip(evaluate(full)) {
             let change = (fine - coarse).abs();
             let allowed = 0.05 * golden.tolerance();

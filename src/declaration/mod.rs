@@ -195,6 +195,17 @@ pub fn find(reference: u32, rows: usize) -> Option<(Quantity, &'static Attribute
     Some((Quantity::Wheel(wheel as usize, field), &declared.attributes))
 }
 
+/// The states' orders of magnitude, in the order of [`crate::simulation::State::to_array`].
+#[must_use]
+pub fn state_nominals() -> [f64; 6] {
+    std::array::from_fn(|index| {
+        let declared = SCALARS
+            .iter()
+            .find(|d| d.quantity == Quantity::State(index));
+        declared.and_then(|d| d.attributes.nominal).unwrap_or(1.0)
+    })
+}
+
 /// The units that the variables use.
 #[must_use]
 pub fn units() -> &'static [Unit] {

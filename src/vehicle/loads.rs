@@ -94,19 +94,6 @@ mod tests {
     /// Rounding in sums of eight loads of some 600 N.
     const ROUNDING: f64 = 1e-9;
 
-    fn paper() -> Vehicle {
-        Vehicle {
-            mass: 490.0,
-            yaw_inertia: 309.43,
-            wheel_radius: 0.25,
-            wheel_width: 0.246,
-            row_positions: vec![0.915, 0.305, -0.305, -0.915],
-            half_track: 0.61,
-            com_offset: 0.17,
-            com_height: 0.35,
-        }
-    }
-
     fn loads(vehicle: &Vehicle, acceleration: [f64; 2]) -> (Vec<f64>, bool) {
         let mut loads = vec![[0.0; 3]; vehicle.wheel_count()];
         let lifted = LoadPlane::new(vehicle).distribute(acceleration, &mut loads);
@@ -117,7 +104,7 @@ mod tests {
     fn four_rows_give_equation_28() {
         let (a_x, a_y) = (1.3, -0.7);
         let (m, a, half_track, d, h, g) = (490.0, 0.61, 0.61, 0.17, 0.35, GRAVITY);
-        let (loads, _) = loads(&paper(), [a_x, a_y]);
+        let (loads, _) = loads(&Vehicle::tran2007(), [a_x, a_y]);
         for (index, load) in loads.iter().enumerate() {
             let rows = [(6.0, -6.0), (2.0, -2.0), (-2.0, 2.0), (-6.0, 6.0)];
             let (by_d, by_x) = rows[index / 2];
@@ -134,7 +121,7 @@ mod tests {
     fn uneven_rows_balance_weight_and_moments() {
         let vehicle = Vehicle {
             row_positions: vec![0.9, 0.2, -0.7],
-            ..paper()
+            ..Vehicle::tran2007()
         };
         let acceleration = [-0.8, 0.4];
         let (loads, lifted) = loads(&vehicle, acceleration);
@@ -155,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_lifted_wheel_carries_nothing_and_the_others_the_weight() {
-        let (loads, lifted) = loads(&paper(), [0.0, 25.0]);
+        let (loads, lifted) = loads(&Vehicle::tran2007(), [0.0, 25.0]);
         assert!(lifted);
         assert!(loads.iter().step_by(2).all(|&load| load == 0.0));
         let sum: f64 = loads.iter().sum();

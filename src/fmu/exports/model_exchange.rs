@@ -1,6 +1,7 @@
 //! Model exchange: the importer integrates the six states.
 
 use super::conforms;
+use crate::declaration::state_nominals;
 use crate::fmu::calls::{Call, Mode};
 use crate::fmu::guard::{call, out, read, write};
 use crate::fmu::instance::{Failure, Outcome, refuse};
@@ -19,9 +20,6 @@ conforms! {
     fmi2GetContinuousStatesTYPE = fmi2GetContinuousStates;
     fmi2GetNominalsOfContinuousStatesTYPE = fmi2GetNominalsOfContinuousStates;
 }
-
-/// Orders of magnitude of the states, as declared.
-const NOMINALS: [f64; State::COUNT] = [1.0, 1.0, 1.0, 1.0, 0.1, 0.5];
 
 /// Enters event mode.
 ///
@@ -265,7 +263,7 @@ pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
             component,
             Call::GetNominals,
             "fmi2GetNominalsOfContinuousStates",
-            |_| fill(write(nominals, count)?, NOMINALS),
+            |_| fill(write(nominals, count)?, state_nominals()),
         )
     }
 }
