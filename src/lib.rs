@@ -34,6 +34,7 @@
 
 pub mod contact;
 pub mod declaration;
+pub mod effects;
 #[cfg(feature = "fmu")]
 pub mod fmu;
 pub mod json;

@@ -6,7 +6,8 @@ use crate::contact::WheelForces;
 /// Forces, moments and resistances at one instant (or their derivative in one direction).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Wrench {
-    /// Acceleration of the centre of mass along X \[m/s^2\] (19).
+    /// Acceleration of the centre of mass along X \[m/s^2\] (19); where effects move the centre of
+    /// mass, of the point where the vehicle's parameters put it.
     pub a_x: f64,
     /// Acceleration of the centre of mass along Y \[m/s^2\] (20).
     pub a_y: f64,
@@ -41,6 +42,36 @@ pub struct WheelOutputs {
     pub force_y: f64,
     /// Torque that the axle needs \[N m\], positive drives forward.
     pub drive_torque: f64,
+}
+
+impl WheelOutputs {
+    /// Number of the fields.
+    pub(crate) const COUNT: usize = 8;
+
+    /// From the numbers in the order of the fields.
+    pub(crate) fn from_array(
+        [
+            longitudinal_slip,
+            lateral_slip,
+            load,
+            sinkage,
+            entry_angle,
+            force_x,
+            force_y,
+            drive_torque,
+        ]: [f64; Self::COUNT],
+    ) -> Self {
+        Self {
+            longitudinal_slip,
+            lateral_slip,
+            load,
+            sinkage,
+            entry_angle,
+            force_x,
+            force_y,
+            drive_torque,
+        }
+    }
 }
 
 impl Wrench {
