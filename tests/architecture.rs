@@ -4,15 +4,22 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 14] = [
+const EDGES: [(&str, &[&str]); 15] = [
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
     ("terrain", &["parameter"]),
-    ("contact", &["parameter", "scalar", "terrain"]),
-    ("vehicle", &["contact", "parameter", "scalar", "terrain"]),
-    ("simulation", &["vehicle"]),
-    ("json", &["parameter", "spelling", "terrain", "vehicle"]),
+    ("effects", &["parameter", "scalar", "terrain"]),
+    ("contact", &["effects", "parameter", "scalar", "terrain"]),
+    (
+        "vehicle",
+        &["contact", "effects", "parameter", "scalar", "terrain"],
+    ),
+    ("simulation", &["parameter", "vehicle"]),
+    (
+        "json",
+        &["effects", "parameter", "spelling", "terrain", "vehicle"],
+    ),
     ("declaration", &["json", "terrain", "vehicle"]),
     ("recording", &["spelling"]),
     (

@@ -7,7 +7,7 @@ use crate::effects::{
     Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak, absolute_slip,
 };
 use crate::scalar::Scalar;
-use fearless_simd::Simd;
+use fearless_simd::{Level, Simd, dispatch};
 
 /// One wheel and its soil with everything that effects change, generic over the scalar so that
 /// every parameter can be differentiated by.
@@ -138,8 +138,24 @@ impl WheelLaw<f64> {
 impl WheelContact {
     /// Forces of the ground on a wheel under a law that effects alter, whose rim enters the soil
     /// (or the ground of the rut) at `entry_angle` \[rad\].
+    ///
+    /// One function for each scalar, dispatched here to the vector instructions: inlined into its
+    /// callers it would be compiled many times over.
+    #[inline(never)]
+    pub fn altered_forces<S: Scalar>(
+        &self,
+        level: Level,
+        law: &WheelLaw<S>,
+        motion: &WheelMotion<S>,
+        memory: &WheelMemory<S>,
+        entry_angle: S,
+        detail: Detail,
+    ) -> WheelForces<S> {
+        dispatch!(level, simd => self.altered_with(simd, law, motion, memory, entry_angle, detail))
+    }
+
     #[inline(always)]
-    pub fn altered_forces<V: Simd, S: Scalar>(
+    fn altered_with<V: Simd, S: Scalar>(
         &self,
         simd: V,
         law: &WheelLaw<S>,

@@ -15,7 +15,7 @@ use fearless_simd::{Simd, f64x8, prelude::*};
 /// Square of a displacement \[m^2\] far below any that matters: it keeps its root's slope finite.
 const DISPLACEMENT_FLOOR: f64 = 1e-18;
 /// Depth of a rut \[m\] far below any that matters: it keeps its stiffness finite.
-const SHALLOWEST_RUT: f64 = 1e-7;
+const SHALLOWEST_RUT: f64 = 1e-9;
 /// Share of the entry angle below which a split of the arc is held in derivatives.
 const EARLIEST_MOVING_TURN: f64 = 5e-3;
 /// The slip speed at which the shear of a held wheel fades, as a share of that of a rolling one.
@@ -195,41 +195,46 @@ impl<S: Scalar> AlteredPatch<S> {
         };
         let width = self.footprint.width_nodes(rule, &crossing, &mut room);
         let reversed = self.footprint.reversed_rows(width, &crossing);
-        for nodes in &rule.arc {
-            let front = f64x8::simd_from(simd, nodes.front);
-            let at = f64x8::simd_from(simd, nodes.at);
-            // Each half of the rule serves one side of the greatest stress.
-            let along = at * 2.0 - front;
-            let (behind, ahead) = ((1.0 - along) * (1.0 - front), along * front);
-            let beside = 1.0 - behind - ahead;
-            let angle = arc.exit.splat(simd).scale_lanes(behind)
-                + arc.middle.splat(simd).scale_lanes(beside)
-                + arc.entry.splat(simd).scale_lanes(ahead);
-            let weight = f64x8::simd_from(simd, nodes.weight) * 2.0;
-            let rear_weight = weight * (1.0 - front);
-            let weight = (arc.middle - arc.exit).splat(simd).scale_lanes(rear_weight)
-                + (arc.entry - arc.middle).splat(simd).scale_lanes(weight * front);
-            let column = self.column(simd, motion, &arc, angle, front, weight);
-            normal[0] += column.stress * column.sin;
-            normal[1] += column.stress * column.cos;
-            if self.bulldozing.is_some() {
-                let depth = column.rise;
-                let strip = depth * (depth.like(1.0) - depth * column.cos) * column.weight;
-                buried[0] += strip;
-                buried[1] += strip * depth;
-                buried[2] += strip * column.sin;
-                buried[3] += strip * depth * column.sin;
-            }
-            for (index, &(at, share)) in width.iter().enumerate() {
-                if reversed & (1 << index) == 0 {
-                    self.accumulate(simd, &mut sums, motion, &column, at, share);
+        // First the rows whose slip velocity keeps its sign, then each of the others on its own
+        // split arc.
+        let first = ([arc.exit, arc.exit, arc.middle, arc.middle, arc.entry], !reversed);
+        let others = (0..width.len()).filter(|row| reversed & (1 << row) != 0);
+        let others = others.map(|row| (self.split(motion, &arc, width[row].0), 1 << row));
+        for (task, (ends, rows)) in std::iter::once(first).chain(others).enumerate() {
+            let straight = task == 0;
+            for pair in ends.windows(2) {
+                let (start, end) = (pair[0].most(arc.exit), pair[1].least(arc.entry));
+                if end.value() <= start.value() {
+                    continue;
                 }
-            }
-        }
-        if reversed != 0 {
-            for (index, &(at, share)) in width.iter().enumerate() {
-                if reversed & (1 << index) != 0 {
-                    self.accumulate_reversed(simd, &mut sums, rule, motion, &arc, at, share);
+                let ahead = start.value() >= arc.middle.value();
+                let front = f64x8::splat(simd, f64::from(u8::from(ahead)));
+                let nodes = match (straight, ahead) {
+                    (true, false) => &rule.rear,
+                    (true, true) => &rule.front,
+                    (false, _) => &rule.piece,
+                };
+                let length = (end - start).splat(simd);
+                let start = start.splat(simd);
+                for nodes in nodes {
+                    let angle = start + length.scale_lanes(f64x8::simd_from(simd, nodes.at));
+                    let weight = length.scale_lanes(f64x8::simd_from(simd, nodes.weight));
+                    let column = self.column(simd, motion, &arc, angle, front, weight);
+                    if straight {
+                        normal[0] += column.stress * column.sin;
+                        normal[1] += column.stress * column.cos;
+                        let depth = column.rise;
+                        let strip = depth * (depth.like(1.0) - depth * column.cos) * column.weight;
+                        buried[0] += strip;
+                        buried[1] += strip * depth;
+                        buried[2] += strip * column.sin;
+                        buried[3] += strip * depth * column.sin;
+                    }
+                    for (index, &(at, share)) in width.iter().enumerate() {
+                        if rows & (1 << index) != 0 {
+                            self.accumulate(simd, &mut sums, motion, &column, at, share);
+                        }
+                    }
                 }
             }
         }
@@ -372,20 +377,11 @@ impl<S: Scalar> AlteredPatch<S> {
         sums.arc_moment += across * column.sin;
     }
 
-    /// A row in which the slip velocity changes its sign, where cos(theta) = r omega / V_Xi: the
-    /// arc is split there, ahead of the lowest point and behind it.
-    #[allow(clippy::too_many_arguments, reason = "one call, of the method above")]
+    /// The ends of the pieces of an arc in which the slip velocity changes its sign, where
+    /// cos(theta) = r omega / V_Xi: ahead of the lowest point and behind it. Those beyond the arc
+    /// are to be left out.
     #[inline(always)]
-    fn accumulate_reversed<V: Simd>(
-        &self,
-        simd: V,
-        sums: &mut Accumulator<S::Packed<V>>,
-        rule: &Quadrature,
-        motion: &AlteredMotion<S>,
-        arc: &Arc<S>,
-        at: f64,
-        share: f64,
-    ) {
+    fn split(&self, motion: &AlteredMotion<S>, arc: &Arc<S>, at: f64) -> [S; 5] {
         let forward = motion.forward - motion.yaw_rate.scale(at * self.footprint.width);
         let ratio = motion.rim_speed / forward;
         let turn = ratio.value().clamp(-1.0, 1.0).acos();
@@ -393,27 +389,11 @@ impl<S: Scalar> AlteredPatch<S> {
         let slope = if moves { -1.0 / turn.sin() } else { 0.0 };
         let turn = S::chain(turn, &[slope], &[ratio]);
         let mut ends = [arc.exit, -turn, arc.middle, turn, arc.entry];
-        // Four exchanges sort five ends, of which only the middle one may lie anywhere.
-        for pair in [(1, 2), (2, 3), (1, 2)] {
-            if ends[pair.0].value() > ends[pair.1].value() {
-                ends.swap(pair.0, pair.1);
+        for (low, high) in [(1, 2), (2, 3), (1, 2)] {
+            if ends[low].value() > ends[high].value() {
+                ends.swap(low, high);
             }
         }
-        for pair in ends.windows(2) {
-            let (start, end) = (pair[0].most(arc.exit), pair[1].least(arc.entry));
-            if end.value() <= start.value() {
-                continue;
-            }
-            let ahead = f64::from(u8::from(start.value() >= arc.middle.value()));
-            let front = f64x8::splat(simd, ahead);
-            for nodes in &rule.piece {
-                let at_nodes = f64x8::simd_from(simd, nodes.at);
-                let length = (end - start).splat(simd);
-                let angle = start.splat(simd) + length.scale_lanes(at_nodes);
-                let weight = length.scale_lanes(f64x8::simd_from(simd, nodes.weight));
-                let column = self.column(simd, motion, arc, angle, front, weight);
-                self.accumulate(simd, sums, motion, &column, at, share);
-            }
-        }
+        ends
     }
 }

@@ -117,6 +117,22 @@ impl Balance {
         wrench.set_slips(model, motion);
     }
 
+    /// Writes the rates of what the vehicle and its ground remember.
+    pub(crate) fn memory_rates(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        surroundings: &Surroundings,
+        rates: &mut Vec<f64>,
+    ) {
+        if rates.is_empty() {
+            return;
+        }
+        if let Some(prepared) = model.prepare(motion, surroundings) {
+            prepared.memory_rates(self, model.regularisation(), rates);
+        }
+    }
+
     /// Takes Newton's step of every entry angle, in the logarithms of angle and force
     /// (which are nearly proportional), carries the forces along to first order, and
     /// returns the longest step.

@@ -1,6 +1,7 @@
 //! A vehicle on a terrain, prepared for evaluation.
 
 use super::altered::{Altered, Prepared};
+use super::{Direction, Directions};
 use super::{LoadPlane, Motion, Specification, Surroundings, Vehicle};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
 use crate::parameter::ParameterError;
@@ -93,6 +94,22 @@ impl VehicleModel {
     #[must_use]
     pub fn memory_names(&self) -> Vec<String> {
         self.altered().map_or_else(Vec::new, |altered| altered.layout.names())
+    }
+
+    /// The directions to differentiate in, prepared; a model without effects has none.
+    pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
+        match self.altered() {
+            Some(altered) => Directions::new(altered, list),
+            None => Directions::default(),
+        }
+    }
+
+    /// Whether nothing depends on position and heading.
+    pub(crate) fn is_placeless(&self) -> bool {
+        self.altered().is_none_or(|altered| {
+            let effects = &altered.chassis.effects;
+            effects.grade.is_none() && effects.terrain_change.is_none()
+        })
     }
 
     pub(crate) fn altered(&self) -> Option<&Altered> {

@@ -185,7 +185,7 @@ impl VehicleModel {
             }
             let forces = match prepared {
                 Some(prepared) => {
-                    prepared.wheel(simd, self.contact(), index, wheel.entry_angle, detail)
+                    prepared.wheel(self.level(), self.contact(), index, wheel.entry_angle, detail)
                 }
                 None => self.plain_wheel(simd, motion, index, wheel.entry_angle, detail),
             };

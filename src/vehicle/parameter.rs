@@ -1,7 +1,7 @@
 //! What a model is made of, and each of its numbers by name.
 
 use super::Vehicle;
-use crate::effects::{CATALOGUE, Effects, ParameterName};
+use crate::effects::{CATALOGUE, Effects, Grade, ParameterName, TerrainChange};
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
 
@@ -127,6 +127,20 @@ impl Parameter {
             Self::Terrain(_) => &mut terrain.shear_modulus,
             Self::Effect(_) => return None,
         })
+    }
+
+    /// Whether forces that it scales depend on position or heading.
+    pub(crate) fn depends_on_place(self) -> bool {
+        match self {
+            Self::Effect(parameter) => {
+                let place_bound = [
+                    Grade::<f64>::DECLARATION.name,
+                    TerrainChange::<f64>::DECLARATION.name,
+                ];
+                place_bound.contains(&parameter.declaration().0.name)
+            }
+            _ => false,
+        }
     }
 
     /// Whether it belongs to an effect that changes how the vehicle moves (or to vehicle or soil),

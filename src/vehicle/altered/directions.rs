@@ -11,7 +11,6 @@ use crate::contact::{Detail, FORCE_COUNT, WheelForces, WheelMemory};
 use crate::scalar::{Dual, Scalar};
 use crate::vehicle::newton::solve_2x2;
 use crate::vehicle::{Balance, Motion, Parameter, VehicleModel, WheelOutputs, Wrench};
-use fearless_simd::{Simd, dispatch};
 
 /// Directions are taken so many at a time.
 const CHUNK: usize = 4;
@@ -55,7 +54,7 @@ pub(crate) struct Differentiated {
 }
 
 /// A list of directions, with the chassis differentiated by those that are parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Directions {
     list: Vec<Direction>,
     chassis: Vec<Chassis<Lane>>,
@@ -104,10 +103,10 @@ impl Directions {
             surroundings,
             balance,
         };
-        let slopes = dispatch!(model.level(), simd => at.slopes(simd));
+        let slopes = at.slopes();
         let chunks = self.list.chunks(CHUNK).zip(results.chunks_mut(CHUNK));
         for ((list, results), chassis) in chunks.zip(&self.chassis) {
-            dispatch!(model.level(), simd => at.chunk(simd, list, chassis, &slopes, results));
+            at.chunk(list, chassis, &slopes, results);
         }
     }
 }
@@ -123,8 +122,7 @@ struct Point<'a> {
 
 impl Point<'_> {
     /// Slopes of each wheel's forces by its entry angle, with the forces themselves.
-    #[inline(always)]
-    fn slopes<V: Simd>(&self, simd: V) -> Vec<WheelForces<Dual<f64, 1>>> {
+    fn slopes(&self) -> Vec<WheelForces<Dual<f64, 1>>> {
         let prepared = self.altered.prepare(
             self.motion,
             self.surroundings,
@@ -135,7 +133,8 @@ impl Point<'_> {
                 return WheelForces::zero();
             }
             let contact = self.model.contact();
-            prepared.wheel(simd, contact, index, wheel.entry_angle, Detail::Full)
+            let level = self.model.level();
+            prepared.wheel(level, contact, index, wheel.entry_angle, Detail::Full)
         };
         self.balance.wheels.iter().enumerate().map(wheel).collect()
     }
@@ -186,10 +185,8 @@ impl Point<'_> {
         })
     }
 
-    #[inline(always)]
-    fn chunk<V: Simd>(
+    fn chunk(
         &self,
-        simd: V,
         list: &[Direction],
         chassis: &Chassis<Lane>,
         slopes: &[WheelForces<Dual<f64, 1>>],
@@ -216,7 +213,7 @@ impl Point<'_> {
             let motion = chassis.wheel_motion(&situation, index);
             let entry = Lane::constant(wheel.entry_angle);
             let forces = self.model.contact().altered_forces(
-                simd,
+                self.model.level(),
                 &law,
                 &motion,
                 &memories[index],

@@ -6,7 +6,7 @@ use crate::contact::{Detail, Regularisation, WheelContact, WheelForces, WheelMem
 use crate::parameter::ParameterError;
 use crate::scalar::{Dual, Scalar};
 use crate::vehicle::{Balance, Motion, Specification, WheelOutputs, Wrench};
-use fearless_simd::Simd;
+use fearless_simd::Level;
 
 /// A specification with effects, prepared for evaluation.
 #[derive(Debug, Clone)]
@@ -101,6 +101,26 @@ impl Prepared<'_> {
         }
     }
 
+    /// Writes the rates of what is remembered.
+    pub fn memory_rates(
+        &self,
+        balance: &Balance,
+        regularisation: &Regularisation,
+        rates: &mut Vec<f64>,
+    ) {
+        let Altered {
+            chassis,
+            layout,
+            specification,
+        } = self.altered;
+        let wheels = balance.wheels.iter().enumerate();
+        let wheels: Vec<_> = wheels
+            .map(|(index, wheel)| (wheel.entry_angle, layout.wheel(self.memory, index)))
+            .collect();
+        let boundary = specification.effects.boundary;
+        layout.rates(chassis, &self.situation, regularisation, &wheels, boundary, rates);
+    }
+
     /// Writes each wheel's load and its derivatives by the ground's specific force; whether one is
     /// lifted.
     pub fn distribute(&self, specific: [f64; 2], loads: &mut [[f64; 3]]) -> bool {
@@ -126,10 +146,9 @@ impl Prepared<'_> {
     }
 
     /// One wheel's forces and their slopes by its entry angle.
-    #[inline(always)]
-    pub fn wheel<V: Simd>(
+    pub fn wheel(
         &self,
-        simd: V,
+        level: Level,
         contact: &WheelContact,
         index: usize,
         entry_angle: f64,
@@ -152,7 +171,7 @@ impl Prepared<'_> {
         let memory = layout.wheel(self.memory, index).to_array().map(lift);
         let memory = crate::contact::WheelMemory::from_array(memory);
         let entry = Dual::variable(entry_angle, 0);
-        contact.altered_forces(simd, &law.lift(), &motion, &memory, entry, detail)
+        contact.altered_forces(level, &law.lift(), &motion, &memory, entry, detail)
     }
 }
 
