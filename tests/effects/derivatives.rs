@@ -1,6 +1,6 @@
 //! Exact derivatives against differences: of a whole drive, by its beginning and by every parameter.
 
-use super::limits::specification;
+use super::specification;
 use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
 use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
@@ -142,7 +142,6 @@ fn a_drive_is_differentiated_by_every_effect() {
                 end(&changed, START)
             };
             let found = difference(moved(step), moved(-step), step);
-            println!("{}: {:?} {:?}", parameter.name(), exact.by_parameter(index), found);
             compare(&parameter.name(), exact.by_parameter(index), found);
         }
     }
