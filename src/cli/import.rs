@@ -210,7 +210,8 @@ impl Files {
         let collides = |beside: &Beside| beside.output.collides_with(&files.table);
         if files.beside.as_ref().is_some_and(collides) {
             return Err(Failure::Argument {
-                reason: "--output is to be a CSV file; beside it goes one that ends in .json".into(),
+                reason: "--output is to be a CSV file; beside it goes one that ends in .json"
+                    .into(),
                 hint: Some("--output FILE.csv".into()),
             });
         }
@@ -218,12 +219,7 @@ impl Files {
     }
 
     /// Writes both and returns the number of rows.
-    fn write(
-        mut self,
-        imported: &Imported,
-        input: &Path,
-        survey: &Survey,
-    ) -> Result<u64, Failure> {
+    fn write(mut self, imported: &Imported, input: &Path, survey: &Survey) -> Result<u64, Failure> {
         let written = imported.write_csv(&mut self.table);
         let rows = written.map_err(|source| self.table.failure(source))?;
         if let Some(beside) = self.beside {
@@ -239,7 +235,10 @@ impl Beside {
         let output = Output::to(Some(path))?;
         let content = match fs::read_to_string(path) {
             Ok(text) => serde_json::from_str(&text).map_err(|error| Failure::Argument {
-                reason: format!("{} is there already and no JSON object: {error}", path.display()),
+                reason: format!(
+                    "{} is there already and no JSON object: {error}",
+                    path.display()
+                ),
                 hint: Some("move it away, or choose another name for --output".into()),
             })?,
             Err(error) if error.kind() == io::ErrorKind::NotFound => Map::new(),
@@ -278,7 +277,11 @@ fn summarise(imported: &Imported, rows: u64) {
         ));
     }
     for note in &imported.notes {
-        let prefix = if note.starts_with("warning: ") { "" } else { "note: " };
+        let prefix = if note.starts_with("warning: ") {
+            ""
+        } else {
+            "note: "
+        };
         tell(&format!("{prefix}{note}"));
     }
     tell(&format!("{rows} rows over {:.2} s", imported.seconds()));
@@ -289,7 +292,8 @@ fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure>
     let mut serving = Vec::new();
     for kind in Kind::ALL {
         let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
-        let choice = import::choose(survey, kind, wish, &options.wheels).map_err(Failure::Import)?;
+        let choice =
+            import::choose(survey, kind, wish, &options.wheels).map_err(Failure::Import)?;
         serving.extend(choice.map(|choice| (choice.topic, kind)));
     }
     let start = survey.logged().map_or(0, |[first, _]| first);

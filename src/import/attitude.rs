@@ -21,7 +21,11 @@ pub(super) enum Yaw {
 /// The heading of an attitude x, y, z, w: the angle of the turn about z that comes last after
 /// roll and pitch.
 pub(super) fn yaw(quaternion: [f64; 4]) -> Yaw {
-    let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let length = quaternion
+        .iter()
+        .map(|part| part * part)
+        .sum::<f64>()
+        .sqrt();
     if !length.is_finite() || length < SHORTEST {
         return Yaw::None;
     }

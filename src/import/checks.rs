@@ -91,7 +91,10 @@ mod tests {
     #[test]
     fn between_samples_is_linear_and_beyond_is_nothing() {
         let series = [(0, 1.0), (10, 3.0)];
-        assert_eq!([0, 5, 10].map(|t| at(&series, t)), [1.0, 2.0, 3.0].map(Some));
+        assert_eq!(
+            [0, 5, 10].map(|t| at(&series, t)),
+            [1.0, 2.0, 3.0].map(Some)
+        );
         assert_eq!([-1, 11].map(|t| at(&series, t)), [None, None]);
     }
 
@@ -104,9 +107,8 @@ mod tests {
         };
         assert!((radius - 0.15).abs() < 1e-12);
         // Slip that varies by 2 %.
-        let slipping = series(|t| {
-            0.15 * (9.0 + t.sin() + t.cos()) / 2.0 * (0.95 + 0.02 * (0.3 * t).sin())
-        });
+        let slipping =
+            series(|t| 0.15 * (9.0 + t.sin() + t.cos()) / 2.0 * (0.95 + 0.02 * (0.3 * t).sin()));
         assert_eq!(follows(&left, &right, &slipping), Follows::Loosely);
         let back = series(|t| -0.7 - 0.1 * t.sin());
         assert_eq!(follows(&left, &right, &back), Follows::Opposite);

@@ -75,12 +75,36 @@ pub(super) enum Origin {
 
 /// Whole words and (from four letters on) parts of words in names of independent poses.
 const INDEPENDENT: [&str; 20] = [
-    "truth", "gps", "gnss", "rtk", "ins", "lidar", "laser", "lio", "slam", "icp", "loam", "mocap",
-    "vicon", "optitrack", "visual", "vio", "vo", "map", "total_station", "mapping",
+    "truth",
+    "gps",
+    "gnss",
+    "rtk",
+    "ins",
+    "lidar",
+    "laser",
+    "lio",
+    "slam",
+    "icp",
+    "loam",
+    "mocap",
+    "vicon",
+    "optitrack",
+    "visual",
+    "vio",
+    "vo",
+    "map",
+    "total_station",
+    "mapping",
 ];
 /// The same for dead reckoning by wheels.
 const WHEELS: [&str; 7] = [
-    "wheel", "encoder", "diff_drive", "diffdrive", "controller", "chassis", "dead_reckoning",
+    "wheel",
+    "encoder",
+    "diff_drive",
+    "diffdrive",
+    "controller",
+    "chassis",
+    "dead_reckoning",
 ];
 
 /// Where an odometry topic's pose comes from, by its name.
@@ -199,9 +223,15 @@ pub(super) fn pick_wheels(topic: &Topic, named: &WheelJoints) -> Result<WheelJoi
             return Err(failed(format!("no joint's name tells of a {name} wheel")));
         }
     }
-    match wheels.left.iter().find(|joint| wheels.right.contains(joint)) {
+    match wheels
+        .left
+        .iter()
+        .find(|joint| wheels.right.contains(joint))
+    {
         Some(joint) => Err(failed(format!("joint `{joint}` is named for both sides"))),
         None => Ok(wheels),
     }
 }
 
+#[cfg(test)]
+mod tests;

@@ -67,7 +67,12 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
     let unstamped: Vec<String> = topics
         .iter()
         .filter(|times| times.unstamped > 0)
-        .map(|times| format!("{} of {} of {}", times.unstamped, times.messages, times.topic))
+        .map(|times| {
+            format!(
+                "{} of {} of {}",
+                times.unstamped, times.messages, times.topic
+            )
+        })
         .collect();
     if !unstamped.is_empty() {
         let note = format!(

@@ -140,12 +140,17 @@ pub(super) fn collect(
         imu: choices.imu.as_ref().map(Stream::new),
         fix: choices.fix.as_ref().map(Stream::new),
     };
-    container::read(path, survey.container, progress, &mut |channel, time, data| {
-        let Some(encoding) = Encoding::of_name(&channel.encoding) else {
-            return Ok(());
-        };
-        all.take(channel, encoding, time, data)
-    })?;
+    container::read(
+        path,
+        survey.container,
+        progress,
+        &mut |channel, time, data| {
+            let Some(encoding) = Encoding::of_name(&channel.encoding) else {
+                return Ok(());
+            };
+            all.take(channel, encoding, time, data)
+        },
+    )?;
     Ok(all)
 }
 
@@ -209,12 +214,19 @@ fn wheel_sample(message: &Joints, wheels: &WheelJoints) -> WheelSample {
         let value = |values: &[f64]| {
             // A list that is shorter than the names belongs to none of them for sure.
             let whole = values.len() == message.names.len();
-            place.filter(|_| whole).map_or(f64::NAN, |place| values[place])
+            place
+                .filter(|_| whole)
+                .map_or(f64::NAN, |place| values[place])
         };
         JointSample {
             position: value(&message.positions),
             velocity: value(&message.velocities),
         }
     };
-    wheels.left.iter().chain(&wheels.right).map(sample).collect()
+    wheels
+        .left
+        .iter()
+        .chain(&wheels.right)
+        .map(sample)
+        .collect()
 }

@@ -158,7 +158,12 @@ impl Columns {
             (1.0, "")
         };
         let rates = measured(samples, |sample| Some(sign * sample.yaw_rate?));
-        self.push_measured("yaw_rate", topic, &format!("angular_velocity.z{turned}"), rates);
+        self.push_measured(
+            "yaw_rate",
+            topic,
+            &format!("angular_velocity.z{turned}"),
+            rates,
+        );
         let a_x = measured(samples, |sample| Some(sample.acceleration?[0]));
         self.push_measured("a_x", topic, "linear_acceleration.x", a_x);
         let a_y = measured(samples, |sample| Some(sign * sample.acceleration?[1]));
@@ -232,7 +237,10 @@ impl Columns {
         };
         let places: Vec<(i64, [f64; 2])> = valid.iter().map(local).collect();
         for (axis, (name, direction)) in [("x", "east"), ("y", "north")].into_iter().enumerate() {
-            let values = places.iter().map(|(time, place)| (*time, place[axis])).collect();
+            let values = places
+                .iter()
+                .map(|(time, place)| (*time, place[axis]))
+                .collect();
             let conversion = format!(
                 "metres {direction} of the first fix, {latitude} deg, {longitude} deg, {altitude} m \
                  (WGS-84)"
@@ -257,7 +265,11 @@ fn series<T>(samples: &[(i64, T)], value: impl Fn(&T) -> f64) -> Series {
 
 /// Without what is marked as not measured.
 fn measured<T>(samples: &[(i64, T)], value: impl Fn(&T) -> Option<f64>) -> Series {
-    let pairs = samples.iter().filter_map(|(time, sample)| Some((*time, value(sample)?)));
+    let pairs = samples
+        .iter()
+        .filter_map(|(time, sample)| Some((*time, value(sample)?)));
     pairs.collect()
 }
 
+#[cfg(test)]
+mod tests;

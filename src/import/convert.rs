@@ -39,13 +39,19 @@ pub(super) fn convert(all: Collected, options: &Options) -> Result<Converted, Im
         ..Columns::default()
     };
     let joints = track(all.joints, clock, &mut columns);
-    let odometry = all.odometry.map(|stream| track(stream, clock, &mut columns));
+    let odometry = all
+        .odometry
+        .map(|stream| track(stream, clock, &mut columns));
     let imu = all.imu.map(|stream| track(stream, clock, &mut columns));
     let fix = all.fix.map(|stream| track(stream, clock, &mut columns));
 
     let speeds = wheels(&joints, &all.wheels, options.invert, &mut columns)?;
-    let origin = odometry.as_ref().map(|odometry| judge(odometry, &speeds, &mut columns));
-    let has_fix = fix.as_ref().is_some_and(|fix| columns.fixes(&fix.topic, &fix.samples));
+    let origin = odometry
+        .as_ref()
+        .map(|odometry| judge(odometry, &speeds, &mut columns));
+    let has_fix = fix
+        .as_ref()
+        .is_some_and(|fix| columns.fixes(&fix.topic, &fix.samples));
     let sources = Sources {
         odometry: odometry.as_ref().zip(origin.as_ref()),
         imu: imu.as_ref(),
@@ -53,7 +59,9 @@ pub(super) fn convert(all: Collected, options: &Options) -> Result<Converted, Im
     };
     let pose = sources.pose(options.pose, &mut columns)?;
     if pose != Some(Pose::Fix) {
-        columns.columns.retain(|column| !matches!(column.name, "x" | "y"));
+        columns
+            .columns
+            .retain(|column| !matches!(column.name, "x" | "y"));
     }
     sources.write(pose, options.imu_z_down, &mut columns);
     sources.heading(pose, options.heading, &mut columns)?;
@@ -151,7 +159,9 @@ fn judge(
     columns: &mut Columns,
 ) -> Verdict {
     let samples = odometry.samples.iter();
-    let v_x: Series = samples.map(|(time, sample)| (*time, sample.velocity[0])).collect();
+    let v_x: Series = samples
+        .map(|(time, sample)| (*time, sample.velocity[0]))
+        .collect();
     let by_name = origin(&odometry.topic);
     match follows(left, right, &v_x) {
         Follows::Exactly(radius) => Verdict {
@@ -198,7 +208,9 @@ impl Sources<'_> {
         };
         let notes = &mut columns.notes;
         let pose = match (asked, self.odometry, self.fix) {
-            (Some(Pose::Odometry), None, _) => return Err(missing("--pose odometry", Kind::Odometry)),
+            (Some(Pose::Odometry), None, _) => {
+                return Err(missing("--pose odometry", Kind::Odometry));
+            }
             (Some(Pose::Fix), _, None) => return Err(missing("--pose fix", Kind::Fix)),
             (Some(asked), ..) => Some(asked),
             (None, None, None) => {
@@ -258,7 +270,10 @@ impl Sources<'_> {
             ));
             return;
         }
-        let has_yaw_rate = columns.columns.iter().any(|column| column.name == "yaw_rate");
+        let has_yaw_rate = columns
+            .columns
+            .iter()
+            .any(|column| column.name == "yaw_rate");
         columns.twist(&odometry.topic, &odometry.samples, !has_yaw_rate);
     }
 
@@ -293,7 +308,10 @@ impl Sources<'_> {
             Heading::Imu => {
                 let found = self.imu.is_some_and(|imu| {
                     let samples = imu.samples.iter();
-                    columns.heading(&imu.topic, samples.map(|(time, sample)| (*time, sample.yaw)))
+                    columns.heading(
+                        &imu.topic,
+                        samples.map(|(time, sample)| (*time, sample.yaw)),
+                    )
                 });
                 ("--heading imu", found)
             }
@@ -322,15 +340,22 @@ impl Sources<'_> {
 fn overlap(columns: &mut Columns) {
     let span = |column: &Column| {
         let times = (column.samples.first(), column.samples.last());
-        times.0.zip(times.1).map(|((first, _), (last, _))| [*first, *last])
+        times
+            .0
+            .zip(times.1)
+            .map(|((first, _), (last, _))| [*first, *last])
     };
     let Some([start, end]) = columns.columns.first().and_then(span) else {
         return;
     };
-    let beside = |column: &&Column| {
-        span(column).is_some_and(|[first, last]| last < start || first > end)
-    };
-    let names: Vec<&str> = columns.columns.iter().filter(beside).map(|c| c.name).collect();
+    let beside =
+        |column: &&Column| span(column).is_some_and(|[first, last]| last < start || first > end);
+    let names: Vec<&str> = columns
+        .columns
+        .iter()
+        .filter(beside)
+        .map(|c| c.name)
+        .collect();
     if !names.is_empty() {
         columns.notes.push(format!(
             "warning: no sample of {} lies within the time of the wheel speeds; compare the clocks \

@@ -47,7 +47,9 @@ impl Kind {
     #[must_use]
     pub fn of_type(name: &str) -> Option<Self> {
         let name = name.replacen("/msg/", "/", 1);
-        Self::ALL.into_iter().find(|kind| kind.message_type() == name)
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.message_type() == name)
     }
 }
 
@@ -206,3 +208,5 @@ impl<'a> Decode<'a> for Joints<'a> {
     }
 }
 
+#[cfg(test)]
+mod tests;

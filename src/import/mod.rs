@@ -84,7 +84,9 @@ pub fn import(
             offset: *offset,
             reason: reason.clone(),
             messages: survey.messages(),
-            seconds: survey.logged().map_or(0.0, |[first, last]| (last - first) as f64 * 1e-9),
+            seconds: survey
+                .logged()
+                .map_or(0.0, |[first, last]| (last - first) as f64 * 1e-9),
         };
         if !options.partial || survey.messages() == 0 {
             return Err(error);
@@ -106,7 +108,10 @@ pub fn import(
     topics.extend(collected.fix.as_ref().map(used));
     let converted = convert::convert(collected, options)?;
     notes.extend(converted.notes);
-    let firsts = converted.columns.iter().filter_map(|column| column.samples.first());
+    let firsts = converted
+        .columns
+        .iter()
+        .filter_map(|column| column.samples.first());
     Ok(Imported {
         start: firsts.map(|(time, _)| *time).min().unwrap_or(0),
         columns: converted.columns,
@@ -164,7 +169,10 @@ impl Imported {
     /// From the first sample to the last \[s\].
     #[must_use]
     pub fn seconds(&self) -> f64 {
-        let lasts = self.columns.iter().filter_map(|column| column.samples.last());
+        let lasts = self
+            .columns
+            .iter()
+            .filter_map(|column| column.samples.last());
         let last = lasts.map(|(time, _)| *time).max().unwrap_or(self.start);
         (last - self.start) as f64 * 1e-9
     }

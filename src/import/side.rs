@@ -130,8 +130,16 @@ mod tests {
                 "wheel_FL_joint wheel_RL_joint",
                 "wheel_FR_joint wheel_RR_joint",
             ),
-            ("wheelL1 wheelL2 wheelR1 wheelR2", "wheelL1 wheelL2", "wheelR1 wheelR2"),
-            ("frontleftwheel frontrightwheel", "frontleftwheel", "frontrightwheel"),
+            (
+                "wheelL1 wheelL2 wheelR1 wheelR2",
+                "wheelL1 wheelL2",
+                "wheelR1 wheelR2",
+            ),
+            (
+                "frontleftwheel frontrightwheel",
+                "frontleftwheel",
+                "frontrightwheel",
+            ),
             ("base/wheel_l base/wheel_r", "base/wheel_l", "base/wheel_r"),
         ] {
             assert_eq!(guessed(names), pair(left, right), "{names}");

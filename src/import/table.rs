@@ -7,7 +7,9 @@ use std::io::{self, Write};
 /// Writes a row for every time at which any column has a sample, and returns their number.
 /// Times count from `start` \[ns\]; the other cells of a row stay empty.
 pub(super) fn write(columns: &[Column], start: i64, to: impl Write) -> io::Result<u64> {
-    let mut writer = WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(to);
+    let mut writer = WriterBuilder::new()
+        .terminator(Terminator::Any(b'\n'))
+        .from_writer(to);
     writer.write_field("time")?;
     for column in columns {
         writer.write_field(column.name)?;
@@ -16,7 +18,10 @@ pub(super) fn write(columns: &[Column], start: i64, to: impl Write) -> io::Resul
     let mut places = vec![0; columns.len()];
     let mut rows = 0;
     loop {
-        let next = columns.iter().zip(&places).map(|(column, place)| column.samples.get(*place));
+        let next = columns
+            .iter()
+            .zip(&places)
+            .map(|(column, place)| column.samples.get(*place));
         let Some(now) = next.flatten().map(|(time, _)| *time).min() else {
             break;
         };
@@ -46,7 +51,10 @@ pub(super) fn seconds(nanoseconds: i64) -> String {
         nanoseconds.unsigned_abs() % 1_000_000_000,
     );
     let digits = format!("{sign}{whole}.{rest:09}");
-    digits.trim_end_matches('0').trim_end_matches('.').to_owned()
+    digits
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .to_owned()
 }
 
 #[cfg(test)]

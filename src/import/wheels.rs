@@ -71,7 +71,9 @@ pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Optio
 }
 
 fn positions(samples: &[(i64, WheelSample)], joint: usize) -> impl Iterator<Item = f64> {
-    let positions = samples.iter().map(move |(_, sample)| sample[joint].position);
+    let positions = samples
+        .iter()
+        .map(move |(_, sample)| sample[joint].position);
     positions.filter(|position| position.is_finite())
 }
 
@@ -85,7 +87,8 @@ fn span(samples: &[(i64, WheelSample)], joint: usize) -> f64 {
 /// Whether positions stay within a turn and jump by more than half of it.
 fn is_wrapped(samples: &[(i64, WheelSample)], joint: usize) -> bool {
     let steps = positions(samples, joint).zip(positions(samples, joint).skip(1));
-    span(samples, joint) < TAU + WRAP_TOLERANCE && steps.into_iter().any(|(a, b)| (b - a).abs() > PI)
+    span(samples, joint) < TAU + WRAP_TOLERANCE
+        && steps.into_iter().any(|(a, b)| (b - a).abs() > PI)
 }
 
 /// Mean speeds between samples, at the times in the middle: exact to second order, and without

@@ -212,7 +212,9 @@ mod tests {
         little.extend([0; 4]);
         little.truncate(4 + 16);
         little.extend(one.to_le_bytes());
-        let mut big = vec![0, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 3, b'a', b'b', 0, 0, 0, 0, 0, 0];
+        let mut big = vec![
+            0, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 3, b'a', b'b', 0, 0, 0, 0, 0, 0,
+        ];
         big.extend(one.to_be_bytes());
         let mut packed = vec![7, 2, 0, 0, 0, b'a', b'b'];
         packed.extend(one.to_le_bytes());

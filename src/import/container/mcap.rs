@@ -72,11 +72,7 @@ type Shown<'c, 'd> = (&'c Channel, i64, std::borrow::Cow<'d, [u8]>);
 
 impl Channels {
     /// Learns from a record, or returns it if it is a message.
-    fn take<'d>(
-        &mut self,
-        opcode: u8,
-        data: &'d [u8],
-    ) -> Result<Option<Shown<'_, 'd>>, McapError> {
+    fn take<'d>(&mut self, opcode: u8, data: &'d [u8]) -> Result<Option<Shown<'_, 'd>>, McapError> {
         match parse_record(opcode, data)? {
             Record::Schema { header, .. } => {
                 self.schemas.insert(header.id, header.name);

@@ -199,7 +199,9 @@ fn unpack<'a>(
     };
     match done {
         Ok(length) if length as u64 == size => Ok(unpacked),
-        Ok(_) => broken(format!("a chunk does not unpack to the {size} bytes it tells")),
+        Ok(_) => broken(format!(
+            "a chunk does not unpack to the {size} bytes it tells"
+        )),
         Err(error) => broken(format!("a chunk does not unpack: {error}")),
     }
 }
