@@ -34,6 +34,9 @@ impl Clock {
 /// clocks \[ns\].
 const LARGEST_DELAY_DIFFERENCE: i64 = 200_000_000;
 
+/// Times of measuring may span twice those of logging, and this more \[ns\].
+const SPAN_TOLERANCE: i64 = 1_000_000_000;
+
 /// What is known of a topic's times, whatever it carries.
 pub(super) struct Times {
     topic: String,
@@ -42,6 +45,8 @@ pub(super) struct Times {
     messages: usize,
     /// Median delay from measuring to logging \[ns\].
     delay: Option<i64>,
+    /// From the earliest to the latest time of measuring, and of logging \[ns\].
+    spans: [i64; 2],
 }
 
 impl Times {
@@ -55,8 +60,17 @@ impl Times {
             unstamped,
             messages: stream.samples.len(),
             delay: delays.get(delays.len() / 2).copied(),
+            spans: [
+                span(stream.samples.iter().map(|sample| sample.stamp)),
+                span(stream.samples.iter().map(|sample| sample.logged)),
+            ],
         }
     }
+}
+
+fn span(times: impl Iterator<Item = i64> + Clone) -> i64 {
+    let last = times.clone().max().unwrap_or(0);
+    last - times.min().unwrap_or(0)
 }
 
 /// The clock that all topics have, and what is to be said of it.
@@ -86,9 +100,23 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
         .filter_map(|times| Some((times.delay?, times.topic.as_str())))
         .collect();
     delays.sort_unstable();
-    let mut notes = Vec::new();
+    let strayed = topics.iter().filter(|times| {
+        let [measured, logged] = times.spans;
+        measured / 2 > logged + SPAN_TOLERANCE
+    });
+    let mut notes: Vec<String> = strayed
+        .map(|times| {
+            format!(
+                "warning: the times of measuring of {} span {:.0} s, those of logging {:.0} s: the clock \
+                 was set on the way, or some are wrong; --time log takes the time of logging",
+                times.topic,
+                times.spans[0] as f64 * 1e-9,
+                times.spans[1] as f64 * 1e-9
+            )
+        })
+        .collect();
     if let (Some((least, first)), Some((most, last))) = (delays.first(), delays.last())
-        && most - least > LARGEST_DELAY_DIFFERENCE
+        && most.saturating_sub(*least) > LARGEST_DELAY_DIFFERENCE
     {
         notes.push(format!(
             "{last} is logged {:.3} s after its header's time, {first} {:.3} s: their clocks may \
@@ -184,5 +212,16 @@ mod tests {
         assert_eq!(clock, Clock::Header);
         assert!(notes[0].starts_with("/far is logged 18.000 s"), "{notes:?}");
         assert!(settle(Clock::Header, &[]).1.is_empty());
+        let second = 1_000_000_000;
+        let set = stream(
+            "/gps",
+            &[
+                (second, 0),
+                (900 * second, second),
+                (901 * second, 2 * second),
+            ],
+        );
+        let (_, notes) = settle(Clock::Header, &[Times::of(&set)]);
+        assert!(notes[0].contains("of /gps span 900 s"), "{notes:?}");
     }
 }

@@ -3,6 +3,7 @@
 use super::attitude::{Yaw, unwrap};
 use super::collect::{FixSample, ImuSample, OdometrySample};
 use super::geodesy::LocalPlane;
+use super::twist::is_in_world;
 use super::wheels::Series;
 
 /// A column of the recording with its origin.
@@ -140,9 +141,16 @@ impl Columns {
 
     /// Velocities of odometry, with or without the yaw rate.
     pub fn twist(&mut self, topic: &str, samples: &[(i64, OdometrySample)], with_yaw_rate: bool) {
-        for (axis, (name, field)) in [("v_x", "x"), ("v_y", "y")].into_iter().enumerate() {
-            let values = series(samples, |sample| sample.velocity[axis]);
-            self.push_measured(name, topic, &format!("twist.twist.linear.{field}"), values);
+        if is_in_world(samples) {
+            self.notes.push(format!(
+                "v_x, v_y: those of {topic} fit its positions in the frame of the pose, not in that of \
+                 the vehicle, where they belong; left out"
+            ));
+        } else {
+            for (axis, (name, field)) in [("v_x", "x"), ("v_y", "y")].into_iter().enumerate() {
+                let values = series(samples, |sample| sample.velocity[axis]);
+                self.push_measured(name, topic, &format!("twist.twist.linear.{field}"), values);
+            }
         }
         if with_yaw_rate {
             let values = series(samples, |sample| sample.yaw_rate);

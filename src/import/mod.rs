@@ -19,6 +19,7 @@ mod options;
 mod side;
 mod survey;
 mod table;
+mod twist;
 mod wheels;
 mod wire;
 

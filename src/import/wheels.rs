@@ -118,7 +118,7 @@ fn differences(
     let speeds = known.windows(2).filter_map(|pair| {
         let ((from, before), (to, after)) = (pair[0], pair[1]);
         let step = to - from;
-        if step > LONGEST_GAP * usual {
+        if step / LONGEST_GAP >= usual {
             return None;
         }
         let pairs = before[side.clone()].iter().zip(&after[side.clone()]);

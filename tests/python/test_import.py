@@ -336,6 +336,23 @@ class Choices(ImportCase):
         self.assertIn("pose from /fix, not from /odom", recording.notes)
         self.assertIn("no heading", recording.notes)
 
+    def test_velocities_of_the_world_are_left_out(self) -> None:
+        def world(s: float) -> make_bags.Truth:
+            state = truth(s)
+            sin, cos = math.sin(state.heading), math.cos(state.heading)
+            return state._replace(
+                v_x=state.v_x * cos - state.v_y * sin, v_y=state.v_x * sin + state.v_y * cos
+            )
+
+        odometry = [
+            Message("/truth", ODOMETRY, t, self.ros2.odometry(t, world(s)))
+            for t, s in make_bags.ticks(25)
+        ]
+        recording = self.imported(self.log(self.joints() + odometry))
+        expected = ["time", "omega_left", "omega_right", "x", "y", "heading", "yaw_rate"]
+        self.assertEqual(recording.names, expected)
+        self.assertIn("in the frame of the pose, not in that of the vehicle", recording.notes)
+
     def test_a_sensor_upside_down(self) -> None:
         imu = [
             Message("/imu", IMU, t, self.ros2.imu(t, truth(s), up=-1.0, known=False))

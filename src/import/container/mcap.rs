@@ -11,6 +11,9 @@ use std::collections::HashMap;
 /// A record or chunk larger than this is a damaged length, not a message \[bytes\].
 const LARGEST_RECORD: usize = 1 << 30;
 
+/// Log times later than this, of 2116, are damage; differences of times stay within 64 bits \[ns\].
+const LATEST: u64 = i64::MAX as u64 / 2;
+
 /// Shows every message; the summary at the end is not needed.
 pub(super) fn read(
     mut input: Input,
@@ -90,7 +93,7 @@ impl Channels {
                 let id = header.channel_id;
                 let channel = self.channels.get(&id);
                 let channel = channel.ok_or(McapError::UnknownChannel(header.sequence, id))?;
-                let time = i64::try_from(header.log_time).unwrap_or(i64::MAX);
+                let time = header.log_time.min(LATEST) as i64;
                 return Ok(Some((channel, time, data)));
             }
             _ => {}
