@@ -38,6 +38,9 @@ const ORDER: [(&str, &str); 10] = [
 /// Mean specific force along z beyond which a sensor points up or down \[m/s^2\].
 const UPRIGHT: f64 = 5.0;
 
+/// What an accelerometer measures besides acceleration.
+const TILT: &str = ", at the sensor, with gravity's part where it tilts";
+
 /// Columns so far, and what is to be said about them.
 #[derive(Debug, Default)]
 pub(super) struct Columns {
@@ -173,9 +176,14 @@ impl Columns {
             rates,
         );
         let a_x = measured(samples, |sample| Some(sample.acceleration?[0]));
-        self.push_measured("a_x", topic, "linear_acceleration.x", a_x);
+        self.push_measured("a_x", topic, &format!("linear_acceleration.x{TILT}"), a_x);
         let a_y = measured(samples, |sample| Some(sign * sample.acceleration?[1]));
-        self.push_measured("a_y", topic, &format!("linear_acceleration.y{turned}"), a_y);
+        self.push_measured(
+            "a_y",
+            topic,
+            &format!("linear_acceleration.y{turned}{TILT}"),
+            a_y,
+        );
         self.gravity(topic, samples, z_down);
     }
 

@@ -58,6 +58,12 @@ impl fmt::Display for DecodeError {
                 write!(f, "of its {bytes} bytes the definition covers {expected}")
             }
             Self::Representation {
+                identifier: ZSTD_START,
+            } => f.write_str(
+                "it is compressed with zstd by itself (ros2 bag record --compression-mode message); \
+                 unpack the file with ros2 bag convert",
+            ),
+            Self::Representation {
                 identifier: [high, low],
             } => write!(
                 f,
@@ -69,6 +75,8 @@ impl fmt::Display for DecodeError {
 
 impl std::error::Error for DecodeError {}
 
+/// How messages begin that were compressed one by one.
+const ZSTD_START: [u8; 2] = [0x28, 0xb5];
 /// CDR rounds a message up to this many bytes.
 const CDR_PADDING: usize = 8;
 
@@ -249,5 +257,7 @@ mod tests {
         let identifier = [0, 7];
         assert_eq!(xcdr2, Some(DecodeError::Representation { identifier }));
         assert!(Wire::new(Encoding::Cdr, &[0]).is_err());
+        let packed = Wire::new(Encoding::Cdr, &[0x28, 0xb5, 0x2f, 0xfd]).err();
+        assert!(packed.unwrap().to_string().contains("ros2 bag convert"));
     }
 }
