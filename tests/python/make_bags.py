@@ -132,9 +132,7 @@ class Factory:
     def header(self, time: int, frame: str) -> Any:
         """A header; a time below zero leaves it without."""
         time = max(time, 0)
-        stamp = self.make(
-            "builtin_interfaces/msg/Time", sec=time // 10**9, nanosec=time % 10**9
-        )
+        stamp = self.make("builtin_interfaces/msg/Time", sec=time // 10**9, nanosec=time % 10**9)
         counter = {"seq": 7} if self.is_ros1 else {}
         return self.make("std_msgs/msg/Header", stamp=stamp, frame_id=frame, **counter)
 
@@ -154,7 +152,10 @@ class Factory:
         positions: dict[str, float] | None = None,
     ) -> Any:
         """`sensor_msgs/JointState`."""
-        listed = lambda values: np.array(list((values or {}).values()), dtype=np.float64)
+
+        def listed(values: dict[str, float] | None) -> np.ndarray:
+            return np.array(list((values or {}).values()), dtype=np.float64)
+
         return self.make(
             "sensor_msgs/msg/JointState",
             header=self.header(time, ""),
@@ -251,9 +252,7 @@ def drive(make: Factory) -> list[Message]:
         broken = number == 0
         nowhere = number == 7
         place = (math.nan, math.nan, math.nan) if nowhere else place
-        messages.append(
-            Message("/gps/fix", FIX, t, make.fix(t, place, status=-1 if broken else 0))
-        )
+        messages.append(Message("/gps/fix", FIX, t, make.fix(t, place, status=-1 if broken else 0)))
     text = make.make("std_msgs/msg/String", data="started")
     messages.append(Message("/log", "std_msgs/msg/String", START, text))
     return sorted(messages, key=lambda message: message.time)

@@ -116,7 +116,9 @@ class ImportCase(unittest.TestCase):
             for t, s in make_bags.ticks(rate)
         ]
 
-    def assert_column(self, recording: Recording, name: str, expected: object, within: float) -> None:
+    def assert_column(
+        self, recording: Recording, name: str, expected: object, within: float
+    ) -> None:
         """Every sample of a column against a function of time."""
         samples = recording.columns[name]
         self.assertGreater(len(samples), 0, name)
@@ -144,8 +146,12 @@ class Drive(ImportCase):
                 self.assertEqual(recording.names, expected.split())
                 self.assertEqual(recording.times, sorted(set(recording.times)))
                 for name in ("omega_left", "omega_right", "x", "y", "heading", "v_x", "v_y"):
-                    self.assert_column(recording, name, lambda t: getattr(truth(t), name), EXACT * 100)
-                self.assert_column(recording, "yaw_rate", lambda t: truth(t).yaw_rate + 0.001, EXACT)
+                    self.assert_column(
+                        recording, name, lambda t: getattr(truth(t), name), EXACT * 100
+                    )
+                self.assert_column(
+                    recording, "yaw_rate", lambda t: truth(t).yaw_rate + 0.001, EXACT
+                )
                 self.assert_column(recording, "a_x", lambda t: 0.3, EXACT)
                 counts = {name: len(samples) for name, samples in recording.columns.items()}
                 self.assertEqual(
@@ -169,7 +175,9 @@ class Drive(ImportCase):
         self.assertIn("2 of 100 fixes are invalid", recording.notes)
 
     def test_pose_from_fixes(self) -> None:
-        recording = self.imported(self.logs / "drive_cdr_zstd.mcap", "--pose", "fix", "--heading", "imu")
+        recording = self.imported(
+            self.logs / "drive_cdr_zstd.mcap", "--pose", "fix", "--heading", "imu"
+        )
         self.assertEqual(len(recording.columns["x"]), 98)
         fixes = sorted(recording.columns["x"])[1:]
         for name in ("x", "y"):
@@ -192,7 +200,12 @@ class Drive(ImportCase):
             self.assertTrue(lines["/log"].endswith("-"))
 
     def test_files_that_were_cut_off(self) -> None:
-        for name in ("drive_none.bag", "drive_bz2.bag", "drive_cdr_lz4.mcap", "drive_cdr_no_chunks.mcap"):
+        for name in (
+            "drive_none.bag",
+            "drive_bz2.bag",
+            "drive_cdr_lz4.mcap",
+            "drive_cdr_no_chunks.mcap",
+        ):
             whole = (self.logs / name).read_bytes()
             cut = self.folder / name
             cut.write_bytes(whole[: len(whole) // 2])
@@ -207,7 +220,12 @@ class Drive(ImportCase):
                 self.assert_column(recording, "x", lambda t: truth(t).x, EXACT * 100)
 
     def test_no_damage_makes_it_panic(self) -> None:
-        for name in ("drive_none.bag", "drive_lz4.bag", "drive_cdr_none.mcap", "drive_cdr_zstd.mcap"):
+        for name in (
+            "drive_none.bag",
+            "drive_lz4.bag",
+            "drive_cdr_none.mcap",
+            "drive_cdr_zstd.mcap",
+        ):
             whole = (self.logs / name).read_bytes()
             path = self.folder / name
             for part in range(1, 12):
