@@ -25,11 +25,12 @@
 //! # Layers
 //! Dependencies point one way: [`terrain`] to [`contact`] (one wheel) to [`vehicle`] (all
 //! wheels in balance) to [`simulation`] (motion in time) to the FMU's C interface, which is built
-//! with the feature `fmu`. [`recording`] stands alone. Everything inside is SI and radians; frames
-//! and signs are stated in [`vehicle`].
+//! with the feature `fmu`. [`recording`] and [`import`], which makes recordings from robots' logs,
+//! stand alone. Everything inside is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
-//! - `cli` (default): the tool `ugv`, reading CSV, and [`package`], which makes the FMU's archive.
+//! - `cli` (default): the tool `ugv`, reading CSV and robots' logs ([`import`]), and [`package`],
+//!   which makes the FMU's archive.
 //! - `fmu`: the C interface of FMI 2.0; building it needs libclang.
 
 pub mod contact;
@@ -37,6 +38,8 @@ pub mod declaration;
 pub mod effects;
 #[cfg(feature = "fmu")]
 pub mod fmu;
+#[cfg(feature = "cli")]
+pub mod import;
 pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;

@@ -22,6 +22,7 @@ const EDGES: [(&str, &[&str]); 15] = [
     ),
     ("declaration", &["json", "terrain", "vehicle"]),
     ("recording", &["spelling"]),
+    ("import", &["spelling"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],

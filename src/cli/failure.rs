@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use ugv_terrain::import::ImportError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
 use ugv_terrain::recording::CsvError;
@@ -33,6 +34,8 @@ pub enum Failure {
     Json { path: PathBuf, source: JsonError },
     /// A file that is no recording.
     Recording(CsvError),
+    /// A robot's log that gives no recording.
+    Import(ImportError),
     /// Vehicle and terrain that do not fit together.
     Model(ParameterError),
     /// A vehicle that cannot drive on; times are those of the recording.
@@ -85,6 +88,7 @@ impl Failure {
     fn hint(&self) -> Option<String> {
         match self {
             Self::Argument { hint, .. } => hint.clone(),
+            Self::Import(error) => error.remedy(),
             Self::Json {
                 source: JsonError::SeveralTerrains { names },
                 ..
@@ -119,6 +123,7 @@ impl fmt::Display for Failure {
             Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
             Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Recording(error) => error.fmt(f),
+            Self::Import(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::Write { target, .. } => write!(f, "cannot write {target}"),
@@ -133,6 +138,7 @@ impl Error for Failure {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Json { source, .. } => source.source(),
             Self::Recording(error) => error.source(),
+            Self::Import(error) => error.source(),
             Self::Simulation(error) => error.source(),
             _ => None,
         }

@@ -2,6 +2,7 @@
 
 mod completions;
 mod failure;
+mod import;
 mod initial;
 mod model;
 mod output;
@@ -18,6 +19,7 @@ use output::write_stdout;
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
+  ugv import drive.mcap --output drive.csv
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
 
@@ -34,6 +36,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Import(import::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -50,6 +53,7 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Import(args) => import::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),
