@@ -25,7 +25,8 @@
 //! # Layers
 //! Dependencies point one way: [`terrain`] to [`contact`] (one wheel) to [`vehicle`] (all
 //! wheels in balance) to [`simulation`] (motion in time) to the FMU's C interface, which is built
-//! with the feature `fmu`. [`recording`] stands alone. Everything inside is SI and radians; frames
+//! with the feature `fmu`. [`recording`] stands beside them, and knows of vehicles and terrains only
+//! how they are described. Everything inside is SI and radians; frames
 //! and signs are stated in [`vehicle`].
 //!
 //! # Features

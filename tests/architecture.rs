@@ -14,7 +14,7 @@ const EDGES: [(&str, &[&str]); 14] = [
     ("simulation", &["vehicle"]),
     ("json", &["parameter", "spelling", "terrain", "vehicle"]),
     ("declaration", &["json", "terrain", "vehicle"]),
-    ("recording", &["spelling"]),
+    ("recording", &["json", "spelling", "terrain", "vehicle"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],

@@ -10,3 +10,4 @@ mod terrain;
 mod vehicle;
 
 pub use error::JsonError;
+pub(crate) use object::parse;
