@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 14] = [
+const EDGES: [(&str, &[&str]); 16] = [
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
@@ -15,6 +15,8 @@ const EDGES: [(&str, &[&str]); 14] = [
     ("json", &["parameter", "spelling", "terrain", "vehicle"]),
     ("declaration", &["json", "terrain", "vehicle"]),
     ("recording", &["json", "spelling", "terrain", "vehicle"]),
+    ("inspection", &["recording"]),
+    ("report", &["inspection", "recording"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],
