@@ -26,8 +26,8 @@
 //! Dependencies point one way: [`terrain`] to [`contact`] (one wheel) to [`vehicle`] (all
 //! wheels in balance) to [`simulation`] (motion in time) to the FMU's C interface, which is built
 //! with the feature `fmu`. [`recording`] stands beside them, and knows of vehicles and terrains only
-//! how they are described. Everything inside is SI and radians; frames
-//! and signs are stated in [`vehicle`].
+//! how they are described; [`inspection`] looks at one, and `report` shows what it saw. Everything
+//! inside is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
 //! - `cli` (default): the tool `ugv`, reading CSV, and [`package`], which makes the FMU's archive.
@@ -43,6 +43,8 @@ pub mod json;
 pub mod package;
 pub mod parameter;
 pub mod recording;
+#[cfg(feature = "cli")]
+pub mod report;
 pub mod scalar;
 pub mod simulation;
 pub mod spelling;

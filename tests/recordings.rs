@@ -96,10 +96,17 @@ fn swapped_columns_of_real_recordings_are_seen() {
         let path = data.join(format!("recordings/{name}.csv"));
         let found = warnings_after(&path, &WHEELS);
         assert_eq!(found, [NoteKind::SwappedWheels], "{name}");
-        let found = warnings_after(&path, &[("x", "y"), ("y", "x")]);
-        assert_eq!(found, [NoteKind::SwappedPosition], "{name}");
         // What is not there cannot vote.
         let found = warnings_after(&path, &[WHEELS[0], WHEELS[1], ("yaw_rate", "other")]);
         assert_eq!(found, [NoteKind::SwappedWheels], "{name}");
+    }
+    // Where it slides a lot, as on gravel at 4 m/s, the direction of travel proves nothing.
+    for name in [
+        "c05_warthog_grass_2024-07-29_1404",
+        "c10_warthog_grass_2024-08-08_1619",
+    ] {
+        let path = data.join(format!("recordings/{name}.csv"));
+        let found = warnings_after(&path, &[("x", "y"), ("y", "x")]);
+        assert_eq!(found, [NoteKind::SwappedPosition], "{name}");
     }
 }

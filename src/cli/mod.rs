@@ -3,6 +3,7 @@
 mod completions;
 mod failure;
 mod initial;
+mod inspect;
 mod model;
 mod output;
 mod package;
@@ -18,6 +19,7 @@ use output::write_stdout;
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
+  ugv inspect field.csv --page field.html
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
 
@@ -34,6 +36,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Inspect(inspect::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -50,6 +53,7 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),

@@ -1,0 +1,76 @@
+//! What `ugv inspect` found, as text, JSON and a page.
+
+mod json;
+mod page;
+mod plots;
+mod text;
+
+pub use json::json;
+pub use page::page;
+pub use text::text;
+
+use crate::inspection::{Delay, Quality};
+use crate::recording::Channel;
+
+/// A number with so many significant digits, without an exponent where it is a usual size.
+fn digits(value: f64, count: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if !(-4..6).contains(&magnitude) {
+        return format!("{value:.*e}", count - 1);
+    }
+    let decimals = (count as i32 - 1 - magnitude).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// What a delay is of: "heading behind yaw_rate".
+fn title(delay: &Delay) -> String {
+    format!(
+        "{} behind {}",
+        delay.pair.of.name(),
+        delay.pair.behind.name()
+    )
+}
+
+fn word(quality: Quality) -> &'static str {
+    match quality {
+        Quality::Clear => "clear",
+        Quality::Weak => "weak",
+        Quality::Unknown => "unknown",
+    }
+}
+
+/// A sentence on how to take a delay.
+fn remark(delay: &Delay) -> &'static str {
+    match delay.quality {
+        _ if delay.contradicts => "the signals go against each other: look at their signs",
+        Quality::Clear => "clear",
+        Quality::Weak => "weak: it may differ from run to run",
+        Quality::Unknown => "not determined",
+    }
+}
+
+fn is_wheel(channel: Channel) -> bool {
+    matches!(channel, Channel::OmegaLeft | Channel::OmegaRight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_those_that_count() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (0.012345, "0.0123"),
+            (1.0, "1.00"),
+            (-123.4, "-123"),
+            (12345.6, "12346"),
+            (1.2345e-7, "1.23e-7"),
+        ] {
+            assert_eq!(digits(value, 3), expected);
+        }
+    }
+}
