@@ -25,7 +25,8 @@ const DRAWS: usize = 400;
 /// Correlations that make a delay clear, and that leave it in the dark.
 const CLEAR: f64 = 0.9;
 const DARK: f64 = 0.5;
-/// A wider interval tells nothing \[s\].
+/// A wider interval than this is not clear, and one that tells nothing \[s\].
+const NARROW: f64 = 0.2;
 const WIDEST: f64 = 0.8;
 
 /// Two signals that tell the same motion.
@@ -57,7 +58,7 @@ impl Pair {
 pub enum Quality {
     /// Both signals tell the same motion.
     Clear,
-    /// They do roughly; the delay may differ from run to run.
+    /// They do roughly, or the delay is not the same throughout.
     Weak,
     /// They do not, or the motion has nothing to tell a delay by.
     Unknown,
@@ -122,7 +123,7 @@ impl Delay {
             .fold(f64::INFINITY, f64::min);
         let quality = match best.correlation {
             _ if best.is_at_the_end || seconds.width() > WIDEST => Quality::Unknown,
-            found if found >= CLEAR => Quality::Clear,
+            found if found >= CLEAR && seconds.width() <= NARROW => Quality::Clear,
             found if found >= DARK => Quality::Weak,
             _ => Quality::Unknown,
         };

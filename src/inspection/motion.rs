@@ -50,7 +50,12 @@ impl Motion {
             distance,
             turned: turned
                 .or_else(|| series(Channel::Heading).map(|heading| length(&heading.value))),
-            at_rest: rest_spans(run).iter().map(|(from, to)| to - from).sum(),
+            // A sum of nothing is -0.
+            at_rest: 0.0
+                + rest_spans(run)
+                    .iter()
+                    .map(|(from, to)| to - from)
+                    .sum::<f64>(),
         }
     }
 

@@ -17,7 +17,8 @@ const PER_MEDIAN: f64 = 1.4826;
 /// outliers do not count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// The estimate with its 90 % interval.
+    /// The estimate with its 90 % interval; 0 where over half of the samples lie on the line, as
+    /// values do that are held, or quantised coarsely: it then says nothing.
     pub deviation: Interval,
     /// Number of differences.
     pub count: usize,

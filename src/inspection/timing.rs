@@ -43,17 +43,16 @@ impl Timing {
         let quantile =
             |share: f64| intervals.get((share * (intervals.len() as f64 - 1.0)).round() as usize);
         let interval = *quantile(0.5)?;
-        let gaps: f64 = intervals
-            .iter()
-            .filter(|length| **length > GAP * interval)
-            .sum();
+        let gaps = intervals.iter().filter(|length| **length > GAP * interval);
+        // A sum of nothing is -0.
+        let in_gaps = 0.0 + gaps.sum::<f64>() / total;
         Some(Self {
             samples,
             interval,
             usual: (*quantile(0.05)?, *quantile(0.95)?),
             longest: longest.0,
             longest_at: longest.1,
-            in_gaps: gaps / total,
+            in_gaps,
         })
     }
 

@@ -23,7 +23,7 @@ impl Moments {
         self.ab += a * b;
     }
 
-    /// Of the pairs (a of so many grid steps later, b) where both are known. `indices` are those of b.
+    /// Of the pairs (a so many grid steps later, b) where both are known; `indices` are b's.
     #[must_use]
     pub fn shifted(
         a: &[Option<f64>],

@@ -64,7 +64,7 @@ impl Chart {
         let frame = Frame::new(x, y);
         frame.axes(&mut svg, &self.x_label, &self.y_label);
         let mut names: Vec<&str> = Vec::new();
-        for line in &self.lines {
+        for line in self.lines.iter().filter(|line| !line.parts.is_empty()) {
             let place = names
                 .iter()
                 .position(|name| *name == line.name)
@@ -124,7 +124,7 @@ fn range(values: impl Iterator<Item = f64>) -> Option<RangeInclusive<f64>> {
     } else {
         0.5 + 1e-3 * low.abs()
     };
-    (low <= high).then(|| low - room..=high + room)
+    (low <= high).then_some(low - room..=high + room)
 }
 
 /// Where values are on the picture.

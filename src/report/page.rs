@@ -11,7 +11,7 @@ body{margin:0 auto;max-width:1180px;padding:12px;font:15px/1.45 system-ui,sans-s
 background:var(--paper)}h1{font-size:1.3em;overflow-wrap:anywhere}h2{font-size:1.05em;margin:1.4em 0 .4em}\
 .wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.9em}\
 th,td{padding:3px 10px 3px 0;text-align:right;white-space:nowrap;border-bottom:1px solid var(--grid)}\
-th:first-child,td:first-child,td.t{text-align:left}th{color:var(--soft);font-weight:600}\
+th:first-child,td:first-child{text-align:left}th{color:var(--soft);font-weight:600}\
 .plots{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,340px),1fr));gap:12px}\
 figure{margin:0;padding:8px;background:var(--card);border-radius:8px}figcaption{font-weight:600;font-size:.9em}\
 svg{width:100%;height:auto;display:block}svg text{font-size:10.5px;fill:var(--soft)}\

@@ -26,10 +26,14 @@ pub fn settle(samples: &mut Samples) -> Result<Vec<Note>, CsvError> {
             total += found.len();
             reorder(found, &mut late).map_err(|[latest, sample]| {
                 let expected = format!(
-                    "a time later than {} s (another run belongs under another value in a column `run`)",
+                    "a time later than {} s (other runs need other values in a column `run`)",
                     latest.time
                 );
-                malformed(places.time_cell(sample.line), format!("{}", sample.time), expected)
+                malformed(
+                    places.time_cell(sample.line),
+                    format!("{}", sample.time),
+                    expected,
+                )
             })?;
             thin(found, &mut repeated);
         }

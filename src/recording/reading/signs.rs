@@ -22,103 +22,106 @@ const UNCLEAR: f64 = 0.5;
 /// Largest angle between the relation and what is expected of it \[rad\].
 const NEAR: f64 = 0.3;
 
+/// What two signals say of each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Vote {
+    Together,
+    Against,
+    /// Neither clearly.
+    Unclear,
+    /// One of both was not measured, or not for long enough.
+    Absent,
+}
+
+/// Two signals' vote with their correlation.
+#[derive(Debug, Clone, Copy)]
+struct Comparison {
+    vote: Vote,
+    r: f64,
+}
+
+impl Comparison {
+    fn of(found: Option<Agreement>) -> Self {
+        let vote = match found {
+            None => Vote::Absent,
+            Some(found) if found.second_deviation() < SLOWEST_TURN => Vote::Absent,
+            Some(found) if found.agrees() => Vote::Together,
+            Some(found) if found.contradicts() => Vote::Against,
+            Some(_) => Vote::Unclear,
+        };
+        Self {
+            vote,
+            r: found.map_or(0.0, |found| found.strongest().0),
+        }
+    }
+}
+
 /// Puts right what is swapped or turned round.
 pub fn settle(samples: &mut Samples) -> Vec<Note> {
+    use Vote::{Absent, Against, Together};
     let difference = |run: &_| wheels(run, [-1.0, 1.0]);
     let heading = |run: &_| cumulated(run, Channel::Heading);
     let gyro = |run: &_| cumulated(run, Channel::YawRate);
-    let turning = |found: &Agreement| found.second_deviation() >= SLOWEST_TURN;
-    let pose_wheels = compare(samples, STEP, difference, heading).filter(turning);
-    let gyro_wheels = compare(samples, STEP, difference, gyro).filter(turning);
-    let pose_gyro = compare(samples, STEP, heading, gyro).filter(turning);
-    let position = position(samples);
-    let says =
-        |found: &Option<Agreement>, what: fn(&Agreement) -> bool| found.as_ref().is_some_and(what);
-    let (for_it, against) = (Agreement::agrees, Agreement::contradicts);
-    let r = |found: &Option<Agreement>| found.map_or(0.0, |found| found.strongest().0);
-
-    let has_both = pose_gyro.is_some();
-    if says(&gyro_wheels, against)
-        && (says(&pose_wheels, against) && says(&pose_gyro, for_it) || pose_wheels.is_none())
-        || says(&pose_wheels, against)
-            && gyro_wheels.is_none()
-            && position != Some(Relation::Mirrored)
-    {
-        let found = if gyro_wheels.is_some() {
-            &gyro_wheels
-        } else {
-            &pose_wheels
-        };
-        let witness = match (has_both, gyro_wheels.is_some()) {
-            (true, _) => "yaw_rate and heading fall",
-            (false, true) => "yaw_rate falls",
-            (false, false) => "heading falls",
-        };
-        let text = format!(
-            "left and right wheel speeds taken as swapped, and swapped back: {witness} where the right wheels are \
-             faster (correlation {:.2}); turns counted clockwise would look the same",
-            r(found)
-        );
-        return swap(
-            samples,
-            [Channel::OmegaLeft, Channel::OmegaRight],
-            NoteKind::SwappedWheels,
-            text,
-        );
-    }
-    if says(&pose_gyro, against) && says(&gyro_wheels, against) && says(&pose_wheels, for_it) {
-        let text = format!(
-            "sign turned round: it contradicts heading (correlation {:.2}) and wheels ({:.2}), which agree",
-            r(&pose_gyro),
-            r(&gyro_wheels)
-        );
-        return turn_round(samples, Channel::YawRate, 0.0, text);
-    }
-    let heading_alone =
-        says(&pose_gyro, against) && says(&pose_wheels, against) && says(&gyro_wheels, for_it)
-            || says(&pose_wheels, against) && gyro_wheels.is_none();
-    match (heading_alone, position) {
-        (true, Some(Relation::Mirrored)) => {
+    let pose_wheels = Comparison::of(compare(samples, STEP, difference, heading));
+    let gyro_wheels = Comparison::of(compare(samples, STEP, difference, gyro));
+    let pose_gyro = Comparison::of(compare(samples, STEP, heading, gyro));
+    let is_mirrored = position(samples) == Some(Relation::Mirrored);
+    match (pose_wheels.vote, gyro_wheels.vote, pose_gyro.vote) {
+        (Against, Against, Together) => swap_wheels(samples, "yaw_rate and heading", gyro_wheels.r),
+        (Absent, Against, _) => swap_wheels(samples, "yaw_rate", gyro_wheels.r),
+        (Against, Absent, _) if !is_mirrored => swap_wheels(samples, "heading", pose_wheels.r),
+        (Together, Against, Against) => {
             let text = format!(
-                "taken as clockwise from north and converted: it contradicts the wheels (correlation {:.2}), and \
-                 the direction of travel is a quarter turn less it",
-                r(&pose_wheels)
+                "sign turned round: it contradicts heading (correlation {:.2}) and wheels \
+                 ({:.2}), which agree",
+                pose_gyro.r, gyro_wheels.r
             );
-            turn_round(samples, Channel::Heading, FRAC_PI_2, text)
+            turn_round(samples, Channel::YawRate, 0.0, text)
         }
-        (true, None) if samples.of(Channel::X).next().is_none() => {
+        (Against, Together, Against) | (Against, Absent, _) => {
             let text = format!(
-                "sign turned round: it contradicts yaw_rate (correlation {:.2}) and wheels ({:.2}), which agree",
-                r(&pose_gyro),
-                r(&pose_wheels)
+                "it contradicts the wheels (correlation {:.2}) and yaw_rate, if there is one",
+                pose_wheels.r
             );
-            turn_round(samples, Channel::Heading, 0.0, text)
+            settle_heading(samples, is_mirrored, &text)
         }
-        (false, Some(Relation::Mirrored))
-            if says(&pose_gyro, for_it) || says(&pose_wheels, for_it) =>
-        {
-            let text = "x and y taken as swapped, and swapped back: the direction of travel is a quarter turn less the \
-                        heading, which agrees with yaw rate or wheels";
-            swap(
-                samples,
-                [Channel::X, Channel::Y],
-                NoteKind::SwappedPosition,
-                text.into(),
-            )
+        (Together, ..) | (_, _, Together) if is_mirrored => {
+            let text = "x and y taken as swapped, and swapped back: the direction of travel is a \
+                        quarter turn less the heading, which agrees with yaw rate or wheels";
+            let pair = [Channel::X, Channel::Y];
+            swap(samples, pair, NoteKind::SwappedPosition, text.into())
         }
-        (true, _) => suspicion(
-            samples,
-            format!(
-                "it contradicts yaw_rate (correlation {:.2}) or wheels ({:.2}); left as it is",
-                r(&pose_gyro),
-                r(&pose_wheels)
-            ),
-        ),
-        (false, Some(Relation::Mirrored)) => suspicion(
-            samples,
-            "travel goes a quarter turn less it; left as it is, nothing tells why".into(),
-        ),
+        _ if is_mirrored => {
+            let text = "the direction of travel is a quarter turn less it; left as it is";
+            suspicion(samples, text.into())
+        }
         _ => Vec::new(),
+    }
+}
+
+fn swap_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
+    let text = format!(
+        "left and right wheel speeds taken as swapped, and swapped back: {witness} went the other \
+         way (correlation {r:.2}); turns counted clockwise would look the same"
+    );
+    let pair = [Channel::OmegaLeft, Channel::OmegaRight];
+    swap(samples, pair, NoteKind::SwappedWheels, text)
+}
+
+/// A heading that turns the wrong way round: clockwise from north, if the positions say so; only
+/// its sign, if there are none; left alone, if they say something else.
+fn settle_heading(samples: &mut Samples, is_mirrored: bool, evidence: &str) -> Vec<Note> {
+    if is_mirrored {
+        let text = format!(
+            "taken as clockwise from north and converted: {evidence}, and the direction of travel \
+             is a quarter turn less it"
+        );
+        turn_round(samples, Channel::Heading, FRAC_PI_2, text)
+    } else if samples.of(Channel::X).next().is_none() {
+        let text = format!("sign turned round: {evidence}");
+        turn_round(samples, Channel::Heading, 0.0, text)
+    } else {
+        suspicion(samples, format!("{evidence}; left as it is"))
     }
 }
 

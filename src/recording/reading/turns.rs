@@ -51,7 +51,8 @@ pub fn unwrap(samples: &mut Samples) -> Option<Note> {
             last = Some(*sample);
         }
     }
-    let text = format!("{count} jumps of a full turn taken out");
+    let jumps = if count == 1 { "jump" } else { "jumps" };
+    let text = format!("{count} {jumps} of a full turn taken out");
     note(
         NoteKind::Unwrapped,
         Some(Channel::Heading),

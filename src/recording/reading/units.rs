@@ -115,7 +115,7 @@ fn degrees(samples: &mut Samples) -> Vec<Note> {
         _ => {
             let text = |(r, slope): (f64, f64)| {
                 format!(
-                    "it turns by {slope:.1} for every radian of wheel difference (correlation {r:.2})"
+                    "it turns by {slope:.1} per radian of wheel difference (correlation {r:.2})"
                 )
             };
             heading_evidence = turn.map(text);
@@ -154,8 +154,8 @@ fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> 
         .filter(|_| correlation >= STRONG)?;
     let places = sides.map(|side| scale(samples, side, 1.0 / size));
     let text = format!(
-        "both wheel speeds taken as {name} and converted: as rad/s the vehicle would move at {:.3} of the rims' speed \
-         (correlation {correlation:.2})",
+        "both wheel speeds taken as {name} and converted: as rad/s the vehicle would move at {:.3} \
+         of the rims' speed (correlation {correlation:.2})",
         slope / radius
     );
     note(NoteKind::Unit, Some(Channel::OmegaLeft), places[0], text)

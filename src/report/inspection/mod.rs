@@ -9,7 +9,7 @@ pub use json::json;
 pub use page::page;
 pub use text::text;
 
-use crate::inspection::{Delay, Quality};
+use crate::inspection::{Delay, Noise, Quality};
 use crate::recording::Channel;
 
 /// A number with so many significant digits, without an exponent where it is a usual size.
@@ -23,6 +23,24 @@ fn digits(value: f64, count: usize) -> String {
     }
     let decimals = (count as i32 - 1 - magnitude).max(0) as usize;
     format!("{value:.decimals$}")
+}
+
+/// A noise in a few digits: of values that are held or quantised so coarsely that over half of
+/// them lie on the line between their neighbours there is nothing to tell.
+fn noise(noise: Option<Noise>, with_interval: bool) -> String {
+    match noise {
+        None => "-".into(),
+        Some(noise) if noise.deviation.value == 0.0 => "held".into(),
+        Some(Noise { deviation, .. }) => {
+            let [value, low, high] =
+                [deviation.value, deviation.low, deviation.high].map(|value| digits(value, 2));
+            if with_interval {
+                format!("{value} ({low} .. {high})")
+            } else {
+                value
+            }
+        }
+    }
 }
 
 /// What a delay is of: "heading behind yaw_rate".
@@ -47,7 +65,7 @@ fn remark(delay: &Delay) -> &'static str {
     match delay.quality {
         _ if delay.contradicts => "the signals go against each other: look at their signs",
         Quality::Clear => "clear",
-        Quality::Weak => "weak: it may differ from run to run",
+        Quality::Weak => "weak: it may vary over the recording",
         Quality::Unknown => "not determined",
     }
 }

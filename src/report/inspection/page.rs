@@ -1,7 +1,7 @@
 //! As a page with plots.
 
-use super::{digits, plots, remark, title};
-use crate::inspection::{Inspection, Noise, Quality, RunReport};
+use super::{digits, noise, plots, remark, title};
+use crate::inspection::{Inspection, Quality, RunReport};
 use crate::recording::Recording;
 use crate::report::chart::escape;
 use crate::report::page;
@@ -20,16 +20,18 @@ pub fn page(recording: &Recording, inspection: &Inspection) -> String {
     }
     body += "<h2>Delays between sensors</h2>\n";
     body += &delays(inspection);
-    body += "<p>By cross-correlation of mean rates over 0.5 s; 90 % intervals from drawing blocks of the recording \
-             anew. On slippery ground a delay behind the wheels holds the vehicle's own response, too.</p>\n";
+    body += "<p>By cross-correlation of mean rates over 0.5 s; 90 % intervals from drawing blocks of \
+             the recording anew. On slippery ground a delay behind the wheels holds the vehicle's \
+             own response, too.</p>\n";
     body += "<h2>Plots</h2>\n<div class=\"plots\">\n";
     for chart in plots::charts(recording, inspection) {
         body += &chart.figure();
     }
     body += "</div>\n<h2>Channels</h2>\n";
     body += &channels(inspection);
-    body += "<p>Noise: standard deviation of white noise, by the median distance of a sample from the line between its \
-             neighbours; at rest while no wheel turns, in motion an upper bound.</p>\n";
+    body += "<p>Noise: standard deviation of white noise, by the median distance of a sample from the \
+             line between its neighbours; at rest while no wheel turns, in motion an upper bound; \
+             held: over half of the samples lie on that line.</p>\n";
     if inspection.runs.len() > 1 {
         body += "<h2>Runs</h2>\n";
         body += &runs(&inspection.runs);
@@ -104,13 +106,6 @@ fn channels(inspection: &Inspection) -> String {
         "noise at rest",
         "noise in motion",
     ];
-    let noise = |noise: Option<Noise>| {
-        noise.map_or("-".into(), |Noise { deviation, .. }| {
-            let [value, low, high] =
-                [deviation.value, deviation.low, deviation.high].map(|value| digits(value, 2));
-            format!("{value} ({low} .. {high})")
-        })
-    };
     let rows = inspection.channels.iter().map(|report| {
         let timing = report.timing;
         vec![
@@ -121,8 +116,8 @@ fn channels(inspection: &Inspection) -> String {
             format!("{:.3} .. {:.3}", timing.usual.0, timing.usual.1),
             digits(timing.longest, 3),
             format!("{:.2}", 100.0 * timing.in_gaps),
-            noise(report.noise_at_rest),
-            noise(report.noise_in_motion),
+            noise(report.noise_at_rest, true),
+            noise(report.noise_in_motion, true),
         ]
     });
     page::table(&header, rows)

@@ -1,7 +1,7 @@
 //! As text, to be read in ten seconds.
 
-use super::{digits, remark, title};
-use crate::inspection::{Inspection, Noise, Quality};
+use super::{digits, noise, remark, title};
+use crate::inspection::{Inspection, Quality};
 use crate::recording::Recording;
 use std::fmt::Write;
 
@@ -20,9 +20,6 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
     let rows = inspection.channels.iter().map(|report| {
         let timing = report.timing;
         let (short, long) = timing.usual;
-        let noise = |noise: Option<Noise>| {
-            noise.map_or("-".into(), |noise| digits(noise.deviation.value, 2))
-        };
         let at = match recording.runs.len() {
             1 => format!(
                 "{} s at {}",
@@ -38,8 +35,8 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
             format!("{short:.3} .. {long:.3}"),
             at,
             format!("{:.1}", 100.0 * timing.in_gaps),
-            noise(report.noise_at_rest),
-            noise(report.noise_in_motion),
+            noise(report.noise_at_rest, false),
+            noise(report.noise_in_motion, false),
             report.channel.unit().into(),
         ]
     });
