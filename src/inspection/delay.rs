@@ -29,6 +29,10 @@ const DARK: f64 = 0.5;
 const NARROW: f64 = 0.2;
 const WIDEST: f64 = 0.8;
 
+/// A correlation that bends at a delay of 0 so many times as much as so many steps aside does so
+/// because of what it is made of, not of a delay.
+const KINK: (usize, f64) = (3, 4.0);
+
 /// Two signals that tell the same motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
@@ -122,7 +126,7 @@ impl Delay {
             .map(|point| point.1)
             .fold(f64::INFINITY, f64::min);
         let quality = match best.correlation {
-            _ if best.is_at_the_end || seconds.width() > WIDEST => Quality::Unknown,
+            _ if best.is_at_the_end || best.is_kink || seconds.width() > WIDEST => Quality::Unknown,
             found if found >= CLEAR && seconds.width() <= NARROW => Quality::Clear,
             found if found >= DARK => Quality::Weak,
             _ => Quality::Unknown,
@@ -148,7 +152,8 @@ fn blocks_of(a: &Cumulated, b: &Cumulated, length: f64) -> Vec<Vec<Moments>> {
     let Some(grid) = Grid::over(a, b, STEP) else {
         return Vec::new();
     };
-    let (a, b) = (a.mean_rates(grid, WINDOW), b.mean_rates(grid, WINDOW));
+    let (a, mut b) = (a.mean_rates(grid, WINDOW), b.mean_rates(grid, WINDOW));
+    keep_where_later_is_known(&a, &mut b);
     let count = (grid.count as f64 * STEP / length).round().max(1.0) as usize;
     let block = |index: usize| {
         let indices = index * grid.count / count..(index + 1) * grid.count / count;
@@ -160,6 +165,19 @@ fn blocks_of(a: &Cumulated, b: &Cumulated, length: f64) -> Vec<Vec<Moments>> {
     blocks
         .map(|block| block.into_iter().map(Moments::centred).collect())
         .collect()
+}
+
+/// Forgets the second signal where the first is not known at every delay from 0 on: the curve
+/// of a short run would otherwise fall with the number of times it rests on. Negative delays, of
+/// which there are few, make do with what is left.
+fn keep_where_later_is_known(a: &[Option<f64>], b: &mut [Option<f64>]) {
+    let mut known = 0;
+    for index in (0..b.len()).rev() {
+        known = if a[index].is_some() { known + 1 } else { 0 };
+        if known <= *SHIFTS.end() {
+            b[index] = None;
+        }
+    }
 }
 
 /// Blocks added up, each as often as its weight says.
@@ -181,6 +199,8 @@ struct Peak {
     correlation: f64,
     slope: f64,
     is_at_the_end: bool,
+    /// Whether it comes from the data that negative delays have to do without.
+    is_kink: bool,
 }
 
 impl Peak {
@@ -202,7 +222,13 @@ impl Peak {
                 0.0
             }
         };
+        let bend = |at: usize| r[at - 1] - 2.0 * r[at] + r[at + 1];
+        let is_kink = top as isize == -SHIFTS.start() && {
+            let around = bend(top - KINK.0).min(bend(top + KINK.0));
+            bend(top) < KINK.1 * around.min(0.0)
+        };
         Some(Self {
+            is_kink,
             delay: (*SHIFTS.start() as f64 + top as f64 + aside) * STEP,
             correlation: r[top],
             slope: moments[top].slope(),
