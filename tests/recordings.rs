@@ -4,6 +4,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use ugv_terrain::inspection::{Delay, Quality, Signal, inspect};
 use ugv_terrain::recording::{Channel, NoteKind, Recording, read_recording};
 
 /// The folder of measured data: `UGV_DATA`, or beside the project.
@@ -108,5 +109,38 @@ fn swapped_columns_of_real_recordings_are_seen() {
         let path = data.join(format!("recordings/{name}.csv"));
         let found = warnings_after(&path, &[("x", "y"), ("y", "x")]);
         assert_eq!(found, [NoteKind::SwappedPosition], "{name}");
+    }
+}
+
+#[test]
+fn delays_of_real_recordings_are_those_known_of_them() {
+    for recording in all("recordings") {
+        let (name, inspection) = (&recording.name, inspect(&recording));
+        let behind_gyro = |of: Signal| -> &Delay {
+            let mut pairs = inspection.delays.iter();
+            let found =
+                pairs.find(|delay| delay.pair.of == of && delay.pair.behind == Signal::YawRate);
+            found.expect("every recording has wheels, pose and gyro")
+        };
+        assert!(
+            inspection.delays.iter().all(|delay| !delay.contradicts),
+            "{name}"
+        );
+        let wheels = behind_gyro(Signal::WheelDifference);
+        if !name.contains("ice") {
+            assert_eq!(wheels.quality, Quality::Clear, "{name}");
+            assert!(
+                (0.1..0.2).contains(&wheels.seconds.value),
+                "{name}: {:?}",
+                wheels.seconds
+            );
+        }
+        let pose = behind_gyro(Signal::Heading);
+        assert_ne!(pose.quality, Quality::Unknown, "{name}");
+        assert!(
+            (0.2..0.8).contains(&pose.seconds.value),
+            "{name}: {:?}",
+            pose.seconds
+        );
     }
 }

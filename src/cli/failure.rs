@@ -6,7 +6,7 @@ use std::io;
 use std::path::PathBuf;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::CsvError;
+use ugv_terrain::recording::{CsvError, RecordingError};
 use ugv_terrain::simulation::SimulationError;
 use ugv_terrain::vehicle::BalanceError;
 
@@ -107,6 +107,18 @@ impl Failure {
                 "look for a jump or an outlier in the wheel speeds at that time; nothing was written".into(),
             ),
             _ => None,
+        }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Csv(error) => Self::Recording(error),
+            RecordingError::About { file, source } => Self::Json {
+                path: file.into(),
+                source,
+            },
         }
     }
 }

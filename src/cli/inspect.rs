@@ -5,7 +5,7 @@ use super::{Failure, tell};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use ugv_terrain::inspection::inspect;
-use ugv_terrain::recording::{RecordingError, read_recording};
+use ugv_terrain::recording::read_recording;
 use ugv_terrain::report::inspection::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -55,13 +55,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             hint: None,
         });
     }
-    let recording = read_recording(&args.recording).map_err(|error| match error {
-        RecordingError::Csv(error) => Failure::Recording(error),
-        RecordingError::About { file, source } => Failure::Json {
-            path: file.into(),
-            source,
-        },
-    })?;
+    let recording = read_recording(&args.recording)?;
     let inspection = inspect(&recording);
     let texts = [
         args.json.as_ref().map(|_| json(&recording, &inspection)),

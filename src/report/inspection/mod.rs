@@ -43,6 +43,12 @@ fn noise(noise: Option<Noise>, with_interval: bool) -> String {
     }
 }
 
+/// Seconds with so many decimals; -0 says nothing that 0 does not.
+fn seconds(value: f64, decimals: usize) -> String {
+    let scale = 10f64.powi(decimals as i32);
+    format!("{:.decimals$}", (value * scale).round() / scale + 0.0)
+}
+
 /// What a delay is of: "heading behind yaw_rate".
 fn title(delay: &Delay) -> String {
     format!(
@@ -77,6 +83,12 @@ fn is_wheel(channel: Channel) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn zero_has_no_sign() {
+        assert_eq!(seconds(-0.004, 2), "0.00");
+        assert_eq!(seconds(-0.006, 2), "-0.01");
+    }
 
     #[test]
     fn digits_are_those_that_count() {

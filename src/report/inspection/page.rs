@@ -1,6 +1,6 @@
 //! As a page with plots.
 
-use super::{digits, noise, plots, remark, title};
+use super::{digits, noise, plots, remark, seconds, title};
 use crate::inspection::{Inspection, Quality, RunReport};
 use crate::recording::Recording;
 use crate::report::chart::escape;
@@ -75,13 +75,17 @@ fn delays(inspection: &Inspection) -> String {
         "",
     ];
     let rows = inspection.delays.iter().map(|delay| {
-        let (seconds, scale) = (delay.seconds, delay.scale);
+        let (found, scale) = (delay.seconds, delay.scale);
         let known = delay.quality != Quality::Unknown;
         let cell = |text: String| if known { text } else { "-".into() };
         vec![
             title(delay),
-            cell(format!("{:.3}", seconds.value)),
-            cell(format!("{:.3} .. {:.3}", seconds.low, seconds.high)),
+            cell(seconds(found.value, 3)),
+            cell(format!(
+                "{} .. {}",
+                seconds(found.low, 3),
+                seconds(found.high, 3)
+            )),
             format!("{:.3}", delay.correlation),
             cell(format!(
                 "{:.3} ({:.3} .. {:.3})",

@@ -1,6 +1,6 @@
 //! As text, to be read in ten seconds.
 
-use super::{digits, noise, remark, title};
+use super::{digits, noise, remark, seconds, title};
 use crate::inspection::{Inspection, Quality};
 use crate::recording::Recording;
 use std::fmt::Write;
@@ -54,13 +54,17 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
     text += "\n";
     text += &table(&header.map(String::from), &rows.collect::<Vec<_>>());
     let rows = inspection.delays.iter().map(|delay| {
-        let seconds = delay.seconds;
+        let found = delay.seconds;
         let known = delay.quality != Quality::Unknown;
         let cell = |text: String| if known { text } else { "-".into() };
         [
             title(delay),
-            cell(format!("{:.2}", seconds.value)),
-            cell(format!("{:.2} .. {:.2}", seconds.low, seconds.high)),
+            cell(seconds(found.value, 2)),
+            cell(format!(
+                "{} .. {}",
+                seconds(found.low, 2),
+                seconds(found.high, 2)
+            )),
             format!("{:.2}", delay.correlation),
             remark(delay).into(),
         ]
