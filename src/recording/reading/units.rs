@@ -115,11 +115,15 @@ fn degrees(samples: &mut Samples) -> Vec<Note> {
         _ => {
             let text = |(r, slope): (f64, f64)| {
                 format!(
-                    "it turns by {slope:.1} per radian of wheel difference (correlation {r:.2})"
+                    "the turn is {slope:.1} per radian of wheel difference (correlation {r:.2})"
                 )
             };
-            heading_evidence = turn.map(text);
-            gyro_evidence = yaw.map(text);
+            (heading_evidence, gyro_evidence) = (turn.map(text), yaw.map(text));
+            // Those that turn alike have one unit.
+            if both.is_some() {
+                heading_evidence = heading_evidence.or_else(|| gyro_evidence.clone());
+                gyro_evidence = gyro_evidence.or_else(|| heading_evidence.clone());
+            }
         }
     }
     let mut notes = Vec::new();

@@ -17,9 +17,15 @@ fn digits(value: f64, count: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    let magnitude = value.abs().log10().floor() as i32;
+    // Rounding may make one digit more: 9.9996 is 10.0.
+    let rounded = format!("{value:.*e}", count - 1);
+    let exponent = rounded
+        .rsplit('e')
+        .next()
+        .and_then(|digits| digits.parse().ok());
+    let magnitude: i32 = exponent.unwrap_or_default();
     if !(-4..6).contains(&magnitude) {
-        return format!("{value:.*e}", count - 1);
+        return rounded;
     }
     let decimals = (count as i32 - 1 - magnitude).max(0) as usize;
     format!("{value:.decimals$}")
@@ -96,6 +102,7 @@ mod tests {
             (0.0, "0"),
             (0.012345, "0.0123"),
             (1.0, "1.00"),
+            (9.9996, "10.0"),
             (-123.4, "-123"),
             (12345.6, "12346"),
             (1.2345e-7, "1.23e-7"),
