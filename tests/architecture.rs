@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 15] = [
+const EDGES: &[(&str, &[&str])] = &[
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
@@ -21,8 +21,10 @@ const EDGES: [(&str, &[&str]); 15] = [
         &["effects", "parameter", "spelling", "terrain", "vehicle"],
     ),
     ("declaration", &["json", "terrain", "vehicle"]),
-    ("recording", &["spelling"]),
     ("import", &["spelling"]),
+    ("recording", &["json", "spelling", "terrain", "vehicle"]),
+    ("inspection", &["recording"]),
+    ("report", &["inspection", "recording"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],

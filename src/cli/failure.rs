@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use ugv_terrain::import::ImportError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::CsvError;
+use ugv_terrain::recording::{CsvError, RecordingError};
 use ugv_terrain::simulation::SimulationError;
 use ugv_terrain::vehicle::BalanceError;
 
@@ -111,6 +111,18 @@ impl Failure {
                 "look for a jump or an outlier in the wheel speeds at that time; nothing was written".into(),
             ),
             _ => None,
+        }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Csv(error) => Self::Recording(error),
+            RecordingError::About { file, source } => Self::Json {
+                path: file.into(),
+                source,
+            },
         }
     }
 }

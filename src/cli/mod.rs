@@ -4,6 +4,7 @@ mod completions;
 mod failure;
 mod import;
 mod initial;
+mod inspect;
 mod model;
 mod output;
 mod package;
@@ -20,6 +21,7 @@ const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
   ugv import drive.mcap --output drive.csv
+  ugv inspect field.csv --page field.html
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
 
@@ -37,6 +39,7 @@ struct Cli {
 enum Command {
     Simulate(simulate::Args),
     Import(import::Args),
+    Inspect(inspect::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -54,6 +57,7 @@ pub fn run() -> Result<(), Failure> {
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Import(args) => import::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),

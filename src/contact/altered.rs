@@ -1,6 +1,6 @@
 //! Forces on one wheel whose contact effects alter.
 
-use super::altered_patch::{AlteredPatch, AlteredMotion};
+use super::altered_patch::{AlteredMotion, AlteredPatch};
 use super::quadrature::Quadrature;
 use super::{Detail, WheelContact, WheelForces, WheelMotion};
 use crate::effects::{

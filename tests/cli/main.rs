@@ -2,6 +2,7 @@
 
 #![cfg(feature = "cli")]
 
+mod inspect;
 mod refusals;
 mod simulate;
 mod streams;

@@ -59,7 +59,12 @@ fn mirrored(effects: &Effects) -> Effects {
     let mut other = effects.clone();
     let mut set = |name: &str, value: f64| other = other.clone().with(name, value).unwrap();
     let get = |name: &str| effects.get(ParameterName::find(name).unwrap());
-    for name in ["grade.slope_north", "payload.left", "com_shift.left", "terrain_change.direction"] {
+    for name in [
+        "grade.slope_north",
+        "payload.left",
+        "com_shift.left",
+        "terrain_change.direction",
+    ] {
         set(name, -get(name));
     }
     set("left_right_soil.ratio", 1.0 / get("left_right_soil.ratio"));
