@@ -39,7 +39,6 @@ fn what_resists_slows_the_vehicle_down() {
             ("drawbar.force", 400.0),
             ("rate_dependent_soil.forward", 100.0),
             ("bulldozing.frontal", 1.0),
-            ("payload.mass", 150.0),
             ("wheel_radius.left", 0.95),
         ] {
             let found = driven(model(terrain, &[effect]), 6.0, 6.0).x;
@@ -90,6 +89,31 @@ fn what_resists_sideways_resists_turning() {
         let found = driven(model("sandy_loam", &[effect]), 5.0, 8.0).heading;
         assert!(found < paper - 1e-3, "{effect:?}: {found} {paper}");
     }
+}
+
+#[test]
+fn a_payload_sinks_the_wheels_under_it() {
+    let loaded = model(
+        "dry_sand",
+        &[("payload.mass", 100.0), ("payload.ahead", 0.915)],
+    );
+    let (with, without) = (
+        wrench(&loaded, &STRAIGHT),
+        wrench(&paper_model("dry_sand"), &STRAIGHT),
+    );
+    let sum: f64 = with.wheels.iter().map(|wheel| wheel.load).sum();
+    assert!((sum - 590.0 * 9.81).abs() < 1e-6);
+    assert!(with.wheels[0].sinkage > 1.1 * without.wheels[0].sinkage);
+    // Sum X F_Z about the old centre of mass: 100 kg at 0.915 - 0.17 m, in a steady run.
+    let moment: f64 = [0.745, 0.135, -0.475, -1.085]
+        .iter()
+        .zip(with.wheels.chunks(2))
+        .map(|(x, row)| x * (row[0].load + row[1].load))
+        .sum();
+    // Less what the acceleration shifts, m h a at the centre of mass of both.
+    let height = (490.0 * 0.35 + 100.0 * 0.5) / 590.0;
+    let expected = 100.0 * 9.81 * 0.745 - 590.0 * height * with.a_x;
+    assert!((moment - expected).abs() < 1e-6, "{moment} {expected}");
 }
 
 #[test]
