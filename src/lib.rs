@@ -37,6 +37,7 @@ pub mod contact;
 pub mod declaration;
 #[cfg(feature = "fmu")]
 pub mod fmu;
+pub mod identification;
 pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 14] = [
+const EDGES: [(&str, &[&str]); 15] = [
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
@@ -15,6 +15,7 @@ const EDGES: [(&str, &[&str]); 14] = [
     ("json", &["parameter", "spelling", "terrain", "vehicle"]),
     ("declaration", &["json", "terrain", "vehicle"]),
     ("recording", &["json", "spelling", "terrain", "vehicle"]),
+    ("identification", &["recording", "simulation", "vehicle"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],

@@ -4,9 +4,10 @@ use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use ugv_terrain::identification::IdentificationError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::CsvError;
+use ugv_terrain::recording::{CsvError, RecordingError};
 use ugv_terrain::simulation::SimulationError;
 use ugv_terrain::vehicle::BalanceError;
 
@@ -33,6 +34,10 @@ pub enum Failure {
     Json { path: PathBuf, source: JsonError },
     /// A file that is no recording.
     Recording(CsvError),
+    /// A recording whose file, or the one beside it, cannot be read.
+    ReadRecording(RecordingError),
+    /// A recording by which nothing can be judged.
+    Identification(IdentificationError),
     /// Vehicle and terrain that do not fit together.
     Model(ParameterError),
     /// A vehicle that cannot drive on; times are those of the recording.
@@ -111,6 +116,18 @@ impl Failure {
     }
 }
 
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Self::ReadRecording(error)
+    }
+}
+
+impl From<IdentificationError> for Failure {
+    fn from(error: IdentificationError) -> Self {
+        Self::Identification(error)
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -119,6 +136,8 @@ impl fmt::Display for Failure {
             Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
             Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Recording(error) => error.fmt(f),
+            Self::ReadRecording(error) => error.fmt(f),
+            Self::Identification(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::Write { target, .. } => write!(f, "cannot write {target}"),
@@ -133,6 +152,7 @@ impl Error for Failure {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Json { source, .. } => source.source(),
             Self::Recording(error) => error.source(),
+            Self::ReadRecording(error) => error.source(),
             Self::Simulation(error) => error.source(),
             _ => None,
         }

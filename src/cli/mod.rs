@@ -8,6 +8,7 @@ mod output;
 mod package;
 mod plot;
 mod presets;
+mod score;
 mod simulate;
 
 pub use failure::Failure;
@@ -34,6 +35,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Score(score::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -50,6 +52,7 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Score(args) => score::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),
