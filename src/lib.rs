@@ -26,7 +26,7 @@
 //! Dependencies point one way: [`terrain`] to [`contact`] (one wheel) to [`vehicle`] (all
 //! wheels in balance) to [`simulation`] (motion in time) to the FMU's C interface, which is built
 //! with the feature `fmu`. [`recording`] stands beside them, and knows of vehicles and terrains only
-//! how they are described. Everything inside is SI and radians; frames
+//! how they are described; [`identification`] judges models by it. Everything inside is SI and radians; frames
 //! and signs are stated in [`vehicle`].
 //!
 //! # Features
@@ -38,6 +38,7 @@ pub mod declaration;
 #[cfg(feature = "fmu")]
 pub mod fmu;
 pub mod identification;
+pub mod inspection;
 pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;

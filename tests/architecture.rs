@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 15] = [
+const EDGES: [(&str, &[&str]); 17] = [
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
@@ -16,6 +16,8 @@ const EDGES: [(&str, &[&str]); 15] = [
     ("declaration", &["json", "terrain", "vehicle"]),
     ("recording", &["json", "spelling", "terrain", "vehicle"]),
     ("identification", &["recording", "simulation", "vehicle"]),
+    ("inspection", &["recording"]),
+    ("report", &["inspection", "recording"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],

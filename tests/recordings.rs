@@ -65,3 +65,41 @@ fn good_recordings_are_read_as_they_are() {
         }
     }
 }
+
+/// The warnings on a recording whose columns have other names.
+fn warnings_after(path: &Path, rename: &[(&str, &str)]) -> Vec<NoteKind> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let renamed = header.split(',').map(|name| {
+        let other = rename.iter().find(|(from, _)| *from == name);
+        other.map_or(name, |(_, to)| to)
+    });
+    let header = renamed.collect::<Vec<_>>().join(",");
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join("copy.csv");
+    std::fs::write(&copy, format!("{header}\n{rows}")).unwrap();
+    let notes = read_recording(&copy).unwrap().notes;
+    let warnings = notes.into_iter().filter(|note| note.kind.is_warning());
+    warnings.map(|note| note.kind).collect()
+}
+
+#[test]
+fn swapped_columns_of_real_recordings_are_seen() {
+    const WHEELS: [(&str, &str); 2] =
+        [("omega_left", "omega_right"), ("omega_right", "omega_left")];
+    let Some(data) = data() else { return };
+    for name in [
+        "c05_warthog_grass_2024-07-29_1404",
+        "c10_warthog_grass_2024-08-08_1619",
+        "s08_warthog_gravel",
+    ] {
+        let path = data.join(format!("recordings/{name}.csv"));
+        let found = warnings_after(&path, &WHEELS);
+        assert_eq!(found, [NoteKind::SwappedWheels], "{name}");
+        let found = warnings_after(&path, &[("x", "y"), ("y", "x")]);
+        assert_eq!(found, [NoteKind::SwappedPosition], "{name}");
+        // What is not there cannot vote.
+        let found = warnings_after(&path, &[WHEELS[0], WHEELS[1], ("yaw_rate", "other")]);
+        assert_eq!(found, [NoteKind::SwappedWheels], "{name}");
+    }
+}

@@ -19,6 +19,7 @@ use output::write_stdout;
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
+  ugv score drive.csv          # how well do models predict what was recorded?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
 

@@ -4,10 +4,12 @@
 const RESAMPLES: usize = 500;
 /// Seed of the bootstrap: equal data give equal intervals.
 const SEED: u64 = 0x5eed;
+/// With fewer blocks a bootstrap does not know how much they scatter.
+pub(super) const FEWEST_BLOCKS: usize = 4;
 /// Standard normal quantile of 95 %: bounds of a 90 % interval.
 const NORMAL_95: f64 = 1.644_853_6;
 
-/// A value with its 90 % interval.
+/// A value with its 90 % interval, which is without bounds where the data are too few to tell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The value.
@@ -35,6 +37,9 @@ impl Estimate {
     pub fn bootstrap(blocks: usize, mut statistic: impl FnMut(&[usize]) -> f64) -> Self {
         let all: Vec<usize> = (0..blocks).collect();
         let value = statistic(&all);
+        if blocks < FEWEST_BLOCKS {
+            return Self::normal(value, f64::INFINITY);
+        }
         let mut random = SplitMix(SEED);
         let mut drawn = vec![0; blocks];
         let mut values: Vec<f64> = (0..RESAMPLES)
@@ -122,6 +127,12 @@ mod tests {
         // Standard deviation 5.766, so the interval is 2 * 1.645 * 0.2883 wide.
         assert!((estimate.width() - 0.9485).abs() < 0.1, "{estimate:?}");
         assert_eq!(estimate, Estimate::bootstrap(values.len(), mean));
+    }
+
+    #[test]
+    fn too_few_blocks_give_no_bounds() {
+        let estimate = Estimate::bootstrap(3, |drawn| drawn.len() as f64);
+        assert_eq!((estimate.value, estimate.width()), (3.0, f64::INFINITY));
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! Which windows a model is fitted on, and which it is judged by.
 
+use super::kinematics::FEWEST_WINDOWS;
 use super::{Signals, Window};
 
-/// Indices of windows; none is in both.
+/// Indices of windows; none is in both, and those for fitting do not overlap those for judging.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Halves {
     /// For fitting.
@@ -13,9 +14,11 @@ pub struct Halves {
 
 /// Parts the windows of a recording.
 ///
-/// In a single run the second half is judged, and windows of the first that reach into it are
-/// not used. Of several runs every second one is judged, in the order of their labels, which
-/// tell better than the file in which order they were driven.
+/// In a single run the later windows are judged and the earlier ones are for fitting, as many
+/// of each as can be without overlap; where the run is too short
+/// for both, all are judged. Of
+/// several runs every second one is judged, in the order of their labels, which tell better
+/// than the file in which order they were driven.
 #[must_use]
 pub fn split(runs: &[Signals], windows: &[Window]) -> Halves {
     let mut order: Vec<usize> = windows.iter().map(|window| window.run).collect();
@@ -34,16 +37,17 @@ pub fn split(runs: &[Signals], windows: &[Window]) -> Halves {
 }
 
 fn split_run(windows: &[Window]) -> Halves {
-    let half = windows.len() / 2;
-    let Some(first) = windows.get(half) else {
-        return Halves::default();
+    let before = |first: usize| {
+        let start = windows[first].start;
+        windows.partition_point(|window| window.start + window.horizon() <= start)
     };
-    let apart = |index: &usize| {
-        let window = &windows[*index];
-        window.start + window.horizon() <= first.start
-    };
+    let balanced = |first: &usize| before(*first) >= windows.len() - first;
+    let first = (0..windows.len()).find(balanced);
+    let enough = |first: &usize| before(*first) >= FEWEST_WINDOWS;
+    let first = first.filter(enough).unwrap_or(0);
+    let fitted = if first > 0 { before(first) } else { 0 };
     Halves {
-        fitted: (0..half).filter(apart).collect(),
-        judged: (half..windows.len()).collect(),
+        fitted: (0..fitted).collect(),
+        judged: (first..windows.len()).collect(),
     }
 }

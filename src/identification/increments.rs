@@ -8,7 +8,11 @@ const LENGTH: f64 = 1.0;
 /// Seconds from one increment to the next.
 const SPACING: f64 = 0.1;
 /// Seconds over which increments count as dependent.
-const BLOCK: f64 = 5.0;
+const BLOCK: f64 = 2.0;
+/// Changes of the reference that are smaller (RMS) tell nothing \[rad\].
+const LEAST_CHANGE: f64 = 0.05;
+/// The lag is told where the worst one costs so many times as much as the best.
+const TELLING: f64 = 2.0;
 
 /// Changes of a reference and of a series that trails it, at several lags.
 pub(super) struct Increments {
@@ -56,19 +60,39 @@ impl Increments {
         all.blocks.into_iter().flatten().flatten().collect()
     }
 
-    /// The lag of the least cost, with the interval of a bootstrap over blocks; `None` without
-    /// a single pair.
+    /// The lag of the least cost, with the interval of a bootstrap over blocks; `None` where
+    /// little changes or all lags cost about the same.
     pub fn best_lag<C: Cost>(&self, cost: &C) -> Option<Estimate> {
-        if self.blocks.is_empty() {
+        let changes = || {
+            self.blocks
+                .iter()
+                .flat_map(|lags| &lags[0])
+                .map(|pair| pair.0)
+        };
+        let squares: f64 = changes().map(|change| change * change).sum();
+        // Without any pair it is not a number.
+        if !((squares / changes().count() as f64).sqrt() >= LEAST_CHANGE) {
             return None;
         }
         let sums = |block: &Vec<Vec<(f64, f64)>>| -> Vec<C::Sums> {
             block.iter().map(|pairs| cost.sums(pairs)).collect()
         };
         let sums: Vec<Vec<C::Sums>> = self.blocks.iter().map(sums).collect();
-        let best = |drawn: &[usize]| {
+        let costs = |drawn: &[usize]| -> Vec<f64> {
             let at = |lag: usize| cost.total(drawn.iter().map(|block| sums[*block][lag]));
-            let costs = (0..self.lags.len()).map(|lag| (lag, at(lag)));
+            (0..self.lags.len()).map(at).collect()
+        };
+        let all: Vec<usize> = (0..sums.len()).collect();
+        let (least, most) = costs(&all)
+            .into_iter()
+            .fold((f64::INFINITY, 0.0_f64), |(l, m), cost| {
+                (cost.min(l), cost.max(m))
+            });
+        if most < TELLING * least {
+            return None;
+        }
+        let best = |drawn: &[usize]| {
+            let costs = costs(drawn).into_iter().enumerate();
             let least = costs.min_by(|a, b| a.1.total_cmp(&b.1));
             least.map_or(f64::NAN, |(lag, _)| self.lags[lag])
         };

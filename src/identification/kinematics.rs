@@ -5,12 +5,16 @@
 //! Martínez et al., "Approximating kinematics for tracked mobile robots", IJRR 24(10), 2005:
 //! on even ground the centres of rotation of the wheels of either side hardly move.
 
+use super::estimate::FEWEST_BLOCKS;
 use super::rolled::Rolled;
 use super::signals::wrapped;
 use super::{Estimate, Window};
 use crate::vehicle::Vehicle;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
+
+/// Fewer windows are no base for three numbers.
+pub(super) const FEWEST_WINDOWS: usize = 4;
 
 /// V_X = r (omega_L + omega_R) / 2, Omega = r (omega_R - omega_L) / B', V_Y = -x_ICR Omega.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,15 +86,22 @@ impl Kinematics {
         windows: &[&Window],
         nominal: &Self,
     ) -> Option<FittedKinematics> {
+        if windows.len() < FEWEST_WINDOWS {
+            return None;
+        }
         let samples: Vec<Sample> = windows.iter().map(|window| Sample::new(window)).collect();
         let free = match form {
             KinematicsForm::TwoParameter => 2,
             KinematicsForm::ThreeParameter => 3,
         };
         let parameters = solve(&samples, first_guess(&samples, nominal)?, free)?;
-        let covariance = covariance(&samples, parameters, free)?;
+        let inverse = normal(&samples, parameters, free).1.try_inverse()?;
+        let covariance = covariance(&samples, parameters, free, inverse);
         let [radius, gain, icr_x] = parameters.into();
-        let error = |direction: Vector3<f64>| direction.dot(&(covariance * direction)).sqrt();
+        let error = |direction: Vector3<f64>| match covariance {
+            Some(covariance) => direction.dot(&(covariance * direction)).sqrt(),
+            None => f64::INFINITY,
+        };
         let track = radius / gain;
         // B' = r / gain.
         let by_track = Vector3::new(1.0 / gain, -track / gain, 0.0);
@@ -104,8 +115,8 @@ impl Kinematics {
             track: Estimate::normal(track, error(by_track)),
             icr_x: (free == 3).then(|| Estimate::normal(icr_x, error(Vector3::z()))),
         };
-        (fitted.wheel_radius.width().is_finite() && fitted.track.width().is_finite())
-            .then_some(fitted)
+        let widths = [fitted.wheel_radius.width(), fitted.track.width()];
+        (!widths.iter().any(|width| width.is_nan())).then_some(fitted)
     }
 }
 
@@ -238,13 +249,20 @@ fn solve(samples: &[Sample], start: Vector3<f64>, free: usize) -> Option<Vector3
 }
 
 /// Covariance by the sandwich formula: windows overlap and errors last, so those of a block
-/// may depend on each other in any way.
-fn covariance(samples: &[Sample], parameters: Vector3<f64>, free: usize) -> Option<Matrix3<f64>> {
+/// may depend on each other in any way. `None` where there are too few blocks to tell.
+fn covariance(
+    samples: &[Sample],
+    parameters: Vector3<f64>,
+    free: usize,
+    inverse: Matrix3<f64>,
+) -> Option<Matrix3<f64>> {
     let mut blocks: BTreeMap<(usize, i64), Vec<&Sample>> = BTreeMap::new();
     for sample in samples {
         blocks.entry(sample.block).or_default().push(sample);
     }
-    let inverse = normal(samples, parameters, free).1.try_inverse()?;
+    if blocks.len() < FEWEST_BLOCKS {
+        return None;
+    }
     let mut scatter = Matrix3::zeros();
     for block in blocks.values() {
         let mut gradient = Vector3::zeros();
@@ -259,6 +277,6 @@ fn covariance(samples: &[Sample], parameters: Vector3<f64>, free: usize) -> Opti
     }
     // Few blocks scatter less than their errors do.
     let count = blocks.len() as f64;
-    let corrected = count / (count - free as f64).max(1.0);
+    let corrected = count / (count - free as f64);
     Some(inverse * scatter * inverse * corrected)
 }

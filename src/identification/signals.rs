@@ -93,10 +93,10 @@ impl Signals {
         self.latencies[1]
     }
 
-    /// First and last time at which pose and wheel speeds are known \[s\]; the last may lie
-    /// before the first.
+    /// First and last time at which pose and wheel speeds are known \[s\], and the yaw rate
+    /// where the heading comes from it; the last may lie before the first.
     #[must_use]
-    pub fn span(&self) -> (f64, f64) {
+    pub fn span(&self, heading: HeadingSource) -> (f64, f64) {
         let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
         let wheels = &self.wheels.time;
         let series =
@@ -104,6 +104,10 @@ impl Signals {
         for (time, latency) in series.into_iter().chain([(wheels, self.wheel_latency())]) {
             first = first.max(time.first().map_or(f64::INFINITY, |t| t - latency));
             last = last.min(time.last().map_or(f64::NEG_INFINITY, |t| t - latency));
+        }
+        if let (HeadingSource::Gyro, Some(turned)) = (heading, &self.turned) {
+            first = first.max(turned.start().unwrap_or(first));
+            last = last.min(turned.end().unwrap_or(last));
         }
         (first, last)
     }
@@ -122,16 +126,15 @@ impl Signals {
         times.iter().map(move |time| time - shift)
     }
 
-    /// Longest time without a pose within a span, samples just outside not counted \[s\].
+    /// Seconds between the samples of the pose before and after a time; `None` outside the pose.
     #[must_use]
-    pub fn longest_gap(&self, from: f64, to: f64) -> f64 {
-        let mut before = from;
-        let mut longest: f64 = 0.0;
-        for time in self.position_times(from, to).chain([to]) {
-            longest = longest.max(time - before);
-            before = time;
-        }
-        longest
+    pub fn pose_gap(&self, time: f64) -> Option<f64> {
+        let at = time + self.pose_latency();
+        let gap = |series: &Series| {
+            let after = series.time.partition_point(|t| *t <= at);
+            Some(series.time.get(after)? - series.time.get(after.checked_sub(1)?)?)
+        };
+        Some(gap(&self.x)?.max(gap(&self.y)?).max(gap(&self.heading)?))
     }
 
     /// Whether there is a yaw rate.

@@ -16,7 +16,8 @@ pub struct Cut {
     /// Windows with wheels that turn slower on average are left out: nothing happens
     /// there \[rad/s\].
     pub least_wheel_speed: f64,
-    /// Windows with a longer time without pose are left out \[s\].
+    /// Windows are left out at whose start or end the pose follows from samples that are
+    /// further apart: in a turn the vehicle does not drive straight from one to the next \[s\].
     pub longest_gap: f64,
     /// What the heading is compared with.
     pub heading: HeadingSource,
@@ -28,7 +29,7 @@ impl Default for Cut {
             horizon: 5.0,
             spacing: 0.5,
             least_wheel_speed: 0.1,
-            longest_gap: 0.65,
+            longest_gap: 0.55,
             heading: HeadingSource::Pose,
         }
     }
@@ -93,7 +94,8 @@ impl Window {
 pub struct Rejected {
     /// The vehicle stands still.
     pub standing: usize,
-    /// The pose, or the yaw rate that is asked for, has a gap.
+    /// The pose at the start or the end, or the yaw rate that is asked for, is not known
+    /// well enough.
     pub gaps: usize,
 }
 
@@ -115,7 +117,7 @@ pub fn cut(recording: &str, runs: &[Signals], cut: &Cut) -> Result<WindowSet, Id
     let mut set = WindowSet::default();
     let mut longest: f64 = 0.0;
     for (run, signals) in runs.iter().enumerate() {
-        let (first, last) = signals.span();
+        let (first, last) = signals.span(cut.heading);
         longest = longest.max(last - first);
         // A little inside, so that rounding does not lead out of the series.
         let room = last - first - cut.horizon - 2.0 * ROUNDING;
@@ -156,7 +158,12 @@ const ROUNDING: f64 = 1e-6;
 
 fn window(signals: &Signals, run: usize, start: f64, wheels: Drive, cut: &Cut) -> Option<Window> {
     let stop = start + cut.horizon;
-    if signals.longest_gap(start, stop) > cut.longest_gap {
+    let far_apart = |time| {
+        signals
+            .pose_gap(time)
+            .is_none_or(|gap| gap > cut.longest_gap)
+    };
+    if far_apart(start) || far_apart(stop) {
         return None;
     }
     let ([x, y, mut heading], mut end) = (signals.pose(start)?, signals.pose(stop)?);

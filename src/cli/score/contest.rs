@@ -103,7 +103,11 @@ impl Contest {
         Outcome {
             contest: self,
             counted: counting.len(),
-            results: predictions.into_iter().zip(reasons).map(result).collect(),
+            results: predictions
+                .into_par_iter()
+                .zip(reasons)
+                .map(result)
+                .collect(),
         }
     }
 }

@@ -65,8 +65,10 @@ impl Entry {
         let Some(fitted) = fitted else {
             return Self {
                 name,
-                description: "cannot be fitted: the windows for it are too few or too straight"
-                    .into(),
+                description:
+                    "not fitted: the other windows are too few or too straight (a shorter \
+                              --horizon leaves more)"
+                        .into(),
                 parameters: Vec::new(),
                 predictor: None,
             };

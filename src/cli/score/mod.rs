@@ -12,6 +12,7 @@ use super::{Failure, tell};
 use contest::{Contest, Outcome, pool};
 use entries::Entry;
 use progress::Progress;
+use rayon::prelude::*;
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -93,13 +94,19 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .map(|path| Output::to(Some(path)))
         .transpose()?;
     let given = Given::load(args)?;
-    let mut contests = Vec::new();
-    for path in &args.recordings {
+    let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
         let recording = read_recording(path)?;
-        for note in recording.notes.iter().filter(|note| note.kind.is_warning()) {
-            tell(&format!("{}: {note}", recording.name));
-        }
-        contests.push(prepare(args, &recording, &given)?);
+        let notes = recording.notes.iter().filter(|note| note.kind.is_warning());
+        let notes = notes.map(|note| format!("{}: {note}", recording.name));
+        Ok((notes.collect(), prepare(args, &recording, &given)?))
+    };
+    // Collected in the order of the arguments, so the first error is always the same.
+    let prepared: Vec<_> = args.recordings.par_iter().map(prepared).collect();
+    let mut contests = Vec::new();
+    for recording in prepared {
+        let (notes, contest) = recording?;
+        notes.iter().for_each(|note| tell(note));
+        contests.push(contest);
     }
     let progress = Progress::new(contests.iter().map(Contest::work).sum(), args.quiet);
     let outcomes: Vec<Outcome> = contests

@@ -118,18 +118,27 @@ fn rows(text: &mut String, name: &str, scores: &Scores, failed: usize) {
         let _ = write!(text, "{:>CELL$.3}", estimate.value);
     }
     let _ = write!(text, "{failed:>8}\n  {:NAME$}", "");
-    for Estimate { low, high, .. } in estimates() {
-        let _ = write!(text, "{:>CELL$}", format!("({low:.3}..{high:.3})"));
+    for estimate in estimates() {
+        let _ = write!(text, "{:>CELL$}", interval(&estimate, 3));
     }
     text.push('\n');
 }
 
 fn latency(latency: &Latency) -> String {
     match latency {
-        Latency::Estimated(Estimate { value, low, high }) => {
-            format!("{value:.2} s ({low:.2}..{high:.2})")
+        Latency::Estimated(estimate) => {
+            format!("{:.2} s {}", estimate.value, interval(estimate, 2))
         }
         Latency::Unknown => "none (too few turns to tell)".into(),
         Latency::Reference => "none (the pose's is against them)".into(),
+    }
+}
+
+fn interval(estimate: &Estimate, digits: usize) -> String {
+    let Estimate { low, high, .. } = estimate;
+    if estimate.width().is_finite() {
+        format!("({low:.digits$}..{high:.digits$})")
+    } else {
+        "(too few)".into()
     }
 }
