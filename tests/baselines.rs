@@ -96,6 +96,13 @@ const TABLE: [Row; 8] = [
     ),
 ];
 
+/// Windows: which ones have too poor a pose is decided differently there.
+const WINDOWS: f64 = 0.12;
+/// Radius and track: 4 % covers s08 and s11 with half of 99 runs each; the drives agree to 1 %.
+const FITTED: f64 = 0.04;
+/// Errors, where the README's is not within our 90 % interval anyway.
+const NEAR: f64 = 0.15;
+
 /// One window per run of 6 s, as the README counts them.
 fn spacing(row: &Row) -> f64 {
     if row.file.starts_with('s') { 1.0 } else { 0.5 }
@@ -161,31 +168,48 @@ fn the_readmes_baselines_are_reproduced() {
         eprintln!("skipped: no recordings in {}", folder.display());
         return;
     }
+    let (mut agree, mut all) = (0, 0);
     for row in &TABLE {
         let found = compute(&folder, row);
-        let values = |summaries: [Summary; 2]| {
-            let [p, h] = summaries;
-            [p.median, p.p95, h.median, h.p95]
-        };
         println!(
-            "{} windows {} ({})  r {:.4} ({})  track {:.3} ({})",
+            "{}: windows {} ({}), r {:.4} ({}), track {:.3} ({})",
             row.file, found.windows, row.windows, found.radius, row.radius, found.track, row.track
         );
         for (name, found, table) in [
             ("no-slip", found.no_slip, row.no_slip),
-            ("two", found.two_parameter, row.two_parameter),
+            ("two-parameter", found.two_parameter, row.two_parameter),
         ] {
-            print!("   {name:8}");
-            for (e, t) in values(found).into_iter().zip(table) {
-                let inside = e.low <= t && t <= e.high;
-                print!(
-                    "  {:.3} ({t}) {:+.0}%{}",
-                    e.value,
-                    100.0 * (e.value / t - 1.0),
-                    if inside { "" } else { "!" }
-                );
+            let [p, h] = found;
+            for (ours, theirs) in [p.median, p.p95, h.median, h.p95].into_iter().zip(table) {
+                let inside = ours.low <= theirs && theirs <= ours.high;
+                let near = (ours.value / theirs - 1.0).abs() < NEAR;
+                println!("  {name}: {ours:.3?} ({theirs})");
+                agree += usize::from(inside || near);
+                all += 1;
             }
-            println!();
         }
+        if row.file.starts_with("s09") {
+            // The README's row is of 99 runs, of which 46 are in the file.
+            continue;
+        }
+        let few = row.windows as f64 * WINDOWS;
+        assert!(
+            (found.windows as f64 - row.windows as f64).abs() < few,
+            "{}",
+            row.file
+        );
+        assert!(
+            (found.radius / row.radius - 1.0).abs() < FITTED,
+            "{}",
+            row.file
+        );
+        assert!(
+            (found.track / row.track - 1.0).abs() < FITTED,
+            "{}",
+            row.file
+        );
     }
+    // The others: the tail of c10, and most of c05, whose judged half is 10 windows longer
+    // or shorter by where exactly it is cut.
+    assert!(agree * 10 >= all * 9, "{agree} of {all}");
 }

@@ -70,8 +70,9 @@ impl Increments {
                 .map(|pair| pair.0)
         };
         let squares: f64 = changes().map(|change| change * change).sum();
+        let change = (squares / changes().count() as f64).sqrt();
         // Without any pair it is not a number.
-        if !((squares / changes().count() as f64).sqrt() >= LEAST_CHANGE) {
+        if change.is_nan() || change < LEAST_CHANGE {
             return None;
         }
         let sums = |block: &Vec<Vec<(f64, f64)>>| -> Vec<C::Sums> {

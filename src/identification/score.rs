@@ -85,3 +85,35 @@ pub fn summarise<B: Ord>(errors: &[f64], blocks: impl IntoIterator<Item = B>) ->
         rmse,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ERROR: PredictionError = PredictionError {
+        position: 1.0,
+        heading: 0.1,
+    };
+
+    #[test]
+    fn only_windows_that_all_models_predict_are_common() {
+        let (yes, no) = (Some(ERROR), None);
+        let never = vec![no; 3];
+        assert_eq!(common(&[vec![yes; 3], vec![yes, no, yes]]), [0, 2]);
+        assert_eq!(common(&[vec![yes; 3], never.clone()]), [0, 1, 2]);
+        assert_eq!(common(&[never]), [0, 1, 2]);
+        assert_eq!(common(&[]), [0; 0]);
+    }
+
+    #[test]
+    fn errors_are_summed_up_with_intervals() {
+        let errors: Vec<f64> = (0..=100).map(f64::from).collect();
+        let summary = summarise(&errors, (0..=100).map(|k| k / 5)).unwrap();
+        assert_eq!((summary.median.value, summary.p95.value), (50.0, 95.0));
+        assert!((summary.rmse.value - 57.88).abs() < 0.01, "{summary:?}");
+        for estimate in [summary.median, summary.p95, summary.rmse] {
+            assert!(estimate.low < estimate.value && estimate.value <= estimate.high);
+        }
+        assert_eq!(summarise::<u8>(&[], []), None);
+    }
+}

@@ -121,7 +121,7 @@ pub fn cut(recording: &str, runs: &[Signals], cut: &Cut) -> Result<WindowSet, Id
         longest = longest.max(last - first);
         // A little inside, so that rounding does not lead out of the series.
         let room = last - first - cut.horizon - 2.0 * ROUNDING;
-        if !(room >= 0.0) {
+        if room < 0.0 {
             continue;
         }
         for k in 0..=(room / cut.spacing).floor() as usize {

@@ -3,6 +3,7 @@
 #![cfg(feature = "cli")]
 
 mod refusals;
+mod score;
 mod simulate;
 mod streams;
 
