@@ -206,7 +206,7 @@ impl Given {
         let terrain = match (&about.terrain, &about.terrain_name) {
             (Some(terrain), name) => {
                 words += name.as_deref().unwrap_or("the recording's terrain");
-                terrain.clone()
+                *terrain
             }
             (None, _) => {
                 words += TERRAIN;
@@ -215,7 +215,7 @@ impl Given {
             }
         };
         let model = |vehicle: &Vehicle, terrain: &Terrain| {
-            let model = VehicleModel::new(vehicle.clone(), terrain.clone());
+            let model = VehicleModel::new(vehicle.clone(), *terrain);
             model.map(Arc::new).map_err(Failure::Model)
         };
         let nominal = (words, model(&vehicle, &terrain)?);
