@@ -6,7 +6,7 @@ use ugv_terrain::identification::{Estimate, Latency};
 
 /// Widths of the column of names and of the others.
 const NAME: usize = 18;
-const CELL: usize = 15;
+const CELL: usize = 17;
 
 pub fn render(horizon: f64, outcomes: &[Outcome], pooled: Option<&Vec<Pooled>>) -> String {
     let mut text = String::new();
@@ -71,11 +71,11 @@ fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
     for (entry, result) in contest.entries.iter().zip(&outcome.results) {
         let _ = write!(text, "  {}: {}", entry.name, entry.description);
         for p in &entry.parameters {
-            let Estimate { value, low, high } = p.estimate;
+            let bounds = interval(&p.estimate, 4);
             let _ = write!(
                 text,
-                "; {} = {value:.4} ({low:.4}..{high:.4}) {}",
-                p.name, p.unit
+                "; {} = {:.4} {bounds} {}",
+                p.name, p.estimate.value, p.unit
             );
         }
         if let Some(reason) = &result.reason {
