@@ -27,8 +27,8 @@
 //! wheels in balance) to [`simulation`] (motion in time) to the FMU's C interface, which is built
 //! with the feature `fmu`. [`effects`] are what the paper leaves out; contact and vehicle use them.
 //! [`recording`] stands beside them, and knows of vehicles and terrains only how they are described;
-//! `import` makes recordings from robots' logs, [`inspection`] looks at one, and `report` shows what
-//! it saw. Everything inside is SI and radians; frames and signs are stated in [`vehicle`].
+//! `import` makes recordings from robots' logs, [`inspection`] looks at one, `report` shows what
+//! it saw, and [`identification`] judges models by them. Everything inside is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
 //! - `cli` (default): the tool `ugv`, reading CSV and robots' logs (`import`), and [`package`],
@@ -40,6 +40,7 @@ pub mod declaration;
 pub mod effects;
 #[cfg(feature = "fmu")]
 pub mod fmu;
+pub mod identification;
 #[cfg(feature = "cli")]
 pub mod import;
 pub mod inspection;

@@ -23,6 +23,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("declaration", &["json", "terrain", "vehicle"]),
     ("import", &["spelling"]),
     ("recording", &["json", "spelling", "terrain", "vehicle"]),
+    ("identification", &["recording", "simulation", "vehicle"]),
     ("inspection", &["recording"]),
     ("report", &["inspection", "recording"]),
     (

@@ -10,6 +10,7 @@ mod output;
 mod package;
 mod plot;
 mod presets;
+mod score;
 mod simulate;
 
 pub use failure::Failure;
@@ -22,6 +23,7 @@ Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
   ugv import drive.mcap --output drive.csv
   ugv inspect field.csv --page field.html
+  ugv score drive.csv          # how well do models predict what was recorded?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
 
@@ -40,6 +42,7 @@ enum Command {
     Simulate(simulate::Args),
     Import(import::Args),
     Inspect(inspect::Args),
+    Score(score::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -58,6 +61,7 @@ pub fn run() -> Result<(), Failure> {
         Command::Simulate(args) => simulate::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Score(args) => score::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),

@@ -4,6 +4,7 @@
 
 mod inspect;
 mod refusals;
+mod score;
 mod simulate;
 mod streams;
 
