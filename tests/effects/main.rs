@@ -3,9 +3,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod by_hand;
+mod dense;
 mod derivatives;
 mod limits;
 mod memory;
+mod page;
 mod properties;
 mod signs;
 
