@@ -35,6 +35,8 @@
 
 pub mod contact;
 pub mod declaration;
+#[cfg(feature = "cli")]
+pub mod fit;
 #[cfg(feature = "fmu")]
 pub mod fmu;
 pub mod json;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 14] = [
+const EDGES: [(&str, &[&str]); 15] = [
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
@@ -18,6 +18,17 @@ const EDGES: [(&str, &[&str]); 14] = [
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],
+    ),
+    (
+        "fit",
+        &[
+            "parameter",
+            "recording",
+            "simulation",
+            "spelling",
+            "terrain",
+            "vehicle",
+        ],
     ),
     ("package", &["declaration", "simulation"]),
     ("lib", &[]),

@@ -4,9 +4,10 @@ use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use ugv_terrain::fit::FitError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::CsvError;
+use ugv_terrain::recording::{CsvError, RecordingError};
 use ugv_terrain::simulation::SimulationError;
 use ugv_terrain::vehicle::BalanceError;
 
@@ -33,6 +34,10 @@ pub enum Failure {
     Json { path: PathBuf, source: JsonError },
     /// A file that is no recording.
     Recording(CsvError),
+    /// A recording or the file beside it that cannot be read.
+    ReadRecording(RecordingError),
+    /// Recordings that nothing can be fitted to.
+    Fit(FitError),
     /// Vehicle and terrain that do not fit together.
     Model(ParameterError),
     /// A vehicle that cannot drive on; times are those of the recording.
@@ -48,7 +53,7 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Self::Simulation(SimulationError::NotFinite { .. }) => BAD_INPUT,
-            Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
+            Self::Fit(FitError::NotFinite) | Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
             _ => BAD_INPUT,
         }
     }
@@ -119,6 +124,8 @@ impl fmt::Display for Failure {
             Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
             Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Recording(error) => error.fmt(f),
+            Self::ReadRecording(error) => error.fmt(f),
+            Self::Fit(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::Write { target, .. } => write!(f, "cannot write {target}"),
@@ -133,6 +140,7 @@ impl Error for Failure {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Json { source, .. } => source.source(),
             Self::Recording(error) => error.source(),
+            Self::ReadRecording(error) => error.source(),
             Self::Simulation(error) => error.source(),
             _ => None,
         }

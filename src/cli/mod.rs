@@ -2,6 +2,7 @@
 
 mod completions;
 mod failure;
+mod fit;
 mod initial;
 mod model;
 mod output;
@@ -34,6 +35,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Fit(fit::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -50,6 +52,7 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),
