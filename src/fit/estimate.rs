@@ -158,15 +158,16 @@ pub struct Fit {
 /// Less driving than this cannot tell a soil from the noise \[s\].
 const SHORTEST: f64 = 3.0;
 /// Turns at most.
-const TURNS: usize = 15;
-/// A turn that moves no parameter by more than this share of its prior's standard deviation,
-/// and no noise by this factor's logarithm, is the last.
-const STILL: f64 = 0.01;
-const STILL_NOISE: f64 = 0.03;
-/// Steps of a turn: few, as noise and weights are still to come.
+const TURNS: usize = 12;
+/// A turn that lowers the cost, a chi-square, by less than this, and moves no noise by more
+/// than this factor's logarithm, is the last.
+const STILL: f64 = 0.5;
+const STILL_NOISE: f64 = 0.05;
+/// Steps of a turn: few, as noise and weights are still to come. A gain of 0.05 moves no
+/// parameter by more than a quarter of its standard deviation.
 const TURN: Stop = Stop {
-    steps: 8,
-    gain: 0.02,
+    steps: 6,
+    gain: 0.05,
 };
 /// Samples go to other segments when the pose proves later by more than this \[s\].
 const LATER: f64 = 0.03;
@@ -270,17 +271,13 @@ fn turns<P: Predictor>(
     let mut cut_for = latencies(problem, state);
     for turn in 1.. {
         progress(Stage::Turn(turn));
-        let before = state.point.coordinates.clone();
         let State { point, by } = state;
         let outcome = minimise(problem, point, by, TURN).map_err(FitError::Start)?;
         let change = noise_estimate::update(problem, &outcome.tables, point, by);
         if options.robust {
             reweigh(problem, &outcome.tables, by);
         }
-        let moved = problem.parameters.iter().enumerate().map(|(k, parameter)| {
-            (point.coordinates[k] - before[k]).abs() / parameter.prior.deviation
-        });
-        let still = moved.fold(0.0, f64::max) < STILL && change < STILL_NOISE;
+        let still = outcome.gain < STILL && change < STILL_NOISE;
         if still || turn == TURNS {
             return Ok(Turned {
                 tables: outcome.tables,

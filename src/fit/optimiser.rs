@@ -1,6 +1,8 @@
 //! Levenberg–Marquardt within bounds.
 //!
 //! Damping after H. B. Nielsen, "Damping parameter in Marquardt's method" (IMM-REP-1999-05).
+//! A step is also cut where it would carry a parameter too far at once, in units of its prior:
+//! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
 //! Bounds by an active set: a parameter that stands on its bound and is pushed outward is
 //! held for the step, and a step is cut at the bounds (D. P. Bertsekas' projection).
 
@@ -24,6 +26,8 @@ pub struct Stop {
 pub struct Outcome {
     /// The cost there.
     pub cost: f64,
+    /// How much it fell.
+    pub gain: f64,
     /// Steps taken or tried.
     pub steps: usize,
     /// Whether it stopped for want of gain, not of steps.
@@ -34,11 +38,21 @@ pub struct Outcome {
 
 const FIRST_DAMPING: f64 = 1e-3;
 const LARGEST_DAMPING: f64 = 1e8;
+/// How far a first step may carry a parameter, in standard deviations of its prior, and any.
+const FIRST_REACH: f64 = 1.0;
+const LARGEST_REACH: f64 = 3.0;
+/// A step that fails although it promises a gain, but less than so many times the least one
+/// worth a step, fails for rounding.
+const NEARLY: f64 = 5.0;
+/// Steps below this lead nowhere.
+const SMALLEST_REACH: f64 = 1e-6;
 
 /// A step and the gain that the linearised problem expects of it.
 struct Step {
     point: Point,
     expected_gain: f64,
+    /// How far it carries a parameter at most, in standard deviations of its prior.
+    reach: f64,
 }
 
 /// Lowers the cost from a point, which moves along.
@@ -54,12 +68,14 @@ pub fn minimise<P: Predictor>(
     let mut tables = problem.evaluate(point, true)?;
     let mut normals = normals(problem, &tables, point, by);
     let mut cost = total(problem, &normals, point);
+    let first = cost;
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
+    let mut reach = FIRST_REACH;
     let mut converged = false;
     let mut steps = 0;
-    while steps < stop.steps && damping < LARGEST_DAMPING {
+    while steps < stop.steps && damping < LARGEST_DAMPING && reach > SMALLEST_REACH {
         steps += 1;
-        let Some(step) = propose(problem, &normals, point, damping) else {
+        let Some(step) = propose(problem, &normals, point, damping, reach) else {
             damping *= 10.0;
             continue;
         };
@@ -80,13 +96,25 @@ pub fn minimise<P: Predictor>(
             damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
             damping = damping.max(1e-9);
             growth = 2.0;
+            if ratio > 0.5 {
+                reach = (2.0 * reach).min(LARGEST_REACH);
+            }
         } else {
-            damping *= growth;
-            growth *= 2.0;
+            if step.expected_gain < stop.gain * NEARLY {
+                // So little is within the accuracy of the predictions.
+                converged = true;
+                break;
+            }
+            reach = 0.3 * reach.min(step.reach);
+            if trial_cost.is_finite() {
+                damping *= growth;
+                growth *= 2.0;
+            }
         }
     }
     Ok(Outcome {
         cost,
+        gain: first - cost,
         steps,
         converged,
         tables,
@@ -115,6 +143,7 @@ fn propose<P: Predictor>(
     normals: &[Normal],
     point: &Point,
     damping: f64,
+    reach: f64,
 ) -> Option<Step> {
     let eliminated: Vec<Option<Eliminated>> = normals
         .par_iter()
@@ -132,7 +161,13 @@ fn propose<P: Predictor>(
         matrix[(k, k)] *= 1.0 + damping;
     }
     hold_at_bounds(problem, point, &mut matrix, &mut gradient);
-    let wanted = matrix.cholesky()?.solve(&gradient);
+    let mut wanted = matrix.cholesky()?.solve(&gradient);
+    let far = problem.parameters.iter().zip(wanted.iter());
+    let far = far.map(|(p, step)| step.abs() / p.prior.deviation);
+    let far = far.fold(0.0, f64::max);
+    if far > reach {
+        wanted *= reach / far;
+    }
     let mut next = point.clone();
     for (k, parameter) in problem.parameters.iter().enumerate() {
         let (low, high) = parameter.bounds();
@@ -152,6 +187,7 @@ fn propose<P: Predictor>(
     (expected_gain.is_finite() && finite).then_some(Step {
         point: next,
         expected_gain,
+        reach: far.min(reach),
     })
 }
 

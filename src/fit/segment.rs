@@ -166,8 +166,13 @@ const START_DEVIATION: [f64; 6] = [0.5, 0.5, 0.3, 0.5, 0.4, 0.5];
 const GUESSED_VELOCITY: [f64; 3] = [2.0, 1.0, 1.0];
 /// A pose is differentiated over so many seconds to either side.
 const SLOPE_SECONDS: f64 = 0.4;
+/// The same where the wheels stand still: the vehicle does, too. A start that slides on locked
+/// wheels is often one that no soil bears.
+const AT_REST: f64 = 0.005;
 /// Slower wheels stand still \[rad/s\].
 const STANDSTILL: f64 = 0.05;
+/// ... within so many seconds of the start \[s\]: latencies are not known yet.
+const STILL_SECONDS: f64 = 0.1;
 /// Wheel speeds this long apart leave open what happened in between \[s\].
 const LONGEST_GAP: f64 = 1.0;
 /// Segments with less samples or shorter ones than this are not worth a free start.
@@ -206,6 +211,7 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
             for piece in 0..pieces as usize {
                 let from = start + step * piece as f64;
                 let wheels = wheels_between(&drive, from, from + step);
+                let rests = wheels_between(&drive, from - STILL_SECONDS, from + STILL_SECONDS);
                 if wheels.fastest < STANDSTILL {
                     cut.at_rest += step;
                     continue;
@@ -224,7 +230,12 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
                 if wheels.gap > LONGEST_GAP || count < FEWEST_SAMPLES {
                     cut.unusable += step;
                 } else {
-                    cut.segments.push(with_start(segment, data, sensors));
+                    let mut segment = with_start(segment, data, sensors);
+                    if rests.fastest < STANDSTILL {
+                        segment.start_prior[3..].fill(0.0);
+                        segment.start_deviation[3..].fill(AT_REST);
+                    }
+                    cut.segments.push(segment);
                 }
             }
         }
@@ -239,7 +250,8 @@ struct Wheels {
 
 fn wheels_between(drive: &Drive, from: f64, to: f64) -> Wheels {
     let first = drive.time.partition_point(|t| *t <= from).max(1) - 1;
-    let last = drive.time.partition_point(|t| *t < to).min(drive.len() - 1);
+    let last = drive.time.partition_point(|t| *t < to);
+    let last = last.clamp(first, drive.len() - 1);
     let rows = first..=last;
     let speed = |row: usize| drive.wheel_speeds(row).map(f64::abs);
     Wheels {

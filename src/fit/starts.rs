@@ -53,7 +53,7 @@ const POLISHED: usize = 4;
 const SAME: f64 = 1.0;
 const DESCENT: Stop = Stop {
     steps: 12,
-    gain: 0.05,
+    gain: 0.1,
 };
 /// Turns of motion and weights on the way down.
 const TURNS: usize = 6;
@@ -202,7 +202,7 @@ fn descend<P: Predictor>(
         let outcome = minimise(problem, &mut point, &by, DESCENT).ok()?;
         let penalty: f64 = by.weights.iter().flatten().flatten().map(|w| robust::penalty(*w)).sum();
         let now = outcome.cost + penalty;
-        let still = outcome.converged && cost - now < 0.1;
+        let still = outcome.converged && cost - now < 0.3;
         cost = now;
         if still {
             break;

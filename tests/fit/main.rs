@@ -1,0 +1,10 @@
+//! Fits to recordings whose truth is known.
+
+#![cfg(feature = "cli")]
+
+mod answers;
+mod coverage;
+mod derivatives;
+mod recovery;
+mod refusals;
+mod synthetic;
