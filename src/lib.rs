@@ -26,19 +26,23 @@
 //! Dependencies point one way: [`terrain`] to [`contact`] (one wheel) to [`vehicle`] (all
 //! wheels in balance) to [`simulation`] (motion in time) to the FMU's C interface, which is built
 //! with the feature `fmu`. [`recording`] stands beside them, and knows of vehicles and terrains only
-//! how they are described. Everything inside is SI and radians; frames
-//! and signs are stated in [`vehicle`].
+//! how they are described; [`import`], which makes recordings from robots' logs, stands alone.
+//! Everything inside is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
-//! - `cli` (default): the tool `ugv`, reading CSV, and [`package`], which makes the FMU's archive.
+//! - `cli` (default): the tool `ugv`, reading CSV and robots' logs ([`import`]), and [`package`],
+//!   which makes the FMU's archive.
 //! - `fmu`: the C interface of FMI 2.0; building it needs libclang.
 
 pub mod contact;
 pub mod declaration;
+pub mod effects;
 #[cfg(feature = "cli")]
 pub mod fit;
 #[cfg(feature = "fmu")]
 pub mod fmu;
+#[cfg(feature = "cli")]
+pub mod import;
 pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;

@@ -91,6 +91,19 @@ pub struct ParameterError {
     pub range: String,
 }
 
+impl ParameterError {
+    /// A parameter that nothing has.
+    #[must_use]
+    pub fn unknown(name: &str, value: f64) -> Self {
+        Self {
+            name: name.into(),
+            value,
+            unit: "",
+            range: "(no such parameter)".into(),
+        }
+    }
+}
+
 impl fmt::Display for ParameterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {

@@ -41,6 +41,22 @@ impl Terrain {
         SHEAR_MODULUS.check(self.shear_modulus)
     }
 
+    /// Number of soil parameters.
+    pub const COUNT: usize = 6;
+
+    /// The soil parameters in the order of the fields.
+    #[must_use]
+    pub fn to_array(self) -> [f64; Self::COUNT] {
+        [
+            self.cohesion,
+            self.friction_angle,
+            self.cohesive_modulus,
+            self.frictional_modulus,
+            self.sinkage_exponent,
+            self.shear_modulus,
+        ]
+    }
+
     /// Sinkage modulus k = k_c / b + k_phi \[N/m^(n+2)\] under a wheel of width b \[m\] (1).
     #[must_use]
     pub fn sinkage_modulus(&self, wheel_width: f64) -> f64 {

@@ -4,17 +4,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 15] = [
+const EDGES: [(&str, &[&str]); 17] = [
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
     ("terrain", &["parameter"]),
-    ("contact", &["parameter", "scalar", "terrain"]),
-    ("vehicle", &["contact", "parameter", "scalar", "terrain"]),
-    ("simulation", &["vehicle"]),
-    ("json", &["parameter", "spelling", "terrain", "vehicle"]),
+    ("effects", &["parameter", "scalar", "terrain"]),
+    ("contact", &["effects", "parameter", "scalar", "terrain"]),
+    (
+        "vehicle",
+        &["contact", "effects", "parameter", "scalar", "terrain"],
+    ),
+    ("simulation", &["parameter", "vehicle"]),
+    (
+        "json",
+        &["effects", "parameter", "spelling", "terrain", "vehicle"],
+    ),
     ("declaration", &["json", "terrain", "vehicle"]),
     ("recording", &["json", "spelling", "terrain", "vehicle"]),
+    ("import", &["spelling"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],
@@ -22,6 +30,7 @@ const EDGES: [(&str, &[&str]); 15] = [
     (
         "fit",
         &[
+            "effects",
             "parameter",
             "recording",
             "simulation",

@@ -5,6 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use ugv_terrain::fit::FitError;
+use ugv_terrain::import::ImportError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
 use ugv_terrain::recording::{CsvError, RecordingError};
@@ -38,6 +39,8 @@ pub enum Failure {
     ReadRecording(RecordingError),
     /// Recordings that nothing can be fitted to.
     Fit(FitError),
+    /// A robot's log that gives no recording.
+    Import(ImportError),
     /// Vehicle and terrain that do not fit together.
     Model(ParameterError),
     /// A vehicle that cannot drive on; times are those of the recording.
@@ -90,6 +93,7 @@ impl Failure {
     fn hint(&self) -> Option<String> {
         match self {
             Self::Argument { hint, .. } => hint.clone(),
+            Self::Import(error) => error.remedy(),
             Self::Json {
                 source: JsonError::SeveralTerrains { names },
                 ..
@@ -126,6 +130,7 @@ impl fmt::Display for Failure {
             Self::Recording(error) => error.fmt(f),
             Self::ReadRecording(error) => error.fmt(f),
             Self::Fit(error) => error.fmt(f),
+            Self::Import(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::Write { target, .. } => write!(f, "cannot write {target}"),
@@ -141,6 +146,7 @@ impl Error for Failure {
             Self::Json { source, .. } => source.source(),
             Self::Recording(error) => error.source(),
             Self::ReadRecording(error) => error.source(),
+            Self::Import(error) => error.source(),
             Self::Simulation(error) => error.source(),
             _ => None,
         }

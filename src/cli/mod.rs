@@ -3,6 +3,7 @@
 mod completions;
 mod failure;
 mod fit;
+mod import;
 mod initial;
 mod model;
 mod output;
@@ -19,6 +20,7 @@ use output::write_stdout;
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
+  ugv import drive.mcap --output drive.csv
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
 
@@ -36,6 +38,7 @@ struct Cli {
 enum Command {
     Simulate(simulate::Args),
     Fit(fit::Args),
+    Import(import::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -53,6 +56,7 @@ pub fn run() -> Result<(), Failure> {
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Fit(args) => fit::run(&args),
+        Command::Import(args) => import::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),

@@ -4,11 +4,14 @@
 //! velocity of its centre along the body's X and Y, and the contact arc is measured by
 //! theta from the wheel's lowest point, positive towards the side that compacts soil.
 
+mod altered;
+mod altered_patch;
 mod patch;
 mod quadrature;
 mod rows;
 mod wheel;
 
+pub use altered::{WheelLaw, WheelMemory};
 pub use quadrature::Resolution;
 pub(crate) use wheel::FORCE_COUNT;
 pub use wheel::{Detail, Regularisation, WheelContact, WheelForces, WheelMotion};

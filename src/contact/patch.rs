@@ -1,7 +1,7 @@
 //! The integrals over one contact patch whose compacting side is the +X side.
 
 use super::quadrature::{MOST_ROWS, Nodes, Quadrature};
-use super::rows::Row;
+use super::rows::{Crossing, Footprint, Row};
 use crate::scalar::{Packed, Real, Scalar};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
@@ -18,12 +18,8 @@ pub(super) struct PatchLaw {
     pub exponent: f64,
     /// k (2 r)^n: pressure where the halved cosine difference is 1 \[Pa\].
     pub pressure: f64,
-    /// Wheel radius r \[m\].
-    pub radius: f64,
-    /// Wheel width b \[m\].
-    pub width: f64,
-    /// Square of the slip speed below which the direction of the shear fades \[m^2/s^2\].
-    pub slip_speed_squared: f64,
+    /// Wheel radius and width, and the slip speed.
+    pub footprint: Footprint,
 }
 
 /// Motion of the wheel over the patch.
@@ -125,8 +121,16 @@ impl PatchLaw {
         };
         let mut normal = [zero; 2];
         let mut room = [(0.0, 0.0); MOST_ROWS];
-        let width = self.width_nodes(rule, motion, &arc, &mut room);
-        let reversed = self.reversed_rows(width, motion, &arc);
+        let crossing = Crossing {
+            forward: motion.forward.value(),
+            lateral: motion.lateral.value(),
+            yaw_rate: motion.yaw_rate.value(),
+            rim_speed: motion.rim_speed.value(),
+            sin_entry: arc.sin_entry.value(),
+            cos_entry: arc.cos_entry.value(),
+        };
+        let width = self.footprint.width_nodes(rule, &crossing, &mut room);
+        let reversed = self.footprint.reversed_rows(width, &crossing);
         for nodes in &rule.arc {
             let (at, weight) = nodes.load(simd);
             let packed_entry = entry.splat(simd);
@@ -136,7 +140,7 @@ impl PatchLaw {
             let column = self.column(simd, motion, &arc, angle, front, weight);
             normal[0] += column.stress * column.sin;
             normal[1] += column.stress * column.cos;
-            let rows = self.rows(width, motion).enumerate();
+            let rows = self.footprint.rows(width, motion).enumerate();
             let straight = rows.filter(|(index, _)| reversed & (1 << index) == 0);
             self.accumulate(
                 simd,
@@ -147,7 +151,7 @@ impl PatchLaw {
             );
         }
         if reversed != 0 {
-            for (index, row) in self.rows(width, motion).enumerate() {
+            for (index, row) in self.footprint.rows(width, motion).enumerate() {
                 if reversed & (1 << index) != 0 {
                     self.accumulate_reversed(simd, &mut sums, rule, motion, &arc, &row);
                 }
@@ -193,7 +197,7 @@ impl PatchLaw {
         let cos_entry = arc.cos_entry.splat(simd);
         let sin_entry = arc.sin_entry.splat(simd);
         let lateral = motion.lateral.splat(simd);
-        let spin = motion.yaw_rate.scale(self.radius).splat(simd);
+        let spin = motion.yaw_rate.scale(self.footprint.radius).splat(simd);
         let sideways = lateral + spin * sin;
         let path = lateral * travelled + spin * rise;
         Column {
@@ -206,7 +210,7 @@ impl PatchLaw {
             stretch: (travelled + sin_entry * cos_entry - sin * cos).scale(0.5),
             rolled: motion.rim_speed.splat(simd) * (sin_entry - sin),
             sideways,
-            sideways_squared: (sideways * sideways).offset(self.slip_speed_squared),
+            sideways_squared: (sideways * sideways).offset(self.footprint.slip_speed_squared),
             path_squared: (path * path).offset(DISPLACEMENT_FLOOR),
         }
     }
@@ -284,8 +288,8 @@ impl PatchLaw {
         let ends = [first.splat(simd), second.splat(simd), arc.entry.splat(simd)];
         let late = usize::from(turn.value() >= middle.value());
         // The shear turns round within this angle.
-        let sideways = motion.lateral.value() + motion.yaw_rate.value() * self.radius * sine;
-        let speed = (sideways * sideways + self.slip_speed_squared).sqrt();
+        let sideways = motion.lateral.value() + motion.yaw_rate.value() * self.footprint.radius * sine;
+        let speed = (sideways * sideways + self.footprint.slip_speed_squared).sqrt();
         let part = second.value() - first.value();
         let longer = part.max(if late == 1 {
             arc.entry.value() - second.value()
@@ -337,5 +341,5 @@ pub(super) fn small_angle_support(law: &PatchLaw, rule: &Quadrature) -> f64 {
         .map(|(u, weight)| weight * (1.0 - u.max(1.0 - u).powi(2)).powf(law.exponent))
         .sum();
     // Half the cosine difference is theta_1^2 (1 - u^2) / 4.
-    law.pressure * 0.25_f64.powf(law.exponent) * integral * law.radius * law.width
+    law.pressure * 0.25_f64.powf(law.exponent) * integral * law.footprint.radius * law.footprint.width
 }

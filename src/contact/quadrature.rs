@@ -91,6 +91,12 @@ pub(crate) struct Quadrature {
     pub turning: [Vec<SplitNodes>; 2],
     /// The same where the shear turns round within a small part of the arc.
     pub sharp: [Vec<SplitNodes>; 2],
+    /// On (0, 1), for the parts of an arc behind and ahead of the greatest stress where effects move
+    /// it: graded as in `arc`.
+    pub rear: Vec<Nodes>,
+    pub front: Vec<Nodes>,
+    /// On (0, 1) with nodes that crowd at both ends, for each piece of an arc that effects alter.
+    pub piece: Vec<Nodes>,
     /// On (0, 1), for each side of a line that splits the width.
     pub width_split: Vec<(f64, f64)>,
     /// Across the width: offset y / b in (-1/2, 1/2) and weight.
@@ -102,14 +108,19 @@ pub(crate) struct Quadrature {
 impl Quadrature {
     pub(crate) fn new(resolution: Resolution) -> Self {
         // 2 theta / theta_1 = s^2 in the rear half; its mirror image s^(5/2) in the front half.
-        let half = gauss_legendre(resolution.arc.div_ceil(2)).into_iter();
-        let arc = half.flat_map(|(s, w)| {
+        let half = || gauss_legendre(resolution.arc.div_ceil(2)).into_iter();
+        let arc = half().flat_map(|(s, w)| {
             let root = s.sqrt();
             let rear = (0.5 * s * s, w * s);
             let front = (1.0 - 0.5 * s * s * root, w * 1.25 * s * root);
             [rear, front]
         });
         let arc = packed(arc.collect());
+        let rear = half().map(|(s, w)| (s * s, 2.0 * w * s));
+        let front = half().map(|(s, w)| {
+            let root = s.sqrt();
+            (1.0 - s * s * root, w * 2.5 * s * root)
+        });
         let across = |count| -> Vec<(f64, f64)> {
             let rule = gauss_legendre(count).into_iter();
             rule.map(|(x, w)| (x - 0.5, w)).collect()
@@ -118,6 +129,14 @@ impl Quadrature {
             arc,
             turning: [false, true].map(|late| reversed(resolution.reversal, late, false)),
             sharp: [false, true].map(|late| reversed(resolution.sharp_reversal, late, true)),
+            rear: packed(rear.collect()),
+            front: packed(front.collect()),
+            piece: packed(
+                gauss_legendre(resolution.sharp_reversal)
+                    .into_iter()
+                    .map(crowded)
+                    .collect(),
+            ),
             width_split: gauss_legendre(2 * resolution.width),
             width: across(resolution.width),
             width_reversed: across((3 * resolution.width).div_ceil(2)),
@@ -136,9 +155,7 @@ fn reversed(count: usize, late: bool, sharp: bool) -> Vec<SplitNodes> {
         let to_its_end = front;
         for (s, w) in gauss_legendre(count) {
             let (at, weight) = if sharp {
-                let rest = 1.0 - s;
-                let at = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-                (at, w * 30.0 * s * s * rest * rest)
+                crowded((s, w))
             } else if to_its_end {
                 (s * (2.0 - s), w * 2.0 * (1.0 - s))
             } else {
@@ -162,6 +179,13 @@ fn reversed(count: usize, late: bool, sharp: bool) -> Vec<SplitNodes> {
         front: std::array::from_fn(|k| chunk[k].2),
     };
     nodes.chunks_exact(LANES).map(eight).collect()
+}
+
+/// A node and its weight, moved so that they crowd at both ends (like s^3).
+fn crowded((s, w): (f64, f64)) -> (f64, f64) {
+    let rest = 1.0 - s;
+    let at = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+    (at, w * 30.0 * s * s * rest * rest)
 }
 
 /// Packs nodes eight at a time; what is missing to the last eight has no weight.

@@ -1,6 +1,6 @@
 //! The rows of a contact patch: lines along the rolling direction, at nodes across the width.
 
-use super::patch::{Arc, PatchLaw, PatchMotion};
+use super::patch::PatchMotion;
 use super::quadrature::{MOST_ROWS, Quadrature};
 use crate::scalar::Scalar;
 
@@ -15,7 +15,31 @@ pub(super) struct Row<S> {
     pub forward: S,
 }
 
-impl PatchLaw {
+/// What the choice of the rows depends on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Footprint {
+    /// Radius of the contact's circle \[m\].
+    pub radius: f64,
+    /// Wheel width b \[m\].
+    pub width: f64,
+    /// Square of the slip speed below which the direction of the shear fades \[m^2/s^2\].
+    pub slip_speed_squared: f64,
+}
+
+/// Where the slip velocity changes its sign over the patch: the motion without derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct Crossing {
+    /// Velocities along X and Y, yaw rate, and r omega.
+    pub forward: f64,
+    pub lateral: f64,
+    pub yaw_rate: f64,
+    pub rim_speed: f64,
+    /// Sine and cosine of the entry angle.
+    pub sin_entry: f64,
+    pub cos_entry: f64,
+}
+
+impl Footprint {
     #[inline(always)]
     pub(super) fn rows<S: Scalar>(
         &self,
@@ -33,17 +57,16 @@ impl PatchLaw {
     /// has both signs in the patch, the shear varies faster across it and a finer rule serves;
     /// where it turns round abruptly besides, the width is split along the line of no slip.
     #[inline(always)]
-    pub(super) fn width_nodes<'r, S: Scalar>(
+    pub(super) fn width_nodes<'r>(
         &self,
         rule: &'r Quadrature,
-        motion: &PatchMotion<S>,
-        arc: &Arc<S>,
+        motion: &Crossing,
         room: &'r mut [(f64, f64); MOST_ROWS],
     ) -> &'r [(f64, f64)] {
-        let (forward, rim) = (motion.forward.value(), motion.rim_speed.value());
-        let cos_entry = arc.cos_entry.value();
+        let (forward, rim) = (motion.forward, motion.rim_speed);
+        let cos_entry = motion.cos_entry;
         // Change of V_Xi from the right edge to the left one.
-        let twist = motion.yaw_rate.value() * self.width;
+        let twist = motion.yaw_rate * self.width;
         let ahead = |at: f64, cos: f64| (forward - twist * at) * cos > rim;
         let first = ahead(-0.5, 1.0);
         if [
@@ -54,7 +77,7 @@ impl PatchLaw {
         {
             return &rule.width;
         }
-        let sideways = self.least_sideways(motion, arc);
+        let sideways = self.least_sideways(motion);
         if sideways > 0.5 * twist.abs() {
             return &rule.width_reversed;
         }
@@ -73,9 +96,9 @@ impl PatchLaw {
 
     /// The least lateral slip speed in the patch, with the speed at which the shear fades.
     #[inline(always)]
-    fn least_sideways<S: Scalar>(&self, motion: &PatchMotion<S>, arc: &Arc<S>) -> f64 {
-        let lowest = motion.lateral.value();
-        let highest = lowest + motion.yaw_rate.value() * self.radius * arc.sin_entry.value();
+    fn least_sideways(&self, motion: &Crossing) -> f64 {
+        let lowest = motion.lateral;
+        let highest = lowest + motion.yaw_rate * self.radius * motion.sin_entry;
         let least = if lowest * highest < 0.0 {
             0.0
         } else {
@@ -86,17 +109,11 @@ impl PatchLaw {
 
     /// The rows (as bits) in which the tangential slip velocity changes its sign.
     #[inline(always)]
-    pub(super) fn reversed_rows<S: Scalar>(
-        &self,
-        width: &[(f64, f64)],
-        motion: &PatchMotion<S>,
-        arc: &Arc<S>,
-    ) -> u64 {
-        let rim = motion.rim_speed.value();
-        let cos_entry = arc.cos_entry.value();
+    pub(super) fn reversed_rows(&self, width: &[(f64, f64)], motion: &Crossing) -> u64 {
+        let (rim, cos_entry) = (motion.rim_speed, motion.cos_entry);
         let mut bits = 0;
         for (index, &(at, _)) in width.iter().enumerate() {
-            let forward = motion.forward.value() - motion.yaw_rate.value() * at * self.width;
+            let forward = motion.forward - motion.yaw_rate * at * self.width;
             let reversed = (forward - rim) * (forward * cos_entry - rim) < 0.0;
             bits |= u64::from(reversed) << index;
         }

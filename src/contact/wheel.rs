@@ -2,6 +2,7 @@
 
 use super::patch::{PatchLaw, PatchMotion, PatchSums, small_angle_support};
 use super::quadrature::{Quadrature, Resolution};
+use super::rows::Footprint;
 use crate::parameter::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::terrain::Terrain;
@@ -201,9 +202,11 @@ impl WheelContact {
             inverse_shear_modulus: 1.0 / terrain.shear_modulus,
             exponent: terrain.sinkage_exponent,
             pressure: modulus * (2.0 * radius).powf(terrain.sinkage_exponent),
-            radius,
-            width,
-            slip_speed_squared: regularisation.slip_speed.powi(2),
+            footprint: Footprint {
+                radius,
+                width,
+                slip_speed_squared: regularisation.slip_speed.powi(2),
+            },
         };
         let rule = Quadrature::new(resolution);
         let support = small_angle_support(&law, &rule);
@@ -235,10 +238,31 @@ impl WheelContact {
         entry_angle: S,
         detail: Detail,
     ) -> WheelForces<S> {
-        let rule = match detail {
+        let rule = self.rule(detail);
+        self.both_sides(motion, |_, seen| {
+            self.one_sided(simd, rule, seen, entry_angle)
+        })
+    }
+
+    pub(super) fn rule(&self, detail: Detail) -> &Quadrature {
+        match detail {
             Detail::Coarse => &self.coarse_rule,
             Detail::Full => &self.rule,
-        };
+        }
+    }
+
+    pub(super) fn regularisation(&self) -> &Regularisation {
+        &self.regularisation
+    }
+
+    /// Forces on a wheel of which `one_sided` gives those on its +X side when that compacts soil,
+    /// of the motion as it is (sign 1) and of its mirror image (sign -1).
+    #[inline(always)]
+    pub(super) fn both_sides<S: Scalar>(
+        &self,
+        motion: &WheelMotion<S>,
+        one_sided: impl Fn(f64, &WheelMotion<S>) -> WheelForces<S>,
+    ) -> WheelForces<S> {
         let side = self.regularisation.compacting_side(motion.forward);
         // Share of the patch whose front (rear) compacts; near standstill both do.
         let front = side.scale(0.5).offset(0.5);
@@ -254,7 +278,7 @@ impl WheelContact {
                 yaw_rate: motion.yaw_rate.scale(sign),
                 angular_speed: motion.angular_speed.scale(sign),
             };
-            let one = self.one_sided(simd, rule, &seen, entry_angle);
+            let one = one_sided(sign, &seen);
             forces.thrust += one.thrust.scale(sign) * share;
             forces.compaction += one.compaction.scale(sign) * share;
             forces.lateral += one.lateral * share;
@@ -277,6 +301,7 @@ impl WheelContact {
         motion: &WheelMotion<S>,
         entry_angle: S,
     ) -> WheelForces<S> {
+        let Footprint { radius, width, .. } = self.law.footprint;
         let bounded = self
             .regularisation
             .bounded_angular_speed(motion.angular_speed);
@@ -284,27 +309,36 @@ impl WheelContact {
             forward: motion.forward,
             lateral: motion.lateral,
             yaw_rate: motion.yaw_rate,
-            rim_speed: motion.angular_speed.scale(self.law.radius),
+            rim_speed: motion.angular_speed.scale(radius),
             time_per_angle: S::constant(1.0) / bounded,
         };
-        let PatchSums {
-            shear: [shear_x, shear_y, shear_z],
-            normal: [normal_x, normal_z],
-            width_moment,
-            arc_moment,
-            tangential,
-        } = self.law.integrate(simd, rule, &patch, entry_angle);
-        let area = self.law.radius * self.law.width;
-        let compaction = normal_x.scale(area);
+        let sums = self.law.integrate(simd, rule, &patch, entry_angle);
+        let scale = |factor: f64| move |sum: S| sum.scale(factor);
+        let area = radius * width;
+        sums.forces(scale(area), scale(area * radius), scale(area * radius))
+    }
+}
+
+impl<S: Scalar> PatchSums<S> {
+    /// The forces of a patch, from what its sums are to be multiplied with: its area per radian,
+    /// that times the radius of its circle, and that times the radius at which the rim drives.
+    #[inline(always)]
+    pub(super) fn forces(
+        self,
+        area: impl Fn(S) -> S,
+        arm: impl Fn(S) -> S,
+        drive: impl Fn(S) -> S,
+    ) -> WheelForces<S> {
+        let compaction = area(self.normal[0]);
         WheelForces {
-            thrust: shear_x.scale(area),
+            thrust: area(self.shear[0]),
             compaction,
-            lateral: shear_y.scale(area),
-            vertical: (shear_z + normal_z).scale(area),
-            width_moment: width_moment.scale(area),
-            arc_moment: arc_moment.scale(area * self.law.radius),
+            lateral: area(self.shear[1]),
+            vertical: area(self.shear[2] + self.normal[1]),
+            width_moment: area(self.width_moment),
+            arc_moment: arm(self.arc_moment),
             rolling_resistance: compaction,
-            torque: tangential.scale(area * self.law.radius),
+            torque: drive(self.tangential),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Fitting soil, vehicle and sensor parameters to recordings.
 //!
 //! Multiple shooting: recordings are cut into segments of some seconds, each with a start of
-//! its own ([`segment`]); a model predicts each ([`predictor`]), sensors report of it
+//! its own ([`segment`]); a model predicts each ([`predictor`], [`exact`]), sensors report of it
 //! ([`observation`]), and the parameters that all segments share are found by
 //! Levenberg–Marquardt with the starts eliminated ([`optimiser`], [`normal`]). The noise of
 //! each channel, white and coloured, comes from the data ([`noise`], [`noise_estimate`]),
@@ -12,8 +12,8 @@
 //! on the number of threads.
 
 pub mod catalogue;
-pub mod differences;
 pub mod estimate;
+pub mod exact;
 pub mod identifiability;
 pub mod noise;
 pub mod noise_estimate;

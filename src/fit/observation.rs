@@ -164,8 +164,8 @@ impl Sensor<'_> {
             if signal.is_pose() {
                 own[SensorParameter::PoseLatency.index()] = -along(rate);
             }
-            let by_wheels = self.trajectory.by_wheel_latency(place.index);
-            own[SensorParameter::WheelLatency.index()] = along(&by_wheels);
+            let by_wheels = &self.trajectory.by_wheel_latency[place.index];
+            own[SensorParameter::WheelLatency.index()] = along(by_wheels);
             let first = place.index * self.parameters;
             let by_parameter = &self.trajectory.by_parameter[first..first + self.parameters];
             rows.extend(self.trajectory.by_start[place.index].iter().map(along));

@@ -34,6 +34,8 @@ pub struct Trajectory {
     /// Derivatives by the parameters: for each time one state's worth per parameter, all in
     /// one list.
     pub by_parameter: Vec<[f64; 6]>,
+    /// Derivatives by the wheels' latency.
+    pub by_wheel_latency: Vec<[f64; 6]>,
 }
 
 impl Trajectory {
@@ -43,21 +45,7 @@ impl Trajectory {
         self.rates.clear();
         self.by_start.clear();
         self.by_parameter.clear();
-    }
-
-    /// The derivative of the state by the wheels' latency, at the `index`-th time.
-    ///
-    /// A model that knows no clock but the wheels' moves along the drive when the latency
-    /// grows: dx(t)/dL = dx/dt(t) - Phi(t, t0) dx/dt(t0), with the transition matrix Phi.
-    #[must_use]
-    pub fn by_wheel_latency(&self, index: usize) -> [f64; 6] {
-        let mut derivative = self.rates[index];
-        for (column, rate) in self.by_start[index].iter().zip(self.rates[0]) {
-            for (sum, slope) in derivative.iter_mut().zip(column) {
-                *sum -= slope * rate;
-            }
-        }
-        derivative
+        self.by_wheel_latency.clear();
     }
 }
 

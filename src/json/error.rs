@@ -1,5 +1,6 @@
 //! What can be wrong with a vehicle's or a terrain's JSON.
 
+use crate::effects::ProfileError;
 use crate::parameter::ParameterError;
 use serde_json::Value;
 use std::fmt;
@@ -54,6 +55,13 @@ pub enum JsonError {
         name: String,
         /// What is wrong with it.
         source: Box<JsonError>,
+    },
+    /// Numbers that make no profile of slopes.
+    Profile {
+        /// Where it stands.
+        place: String,
+        /// What is wrong with it.
+        source: ProfileError,
     },
     /// A value outside its range.
     OutOfRange(ParameterError),
@@ -130,6 +138,7 @@ impl fmt::Display for JsonError {
                 )
             }
             Self::InTerrain { name, source } => write!(f, "{name}: {source}"),
+            Self::Profile { place, source } => write!(f, "{place}: {source}"),
             Self::OutOfRange(error) => error.fmt(f),
         }
     }
@@ -139,6 +148,7 @@ impl std::error::Error for JsonError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::InTerrain { source, .. } => Some(source),
+            Self::Profile { source, .. } => Some(source),
             _ => None,
         }
     }

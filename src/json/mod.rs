@@ -1,13 +1,17 @@
-//! Vehicles and terrains as JSON, and the paper's ones.
+//! Vehicles, terrains, effects and whole models as JSON, and the paper's ones.
 //!
 //! A file holds exactly the keys of its kind; `assumed` may stand beside them and is ignored
 //! (recordings list there which of their values were not measured). Values in SI units, the
 //! friction angle in degrees.
 
+mod effects;
 mod error;
 mod object;
+mod specification;
 mod terrain;
 mod vehicle;
 
+pub use effects::EFFECTS_FORMAT;
 pub use error::JsonError;
 pub(crate) use object::parse;
+pub use specification::MODEL_FORMAT;

@@ -132,6 +132,25 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
         self.map(value, value.scale(exponent) / self.re)
     }
     #[inline(always)]
+    fn power_of(self, exponent: Self) -> Self {
+        let value = self.re.power_of(exponent.re);
+        let by_base = value * exponent.re / self.re;
+        let by_exponent = value * self.re.logarithm();
+        self.zip(exponent, value, |a, b| a * by_base + b * by_exponent)
+    }
+    #[inline(always)]
+    fn logarithm(self) -> Self {
+        let inverse = self.re.like(1.0) / self.re;
+        self.map(self.re.logarithm(), inverse)
+    }
+    #[inline(always)]
+    fn positive(self) -> Self {
+        Self {
+            re: self.re.positive(),
+            ..self.like(0.0)
+        }
+    }
+    #[inline(always)]
     fn sin_cos_small(self) -> (Self, Self) {
         let (sin, cos) = self.re.sin_cos_small();
         (self.map(sin, cos), self.map(cos, -sin))

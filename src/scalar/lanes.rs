@@ -1,7 +1,7 @@
 //! Values: one `f64`, or eight in the processor's vector registers.
 
 use super::{Packed, Real, Scalar};
-use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, SimdSplit, f64x8, i64x8};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdSplit, f64x8, i64x8};
 
 /// Where [`Real::decay`] levels off: exp(-700) is still a normal number.
 const DECAY_FLOOR: f64 = -700.0;
@@ -30,6 +30,18 @@ impl Real for f64 {
     #[inline(always)]
     fn power(self, exponent: f64) -> Self {
         self.powf(exponent)
+    }
+    #[inline(always)]
+    fn power_of(self, exponent: Self) -> Self {
+        self.powf(exponent)
+    }
+    #[inline(always)]
+    fn logarithm(self) -> Self {
+        self.ln()
+    }
+    #[inline(always)]
+    fn positive(self) -> Self {
+        f64::from(u8::from(self > 0.0))
     }
     #[inline(always)]
     fn sin_cos_small(self) -> (Self, Self) {
@@ -91,6 +103,19 @@ impl<S: Simd> Real for f64x8<S> {
         let (n, bits) = round_to_integer(logarithm * std::f64::consts::LOG2_E);
         let rest = logarithm - n * LN_2_HIGH - n * LN_2_LOW;
         scale_by_power_of_two(polynomial(rest, &INVERSE_FACTORIALS), bits)
+    }
+    #[inline(always)]
+    fn power_of(self, exponent: Self) -> Self {
+        self.power(exponent.as_slice()[0])
+    }
+    #[inline(always)]
+    fn logarithm(self) -> Self {
+        natural_logarithm(self)
+    }
+    #[inline(always)]
+    fn positive(self) -> Self {
+        let zero = self.like(0.0);
+        self.simd_gt(zero).select(self.like(1.0), zero)
     }
     /// Taylor series: at 1 rad the first omitted terms are 1e-17.
     #[inline(always)]

@@ -7,9 +7,11 @@
 //! reordered, the result is the same bits on each of them.
 
 mod dual;
+mod functions;
 mod lanes;
 
 pub use dual::Dual;
+pub use functions::Elementary;
 
 use fearless_simd::{Simd, f64x8};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
@@ -42,6 +44,16 @@ pub trait Real:
     /// x^exponent for x > 0.
     #[must_use]
     fn power(self, exponent: f64) -> Self;
+    /// x^exponent for x > 0, where the exponent has derivatives as well (of eight packed
+    /// ones the first serves all).
+    #[must_use]
+    fn power_of(self, exponent: Self) -> Self;
+    /// ln(x) for x > 0.
+    #[must_use]
+    fn logarithm(self) -> Self;
+    /// 1 where x > 0, else 0; without derivatives.
+    #[must_use]
+    fn positive(self) -> Self;
     /// Sine and cosine of an angle between -1 and 1 rad.
     fn sin_cos_small(self) -> (Self, Self);
 }

@@ -1,15 +1,21 @@
 //! The vehicle's motion in time.
 
+mod jacobian;
+mod memory;
 mod rosenbrock;
+mod sensitivity;
 mod snapshot;
 mod state;
 
+pub use jacobian::Jacobian;
 pub use rosenbrock::Counters;
+pub use sensitivity::SensitiveSimulation;
 pub use state::{State, WheelSpeeds};
 
-use crate::vehicle::{Balance, BalanceError, Linearisation, Motion, Trend, VehicleModel, Wrench};
+use crate::vehicle::{Differentiated, Directions};
+use crate::vehicle::{Balance, BalanceError, Motion, Surroundings, Trend, VehicleModel, Wrench};
+use jacobian::Work;
 use nalgebra::{SMatrix, SVector};
-use rosenbrock::Stages;
 use std::fmt;
 use std::sync::Arc;
 
@@ -19,13 +25,15 @@ type InputMatrix = SMatrix<f64, { State::COUNT }, 2>;
 
 /// A vehicle driving on a terrain: wheel speeds in, motion out.
 ///
-/// A simulation is a value: a clone goes on exactly as the original would. It allocates
-/// nothing while it steps, and the same calls give the same bits.
+/// A simulation is a value: a clone goes on exactly as the original would, and the same calls
+/// give the same bits. With the paper's physics it allocates nothing while it steps.
 #[derive(Debug, Clone)]
 pub struct Simulation {
     model: Arc<VehicleModel>,
     time: f64,
     state: State,
+    /// What the vehicle and its ground remember; nothing in the paper's model.
+    memory: Vec<f64>,
     inputs: WheelSpeeds,
     input_rates: WheelSpeeds,
     /// Balance at the end of the last step: the first guess for whatever is asked next, so
@@ -47,23 +55,8 @@ struct Evaluation {
     balance: Balance,
     wrench: Wrench,
     derivative: StateVector,
-}
-
-/// Memory that carries nothing from one call to the next.
-#[derive(Debug, Clone)]
-struct Work {
-    linearisation: Linearisation,
-    partial: Wrench,
-    stages: Stages,
-}
-
-/// Derivatives of the state's rate of change.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Jacobian {
-    /// By the state, in the order of [`State::to_array`].
-    pub by_state: StateMatrix,
-    /// By the left and right wheel speed.
-    pub by_input: InputMatrix,
+    /// Rates of what is remembered.
+    memory_rates: Vec<f64>,
 }
 
 /// Why a simulation cannot go on.
@@ -132,23 +125,23 @@ impl Simulation {
             balance: balance.clone(),
             wrench: Wrench::for_model(&model),
             derivative: StateVector::zeros(),
+            memory_rates: vec![0.0; model.memory_count()],
         };
         let trend = Trend::new(&model);
-        let work = Work {
-            linearisation: Linearisation::new(&model),
-            partial: Wrench::for_model(&model),
-            stages: Stages::new(&now),
-        };
+        let work = Work::new(&model, &now);
+        let memory_count = model.memory_count();
+        let memory = vec![0.0; memory_count];
         Self {
             model,
             time: 0.0,
             state: State::default(),
+            memory,
             inputs: WheelSpeeds::default(),
             input_rates: WheelSpeeds::default(),
             anchor: balance,
             now,
             trend,
-            integrator: rosenbrock::Integrator::default(),
+            integrator: rosenbrock::Integrator::new(memory_count),
             work,
         }
     }
@@ -165,8 +158,11 @@ impl Simulation {
         self.time
     }
 
-    /// Sets the simulated time \[s\]; nothing else depends on it.
+    /// Sets the simulated time \[s\]; only effects may depend on it.
     pub fn set_time(&mut self, time: f64) {
+        if time != self.time && self.model.altered().is_some() {
+            self.now.valid = false;
+        }
         self.time = time;
     }
 
@@ -188,6 +184,13 @@ impl Simulation {
             self.now.valid = false;
         }
         Ok(())
+    }
+
+    /// What the vehicle and its ground remember, in the order of
+    /// [`VehicleModel::memory_names`]; nothing in the paper's model.
+    #[must_use]
+    pub fn memory(&self) -> &[f64] {
+        &self.memory
     }
 
     /// Wheel speeds at the current time \[rad/s\].
@@ -248,33 +251,23 @@ impl Simulation {
         Ok(self.now.balance.lifted())
     }
 
-    /// The derivative of the wrench when velocities and wheel speeds change in `direction`.
-    ///
-    /// # Errors
-    /// As [`Simulation::wrench`].
-    pub fn wrench_derivative(&mut self, direction: &Motion) -> Result<&Wrench, SimulationError> {
-        self.evaluate()?;
-        let Work {
-            linearisation,
-            partial,
-            ..
-        } = &mut self.work;
-        let (motion, balance) = (&self.now.motion, &self.now.balance);
-        linearisation.evaluate(&self.model, motion, balance);
-        linearisation.derivative(&self.model, motion, balance, direction, partial);
-        Ok(partial)
+    /// Forgets what the vehicle and its ground remember.
+    pub(crate) fn forget(&mut self) {
+        self.memory.fill(0.0);
+        self.now.valid = false;
     }
 
-    /// Derivatives of the state's rate of change by the state and the wheel speeds.
-    ///
-    /// # Errors
-    /// As [`Simulation::wrench`].
-    pub fn jacobian(&mut self) -> Result<Jacobian, SimulationError> {
-        self.evaluate()?;
-        let mut trend = self.trend.clone();
-        Ok(self
-            .work
-            .jacobian(&self.model, &self.state, &self.now, &mut trend))
+    fn input_rates(&self) -> WheelSpeeds {
+        self.input_rates
+    }
+
+    /// Differentiates in some directions at the present, evaluated state.
+    fn differentiate(&self, directions: &Directions, results: &mut Vec<Differentiated>) {
+        let surroundings = self.state.surroundings(self.time, &self.memory);
+        if let Some(altered) = self.model.altered() {
+            let (motion, balance) = (&self.now.motion, &self.now.balance);
+            directions.differentiate(&self.model, altered, motion, &surroundings, balance, results);
+        }
     }
 
     fn evaluate(&mut self) -> Result<(), SimulationError> {
@@ -283,7 +276,8 @@ impl Simulation {
         }
         self.now.balance.copy_from(&self.anchor);
         let (time, motion) = (self.time, self.state.motion(self.inputs));
-        self.now.solve(&self.model, &self.state, motion, time)
+        self.now
+            .solve(&self.model, &self.state, motion, time, &self.memory)
     }
 }
 
@@ -308,16 +302,25 @@ impl Evaluation {
         state: &State,
         motion: Motion,
         time: f64,
+        memory: &[f64],
     ) -> Result<(), SimulationError> {
         self.valid = false;
         self.motion = motion;
+        let surroundings = state.surroundings(time, memory);
         model
-            .solve(&motion, &mut self.balance)
+            .solve_at(&motion, &surroundings, &mut self.balance)
             .map_err(|source| SimulationError::Balance { time, source })?;
-        self.balance.wrench(model, &motion, &mut self.wrench);
-        self.derivative = state.derivative(&self.wrench).into();
+        self.finish(model, state, &surroundings);
         self.valid = true;
         Ok(())
+    }
+
+    /// What follows from the balance.
+    fn finish(&mut self, model: &VehicleModel, state: &State, surroundings: &Surroundings) {
+        let (motion, balance) = (&self.motion, &self.balance);
+        balance.wrench_at(model, motion, surroundings, &mut self.wrench);
+        balance.memory_rates(model, motion, surroundings, &mut self.memory_rates);
+        self.derivative = state.derivative(&self.wrench).into();
     }
 
     /// Takes another evaluation's balance as the first guess at a motion.
@@ -337,52 +340,6 @@ impl Evaluation {
         self.balance.copy_from(&other.balance);
         self.wrench.copy_from(&other.wrench);
         self.derivative = other.derivative;
-    }
-}
-
-impl Work {
-    fn jacobian(
-        &mut self,
-        model: &VehicleModel,
-        state: &State,
-        at: &Evaluation,
-        trend: &mut Trend,
-    ) -> Jacobian {
-        let (sin, cos) = state.heading.sin_cos();
-        let mut by_state = StateMatrix::zeros();
-        let mut by_input = InputMatrix::zeros();
-        // Kinematics: dx/dt, dy/dt by heading and velocities, dpsi/dt by the yaw rate.
-        by_state[(0, 2)] = -state.v_x * sin - state.v_y * cos;
-        by_state[(1, 2)] = state.v_x * cos - state.v_y * sin;
-        (by_state[(0, 3)], by_state[(0, 4)]) = (cos, -sin);
-        (by_state[(1, 3)], by_state[(1, 4)]) = (sin, cos);
-        by_state[(2, 5)] = 1.0;
-        self.linearisation.evaluate(model, &at.motion, &at.balance);
-        for direction in 0..5 {
-            let mut along = [0.0; 5];
-            along[direction] = 1.0;
-            let along = Motion::from_array(along);
-            let Self {
-                linearisation,
-                partial,
-                ..
-            } = self;
-            linearisation.derivative(model, &at.motion, &at.balance, &along, partial);
-            trend.set_direction(direction, partial);
-            let rates = [partial.a_x, partial.a_y, partial.yaw_acceleration];
-            for (row, rate) in rates.into_iter().enumerate() {
-                if direction < 3 {
-                    by_state[(3 + row, 3 + direction)] = rate;
-                } else {
-                    by_input[(3 + row, direction - 3)] = rate;
-                }
-            }
-        }
-        // The rotating frame: + V_Y Omega and - V_X Omega.
-        by_state[(3, 4)] += state.yaw_rate;
-        by_state[(3, 5)] += state.v_y;
-        by_state[(4, 3)] -= state.yaw_rate;
-        by_state[(4, 5)] -= state.v_x;
-        Jacobian { by_state, by_input }
+        self.memory_rates.copy_from_slice(&other.memory_rates);
     }
 }

@@ -6,11 +6,9 @@
 //! several steps; and its last stage is the next step's first, so that a step costs two
 //! evaluations of the forces.
 
+use super::memory::{MemoryJacobian, StageSystem, worst_error};
 use super::{Evaluation, InputMatrix, Simulation, SimulationError, StateMatrix, StateVector};
 use super::{State, WheelSpeeds};
-use nalgebra::LU;
-
-type StateLu = LU<f64, nalgebra::Const<{ State::COUNT }>, nalgebra::Const<{ State::COUNT }>>;
 
 /// d = 1 / (2 + sqrt 2) and e_32 = 6 + sqrt 2 of the method.
 const D: f64 = 0.292_893_218_813_452_5;
@@ -42,6 +40,7 @@ pub(super) struct Integrator {
     pub next_step: f64,
     pub by_state: StateMatrix,
     pub by_input: InputMatrix,
+    pub memory: MemoryJacobian,
     /// Steps that the Jacobian has served; `JACOBIAN_STEPS` where there is none.
     pub jacobian_age: u32,
     pub counters: Counters,
@@ -60,12 +59,13 @@ pub struct Counters {
     pub jacobians: u64,
 }
 
-impl Default for Integrator {
-    fn default() -> Self {
+impl Integrator {
+    pub(super) fn new(memory_count: usize) -> Self {
         Self {
             next_step: FIRST_STEP,
             by_state: StateMatrix::zeros(),
             by_input: InputMatrix::zeros(),
+            memory: MemoryJacobian::new(memory_count),
             jacobian_age: JACOBIAN_STEPS,
             counters: Counters::default(),
         }
@@ -77,6 +77,8 @@ impl Default for Integrator {
 pub(super) struct Stages {
     middle: Evaluation,
     end: Evaluation,
+    /// What is remembered at the end.
+    memory: Vec<f64>,
 }
 
 impl Stages {
@@ -84,6 +86,7 @@ impl Stages {
         Self {
             middle: like.clone(),
             end: like.clone(),
+            memory: like.memory_rates.clone(),
         }
     }
 }
@@ -103,6 +106,16 @@ impl Simulation {
     /// A step that is negative, not finite or longer than 1e6 s, or forces that do not exist (a bogged vehicle).
     /// Then the simulation stands at the last point that it reached.
     pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
+        self.step_with(seconds, |_, _| Ok(()))
+    }
+
+    /// As [`Simulation::step`], with a visit after each step that the integrator takes, of the
+    /// simulation and the step's length \[s\].
+    pub(super) fn step_with(
+        &mut self,
+        seconds: f64,
+        mut visit: impl FnMut(&Self, f64) -> Result<(), SimulationError>,
+    ) -> Result<(), SimulationError> {
         if !(0.0..=LONGEST_CALL).contains(&seconds) {
             return Err(SimulationError::StepSize(seconds));
         }
@@ -126,6 +139,7 @@ impl Simulation {
                 done = reached;
                 self.time = start + reached;
                 self.inputs = end_speeds;
+                visit(self, step)?;
             }
         }
         Ok(())
@@ -161,6 +175,7 @@ impl Simulation {
                 proposed
             };
             self.state = *state;
+            self.memory.copy_from_slice(&self.work.stages.memory);
             self.now.copy_from(&self.work.stages.end);
             self.anchor.copy_from(&self.now.balance);
             return Ok(true);
@@ -182,9 +197,15 @@ impl Simulation {
         if self.integrator.jacobian_age < JACOBIAN_STEPS {
             return;
         }
-        let jacobian = self
-            .work
-            .jacobian(&self.model, &self.state, &self.now, &mut self.trend);
+        let surroundings = self.state.surroundings(self.time, &self.memory);
+        let jacobian = self.work.jacobian(
+            &self.model,
+            &self.state,
+            &surroundings,
+            &self.now,
+            &mut self.trend,
+            &mut self.integrator.memory,
+        );
         self.integrator.by_state = jacobian.by_state;
         self.integrator.by_input = jacobian.by_input;
         self.integrator.jacobian_age = 0;
@@ -198,47 +219,66 @@ impl Simulation {
         end_speeds: WheelSpeeds,
         end_time: f64,
     ) -> Result<(State, f64), SimulationError> {
+        self.integrator.counters.evaluations += 2;
         let Integrator {
-            by_state, by_input, ..
+            by_state,
+            by_input,
+            memory: coupling,
+            ..
         } = &self.integrator;
         let rates = nalgebra::Vector2::new(self.input_rates.left, self.input_rates.right);
         let by_time = by_input * rates * (h * D);
-        let lu: StateLu = (StateMatrix::identity() - by_state * (h * D)).lu();
-        let solve = |mut rhs: StateVector| {
-            if !lu.solve_mut(&mut rhs) {
-                rhs.fill(f64::NAN);
-            }
-            rhs
+        let system = StageSystem::new(by_state, coupling, h * D);
+        let memory_by_time = coupling.by_time([rates[0], rates[1]], h * D);
+        let remembered = |terms: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            (0..memory_by_time.len()).map(terms).collect()
         };
         let y = StateVector::from(self.state.to_array());
         let f0 = self.now.derivative;
-        let k1 = solve(f0 + by_time);
+        let m = &self.memory;
+        let g0 = &self.now.memory_rates;
+        let mut l1 = remembered(&|i| g0[i] + memory_by_time[i]);
+        let k1 = system.solve(f0 + by_time, &mut l1);
         let middle = State::from_array((y + k1 * (0.5 * h)).into());
         let speeds = self.inputs.after(self.input_rates, 0.5 * h);
         let Stages {
             middle: at_middle,
             end: at_end,
+            memory: new_memory,
         } = &mut self.work.stages;
-        self.integrator.counters.evaluations += 2;
         let motion = middle.motion(speeds);
         at_middle.guess_from(&self.now, &self.trend, &motion);
-        at_middle.solve(&self.model, &middle, motion, end_time - 0.5 * h)?;
+        let middle_memory = remembered(&|i| m[i] + 0.5 * h * l1[i]);
+        let middle_time = end_time - 0.5 * h;
+        at_middle.solve(&self.model, &middle, motion, middle_time, &middle_memory)?;
         let f1 = at_middle.derivative;
-        let k2 = solve(f1 - k1) + k1;
+        let g1 = &at_middle.memory_rates;
+        let mut l2 = remembered(&|i| g1[i] - l1[i]);
+        let k2 = system.solve(f1 - k1, &mut l2) + k1;
+        for i in 0..l2.len() {
+            l2[i] += l1[i];
+            new_memory[i] = m[i] + h * l2[i];
+        }
         let end = State::from_array((y + k2 * h).into());
         let motion = end.motion(end_speeds);
         at_end.guess_from(at_middle, &self.trend, &motion);
-        at_end.solve(&self.model, &end, motion, end_time)?;
+        at_end.solve(&self.model, &end, motion, end_time, new_memory)?;
         let f2 = at_end.derivative;
-        let k3 = solve(f2 - (k2 - f1) * E32 - (k1 - f0) * 2.0 + by_time);
+        let g2 = &at_end.memory_rates;
+        let mut l3 = remembered(&|i| {
+            g2[i] - (l2[i] - g1[i]) * E32 - (l1[i] - g0[i]) * 2.0 + memory_by_time[i]
+        });
+        let k3 = system.solve(f2 - (k2 - f1) * E32 - (k1 - f0) * 2.0 + by_time, &mut l3);
         let error = (k1 - k2 * 2.0 + k3) * (h / 6.0);
         let (old, new) = (self.state.to_array(), end.to_array());
         let ratio = (0..State::COUNT).map(|i| {
             let size = old[i].abs().max(new[i].abs());
             error[i].abs() / (ABSOLUTE_TOLERANCE[i] + RELATIVE_TOLERANCE[i] * size)
         });
+        let errors = remembered(&|i| (l1[i] - l2[i] * 2.0 + l3[i]) * (h / 6.0));
+        let memory_error = worst_error(m, new_memory, &errors);
         // max() would drop a NaN.
-        let worst = ratio.fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });
+        let worst = ratio.fold(memory_error, |a, b| if b > a || b.is_nan() { b } else { a });
         Ok((end, worst))
     }
 }

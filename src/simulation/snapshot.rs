@@ -27,11 +27,8 @@ impl Simulation {
         let mut numbers = snapshot.iter();
         self.visit(&mut |number| *number = numbers.next().copied().unwrap_or_default());
         self.now.wrench.wheels.fill_with(Default::default);
-        let (model, motion) = (&self.model, self.now.motion);
-        self.now
-            .balance
-            .wrench(model, &motion, &mut self.now.wrench);
-        self.now.derivative = self.state.derivative(&self.now.wrench).into();
+        let surroundings = self.state.surroundings(self.time, &self.memory);
+        self.now.finish(&self.model, &self.state, &surroundings);
         Ok(())
     }
 
@@ -40,6 +37,7 @@ impl Simulation {
         let mut state = self.state.to_array();
         state.iter_mut().for_each(&mut *visit);
         self.state = super::State::from_array(state);
+        self.memory.iter_mut().for_each(&mut *visit);
         for speeds in [&mut self.inputs, &mut self.input_rates] {
             visit(&mut speeds.left);
             visit(&mut speeds.right);
@@ -55,6 +53,7 @@ impl Simulation {
         visit(&mut integrator.next_step);
         integrator.by_state.iter_mut().for_each(&mut *visit);
         integrator.by_input.iter_mut().for_each(&mut *visit);
+        integrator.memory.visit(visit);
         let mut age = f64::from(integrator.jacobian_age);
         visit(&mut age);
         integrator.jacobian_age = age as u32;

@@ -1,6 +1,6 @@
 //! State and inputs of the vehicle, and the state's rate of change.
 
-use crate::vehicle::{Motion, Wrench};
+use crate::vehicle::{Motion, Surroundings, Wrench};
 
 /// Pose in the world frame and velocities in the body frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -75,6 +75,16 @@ impl State {
             yaw_rate: self.yaw_rate,
             omega_left: wheel_speeds.left,
             omega_right: wheel_speeds.right,
+        }
+    }
+
+    /// What effects depend on besides the motion.
+    pub(crate) fn surroundings<'a>(&self, time: f64, memory: &'a [f64]) -> Surroundings<'a> {
+        Surroundings {
+            position: [self.x, self.y],
+            heading: self.heading,
+            time,
+            memory,
         }
     }
 

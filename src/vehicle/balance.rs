@@ -3,7 +3,7 @@
 
 use super::newton::{BalanceError, ENTRY_ANGLE_RANGE, MAX_LOG_STEP};
 use super::trend::Trend;
-use super::{Motion, VehicleModel, Wrench};
+use super::{Motion, Surroundings, VehicleModel, Wrench};
 use crate::contact::WheelForces;
 
 /// Entry angles and accelerations at which all wheels are in balance.
@@ -91,6 +91,20 @@ impl Balance {
 
     /// Fills a wrench with what this balance means at its motion.
     pub fn wrench(&self, model: &VehicleModel, motion: &Motion, wrench: &mut Wrench) {
+        self.wrench_at(model, motion, &Surroundings::default(), wrench);
+    }
+
+    /// As [`Balance::wrench`], in surroundings on which effects may depend.
+    pub fn wrench_at(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        surroundings: &Surroundings,
+        wrench: &mut Wrench,
+    ) {
+        if let Some(prepared) = model.prepare(motion, surroundings) {
+            return prepared.wrench(self, model.regularisation(), wrench);
+        }
         wrench.sum(model, &self.forces);
         for (index, wheel) in self.wheels.iter().enumerate() {
             let entry_angle = if wheel.load > 0.0 {
@@ -101,6 +115,22 @@ impl Balance {
             wrench.set_contact(model, index, wheel.load, entry_angle);
         }
         wrench.set_slips(model, motion);
+    }
+
+    /// Writes the rates of what the vehicle and its ground remember.
+    pub(crate) fn memory_rates(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        surroundings: &Surroundings,
+        rates: &mut Vec<f64>,
+    ) {
+        if rates.is_empty() {
+            return;
+        }
+        if let Some(prepared) = model.prepare(motion, surroundings) {
+            prepared.memory_rates(self, model.regularisation(), rates);
+        }
     }
 
     /// Takes Newton's step of every entry angle, in the logarithms of angle and force

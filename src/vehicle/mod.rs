@@ -8,21 +8,26 @@
 //! positive when it rolls forward. `a_x`, `a_y` are the accelerations of the centre of
 //! mass along the body's axes: dV_X/dt = a_x + V_Y Omega, dV_Y/dt = a_y - V_X Omega.
 
+mod altered;
 mod balance;
 mod geometry;
 mod linear;
 mod loads;
 mod model;
 mod newton;
+mod parameter;
 mod trend;
 mod wrench;
 
+pub use altered::Surroundings;
+pub(crate) use altered::{Differentiated, Direction, Directions};
 pub use balance::Balance;
 pub use geometry::Vehicle;
 pub use linear::Linearisation;
 pub use loads::{GRAVITY, LoadPlane};
 pub use model::VehicleModel;
 pub use newton::BalanceError;
+pub use parameter::{Parameter, Specification};
 pub(crate) use trend::Trend;
 pub use wrench::{WheelOutputs, Wrench};
 

@@ -1,6 +1,8 @@
 //! A vehicle on a terrain, prepared for evaluation.
 
-use super::{LoadPlane, Motion, Vehicle};
+use super::altered::{Altered, Prepared};
+use super::{Direction, Directions};
+use super::{LoadPlane, Motion, Specification, Surroundings, Vehicle};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
 use crate::parameter::ParameterError;
 use crate::scalar::Scalar;
@@ -15,6 +17,8 @@ pub struct VehicleModel {
     regularisation: Regularisation,
     contact: WheelContact,
     plane: LoadPlane,
+    /// The effects that are on, unless there are none.
+    altered: Option<Box<Altered>>,
     /// The processor's vector instructions.
     level: Level,
 }
@@ -53,8 +57,82 @@ impl VehicleModel {
             regularisation,
             contact,
             plane,
+            altered: None,
             level: Level::new(),
         })
+    }
+
+    /// A vehicle on a terrain with effects. Where all physics is off it is the paper's model, bit
+    /// for bit.
+    ///
+    /// # Errors
+    /// The first parameter that lies outside its range.
+    pub fn from_specification(specification: &Specification) -> Result<Self, ParameterError> {
+        let mut model = Self::new(specification.vehicle.clone(), specification.terrain)?;
+        if !specification.effects.is_paper() {
+            model.altered = Some(Box::new(Altered::new(specification)?));
+        }
+        Ok(model)
+    }
+
+    /// The same model evaluated through the code that effects can alter, though none is on: what
+    /// derivatives by parameters are taken of.
+    pub(crate) fn alterable(specification: &Specification) -> Result<Self, ParameterError> {
+        let mut model = Self::new(specification.vehicle.clone(), specification.terrain)?;
+        model.altered = Some(Box::new(Altered::new(specification)?));
+        Ok(model)
+    }
+
+    /// How many numbers the vehicle and its ground remember besides position and velocity; none
+    /// in the paper's model.
+    #[must_use]
+    pub fn memory_count(&self) -> usize {
+        self.altered().map_or(0, |altered| altered.layout.count())
+    }
+
+    /// Names of the remembered numbers.
+    #[must_use]
+    pub fn memory_names(&self) -> Vec<String> {
+        self.altered().map_or_else(Vec::new, |altered| altered.layout.names())
+    }
+
+    /// The directions to differentiate in, prepared; a model without effects has none.
+    pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
+        match self.altered() {
+            Some(altered) => Directions::new(altered, list),
+            None => Directions::default(),
+        }
+    }
+
+    /// Whether nothing depends on position and heading.
+    pub(crate) fn is_placeless(&self) -> bool {
+        self.altered().is_none_or(|altered| {
+            let effects = &altered.chassis.effects;
+            effects.grade.is_none() && effects.terrain_change.is_none()
+        })
+    }
+
+    pub(crate) fn altered(&self) -> Option<&Altered> {
+        self.altered.as_deref()
+    }
+
+    pub(super) fn regularisation(&self) -> &Regularisation {
+        &self.regularisation
+    }
+
+    /// What holds throughout one solution, where effects are on.
+    pub(crate) fn prepare<'a>(
+        &'a self,
+        motion: &Motion,
+        surroundings: &Surroundings<'a>,
+    ) -> Option<Prepared<'a>> {
+        self.altered()
+            .map(|altered| altered.prepare(motion, surroundings, &self.regularisation))
+    }
+
+    /// Mass of the vehicle with its payload \[kg\].
+    pub(super) fn mass(&self) -> f64 {
+        self.altered().map_or(self.vehicle.mass, |altered| altered.chassis.mass)
     }
 
     /// The vehicle.
@@ -93,7 +171,10 @@ impl VehicleModel {
 
     /// Weight m g \[N\].
     pub(super) fn weight(&self) -> f64 {
-        self.plane.weight()
+        match self.altered() {
+            Some(altered) => altered.chassis.mass * super::GRAVITY,
+            None => self.plane.weight(),
+        }
     }
 
     /// Each wheel's load and its derivatives by a_X and a_Y; whether a wheel is lifted.

@@ -1,6 +1,7 @@
 //! Newton's method on the balance of all wheels.
 
-use super::{Balance, Motion, VehicleModel};
+use super::altered::Prepared;
+use super::{Balance, Motion, Surroundings, VehicleModel};
 use crate::contact::{Detail, WheelForces, WheelMotion};
 use crate::scalar::Dual;
 use fearless_simd::{Simd, dispatch};
@@ -72,6 +73,21 @@ impl VehicleModel {
     /// A bogged wheel, or a motion that is not finite. `balance` is then of no use as an
     /// answer, but still a guess.
     pub fn solve(&self, motion: &Motion, balance: &mut Balance) -> Result<(), BalanceError> {
+        self.solve_at(motion, &Surroundings::default(), balance)
+    }
+
+    /// As [`VehicleModel::solve`], in surroundings on which effects may depend.
+    ///
+    /// # Errors
+    /// As [`VehicleModel::solve`].
+    pub fn solve_at(
+        &self,
+        motion: &Motion,
+        surroundings: &Surroundings,
+        balance: &mut Balance,
+    ) -> Result<(), BalanceError> {
+        let prepared = self.prepare(motion, surroundings);
+        let prepared = prepared.as_ref();
         if !motion.to_array().iter().all(|v| v.is_finite()) {
             return Err(BalanceError::NotFinite(*motion));
         }
@@ -80,7 +96,7 @@ impl VehicleModel {
         let mut damping = 1.0_f64;
         let mut last = [0.0; 2];
         for iteration in 0..MAX_ITERATIONS {
-            self.evaluate(motion, balance, detail);
+            self.evaluate(motion, prepared, balance, detail);
             let step = self.acceleration_step(balance);
             if !step.iter().all(|v| v.is_finite()) {
                 balance.reset();
@@ -98,7 +114,7 @@ impl VehicleModel {
             last = step;
             balance.acceleration[0] += damping * step[0];
             balance.acceleration[1] += damping * step[1];
-            balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
+            balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
             let longest = balance.advance(self.lightest_load());
             let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
             match detail {
@@ -123,8 +139,27 @@ impl VehicleModel {
     }
 
     /// Evaluates every wheel's forces and their slope by its entry angle.
-    fn evaluate(&self, motion: &Motion, balance: &mut Balance, detail: Detail) {
-        dispatch!(self.level(), simd => self.evaluate_with(simd, motion, balance, detail));
+    fn evaluate(
+        &self,
+        motion: &Motion,
+        prepared: Option<&Prepared>,
+        balance: &mut Balance,
+        detail: Detail,
+    ) {
+        dispatch!(self.level(), simd => self.evaluate_with(simd, motion, prepared, balance, detail));
+    }
+
+    /// Each wheel's load and its derivatives by a_X and a_Y; whether a wheel is lifted.
+    fn distribute(
+        &self,
+        prepared: Option<&Prepared>,
+        acceleration: [f64; 2],
+        loads: &mut [[f64; 3]],
+    ) -> bool {
+        match prepared {
+            Some(prepared) => prepared.distribute(acceleration, loads),
+            None => self.distribute_loads(acceleration, loads),
+        }
     }
 
     #[inline(always)]
@@ -132,10 +167,11 @@ impl VehicleModel {
         &self,
         simd: V,
         motion: &Motion,
+        prepared: Option<&Prepared>,
         balance: &mut Balance,
         detail: Detail,
     ) {
-        balance.lifted = self.distribute_loads(balance.acceleration, &mut balance.loads);
+        balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
         let lightest = self.lightest_load();
         for index in 0..balance.wheels.len() {
             let load = balance.loads[index][0];
@@ -147,27 +183,43 @@ impl VehicleModel {
                 let (low, high) = ENTRY_ANGLE_RANGE;
                 wheel.entry_angle = self.contact().entry_angle_guess(target).clamp(low, high);
             }
-            let local = self.wheel_motion(motion, index);
-            let constant = |re| Dual { re, eps: [0.0] };
-            let local = WheelMotion {
-                forward: constant(local.forward),
-                lateral: constant(local.lateral),
-                yaw_rate: constant(local.yaw_rate),
-                angular_speed: constant(local.angular_speed),
+            let forces = match prepared {
+                Some(prepared) => {
+                    prepared.wheel(self.level(), self.contact(), index, wheel.entry_angle, detail)
+                }
+                None => self.plain_wheel(simd, motion, index, wheel.entry_angle, detail),
             };
-            let entry = Dual::<f64, 1>::variable(wheel.entry_angle, 0);
-            let forces = self
-                .contact()
-                .forces(simd, &local, entry, detail)
-                .to_array();
+            let forces = forces.to_array();
             balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
             balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
         }
     }
 
+    /// One wheel's forces and their slopes by its entry angle, without effects.
+    #[inline(always)]
+    fn plain_wheel<V: Simd>(
+        &self,
+        simd: V,
+        motion: &Motion,
+        index: usize,
+        entry_angle: f64,
+        detail: Detail,
+    ) -> WheelForces<Dual<f64, 1>> {
+        let local = self.wheel_motion(motion, index);
+        let constant = |re| Dual { re, eps: [0.0] };
+        let local = WheelMotion {
+            forward: constant(local.forward),
+            lateral: constant(local.lateral),
+            yaw_rate: constant(local.yaw_rate),
+            angular_speed: constant(local.angular_speed),
+        };
+        let entry = Dual::<f64, 1>::variable(entry_angle, 0);
+        self.contact().forces(simd, &local, entry, detail)
+    }
+
     /// Newton's step of a_X and a_Y, all entry angles following their loads.
     fn acceleration_step(&self, balance: &Balance) -> [f64; 2] {
-        let mass = self.vehicle().mass;
+        let mass = self.mass();
         let [a_x, a_y] = balance.acceleration;
         let mut residual = [-mass * a_x, -mass * a_y];
         let mut matrix = [[mass, 0.0], [0.0, mass]];

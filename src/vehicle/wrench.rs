@@ -6,7 +6,8 @@ use crate::contact::WheelForces;
 /// Forces, moments and resistances at one instant (or their derivative in one direction).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Wrench {
-    /// Acceleration of the centre of mass along X \[m/s^2\] (19).
+    /// Acceleration of the centre of mass along X \[m/s^2\] (19); where effects move the centre of
+    /// mass, of the point where the vehicle's parameters put it.
     pub a_x: f64,
     /// Acceleration of the centre of mass along Y \[m/s^2\] (20).
     pub a_y: f64,
@@ -43,6 +44,50 @@ pub struct WheelOutputs {
     pub drive_torque: f64,
 }
 
+impl WheelOutputs {
+    /// Number of the fields.
+    pub(crate) const COUNT: usize = 8;
+
+    /// The numbers in the order of the fields.
+    fn to_array(self) -> [f64; Self::COUNT] {
+        [
+            self.longitudinal_slip,
+            self.lateral_slip,
+            self.load,
+            self.sinkage,
+            self.entry_angle,
+            self.force_x,
+            self.force_y,
+            self.drive_torque,
+        ]
+    }
+
+    /// From the numbers in the order of the fields.
+    pub(crate) fn from_array(
+        [
+            longitudinal_slip,
+            lateral_slip,
+            load,
+            sinkage,
+            entry_angle,
+            force_x,
+            force_y,
+            drive_torque,
+        ]: [f64; Self::COUNT],
+    ) -> Self {
+        Self {
+            longitudinal_slip,
+            lateral_slip,
+            load,
+            sinkage,
+            entry_angle,
+            force_x,
+            force_y,
+            drive_torque,
+        }
+    }
+}
+
 impl Wrench {
     /// An empty wrench with room for every wheel of a model.
     #[must_use]
@@ -50,6 +95,29 @@ impl Wrench {
         Self {
             wheels: vec![WheelOutputs::default(); model.vehicle().wheel_count()],
             ..Self::default()
+        }
+    }
+
+    /// Becomes the weighted sum of other wrenches' numbers (derivatives are added so).
+    pub(crate) fn combine<'a>(&mut self, terms: impl Iterator<Item = (&'a Self, f64)>) {
+        let count = self.wheels.len();
+        *self = Self {
+            wheels: std::mem::take(&mut self.wheels),
+            ..Self::default()
+        };
+        self.wheels.clear();
+        self.wheels.resize(count, WheelOutputs::default());
+        for (term, weight) in terms {
+            self.a_x += weight * term.a_x;
+            self.a_y += weight * term.a_y;
+            self.yaw_acceleration += weight * term.yaw_acceleration;
+            self.rolling_resistance += weight * term.rolling_resistance;
+            self.turning_resistance_moment += weight * term.turning_resistance_moment;
+            self.turning_moment += weight * term.turning_moment;
+            for (sum, wheel) in self.wheels.iter_mut().zip(&term.wheels) {
+                let (old, more) = (sum.to_array(), wheel.to_array());
+                *sum = WheelOutputs::from_array(std::array::from_fn(|k| old[k] + weight * more[k]));
+            }
         }
     }
 

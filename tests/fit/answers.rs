@@ -29,8 +29,8 @@ fn moduli_that_one_wheel_width_cannot_tell_apart_are_named() {
     let free = ["cohesive_modulus", "frictional_modulus", "friction_angle"];
     let fit = fitted(&truth, &free, &recording, &plain()).unwrap();
     let untold = fit.limits.iter().any(|limit| match limit {
-        Limit::Untold { parameter, .. } => parameter == "terrain.cohesive_modulus",
-        Limit::Together { parameters, .. } => parameters[0] == "terrain.cohesive_modulus",
+        Limit::Untold { parameter, .. } => parameter == "cohesive_modulus",
+        Limit::Together { parameters, .. } => parameters[0] == "cohesive_modulus",
         _ => false,
     });
     assert!(untold, "{:?}", fit.limits);

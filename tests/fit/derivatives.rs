@@ -1,8 +1,9 @@
 //! What sensors report, differentiated.
 
+use crate::differences::DifferencePredictor;
 use crate::synthetic::{QUIET, nominal, record};
-use ugv_terrain::fit::catalogue::{find, get};
-use ugv_terrain::fit::differences::DifferencePredictor;
+use ugv_terrain::fit::catalogue::find;
+use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::observation::{columns, observe};
 use ugv_terrain::fit::segment::{Signal, cut};
 use ugv_terrain::fit::sensor::SensorValues;
@@ -15,17 +16,31 @@ const TOLERANCE: f64 = 0.03;
 fn rows_are_the_slopes_of_the_residuals() {
     let truth = nominal("sandy_loam");
     let free = vec![find("cohesion").unwrap(), find("shear_modulus").unwrap()];
-    let values: Vec<f64> = free.iter().map(|k| get(*k, &truth)).collect();
-    let predictor = DifferencePredictor::new(truth.clone(), free);
+    let values: Vec<f64> = free.iter().map(|p| p.get(&truth)).collect();
+    let exact = ExactPredictor::new(truth.clone(), free.clone());
+    let differences = DifferencePredictor::new(truth.clone(), free);
     let sensors: SensorValues = [0.013, 0.017, 0.01, 0.3, -0.2, 0.05];
     let segments = cut(&[record(&truth, 20.0, &QUIET)], &[sensors], 5.0).segments;
     let segment = &segments[1];
     let start = segment.start_prior;
     let look = |start: &[f64; 6], values: &[f64], sensors: &SensorValues| {
-        observe(&predictor, segment, start, values, sensors, true).unwrap()
+        observe(&exact, segment, start, values, sensors, true).unwrap()
     };
     let rows = look(&start, &values, &sensors);
     let width = columns(values.len());
+    let check = observe(&differences, segment, &start, &values, &sensors, true).unwrap();
+    for (channel, check) in rows.iter().zip(&check) {
+        for column in 0..width {
+            let pick = |rows: &[f64]| -> Vec<f64> {
+                rows.iter().skip(column).step_by(width).copied().collect()
+            };
+            let (exact, check) = (pick(&channel.rows), pick(&check.rows));
+            let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let off: Vec<f64> = exact.iter().zip(&check).map(|(a, b)| a - b).collect();
+            let largest = norm(&exact).max(1e-9);
+            assert!(norm(&off) < TOLERANCE * largest, "column {column}: {}", norm(&off) / largest);
+        }
+    }
     for column in 0..width {
         let shifted = |sign: f64| {
             let (mut start, mut values, mut sensors) = (start, values.clone(), sensors);

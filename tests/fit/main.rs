@@ -5,6 +5,7 @@
 mod answers;
 mod coverage;
 mod derivatives;
+mod differences;
 mod recovery;
 mod refusals;
 mod synthetic;

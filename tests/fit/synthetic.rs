@@ -1,14 +1,14 @@
 //! Recordings made with the model itself.
 
 use fastrand::Rng;
-use ugv_terrain::fit::catalogue::{Nominal, find, get, parameter};
-use ugv_terrain::fit::differences::DifferencePredictor;
+use ugv_terrain::fit::catalogue::{describe, find};
+use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::sensor::SensorParameter;
 use ugv_terrain::fit::{Fit, FitError, Options, fit};
 use ugv_terrain::recording::{Channel, Recording, Run, Series};
 use ugv_terrain::simulation::{Simulation, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Vehicle, VehicleModel};
+use ugv_terrain::vehicle::{Parameter, Specification, Vehicle, VehicleModel};
 
 /// A four-wheeled vehicle: half the work of the paper's.
 pub fn vehicle() -> Vehicle {
@@ -24,11 +24,8 @@ pub fn vehicle() -> Vehicle {
     }
 }
 
-pub fn nominal(terrain: &str) -> Nominal {
-    Nominal {
-        vehicle: vehicle(),
-        terrain: Terrain::preset(terrain).unwrap(),
-    }
+pub fn nominal(terrain: &str) -> Specification {
+    Specification::plain(vehicle(), Terrain::preset(terrain).unwrap())
 }
 
 /// What the sensors do to the truth.
@@ -121,7 +118,7 @@ impl Noise {
 }
 
 /// Drives for some seconds and records: pose at 10 Hz, yaw rate at 20 Hz.
-pub fn record(truth: &Nominal, seconds: f64, by: &Sensors) -> Recording {
+pub fn record(truth: &Specification, seconds: f64, by: &Sensors) -> Recording {
     let model = VehicleModel::new(truth.vehicle.clone(), truth.terrain).unwrap();
     let mut simulation = Simulation::new(model);
     let rows = wheel_speeds(seconds);
@@ -168,15 +165,15 @@ pub fn record(truth: &Nominal, seconds: f64, by: &Sensors) -> Recording {
 
 /// Fits the named parameters, beginning at a model.
 pub fn fitted(
-    begin: &Nominal,
+    begin: &Specification,
     free: &[&str],
     recordings: &[Recording],
     options: &Options,
 ) -> Result<Fit, FitError> {
-    let free: Vec<usize> = free.iter().map(|name| find(name).unwrap()).collect();
-    let predictor = DifferencePredictor::new(begin.clone(), free.clone());
-    let parameters = free.iter().map(|k| parameter(*k, begin)).collect();
-    let values: Vec<f64> = free.iter().map(|k| get(*k, begin)).collect();
+    let free: Vec<Parameter> = free.iter().map(|name| find(name).unwrap()).collect();
+    let predictor = ExactPredictor::new(begin.clone(), free.clone());
+    let parameters = free.iter().map(|p| describe(*p, begin)).collect();
+    let values: Vec<f64> = free.iter().map(|p| p.get(begin)).collect();
     fit(&predictor, parameters, &values, recordings, options, &|_| {})
 }
 
@@ -189,7 +186,7 @@ pub fn plain() -> Options {
 }
 
 /// True values of a fit's parameters.
-pub fn truths(fit: &Fit, truth: &Nominal, by: &Sensors) -> Vec<f64> {
+pub fn truths(fit: &Fit, truth: &Specification, by: &Sensors) -> Vec<f64> {
     let value = |name: &str| {
         let sensor = name.strip_prefix("drive.").map(SensorParameter::parse);
         match sensor {
@@ -197,7 +194,7 @@ pub fn truths(fit: &Fit, truth: &Nominal, by: &Sensors) -> Vec<f64> {
             Some(Ok(SensorParameter::WheelLatency)) => by.wheel_latency,
             Some(Ok(SensorParameter::YawRateBias)) => by.yaw_rate_bias,
             Some(_) => 0.0,
-            None => get(find(name).unwrap(), truth),
+            None => find(name).unwrap().get(truth),
         }
     };
     fit.estimates.iter().map(|e| value(&e.parameter.name)).collect()

@@ -13,22 +13,22 @@ use progress::Progress;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
-use ugv_terrain::fit::differences::DifferencePredictor;
+use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::{Fit, Options, catalogue, fit};
 use ugv_terrain::recording::{Recording, read_recording};
 
 const EXAMPLES: &str = "\
 Examples:
-  ugv fit drive.csv --output model.json
+  ugv fit drive.csv --output model.json --report fit.json
   ugv fit monday.csv tuesday.csv --vehicle mine.json --terrain sandy_loam --report fit.json
-  ugv fit drive.csv --free cohesion,friction_angle,vehicle.wheel_radius --sensors pose_latency
+  ugv fit drive.csv --free cohesion,friction_angle,wheel_radius --sensors pose_latency
   ugv fit --free help          # all parameters, with their priors
 
 Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
          yaw_rate [s, m, rad]; an empty cell is a missing sample. Several recordings share soil and
          vehicle; latencies and biases are each recording's own.
-Output:  vehicle and terrain as `ugv simulate --vehicle FILE --terrain FILE` reads them, with the
-         90 % intervals. The report holds everything else, in SI units and radians.";
+Output:  the fitted model, which `ugv simulate --vehicle FILE --terrain FILE` reads. The report holds
+         the intervals and everything else, in SI units and radians.";
 
 /// Fit soil parameters to recordings, with their intervals.
 #[derive(clap::Args)]
@@ -99,7 +99,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
-        return print_names();
+        return print_names(&model::nominal(args, &[])?);
     }
     let recordings = read(&args.recordings)?;
     let nominal = model::nominal(args, &recordings)?;
@@ -125,9 +125,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let started = Instant::now();
     let progress = Progress::new(args.starts, args.quiet);
-    let predictor = DifferencePredictor::new(nominal.clone(), wanted.model.clone());
-    let parameters = wanted.model.iter().map(|k| catalogue::parameter(*k, &nominal));
-    let values: Vec<f64> = wanted.model.iter().map(|k| catalogue::get(*k, &nominal)).collect();
+    let predictor = ExactPredictor::new(nominal.clone(), wanted.model.clone());
+    let parameters = wanted.model.iter().map(|k| catalogue::describe(*k, &nominal));
+    let values: Vec<f64> = wanted.model.iter().map(|k| k.get(&nominal)).collect();
     let parameters = parameters.collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0));
     let pool = pool.build().map_err(|error| Failure::Argument {
@@ -143,9 +143,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .iter()
         .map(|estimate| estimate.value)
         .collect();
-    let model = predictor.with(&values);
+    let model = predictor.with(&values).map_err(Failure::Model)?;
     let to_stdout = args.output.as_deref().is_some_and(|path| path.as_os_str() == "-");
-    write(output, || model::to_json(&model, &fitted))?;
+    write(output, || model.to_json())?;
     write(report, || report::to_json(&fitted, &model, &recordings, &options))?;
     if !args.quiet {
         let text = summary::text(&fitted, &recordings, started.elapsed().as_secs_f64());

@@ -3,15 +3,14 @@
 use crate::cli::Failure;
 use crate::cli::output::write_stdout;
 use std::fmt::Write;
-use ugv_terrain::fit::catalogue::{self, DEFAULT_FREE, Nominal};
+use ugv_terrain::fit::catalogue::{self, DEFAULT_FREE};
 use ugv_terrain::fit::sensor::SensorParameter;
-use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::Vehicle;
+use ugv_terrain::vehicle::{Parameter, Specification};
 
 /// What is to be fitted.
 pub struct Wanted {
-    /// Places in the catalogue, each once.
-    pub model: Vec<usize>,
+    /// Each once.
+    pub model: Vec<Parameter>,
     pub sensors: Vec<SensorParameter>,
 }
 
@@ -48,27 +47,13 @@ impl Wanted {
 }
 
 /// All names with their priors.
-pub fn print_names() -> Result<(), Failure> {
-    let nominal = Nominal {
-        vehicle: Vehicle::tran2007(),
-        terrain: Terrain::preset("clayed_soil").unwrap_or(Terrain {
-            cohesion: 0.0,
-            friction_angle: 0.0,
-            cohesive_modulus: 0.0,
-            frictional_modulus: 0.0,
-            sinkage_exponent: 1.0,
-            shear_modulus: 1.0,
-        }),
-    };
-    let mut text = String::from("--free: soil and vehicle, shared by all recordings (* by default)\n");
-    for parameter in catalogue::all(&nominal) {
+pub fn print_names(nominal: &Specification) -> Result<(), Failure> {
+    let mut text = String::from("--free: soil, vehicle and effects, shared by all recordings (* by default)\n");
+    for entry in catalogue::all() {
+        let parameter = catalogue::describe(entry, nominal);
         let mark = if DEFAULT_FREE.contains(&parameter.name.as_str()) { "*" } else { " " };
         let (low, high) = parameter.prior_interval();
-        let range = if parameter.name.starts_with("vehicle.") {
-            "around the vehicle's own".into()
-        } else {
-            format!("{low:.3e} .. {high:.3e} {}", parameter.unit)
-        };
+        let range = format!("{low:.3e} .. {high:.3e} {}", parameter.unit);
         let _ = writeln!(text, "{mark} {:30} prior {range}", parameter.name);
     }
     text += "--sensors: each recording's own (* by default)\n";

@@ -1,15 +1,14 @@
 //! The report, format `ugv-fit/1`: everything, in SI units and radians.
 
-use super::model::terrain;
 use serde_json::{Value, json};
-use ugv_terrain::fit::catalogue::Nominal;
 use ugv_terrain::fit::starts::Starts;
 use ugv_terrain::fit::{Estimate, Fit, NoiseEstimate, Options};
 use ugv_terrain::recording::Recording;
+use ugv_terrain::vehicle::Specification;
 
 const FORMAT: &str = "ugv-fit/1";
 
-pub fn to_json(fitted: &Fit, model: &Nominal, recordings: &[Recording], options: &Options) -> String {
+pub fn to_json(fitted: &Fit, model: &Specification, recordings: &[Recording], options: &Options) -> String {
     let names: Vec<&str> = recordings.iter().map(|r| r.name.as_str()).collect();
     let count = fitted.estimates.len();
     let correlation = |a: usize| -> Vec<f64> {
@@ -36,7 +35,7 @@ pub fn to_json(fitted: &Fit, model: &Nominal, recordings: &[Recording], options:
         },
         "turns": fitted.turns,
         "converged": fitted.converged,
-        "terrain": terrain(&model.terrain),
+        "model": serde_json::from_str::<Value>(&model.to_json()).unwrap_or_default(),
     });
     format!("{document:#}\n")
 }

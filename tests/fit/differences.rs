@@ -1,10 +1,9 @@
 //! Trajectories whose derivatives are central differences of simulations.
 
-use super::catalogue::{self, Nominal};
-use super::predictor::{PredictionError, Predictor, Request, Trajectory};
-use crate::recording::Drive;
-use crate::simulation::{Simulation, State, WheelSpeeds};
-use crate::vehicle::VehicleModel;
+use ugv_terrain::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
+use ugv_terrain::recording::Drive;
+use ugv_terrain::simulation::{Simulation, State, WheelSpeeds};
+use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
 use std::sync::Arc;
 
 /// Steps of the differences: velocities of the start \[m/s, rad/s\], and parameters (share of
@@ -16,30 +15,29 @@ const PARAMETER_STEP: f64 = 0.01;
 /// Predicts by [`Simulation`], once for each derivative and side.
 #[derive(Debug, Clone)]
 pub struct DifferencePredictor {
-    nominal: Nominal,
-    free: Vec<usize>,
+    nominal: Specification,
+    free: Vec<Parameter>,
 }
 
 impl DifferencePredictor {
-    /// A model with free parameters, given by their places in the [`catalogue`].
+    /// A model with free parameters, the check of the exact derivatives.
     #[must_use]
-    pub fn new(nominal: Nominal, free: Vec<usize>) -> Self {
+    pub fn new(nominal: Specification, free: Vec<Parameter>) -> Self {
         Self { nominal, free }
     }
 
     /// The model with other values of the free parameters.
     #[must_use]
-    pub fn with(&self, values: &[f64]) -> Nominal {
+    pub fn with(&self, values: &[f64]) -> Specification {
         let mut nominal = self.nominal.clone();
-        for (&index, &value) in self.free.iter().zip(values) {
-            catalogue::set(index, &mut nominal, value);
+        for (parameter, &value) in self.free.iter().zip(values) {
+            parameter.set(&mut nominal, value).unwrap();
         }
         nominal
     }
 
     fn model(&self, values: &[f64]) -> Result<Arc<VehicleModel>, PredictionError> {
-        let Nominal { vehicle, terrain } = self.with(values);
-        Ok(Arc::new(VehicleModel::new(vehicle, terrain)?))
+        Ok(Arc::new(VehicleModel::from_specification(&self.with(values))?))
     }
 }
 
@@ -60,6 +58,7 @@ impl Predictor for DifferencePredictor {
             return Ok(());
         }
         self.by_start(&model, request, out)?;
+        out.by_wheel_latency = (0..request.times.len()).map(|k| by_wheel_latency(out, k)).collect();
         self.by_parameter(request, out)
     }
 }
@@ -113,6 +112,18 @@ impl DifferencePredictor {
         }
         Ok(())
     }
+}
+
+/// A model that knows no clock but the wheels' moves along the drive when the latency grows:
+/// dx(t)/dL = dx/dt(t) - Phi(t, t0) dx/dt(t0), with the transition matrix Phi.
+fn by_wheel_latency(out: &Trajectory, index: usize) -> [f64; 6] {
+    let mut derivative = out.rates[index];
+    for (column, rate) in out.by_start[index].iter().zip(out.rates[0]) {
+        for (sum, slope) in derivative.iter_mut().zip(column) {
+            *sum -= slope * rate;
+        }
+    }
+    derivative
 }
 
 fn quotient(above: &[f64; 6], below: &[f64; 6], width: f64) -> [f64; 6] {

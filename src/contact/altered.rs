@@ -1,0 +1,255 @@
+//! Forces on one wheel whose contact effects alter.
+
+use super::altered_patch::{AlteredPatch, AlteredMotion};
+use super::quadrature::Quadrature;
+use super::{Detail, WheelContact, WheelForces, WheelMotion};
+use crate::effects::{
+    Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak, absolute_slip,
+};
+use crate::scalar::Scalar;
+use fearless_simd::{Level, Simd, dispatch};
+
+/// One wheel and its soil with everything that effects change, generic over the scalar so that
+/// every parameter can be differentiated by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelLaw<S> {
+    /// Soil under the wheel.
+    pub soil: Soil<S>,
+    /// Radius r at which the rim rolls \[m\].
+    pub radius: S,
+    /// Radius of the contact's circle \[m\], larger than r where a tyre flattens.
+    pub circle: S,
+    /// Wheel width b \[m\].
+    pub width: f64,
+    /// Exit angle behind the lowest point as a share of the entry angle.
+    pub rebound: S,
+    /// K_Y / K_X.
+    pub modulus_ratio: S,
+    /// Shear strength across the wheel over that along it.
+    pub strength_ratio: S,
+    /// Viscous coefficients of this wheel along X and Y \[N s/m\].
+    pub viscosity: [S; 2],
+    /// Where the greatest stress lies, if not in the middle.
+    pub peak: Option<StressPeak<S>>,
+    /// Sinkage that grows with slip.
+    pub slip_sinkage: Option<SlipSinkage<S>>,
+    /// Soil pushed ahead.
+    pub bulldozing: Option<Bulldozing<S>>,
+    /// Soil that remembers the rows ahead.
+    pub multipass: Option<Multipass<S>>,
+    /// Whether the shear displacement is the wheel's own state.
+    pub transient: bool,
+}
+
+/// What a wheel and its soil remember.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelMemory<S> {
+    /// What the shear displacement is made of, where it is a state.
+    pub displacement: Displacement<S>,
+    /// Depth to which the soil was pressed by the rows ahead \[m\].
+    pub pressed: S,
+}
+
+impl WheelMemory<f64> {
+    /// Nothing sheared, nothing pressed.
+    pub const NONE: Self = Self {
+        displacement: Displacement {
+            forward: 0.0,
+            lateral: 0.0,
+            yaw: 0.0,
+            rim: 0.0,
+        },
+        pressed: 0.0,
+    };
+    /// Number of its values.
+    pub const COUNT: usize = 5;
+}
+
+impl<S: Copy> WheelMemory<S> {
+    /// The values in the order of the fields.
+    #[must_use]
+    pub fn to_array(self) -> [S; WheelMemory::COUNT] {
+        let Displacement {
+            forward,
+            lateral,
+            yaw,
+            rim,
+        } = self.displacement;
+        [forward, lateral, yaw, rim, self.pressed]
+    }
+
+    /// From the values in the order of the fields.
+    #[must_use]
+    pub fn from_array([forward, lateral, yaw, rim, pressed]: [S; WheelMemory::COUNT]) -> Self {
+        Self {
+            displacement: Displacement {
+                forward,
+                lateral,
+                yaw,
+                rim,
+            },
+            pressed,
+        }
+    }
+}
+
+impl WheelLaw<f64> {
+    /// The same law with another scalar: its derivatives are zero.
+    #[inline(always)]
+    pub(crate) fn lift<S: Scalar>(&self) -> WheelLaw<S> {
+        let c = S::constant;
+        WheelLaw {
+            soil: Soil {
+                cohesion: c(self.soil.cohesion),
+                friction: c(self.soil.friction),
+                modulus: c(self.soil.modulus),
+                exponent: c(self.soil.exponent),
+                shear_modulus: c(self.soil.shear_modulus),
+            },
+            radius: c(self.radius),
+            circle: c(self.circle),
+            width: self.width,
+            rebound: c(self.rebound),
+            modulus_ratio: c(self.modulus_ratio),
+            strength_ratio: c(self.strength_ratio),
+            viscosity: self.viscosity.map(c),
+            peak: self.peak.map(|p| StressPeak {
+                a0: c(p.a0),
+                a1: c(p.a1),
+            }),
+            slip_sinkage: self.slip_sinkage.map(|s| SlipSinkage {
+                exponent_growth: c(s.exponent_growth),
+                sinkage_growth: c(s.sinkage_growth),
+            }),
+            bulldozing: self.bulldozing.map(|b| Bulldozing {
+                lateral: c(b.lateral),
+                frontal: c(b.frontal),
+                unit_weight: c(b.unit_weight),
+            }),
+            multipass: self.multipass.map(|m| Multipass {
+                memory: c(m.memory),
+                stiffness_ratio: c(m.stiffness_ratio),
+            }),
+            transient: self.transient,
+        }
+    }
+}
+
+impl WheelContact {
+    /// Forces of the ground on a wheel under a law that effects alter, whose rim enters the soil
+    /// (or the ground of the rut) at `entry_angle` \[rad\].
+    ///
+    /// One function for each scalar, dispatched here to the vector instructions: inlined into its
+    /// callers it would be compiled many times over.
+    #[inline(never)]
+    pub fn altered_forces<S: Scalar>(
+        &self,
+        level: Level,
+        law: &WheelLaw<S>,
+        motion: &WheelMotion<S>,
+        memory: &WheelMemory<S>,
+        entry_angle: S,
+        detail: Detail,
+    ) -> WheelForces<S> {
+        dispatch!(level, simd => self.altered_with(simd, law, motion, memory, entry_angle, detail))
+    }
+
+    #[inline(always)]
+    fn altered_with<V: Simd, S: Scalar>(
+        &self,
+        simd: V,
+        law: &WheelLaw<S>,
+        motion: &WheelMotion<S>,
+        memory: &WheelMemory<S>,
+        entry_angle: S,
+        detail: Detail,
+    ) -> WheelForces<S> {
+        let rule = self.rule(detail);
+        let fading = self.regularisation().travel_speed;
+        let rim_speed = motion.angular_speed * law.radius;
+        let slip = (law.slip_sinkage.is_some() || law.peak.is_some())
+            .then(|| absolute_slip(rim_speed, motion.forward, fading));
+        let soil = match (&law.slip_sinkage, slip) {
+            (Some(effect), Some(slip)) => effect.soil(&law.soil, slip),
+            _ => law.soil,
+        };
+        let peak = match (&law.peak, slip) {
+            (Some(effect), Some(slip)) => effect.place(slip),
+            _ => S::constant(0.5),
+        };
+        let patch = AlteredPatch::new(law, soil, peak, memory.pressed, self.regularisation());
+        let mut forces = self.both_sides(motion, |sign, seen| {
+            self.altered_side(simd, rule, law, &patch, seen, memory, sign, entry_angle)
+        });
+        forces.thrust = forces.thrust - law.viscosity[0] * motion.forward;
+        forces.lateral = forces.lateral - law.viscosity[1] * motion.lateral;
+        forces
+    }
+
+    /// Forces on a wheel that compacts soil on its +X side; with the sign -1 it is the mirror image of
+    /// the wheel that the memory belongs to.
+    #[allow(clippy::too_many_arguments, reason = "one call, of the method above")]
+    #[inline(always)]
+    fn altered_side<V: Simd, S: Scalar>(
+        &self,
+        simd: V,
+        rule: &Quadrature,
+        law: &WheelLaw<S>,
+        patch: &AlteredPatch<S>,
+        motion: &WheelMotion<S>,
+        memory: &WheelMemory<S>,
+        sign: f64,
+        entry_angle: S,
+    ) -> WheelForces<S> {
+        let rim_speed = motion.angular_speed * law.radius;
+        let displacement = if law.transient {
+            let Displacement {
+                forward,
+                lateral,
+                yaw,
+                rim,
+            } = memory.displacement;
+            Displacement {
+                forward: forward.scale(sign),
+                lateral,
+                yaw: yaw.scale(sign),
+                rim: rim.scale(sign),
+            }
+        } else {
+            let bounded = self
+                .regularisation()
+                .bounded_angular_speed(motion.angular_speed);
+            let time_per_angle = law.circle / (law.radius * bounded);
+            Displacement {
+                forward: motion.forward * time_per_angle,
+                lateral: motion.lateral * time_per_angle,
+                yaw: motion.yaw_rate * time_per_angle,
+                rim: rim_speed * time_per_angle,
+            }
+        };
+        let seen = AlteredMotion {
+            forward: motion.forward,
+            lateral: motion.lateral,
+            yaw_rate: motion.yaw_rate,
+            rim_speed,
+            displacement,
+        };
+        let (sums, wedge) = patch.integrate(simd, rule, &seen, entry_angle);
+        let area = law.circle.scale(law.width);
+        let mut forces = sums.forces(
+            |sum| sum * area,
+            |sum| sum * area * law.circle,
+            |sum| sum * area * law.radius,
+        );
+        if let Some(wedge) = wedge {
+            let fading = self.regularisation().travel_speed;
+            let speed_squared = motion.forward * motion.forward + motion.lateral * motion.lateral;
+            let inverse = speed_squared.offset(fading * fading).inverse_sqrt();
+            let across = -motion.lateral * inverse;
+            forces.lateral += across * wedge.force;
+            forces.arc_moment += across * wedge.moment;
+            forces.compaction += motion.forward * inverse * wedge.frontal;
+        }
+        forces
+    }
+}

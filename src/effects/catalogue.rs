@@ -1,0 +1,282 @@
+//! All effects, and which of them are on.
+
+use super::{Boundary, Declaration, ParameterDeclaration, SlopeProfile};
+use super::{
+    Bulldozing, ComShift, Drag, Drawbar, ElasticRebound, Grade, HeadingOffset, Latency,
+    LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ShearAnisotropy, SlipSinkage,
+    StressPeak, TerrainChange, TransientShear, TyreCompliance, WheelRadius, YawRateBias,
+};
+use crate::parameter::ParameterError;
+use crate::scalar::Scalar;
+
+macro_rules! catalogue {
+    ($($field:ident: $effect:ident,)*) => {
+        /// Every effect, in the order of the parameters' vector.
+        pub const CATALOGUE: &[&Declaration] = &[$(&$effect::<f64>::DECLARATION,)*];
+
+        /// The effects that are on, generic over the scalar.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct ActiveEffects<S> {
+            $(
+                #[doc = concat!("[`", stringify!($effect), "`].")]
+                pub $field: Option<$effect<S>>,
+            )*
+        }
+
+        impl<S: Scalar> ActiveEffects<S> {
+            /// From the values of all parameters; `on` tells, for each effect of the catalogue,
+            /// whether it is.
+            fn new(values: &[S; PARAMETER_COUNT], on: impl Fn(usize) -> bool) -> Self {
+                let (mut effect, mut first) = (0, 0);
+                $(
+                    let count = $effect::<S>::DECLARATION.parameters.len();
+                    let $field = on(effect).then(|| $effect::from_slice(&values[first..first + count]));
+                    (effect, first) = (effect + 1, first + count);
+                )*
+                debug_assert!(effect == CATALOGUE.len() && first == PARAMETER_COUNT);
+                Self { $($field),* }
+            }
+        }
+    };
+}
+
+catalogue! {
+    grade: Grade,
+    terrain_change: TerrainChange,
+    left_right_soil: LeftRightSoil,
+    bulldozing: Bulldozing,
+    slip_sinkage: SlipSinkage,
+    multipass: Multipass,
+    elastic_rebound: ElasticRebound,
+    stress_peak: StressPeak,
+    tyre_compliance: TyreCompliance,
+    shear_anisotropy: ShearAnisotropy,
+    transient_shear: TransientShear,
+    rate_dependent_soil: RateDependentSoil,
+    drag: Drag,
+    drawbar: Drawbar,
+    payload: Payload,
+    com_shift: ComShift,
+    wheel_radius: WheelRadius,
+    latency: Latency,
+    lever_arm: LeverArm,
+    yaw_rate_bias: YawRateBias,
+    heading_offset: HeadingOffset,
+}
+
+/// Number of the parameters of all effects together.
+pub const PARAMETER_COUNT: usize = {
+    let (mut count, mut index) = (0, 0);
+    while index < CATALOGUE.len() {
+        count += CATALOGUE[index].parameters.len();
+        index += 1;
+    }
+    count
+};
+
+/// A parameter of an effect, by its place in the vector of all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ParameterName(usize);
+
+impl ParameterName {
+    /// All parameters in order.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..PARAMETER_COUNT).map(Self)
+    }
+
+    /// The parameter of this name, written `effect.parameter`.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        Self::all().find(|parameter| parameter.full_name() == name)
+    }
+
+    /// Its place in the vector.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0
+    }
+
+    /// Its effect and what is declared of it.
+    #[must_use]
+    pub fn declaration(self) -> (&'static Declaration, &'static ParameterDeclaration) {
+        let mut rest = self.0;
+        for effect in CATALOGUE {
+            match effect.parameters.get(rest) {
+                Some(parameter) => return (effect, parameter),
+                None => rest -= effect.parameters.len(),
+            }
+        }
+        unreachable!("a place is below the count of all parameters")
+    }
+
+    /// `effect.parameter`.
+    #[must_use]
+    pub fn full_name(self) -> String {
+        let (effect, parameter) = self.declaration();
+        format!("{}.{}", effect.name, parameter.name)
+    }
+}
+
+/// Which effects are on, and how strong.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effects {
+    values: [f64; PARAMETER_COUNT],
+    /// What the boundary of `terrain_change` is measured over.
+    pub boundary: Boundary,
+    /// Slopes along the drive, added to those of `grade`.
+    pub slope_profile: Option<SlopeProfile>,
+}
+
+impl Default for Effects {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Effects {
+    /// All effects off.
+    pub const NONE: Self = {
+        let mut values = [0.0; PARAMETER_COUNT];
+        let (mut effect, mut place) = (0, 0);
+        while effect < CATALOGUE.len() {
+            let parameters = CATALOGUE[effect].parameters;
+            let mut index = 0;
+            while index < parameters.len() {
+                values[place] = parameters[index].default;
+                (index, place) = (index + 1, place + 1);
+            }
+            effect += 1;
+        }
+        Self {
+            values,
+            boundary: Boundary::Place,
+            slope_profile: None,
+        }
+    };
+
+    /// The value of a parameter.
+    #[must_use]
+    pub fn get(&self, parameter: ParameterName) -> f64 {
+        self.values[parameter.0]
+    }
+
+    /// Sets a parameter.
+    ///
+    /// # Errors
+    /// A value that is not finite or out of range; then nothing has changed.
+    pub fn set(&mut self, parameter: ParameterName, value: f64) -> Result<(), ParameterError> {
+        let (effect, declaration) = parameter.declaration();
+        declaration.check(effect.name, value)?;
+        self.values[parameter.0] = value;
+        Ok(())
+    }
+
+    /// With one more parameter set, written `effect.parameter`.
+    ///
+    /// # Errors
+    /// A value that is not finite or out of range, or a name that is no parameter's.
+    pub fn with(mut self, name: &str, value: f64) -> Result<Self, ParameterError> {
+        let parameter = ParameterName::find(name)
+            .ok_or_else(|| ParameterError::unknown(name, value))?;
+        self.set(parameter, value)?;
+        Ok(self)
+    }
+
+    /// The values of all parameters.
+    #[must_use]
+    pub fn values(&self) -> &[f64; PARAMETER_COUNT] {
+        &self.values
+    }
+
+    /// Whether an effect of the catalogue is on.
+    #[must_use]
+    pub fn is_on(&self, effect: usize) -> bool {
+        let declaration = CATALOGUE[effect];
+        let first: usize = CATALOGUE[..effect].iter().map(|e| e.parameters.len()).sum();
+        let profiled = self.slope_profile.is_some()
+            && declaration.name == Grade::<f64>::DECLARATION.name;
+        profiled
+            || declaration
+                .parameters
+                .iter()
+                .zip(&self.values[first..])
+                .any(|(parameter, value)| parameter.switches && *value != parameter.default)
+    }
+
+    /// Whether all physics is off: the paper's model. (What sensors add is no matter of the
+    /// model's.)
+    #[must_use]
+    pub fn is_paper(&self) -> bool {
+        (0..CATALOGUE.len()).all(|effect| {
+            CATALOGUE[effect].kind == super::Kind::Measurement || !self.is_on(effect)
+        })
+    }
+
+    /// The effects that are on, and those besides that own a parameter which `seed` makes
+    /// variable; `seed` lifts each value to the scalar.
+    pub fn active<S: Scalar>(&self, seed: impl Fn(ParameterName, f64) -> Option<S>) -> ActiveEffects<S> {
+        let mut values = [S::constant(0.0); PARAMETER_COUNT];
+        let mut variable = [false; CATALOGUE.len()];
+        let mut place = 0;
+        for (effect, declaration) in CATALOGUE.iter().enumerate() {
+            for _ in declaration.parameters {
+                let value = self.values[place];
+                let seeded = seed(ParameterName(place), value);
+                variable[effect] |= seeded.is_some();
+                values[place] = seeded.unwrap_or(S::constant(value));
+                place += 1;
+            }
+        }
+        ActiveEffects::new(&values, |effect| variable[effect] || self.is_on(effect))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn declarations_are_complete_and_names_unique() {
+        let mut names = HashSet::new();
+        for effect in CATALOGUE {
+            assert!(names.insert(effect.name), "{}", effect.name);
+            for text in [effect.lifts, effect.equation, effect.source] {
+                assert!(text.len() > 7, "{}", effect.name);
+            }
+            assert!(effect.parameters.iter().any(|p| p.switches), "{}", effect.name);
+            for parameter in effect.parameters {
+                parameter.check(effect.name, parameter.default).unwrap();
+            }
+        }
+        assert_eq!(ParameterName::all().count(), PARAMETER_COUNT);
+        for parameter in ParameterName::all() {
+            assert_eq!(ParameterName::find(&parameter.full_name()), Some(parameter));
+        }
+    }
+
+    #[test]
+    fn a_switch_turns_an_effect_on_and_a_shape_does_not() {
+        assert!(Effects::NONE.is_paper());
+        let shaped = Effects::NONE.with("drawbar.hitch_height", 0.9).unwrap();
+        assert!(shaped.is_paper());
+        let towing = shaped.with("drawbar.force", 100.0).unwrap();
+        assert!(!towing.is_paper());
+        let active = towing.active::<f64>(|_, _| None);
+        let drawbar = active.drawbar.unwrap();
+        assert_eq!((drawbar.force, drawbar.hitch_height), (100.0, 0.9));
+        assert_eq!(active.grade, None);
+        let biased = Effects::NONE.with("yaw_rate_bias.bias", 0.01).unwrap();
+        assert!(biased.is_paper() && !biased.is_on(0));
+    }
+
+    #[test]
+    fn values_out_of_range_and_unknown_names_are_refused() {
+        let message = |name, value| Effects::NONE.with(name, value).unwrap_err().to_string();
+        assert_eq!(
+            message("grade.slope_east", 0.5),
+            "grade.slope_east = 0.5 rad is outside its range [-0.3, 0.3] rad"
+        );
+        assert!(message("grade.slope", 0.1).contains("grade.slope"));
+    }
+}

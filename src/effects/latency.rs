@@ -1,0 +1,16 @@
+//! Sensors that report the past.
+
+use super::declaration::effect;
+
+effect! {
+    /// Each sensor reports the state that much earlier.
+    Latency: "latency", Measurement,
+    lifts "perfect measurement: no delay",
+    equation "reported(t) = state(t - latency)",
+    source "definition",
+    {
+        pose ["s"] 0.0..1.0, off 0.0, normal(0.2, 0.2), "Delay of position and heading";
+        yaw_rate ["s"] 0.0..1.0, off 0.0, normal(0.0, 0.05), "Delay of the yaw rate";
+        wheels ["s"] 0.0..1.0, off 0.0, normal(0.1, 0.1), "Delay of the wheel speeds";
+    }
+}

@@ -1,0 +1,16 @@
+//! Worn or soft tyres.
+
+use super::declaration::effect;
+
+effect! {
+    /// The wheels of a side are smaller or larger than known. An encoder that counts a wrong number
+    /// of ticks per turn looks the same (but for the sinkage), and is not to be told from it.
+    WheelRadius: "wheel_radius", Physics,
+    lifts "known wheel radius, equal on both sides",
+    equation "r times the side's factor: in r omega, and in the contact",
+    source "geometry",
+    {
+        left ["1"] 0.8..1.1, off 1.0, normal(1.0, 0.03), "Factor of the left wheels";
+        right ["1"] 0.8..1.1, off 1.0, normal(1.0, 0.03), "Factor of the right wheels";
+    }
+}

@@ -1,0 +1,177 @@
+//! Derivatives of the state's rate of change.
+
+use super::memory::{MemoryJacobian, directions};
+use super::rosenbrock::Stages;
+use super::{Evaluation, InputMatrix, Simulation, SimulationError, State, StateMatrix};
+use crate::vehicle::{
+    Differentiated, Directions, Linearisation, Motion, Surroundings, Trend, VehicleModel, Wrench,
+};
+
+/// Derivatives of the state's rate of change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jacobian {
+    /// By the state, in the order of [`State::to_array`].
+    pub by_state: StateMatrix,
+    /// By the left and right wheel speed.
+    pub by_input: InputMatrix,
+}
+
+/// Memory that carries nothing from one call to the next.
+#[derive(Debug, Clone)]
+pub(super) struct Work {
+    linearisation: Linearisation,
+    partial: Wrench,
+    /// The directions to differentiate in and their results, where effects alter the model.
+    altered: Option<(Directions, Vec<Differentiated>)>,
+    pub stages: Stages,
+}
+
+impl Work {
+    pub fn new(model: &VehicleModel, like: &Evaluation) -> Self {
+        let altered = model.altered().map(|altered| {
+            let list = directions(model.memory_count());
+            (Directions::new(altered, list), Vec::new())
+        });
+        Self {
+            linearisation: Linearisation::new(model),
+            partial: Wrench::for_model(model),
+            altered,
+            stages: Stages::new(like),
+        }
+    }
+
+    /// The Jacobian at an evaluated state, with that of what is remembered.
+    pub fn jacobian(
+        &mut self,
+        model: &VehicleModel,
+        state: &State,
+        surroundings: &Surroundings,
+        at: &Evaluation,
+        trend: &mut Trend,
+        memory: &mut MemoryJacobian,
+    ) -> Jacobian {
+        let mut jacobian = state.kinematic_jacobian();
+        match (&mut self.altered, model.altered()) {
+            (Some((directions, results)), Some(altered)) => {
+                let (motion, balance) = (&at.motion, &at.balance);
+                directions.differentiate(model, altered, motion, surroundings, balance, results);
+                memory.set(directions.list(), results);
+                for (direction, result) in results.iter().take(5).enumerate() {
+                    trend.set_direction(direction, &result.wrench);
+                    jacobian.add_motion(direction, &result.wrench);
+                }
+                for (column, result) in results[5..8].iter().enumerate() {
+                    jacobian.add(column, &result.wrench);
+                }
+            }
+            _ => {
+                self.linearisation.evaluate(model, &at.motion, &at.balance);
+                for direction in 0..5 {
+                    let mut along = [0.0; 5];
+                    along[direction] = 1.0;
+                    let partial = self.along(model, at, &Motion::from_array(along));
+                    trend.set_direction(direction, partial);
+                    jacobian.add_motion(direction, partial);
+                }
+            }
+        }
+        jacobian
+    }
+
+    fn along(&mut self, model: &VehicleModel, at: &Evaluation, direction: &Motion) -> &Wrench {
+        let Self {
+            linearisation,
+            partial,
+            ..
+        } = self;
+        linearisation.derivative(model, &at.motion, &at.balance, direction, partial);
+        partial
+    }
+}
+
+impl State {
+    /// What the kinematics alone contribute: dx/dt, dy/dt by heading and velocities, dpsi/dt by
+    /// the yaw rate, and the rotating frame's + V_Y Omega and - V_X Omega.
+    pub(super) fn kinematic_jacobian(&self) -> Jacobian {
+        let (sin, cos) = self.heading.sin_cos();
+        let mut by_state = StateMatrix::zeros();
+        by_state[(0, 2)] = -self.v_x * sin - self.v_y * cos;
+        by_state[(1, 2)] = self.v_x * cos - self.v_y * sin;
+        (by_state[(0, 3)], by_state[(0, 4)]) = (cos, -sin);
+        (by_state[(1, 3)], by_state[(1, 4)]) = (sin, cos);
+        by_state[(2, 5)] = 1.0;
+        (by_state[(3, 4)], by_state[(3, 5)]) = (self.yaw_rate, self.v_y);
+        (by_state[(4, 3)], by_state[(4, 5)]) = (-self.yaw_rate, -self.v_x);
+        Jacobian {
+            by_state,
+            by_input: InputMatrix::zeros(),
+        }
+    }
+}
+
+impl Jacobian {
+    /// Adds the forces' derivatives by one of the states.
+    fn add(&mut self, column: usize, derivative: &Wrench) {
+        for (row, rate) in rates(derivative).into_iter().enumerate() {
+            self.by_state[(3 + row, column)] += rate;
+        }
+    }
+
+    /// The same by one of the five components of [`Motion`].
+    pub(super) fn add_motion(&mut self, direction: usize, derivative: &Wrench) {
+        if direction < 3 {
+            return self.add(3 + direction, derivative);
+        }
+        for (row, rate) in rates(derivative).into_iter().enumerate() {
+            self.by_input[(3 + row, direction - 3)] = rate;
+        }
+    }
+}
+
+fn rates(derivative: &Wrench) -> [f64; 3] {
+    [derivative.a_x, derivative.a_y, derivative.yaw_acceleration]
+}
+
+impl Simulation {
+    /// The derivative of the wrench when velocities and wheel speeds change in `direction`.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wrench_derivative(&mut self, direction: &Motion) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        let surroundings = self.state.surroundings(self.time, &self.memory);
+        let (model, at) = (&self.model, &self.now);
+        match (&mut self.work.altered, model.altered()) {
+            (Some((directions, results)), Some(altered)) => {
+                let (motion, balance) = (&at.motion, &at.balance);
+                directions.differentiate(model, altered, motion, &surroundings, balance, results);
+                let along = direction.to_array();
+                self.work.partial.combine(results.iter().take(5).map(|r| &r.wrench).zip(along));
+            }
+            _ => {
+                self.work.linearisation.evaluate(model, &at.motion, &at.balance);
+                self.work.along(model, at, direction);
+            }
+        }
+        Ok(&self.work.partial)
+    }
+
+    /// Derivatives of the state's rate of change by the state and the wheel speeds.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn jacobian(&mut self) -> Result<Jacobian, SimulationError> {
+        self.evaluate()?;
+        let mut trend = self.trend.clone();
+        let mut memory = MemoryJacobian::default();
+        let surroundings = self.state.surroundings(self.time, &self.memory);
+        Ok(self.work.jacobian(
+            &self.model,
+            &self.state,
+            &surroundings,
+            &self.now,
+            &mut trend,
+            &mut memory,
+        ))
+    }
+}

@@ -1,0 +1,204 @@
+//! A drive with the exact derivatives of its motion: by the initial state, by parameters of the
+//! vehicle, the soil and the effects, and by a delay of the wheel speeds.
+//!
+//! The variational equation dZ/dt = A Z + B belongs to the motion dy/dt = f(y, u, p), A = df/dy and
+//! B = df/dp exact at both ends of each of the integrator's steps (by dual numbers and the implicit
+//! function theorem) and linear in between. It is integrated by Alexander's L-stable SDIRK method of
+//! order 2 (R. Alexander, SIAM J. Numer. Anal. 14 (1977)).
+
+use super::memory::directions;
+use super::{Simulation, SimulationError, State, WheelSpeeds};
+use crate::parameter::ParameterError;
+use crate::vehicle::{
+    Differentiated, Direction, Directions, Parameter, Specification, VehicleModel,
+};
+use nalgebra::{DMatrix, SMatrix};
+
+/// gamma = 1 - 1/sqrt(2) of the method.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// A [`Simulation`] that carries the derivatives of its state along.
+#[derive(Debug, Clone)]
+pub struct SensitiveSimulation {
+    simulation: Simulation,
+    variation: Variation,
+}
+
+#[derive(Debug, Clone)]
+struct Variation {
+    directions: Directions,
+    results: Vec<Differentiated>,
+    parameters: usize,
+    /// Derivatives of the state and what is remembered (rows) by the initial state, the
+    /// parameters, and the delay of the wheel speeds (columns).
+    by: DMatrix<f64>,
+    /// A and B where the last step ended.
+    last: Option<(DMatrix<f64>, DMatrix<f64>)>,
+}
+
+impl SensitiveSimulation {
+    /// A vehicle at rest at the origin; derivatives by these parameters.
+    ///
+    /// # Errors
+    /// The first parameter of the specification that lies outside its range.
+    pub fn new(
+        specification: &Specification,
+        parameters: &[Parameter],
+    ) -> Result<Self, ParameterError> {
+        let model = VehicleModel::alterable(specification)?;
+        let (memory, placeless) = (model.memory_count(), model.is_placeless());
+        let mut list = directions(memory);
+        if placeless && !parameters.iter().any(|p| p.depends_on_place()) {
+            list.retain(|direction| !Direction::POSE.contains(direction));
+        }
+        list.extend(parameters.iter().map(|p| Direction::Parameter(*p)));
+        let directions = model.directions(list);
+        Ok(Self {
+            simulation: Simulation::new(model),
+            variation: Variation {
+                directions,
+                results: Vec::new(),
+                parameters: parameters.len(),
+                by: identity(memory, parameters.len()),
+                last: None,
+            },
+        })
+    }
+
+    /// Begins anew at a time \[s\] and state, with nothing remembered.
+    ///
+    /// # Errors
+    /// A value that is not finite; then nothing has changed.
+    pub fn restart(&mut self, time: f64, state: State) -> Result<(), SimulationError> {
+        self.simulation.set_state(state)?;
+        self.simulation.forget();
+        self.simulation.set_time(time);
+        let memory = self.simulation.memory().len();
+        self.variation.by = identity(memory, self.variation.parameters);
+        self.variation.last = None;
+        Ok(())
+    }
+
+    /// Sets the wheel speeds from now on and their rates within the next steps \[rad/s, rad/s^2\].
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    pub fn drive(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError> {
+        self.simulation.set_wheel_speeds(speeds)?;
+        self.simulation.set_wheel_accelerations(rates)?;
+        // B holds the rates.
+        self.variation.last = None;
+        Ok(())
+    }
+
+    /// Drives on for `seconds`.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
+        let variation = &mut self.variation;
+        if variation.last.is_none() {
+            self.simulation.evaluate()?;
+            variation.last = Some(variation.linearise(&self.simulation));
+        }
+        self.simulation.step_with(seconds, |simulation, step| {
+            variation.advance(simulation, step);
+            Ok(())
+        })
+    }
+
+    /// Pose and velocities.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.simulation.state()
+    }
+
+    /// Rate of change of the state, in the order of [`State::to_array`].
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn derivative(&mut self) -> Result<[f64; State::COUNT], SimulationError> {
+        self.simulation.derivative()
+    }
+
+    /// Derivatives of the state by the state at the restart.
+    #[must_use]
+    pub fn by_initial(&self) -> SMatrix<f64, { State::COUNT }, { State::COUNT }> {
+        self.variation.by.fixed_view::<{ State::COUNT }, { State::COUNT }>(0, 0).into()
+    }
+
+    /// Derivative of the state by one of the parameters.
+    #[must_use]
+    pub fn by_parameter(&self, index: usize) -> [f64; State::COUNT] {
+        std::array::from_fn(|row| self.variation.by[(row, State::COUNT + index)])
+    }
+
+    /// Derivative of the state by a delay of the wheel speeds \[per s\].
+    #[must_use]
+    pub fn by_wheel_delay(&self) -> [f64; State::COUNT] {
+        let last = self.variation.by.ncols() - 1;
+        std::array::from_fn(|row| self.variation.by[(row, last)])
+    }
+}
+
+fn identity(memory: usize, parameters: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(State::COUNT + memory, State::COUNT + parameters + 1, |i, j| {
+        f64::from(u8::from(i == j && j < State::COUNT))
+    })
+}
+
+impl Variation {
+    /// A and B at the simulation's present state.
+    fn linearise(&mut self, simulation: &Simulation) -> (DMatrix<f64>, DMatrix<f64>) {
+        simulation.differentiate(&self.directions, &mut self.results);
+        let (rows, columns) = self.by.shape();
+        let mut a = DMatrix::zeros(rows, rows);
+        let mut b = DMatrix::zeros(rows, columns);
+        let kinematics = simulation.state().kinematic_jacobian().by_state;
+        a.view_mut((0, 0), (State::COUNT, State::COUNT)).copy_from(&kinematics);
+        let rates = simulation.input_rates();
+        let mut parameter = State::COUNT;
+        for (direction, result) in self.directions.list().iter().zip(&self.results) {
+            let wrench = &result.wrench;
+            let change = [wrench.a_x, wrench.a_y, wrench.yaw_acceleration];
+            let change = (3..).zip(change);
+            let change = change.chain((State::COUNT..).zip(result.memory_rates.iter().copied()));
+            let (target, column, weight) = match *direction {
+                Direction::Position(axis) => (&mut a, axis, 1.0),
+                Direction::Heading => (&mut a, 2, 1.0),
+                Direction::Velocity(axis) => (&mut a, 3 + axis, 1.0),
+                Direction::YawRate => (&mut a, 5, 1.0),
+                Direction::Memory(index) => (&mut a, State::COUNT + index, 1.0),
+                // What came later came with the speed of before.
+                Direction::WheelSpeed(side) => (&mut b, columns - 1, -[rates.left, rates.right][side]),
+                Direction::Parameter(_) => {
+                    parameter += 1;
+                    (&mut b, parameter - 1, 1.0)
+                }
+            };
+            for (row, value) in change {
+                target[(row, column)] += weight * value;
+            }
+        }
+        (a, b)
+    }
+
+    /// Follows one accepted step of the integrator.
+    fn advance(&mut self, simulation: &Simulation, step: f64) {
+        let (a1, b1) = self.linearise(simulation);
+        let (a0, b0) = self.last.take().unwrap_or_else(|| (a1.clone(), b1.clone()));
+        let rows = self.by.nrows();
+        let between = |from: &DMatrix<f64>, to: &DMatrix<f64>| from * (1.0 - GAMMA) + to * GAMMA;
+        let identity = DMatrix::<f64>::identity(rows, rows);
+        let a = between(&a0, &a1);
+        let mut k1 = &a * &self.by + between(&b0, &b1);
+        let solved = (&identity - &a * (GAMMA * step)).lu().solve_mut(&mut k1);
+        let mut k2 = &a1 * (&self.by + &k1 * ((1.0 - GAMMA) * step)) + &b1;
+        let solved = (identity - &a1 * (GAMMA * step)).lu().solve_mut(&mut k2) && solved;
+        self.by += (k1 * (1.0 - GAMMA) + k2 * GAMMA) * step;
+        if !solved {
+            self.by.fill(f64::NAN);
+        }
+        self.last = Some((a1, b1));
+    }
+}

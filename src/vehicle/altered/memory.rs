@@ -1,0 +1,189 @@
+//! What a vehicle and its ground remember: states besides position and velocity.
+
+use super::{Chassis, Situation};
+use crate::contact::{Regularisation, WheelMemory};
+use crate::effects::{Boundary, Displacement, Effects, SlopeProfile};
+use crate::scalar::{Elementary, Scalar};
+use crate::vehicle::Specification;
+
+/// Which numbers are remembered, and where they stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct MemoryLayout {
+    /// The distance driven.
+    distance: bool,
+    /// Four numbers of each wheel's shear displacement.
+    shear: bool,
+    /// The depth to which each wheel's soil was pressed before.
+    rut: bool,
+    wheels: usize,
+}
+
+/// Number of values of a wheel's shear displacement.
+const SHEAR: usize = WheelMemory::COUNT - 1;
+/// Least speed over distance \[m\] with a slope: keeps the speed's root smooth.
+const SPEED_FLOOR: f64 = 1e-18;
+/// Entry angle \[rad\] below which a wheel's relaxation length no longer shrinks.
+const SHORTEST_ARC: f64 = 0.02;
+/// Distance \[m\] below which two rows are taken as one behind the other.
+const CLOSEST_ROWS: f64 = 1e-3;
+
+impl MemoryLayout {
+    pub fn new(specification: &Specification) -> Self {
+        let effects: &Effects = &specification.effects;
+        let active = effects.active::<f64>(|_, _| None);
+        let over_distance = matches!(effects.slope_profile, Some(SlopeProfile::Distance(_)))
+            || (active.terrain_change.is_some() && effects.boundary == Boundary::Distance);
+        Self {
+            distance: over_distance,
+            shear: active.transient_shear.is_some_and(|e| e.relaxation > 0.0),
+            rut: active.multipass.is_some(),
+            wheels: specification.vehicle.wheel_count(),
+        }
+    }
+
+    /// How many numbers there are.
+    pub fn count(&self) -> usize {
+        usize::from(self.distance) + self.wheels * self.per_wheel()
+    }
+
+    fn per_wheel(&self) -> usize {
+        SHEAR * usize::from(self.shear) + usize::from(self.rut)
+    }
+
+    fn first(&self, wheel: usize) -> usize {
+        usize::from(self.distance) + wheel * self.per_wheel()
+    }
+
+    /// Names of the numbers, in order.
+    pub fn names(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        if self.distance {
+            names.push("distance".into());
+        }
+        for wheel in 1..=self.wheels {
+            let shear = ["shear_forward", "shear_lateral", "shear_yaw", "shear_rim"];
+            let shear = shear.iter().filter(|_| self.shear);
+            let rut = ["rut_depth"].iter().filter(|_| self.rut);
+            names.extend(shear.chain(rut).map(|name| format!("wheel[{wheel}].{name}")));
+        }
+        names
+    }
+
+    /// The distance driven \[m\].
+    pub fn distance(&self, memory: &[f64]) -> f64 {
+        if self.distance {
+            memory.first().copied().unwrap_or_default()
+        } else {
+            0.0
+        }
+    }
+
+    /// What one wheel remembers.
+    pub fn wheel(&self, memory: &[f64], wheel: usize) -> WheelMemory<f64> {
+        let mut values = [0.0; WheelMemory::COUNT];
+        let first = self.first(wheel);
+        let Some(own) = memory.get(first..first + self.per_wheel()) else {
+            return WheelMemory::NONE;
+        };
+        for (place, value) in self.places().zip(own) {
+            values[place] = *value;
+        }
+        WheelMemory::from_array(values)
+    }
+
+    /// Where, in [`WheelMemory`]'s order, a wheel's numbers belong.
+    pub fn places(&self) -> impl Iterator<Item = usize> {
+        let from = if self.shear { 0 } else { SHEAR };
+        let to = if self.rut { WheelMemory::COUNT } else { SHEAR };
+        from..to
+    }
+
+    /// The wheel and the place in [`WheelMemory`]'s order of a number; `None` for the distance.
+    pub fn owner(&self, index: usize) -> Option<(usize, usize)> {
+        let index = index.checked_sub(usize::from(self.distance))?;
+        let (wheel, own) = (index / self.per_wheel(), index % self.per_wheel());
+        self.places().nth(own).map(|place| (wheel, place))
+    }
+
+    /// Rates of change of the numbers; entry angles and memory are those of every wheel.
+    pub fn rates<S: Scalar>(
+        &self,
+        chassis: &Chassis<S>,
+        at: &Situation<S>,
+        regularisation: &Regularisation,
+        wheels: &[(S, WheelMemory<S>)],
+        boundary: Boundary,
+        rates: &mut Vec<S>,
+    ) {
+        rates.clear();
+        if self.distance {
+            let [x, y] = at.velocity;
+            rates.push((x * x + y * y).offset(SPEED_FLOOR).sqrt());
+        }
+        for (index, (entry_angle, memory)) in wheels.iter().enumerate() {
+            let motion = chassis.wheel_motion(at, index);
+            let law = chassis.law(at, boundary, index);
+            if let (true, Some(effect)) = (self.shear, &chassis.effects.transient_shear) {
+                let rim = motion.angular_speed * law.radius;
+                let drive = Displacement {
+                    forward: motion.forward,
+                    lateral: motion.lateral,
+                    yaw: motion.yaw_rate,
+                    rim,
+                };
+                let turning = motion.angular_speed.rounded_abs(1e-9) * law.radius / law.circle;
+                let arc = entry_angle.most(S::constant(SHORTEST_ARC));
+                let rate = effect.rate(
+                    &memory.displacement,
+                    &drive,
+                    turning,
+                    arc,
+                    law.soil.shear_modulus,
+                );
+                rates.extend([rate.forward, rate.lateral, rate.yaw, rate.rim]);
+            }
+            if let (true, Some(effect)) = (self.rut, &law.multipass) {
+                // Which row goes ahead depends on where the wheel travels to.
+                let onward = (motion.forward.scale(1.0 / regularisation.travel_speed)).smooth_step();
+                let speed = (motion.forward * motion.forward + motion.lateral * motion.lateral)
+                    .offset(SPEED_FLOOR)
+                    .sqrt();
+                let aside = motion.lateral
+                    / motion.forward.rounded_abs(regularisation.travel_speed);
+                let mut rate = S::constant(0.0);
+                for (share, ahead) in [
+                    (onward, index.checked_sub(2)),
+                    (S::constant(1.0) - onward, Some(index + 2).filter(|i| *i < wheels.len())),
+                ] {
+                    // The leading row meets untouched soil, as if a row of its own length ahead.
+                    let neighbour = ahead.or(if index >= 2 { Some(index - 2) } else { Some(index + 2) });
+                    let Some(neighbour) = neighbour.filter(|i| *i < wheels.len()) else {
+                        continue;
+                    };
+                    let apart = (chassis.wheels[index].place[0] - chassis.wheels[neighbour].place[0])
+                        .rounded_abs(CLOSEST_ROWS);
+                    let arriving = match ahead {
+                        Some(row) => {
+                            let (entry, before) = &wheels[row];
+                            let depth = depth(&law, *entry, before);
+                            effect.arriving(depth, apart, aside, S::constant(law.width))
+                        }
+                        None => S::constant(0.0),
+                    };
+                    rate += share * speed / apart * (arriving - memory.pressed);
+                }
+                rates.push(rate);
+            }
+        }
+    }
+}
+
+/// Depth of a wheel's lowest point below the untouched surface \[m\].
+fn depth<S: Scalar>(law: &crate::contact::WheelLaw<S>, entry: S, memory: &WheelMemory<S>) -> S {
+    let (sine, _) = entry.scale(0.5).sin_cos_small();
+    let below = law.circle * (sine * sine).scale(2.0);
+    match &law.multipass {
+        Some(effect) => below + effect.rut(memory.pressed).ground,
+        None => below,
+    }
+}

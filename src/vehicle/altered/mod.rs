@@ -1,0 +1,19 @@
+//! A vehicle whose motion effects alter: the same balance with other masses, loads, laws and
+//! forces, generic over the scalar.
+//!
+//! The balance is found in the specific force s = sum F / m that the ground exerts; the loads follow
+//! from it as in (28), and gravity on a slope, drag and drawbar add to the acceleration.
+
+mod chassis;
+mod directions;
+mod loads;
+mod memory;
+mod solve;
+mod surroundings;
+
+pub(crate) use chassis::Chassis;
+pub(crate) use directions::{Differentiated, Direction, Directions};
+pub(crate) use memory::MemoryLayout;
+pub(crate) use solve::{Altered, Prepared};
+pub use surroundings::Surroundings;
+pub(crate) use surroundings::{Environment, Situation};

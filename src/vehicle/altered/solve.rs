@@ -1,0 +1,250 @@
+//! The balance of a vehicle whose motion effects alter.
+
+use super::loads::spread_loads;
+use super::{Chassis, Environment, MemoryLayout, Situation, Surroundings};
+use crate::contact::{Detail, Regularisation, WheelContact, WheelForces, WheelMemory};
+use crate::parameter::ParameterError;
+use crate::scalar::{Dual, Scalar};
+use crate::vehicle::{Balance, Motion, Specification, WheelOutputs, Wrench};
+use fearless_simd::Level;
+
+/// A specification with effects, prepared for evaluation.
+#[derive(Debug, Clone)]
+pub(crate) struct Altered {
+    pub specification: Specification,
+    pub chassis: Chassis<f64>,
+    pub layout: MemoryLayout,
+}
+
+/// What holds throughout one solution.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Prepared<'a> {
+    pub altered: &'a Altered,
+    pub situation: Situation<f64>,
+    pub environment: Environment<f64>,
+    pub memory: &'a [f64],
+}
+
+/// Accelerations, resistances and moments of the whole vehicle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Totals<S> {
+    pub acceleration: [S; 2],
+    pub yaw_acceleration: S,
+    pub rolling_resistance: S,
+    pub turning_moment: S,
+    pub turning_resistance_moment: S,
+}
+
+impl Altered {
+    /// Applies the effects of a specification whose vehicle and terrain are valid.
+    ///
+    /// # Errors
+    /// A soil that the effects leave without stiffness.
+    pub fn new(specification: &Specification) -> Result<Self, ParameterError> {
+        let chassis = Chassis::new(specification, |_| None);
+        for wheel in &chassis.wheels {
+            crate::parameter::Bounds::open_low("sinkage modulus", "N/m^(n+2)", 0.0, 1e16)
+                .check(wheel.law.soil.modulus)?;
+        }
+        Ok(Self {
+            specification: specification.clone(),
+            chassis,
+            layout: MemoryLayout::new(specification),
+        })
+    }
+
+    pub fn prepare<'a>(
+        &'a self,
+        motion: &Motion,
+        surroundings: &Surroundings<'a>,
+        regularisation: &Regularisation,
+    ) -> Prepared<'a> {
+        let situation = Situation::new(motion, surroundings, &self.layout);
+        let fading = regularisation.travel_speed;
+        Prepared {
+            altered: self,
+            situation,
+            environment: self
+                .chassis
+                .environment(&situation, &self.specification.effects, fading),
+            memory: surroundings.memory,
+        }
+    }
+}
+
+impl Prepared<'_> {
+    /// Fills a wrench with what a balance means here.
+    pub fn wrench(&self, balance: &Balance, regularisation: &Regularisation, wrench: &mut Wrench) {
+        let Altered {
+            chassis, layout, ..
+        } = self.altered;
+        let situation = &self.situation;
+        let totals = chassis.totals(&self.environment, situation.yaw_rate, &balance.forces);
+        [wrench.a_x, wrench.a_y] = totals.acceleration;
+        wrench.yaw_acceleration = totals.yaw_acceleration;
+        wrench.rolling_resistance = totals.rolling_resistance;
+        wrench.turning_moment = totals.turning_moment;
+        wrench.turning_resistance_moment = totals.turning_resistance_moment;
+        for (index, wheel) in balance.wheels.iter().enumerate() {
+            let carries = wheel.load > 0.0;
+            let entry_angle = if carries { wheel.entry_angle } else { 0.0 };
+            let memory = layout.wheel(self.memory, index);
+            wrench.wheels[index] = WheelOutputs::from_array(chassis.outputs(
+                situation,
+                regularisation,
+                index,
+                wheel.load,
+                entry_angle,
+                &memory,
+                &balance.forces[index],
+            ));
+        }
+    }
+
+    /// Writes the rates of what is remembered.
+    pub fn memory_rates(
+        &self,
+        balance: &Balance,
+        regularisation: &Regularisation,
+        rates: &mut Vec<f64>,
+    ) {
+        let Altered {
+            chassis,
+            layout,
+            specification,
+        } = self.altered;
+        let wheels = balance.wheels.iter().enumerate();
+        let wheels: Vec<_> = wheels
+            .map(|(index, wheel)| (wheel.entry_angle, layout.wheel(self.memory, index)))
+            .collect();
+        let boundary = specification.effects.boundary;
+        layout.rates(chassis, &self.situation, regularisation, &wheels, boundary, rates);
+    }
+
+    /// Writes each wheel's load and its derivatives by the ground's specific force; whether one is
+    /// lifted.
+    pub fn distribute(&self, specific: [f64; 2], loads: &mut [[f64; 3]]) -> bool {
+        let chassis = &self.altered.chassis;
+        let lift = Dual::<f64, 2>::constant;
+        let count = loads.len();
+        let places: Vec<_> = (0..count).map(|i| chassis.arm(i).map(lift)).collect();
+        let targets = chassis.load_targets(&self.environment, [0.0; 2]);
+        let leverage = chassis.mass * chassis.com_height;
+        let targets = super::loads::LoadTargets {
+            normal: lift(targets.normal),
+            moments: [0, 1].map(|axis| {
+                let force = Dual::variable(specific[axis], axis);
+                lift(targets.moments[axis]) - force * lift(leverage)
+            }),
+        };
+        let mut duals = vec![lift(0.0); count];
+        let lifted = spread_loads(&places, &targets, &mut duals);
+        for (load, dual) in loads.iter_mut().zip(duals) {
+            *load = [dual.re, dual.eps[0], dual.eps[1]];
+        }
+        lifted
+    }
+
+    /// One wheel's forces and their slopes by its entry angle.
+    pub fn wheel(
+        &self,
+        level: Level,
+        contact: &WheelContact,
+        index: usize,
+        entry_angle: f64,
+        detail: Detail,
+    ) -> WheelForces<Dual<f64, 1>> {
+        let Altered {
+            chassis,
+            layout,
+            specification,
+        } = self.altered;
+        let law = chassis.law(&self.situation, specification.effects.boundary, index);
+        let motion = chassis.wheel_motion(&self.situation, index);
+        let lift = Dual::constant;
+        let motion = crate::contact::WheelMotion {
+            forward: lift(motion.forward),
+            lateral: lift(motion.lateral),
+            yaw_rate: lift(motion.yaw_rate),
+            angular_speed: lift(motion.angular_speed),
+        };
+        let memory = layout.wheel(self.memory, index).to_array().map(lift);
+        let memory = crate::contact::WheelMemory::from_array(memory);
+        let entry = Dual::variable(entry_angle, 0);
+        contact.altered_forces(level, &law.lift(), &motion, &memory, entry, detail)
+    }
+}
+
+impl<S: Scalar> Chassis<S> {
+    /// One wheel's numbers in the order of [`crate::vehicle::WheelOutputs`]; the sinkage is
+    /// counted from the untouched surface.
+    #[allow(clippy::too_many_arguments, reason = "what a wheel's outputs depend on")]
+    pub fn outputs(
+        &self,
+        at: &Situation<S>,
+        regularisation: &Regularisation,
+        index: usize,
+        load: S,
+        entry_angle: S,
+        memory: &WheelMemory<S>,
+        forces: &WheelForces<S>,
+    ) -> [S; WheelOutputs::COUNT] {
+        let law = &self.wheels[index].law;
+        let motion = self.wheel_motion(at, index);
+        let omega = motion.angular_speed;
+        let sign = if omega.value() < 0.0 { -1.0 } else { 1.0 };
+        let rim = regularisation.bounded_angular_speed(omega).scale(sign) * law.radius;
+        let (sine, _) = entry_angle.scale(0.5).sin_cos_small();
+        let below = law.circle * (sine * sine).scale(2.0);
+        let ground = law
+            .multipass
+            .map_or(S::constant(0.0), |effect| effect.rut(memory.pressed).ground);
+        [
+            -(motion.forward - law.radius * omega) / rim,
+            -motion.lateral / rim,
+            load,
+            below + ground,
+            entry_angle,
+            forces.thrust - forces.compaction,
+            forces.lateral,
+            forces.torque,
+        ]
+    }
+
+    /// Sums the forces of all wheels and of the surroundings; the acceleration is that of the
+    /// reference point.
+    pub fn totals(
+        &self,
+        environment: &Environment<S>,
+        yaw_rate: S,
+        forces: &[WheelForces<S>],
+    ) -> Totals<S> {
+        let zero = S::constant(0.0);
+        let (mut force, mut resistance) = (environment.force, zero);
+        let (mut turning, mut turning_resistance) = (zero, zero);
+        for (index, wheel) in forces.iter().enumerate() {
+            let [ahead, left] = self.arm(index);
+            let along = wheel.thrust - wheel.compaction;
+            force[0] += along;
+            force[1] += wheel.lateral;
+            resistance += wheel.rolling_resistance;
+            turning += -(left * along + wheel.width_moment);
+            turning_resistance += -(ahead * wheel.lateral + wheel.arc_moment);
+        }
+        let yaw_acceleration =
+            (turning - turning_resistance + environment.yaw_moment) / self.yaw_inertia;
+        let [ahead, left] = self.com;
+        let spin = yaw_rate * yaw_rate;
+        let [along, across] = environment.gravity.along;
+        Totals {
+            acceleration: [
+                force[0] / self.mass + along + yaw_acceleration * left + spin * ahead,
+                force[1] / self.mass + across - yaw_acceleration * ahead + spin * left,
+            ],
+            yaw_acceleration,
+            rolling_resistance: resistance,
+            turning_moment: turning,
+            turning_resistance_moment: turning_resistance,
+        }
+    }
+}

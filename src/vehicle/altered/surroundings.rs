@@ -1,0 +1,157 @@
+//! Where and how a vehicle stands, and what acts on it besides the ground's stresses.
+
+use super::loads::LoadTargets;
+use super::{Chassis, MemoryLayout};
+use crate::contact::{WheelLaw, WheelMotion};
+use crate::effects::{Boundary, Effects, Grade, SlopeGravity};
+use crate::scalar::Scalar;
+use crate::vehicle::{GRAVITY, Motion};
+
+/// What effects depend on besides the motion; the paper's model on none of it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Surroundings<'a> {
+    /// Position, east and north \[m\].
+    pub position: [f64; 2],
+    /// Heading psi \[rad\].
+    pub heading: f64,
+    /// Time \[s\].
+    pub time: f64,
+    /// What the vehicle and its ground remember; empty for nothing yet.
+    pub memory: &'a [f64],
+}
+
+/// Motion and surroundings, generic over the scalar.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Situation<S> {
+    pub velocity: [S; 2],
+    pub yaw_rate: S,
+    pub wheel_speeds: [S; 2],
+    pub position: [S; 2],
+    pub heading: S,
+    pub time: f64,
+    pub distance: S,
+}
+
+/// What acts on the vehicle besides the stresses under its wheels.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Environment<S> {
+    /// Gravity on the slope.
+    pub gravity: SlopeGravity<S>,
+    /// Force of drag and drawbar along X and Y \[N\].
+    pub force: [S; 2],
+    /// Their yaw moment about the centre of mass \[N m\].
+    pub yaw_moment: S,
+    /// What they add to the sums of X F_Z and Y F_Z \[N m\].
+    pub load_moments: [S; 2],
+}
+
+impl<S: Scalar> Situation<S> {
+    pub fn new(motion: &Motion, surroundings: &Surroundings, layout: &MemoryLayout) -> Self {
+        let c = S::constant;
+        Self {
+            velocity: [c(motion.v_x), c(motion.v_y)],
+            yaw_rate: c(motion.yaw_rate),
+            wheel_speeds: [c(motion.omega_left), c(motion.omega_right)],
+            position: surroundings.position.map(c),
+            heading: c(surroundings.heading),
+            time: surroundings.time,
+            distance: c(layout.distance(surroundings.memory)),
+        }
+    }
+}
+
+impl<S: Scalar> Chassis<S> {
+    /// How a wheel moves (10).
+    #[inline(always)]
+    pub fn wheel_motion(&self, at: &Situation<S>, index: usize) -> WheelMotion<S> {
+        let [ahead, left] = self.wheels[index].place;
+        WheelMotion {
+            forward: at.velocity[0] - at.yaw_rate * left,
+            lateral: at.velocity[1] + at.yaw_rate * ahead,
+            yaw_rate: at.yaw_rate,
+            angular_speed: at.wheel_speeds[index % 2],
+        }
+    }
+
+    /// A wheel's law where it stands.
+    #[inline(always)]
+    pub fn law(&self, at: &Situation<S>, boundary: Boundary, index: usize) -> WheelLaw<S> {
+        let wheel = &self.wheels[index];
+        let mut law = wheel.law;
+        if let Some(change) = &self.effects.terrain_change {
+            let (sin, cos) = crate::scalar::Elementary::sin_cos(at.heading);
+            let [ahead, left] = wheel.place;
+            let place = [
+                at.position[0] + ahead * cos - left * sin,
+                at.position[1] + ahead * sin + left * cos,
+            ];
+            let share = change.share(boundary, S::constant(at.time), at.distance, place);
+            law.soil = change.soil(&law.soil, share);
+        }
+        law
+    }
+
+    /// Gravity, drag and drawbar; forces that change their sign fade below `fading` \[m/s\].
+    pub fn environment(&self, at: &Situation<S>, effects: &Effects, fading: f64) -> Environment<S> {
+        let zero = S::constant(0.0);
+        let mut slopes = self
+            .effects
+            .grade
+            .map_or([zero; 2], |grade| [grade.slope_east, grade.slope_north]);
+        if let Some(profile) = &effects.slope_profile {
+            let time = S::constant(at.time);
+            let more = profile.slopes(time, at.distance, at.position);
+            slopes = [slopes[0] + more[0], slopes[1] + more[1]];
+        }
+        let gravity = if self.effects.grade.is_some() {
+            let [slope_east, slope_north] = slopes;
+            let grade = Grade {
+                slope_east,
+                slope_north,
+            };
+            grade.gravity(at.heading, GRAVITY)
+        } else {
+            SlopeGravity {
+                along: [zero; 2],
+                normal: S::constant(GRAVITY),
+            }
+        };
+        let mut environment = Environment {
+            gravity,
+            force: [zero; 2],
+            yaw_moment: zero,
+            load_moments: [zero; 2],
+        };
+        if let Some(drag) = &self.effects.drag {
+            let com_velocity = [
+                at.velocity[0] - at.yaw_rate * self.com[1],
+                at.velocity[1] + at.yaw_rate * self.com[0],
+            ];
+            environment.force = drag.force(com_velocity);
+        }
+        if let Some(drawbar) = &self.effects.drawbar {
+            let hitch = self.centroid - drawbar.hitch_behind;
+            let velocity = [at.velocity[0], at.velocity[1] + at.yaw_rate * hitch];
+            let pull = drawbar.pull(velocity, fading);
+            let raised = drawbar.hitch_height - self.com_height;
+            for axis in 0..2 {
+                environment.force[axis] += pull[axis];
+                environment.load_moments[axis] += raised * pull[axis];
+            }
+            environment.yaw_moment +=
+                (hitch - self.com[0]) * pull[1] + self.com[1] * pull[0];
+        }
+        environment
+    }
+
+    /// What the loads have to balance when the ground exerts the specific force s \[m/s^2\].
+    #[inline(always)]
+    pub fn load_targets(&self, environment: &Environment<S>, specific: [S; 2]) -> LoadTargets<S> {
+        let leverage = self.mass * self.com_height;
+        LoadTargets {
+            normal: self.mass * environment.gravity.normal,
+            moments: [0, 1]
+                .map(|axis| environment.load_moments[axis] - leverage * specific[axis]),
+        }
+    }
+}

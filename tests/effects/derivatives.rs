@@ -1,0 +1,172 @@
+//! Exact derivatives against differences: of a whole drive, by its beginning and by every parameter.
+
+use super::specification;
+use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
+use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
+use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
+
+/// The derivative's integration errs by some 1e-3 of the largest (order 2, steps chosen for the
+/// motion), the differences by the integrator's tolerance over their step.
+const RELATIVE_TOLERANCE: f64 = 2e-2;
+
+const START: State = State { x: 0.0, y: 0.0, heading: 0.3, v_x: 1.2, v_y: 0.02, yaw_rate: 0.1 };
+const SECONDS: usize = 40;
+
+fn speeds(time: f64) -> WheelSpeeds {
+    WheelSpeeds { left: 5.5 + (1.7 * time).sin(), right: 6.0 - 0.8 * (1.1 * time).sin() }
+}
+
+fn rates(time: f64) -> WheelSpeeds {
+    let (from, to) = (speeds(time), speeds(time + 0.05));
+    WheelSpeeds { left: (to.left - from.left) / 0.05, right: (to.right - from.right) / 0.05 }
+}
+
+/// The state after a drive of two seconds, the wheel speeds late by `delay`.
+fn end(specification: &Specification, start: State) -> [f64; 6] {
+    let mut drive = Simulation::new(VehicleModel::from_specification(specification).unwrap());
+    drive.set_state(start).unwrap();
+    for k in 0..SECONDS {
+        let time = 0.05 * k as f64;
+        drive.set_wheel_speeds(speeds(time)).unwrap();
+        drive.set_wheel_accelerations(rates(time)).unwrap();
+        // Steps so short that the integrator's error control does not chop the differences.
+        for _ in 0..10 {
+            drive.step(0.005).unwrap();
+        }
+    }
+    drive.state().to_array()
+}
+
+fn sensitive(specification: &Specification, parameters: &[Parameter]) -> SensitiveSimulation {
+    let mut drive = SensitiveSimulation::new(specification, parameters).unwrap();
+    drive.restart(0.0, START).unwrap();
+    for k in 0..SECONDS {
+        let time = 0.05 * k as f64;
+        drive.drive(speeds(time), rates(time)).unwrap();
+        for _ in 0..10 {
+            drive.step(0.005).unwrap();
+        }
+    }
+    drive
+}
+
+fn compare(what: &str, exact: [f64; 6], difference: [f64; 6]) {
+    let largest = difference.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    for (a, b) in exact.iter().zip(difference) {
+        assert!(
+            (a - b).abs() <= RELATIVE_TOLERANCE * largest + 1e-9,
+            "{what}: {exact:?} {difference:?}"
+        );
+    }
+}
+
+fn difference(high: [f64; 6], low: [f64; 6], step: f64) -> [f64; 6] {
+    std::array::from_fn(|k| (high[k] - low[k]) / (2.0 * step))
+}
+
+#[test]
+fn a_drive_is_differentiated_by_its_beginning() {
+    let plain = specification("clayed_soil", Effects::NONE);
+    let exact = sensitive(&plain, &[]).by_initial();
+    for column in 0..6 {
+        let moved = |by: f64| {
+            let mut start = START.to_array();
+            start[column] += by;
+            end(&plain, State::from_array(start))
+        };
+        let found = difference(moved(1e-3), moved(-1e-3), 1e-3);
+        compare(&format!("initial state {column}"), exact.column(column).into_owned().into(), found);
+    }
+}
+
+#[test]
+fn a_drive_is_differentiated_by_the_soil_and_the_vehicle() {
+    for terrain in ["dry_sand", "clayed_soil"] {
+        let plain = specification(terrain, Effects::NONE);
+        let parameters: Vec<Parameter> =
+            Parameter::all().filter(|p| !matches!(p, Parameter::Effect(_))).collect();
+        let exact = sensitive(&plain, &parameters);
+        for (index, parameter) in parameters.iter().enumerate() {
+            let step = 1e-2 * parameter.get(&plain).abs();
+            let moved = |by: f64| {
+                let mut changed = plain.clone();
+                parameter.set(&mut changed, parameter.get(&plain) + by).unwrap();
+                end(&changed, START)
+            };
+            let found = difference(moved(step), moved(-step), step);
+            compare(&format!("{terrain} {}", parameter.name()), exact.by_parameter(index), found);
+        }
+    }
+}
+
+#[test]
+fn a_drive_is_differentiated_by_every_effect() {
+    for effect in CATALOGUE.iter().filter(|e| e.kind == Kind::Physics) {
+        // A point within the ranges, all shapes at their defaults.
+        let mut effects = Effects::NONE;
+        for parameter in effect.parameters.iter().filter(|p| p.switches) {
+            let value = match (effect.name, parameter.name) {
+                ("terrain_change" | "left_right_soil" | "shear_anisotropy", _) => 1.3,
+                ("tyre_compliance", _) => 12e3,
+                ("wheel_radius", _) => 0.97,
+                ("stress_peak", "a0") => 0.42,
+                ("drag" | "rate_dependent_soil", _) => 40.0,
+                ("drawbar", _) => 200.0,
+                ("payload", _) => 60.0,
+                ("transient_shear", _) => 1.0,
+                ("multipass", _) => 0.8,
+                ("grade" | "com_shift", _) => 0.06,
+                _ => 0.3,
+            };
+            let name = format!("{}.{}", effect.name, parameter.name);
+            effects = effects.with(&name, value).unwrap();
+        }
+        if effect.name == "terrain_change" {
+            effects = effects.with("terrain_change.position", 1.0).unwrap();
+        }
+        let on = specification("sandy_loam", effects);
+        let parameters: Vec<Parameter> = effect
+            .parameters
+            .iter()
+            .map(|p| Parameter::find(&format!("{}.{}", effect.name, p.name)).unwrap())
+            .collect();
+        let exact = sensitive(&on, &parameters);
+        for (index, parameter) in parameters.iter().enumerate() {
+            let value = parameter.get(&on);
+            let Parameter::Effect(name) = *parameter else { unreachable!() };
+            let declared = name.declaration().1;
+            let step = 1e-2 * value.abs().max(0.02 * (declared.high - declared.low).min(1.0));
+            let moved = |by: f64| {
+                let mut changed = on.clone();
+                parameter.set(&mut changed, value + by).unwrap();
+                end(&changed, START)
+            };
+            let found = difference(moved(step), moved(-step), step);
+            compare(&parameter.name(), exact.by_parameter(index), found);
+        }
+    }
+}
+
+#[test]
+fn a_drive_is_differentiated_by_a_delay_of_the_wheel_speeds() {
+    let plain = specification("sandy_loam", Effects::NONE);
+    let late = |delay: f64| {
+        let mut drive = Simulation::new(VehicleModel::from_specification(&plain).unwrap());
+        drive.set_state(START).unwrap();
+        for k in 0..400 {
+            let time = 0.005 * f64::from(k);
+            let (from, to) = (speeds(time - delay), speeds(time + 0.005 - delay));
+            drive.set_wheel_speeds(from).unwrap();
+            let rate = |a: f64, b: f64| (b - a) / 0.005;
+            let rates = WheelSpeeds {
+                left: rate(from.left, to.left),
+                right: rate(from.right, to.right),
+            };
+            drive.set_wheel_accelerations(rates).unwrap();
+            drive.step(0.005).unwrap();
+        }
+        drive.state().to_array()
+    };
+    let found = difference(late(0.01), late(-0.01), 0.01);
+    compare("delay", sensitive(&plain, &[]).by_wheel_delay(), found);
+}
