@@ -12,6 +12,8 @@ pub enum NoteKind {
     NotANumber,
     /// Samples that repeat a time stamp were left out.
     Repeated,
+    /// A clock that starts anew under the same label was taken for another run.
+    Restarted,
     /// Rows that stood late in the file were put where they belong.
     Reordered,
     /// Times were in another unit than seconds.
@@ -34,7 +36,7 @@ impl NoteKind {
     /// Whether somebody should look at the file: everything but what happens in good files.
     #[must_use]
     pub fn is_warning(self) -> bool {
-        !matches!(self, Self::Unwrapped | Self::NotANumber)
+        !matches!(self, Self::Unwrapped | Self::NotANumber | Self::Restarted)
     }
 }
 

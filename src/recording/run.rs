@@ -5,7 +5,8 @@ use super::{About, Channel, Drive, Note, Series, fill_gaps};
 /// One drive without interruption.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Run {
-    /// Value of the column `run`; empty where there is none.
+    /// Value of the column `run`, empty where there is none. Several runs share one where
+    /// the clock starts anew under it.
     pub label: String,
     channels: [Option<Series>; Channel::ALL.len()],
 }

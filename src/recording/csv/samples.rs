@@ -47,11 +47,37 @@ pub struct Sample {
     pub value: f64,
 }
 
+/// A clock that goes back under the same label restarts where it lands within this share of
+/// the time since the run's start, which has this many rows at least.
+const RESTART: (f64, usize) = (0.1, 10);
+
 /// The samples of a run in the file's order.
 #[derive(Debug, Clone, Default)]
 pub struct RawRun {
     pub label: String,
     pub channels: [Vec<Sample>; Channel::ALL.len()],
+    /// Time of the first row.
+    start: f64,
+    /// The latest time so far.
+    latest: f64,
+    rows: usize,
+}
+
+impl RawRun {
+    fn new(label: &[u8], time: f64) -> Self {
+        Self {
+            label: String::from_utf8_lossy(label).into_owned(),
+            start: time,
+            latest: time,
+            ..Self::default()
+        }
+    }
+
+    /// Whether a row at this time is the first one of another run.
+    fn is_restarted_by(&self, time: f64) -> bool {
+        let (share, rows) = RESTART;
+        self.rows >= rows && time - self.start < share * (self.latest - self.start)
+    }
 }
 
 /// A whole file.
@@ -61,6 +87,8 @@ pub struct Samples {
     pub runs: Vec<RawRun>,
     /// For each channel, number of cells with a word for "missing", and the first one's line.
     pub words: [Option<(usize, usize)>; Channel::ALL.len()],
+    /// Number of clocks that restarted under the same label, and the first one's line.
+    pub restarts: Option<(usize, usize)>,
     /// The header's cells, to name places.
     places: [Cell; CHANNELS + Channel::ALL.len()],
 }
@@ -90,20 +118,27 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
     let mut runs: Vec<RawRun> = Vec::new();
     let mut known: HashMap<Vec<u8>, usize> = HashMap::new();
     let mut words = [None; Channel::ALL.len()];
+    let mut restarts = None;
     let header = read_table(file, bytes, &COLUMNS, |row| {
         let label = row.bytes(RUN_INDEX);
-        if label.is_empty() && row.header().has(RUN) {
+        let has_runs = row.header().has(RUN);
+        if label.is_empty() && has_runs {
             let expected = "the run's number or name";
             return Err(malformed(row.cell(RUN_INDEX), "an empty cell", expected));
         }
-        let run = *known.entry(label.to_vec()).or_insert_with(|| {
-            runs.push(RawRun {
-                label: String::from_utf8_lossy(label).into_owned(),
-                ..RawRun::default()
-            });
-            runs.len() - 1
-        });
-        push(&mut runs[run], &mut words, row)
+        let time = row.required_number(TIME)?;
+        let run = match known.get(label) {
+            Some(&run) if !(has_runs && runs[run].is_restarted_by(time)) => run,
+            before => {
+                if before.is_some() {
+                    restarts.get_or_insert((0, row.line)).0 += 1;
+                }
+                runs.push(RawRun::new(label, time));
+                known.insert(label.to_vec(), runs.len() - 1);
+                runs.len() - 1
+            }
+        };
+        push(&mut runs[run], time, &mut words, row)
     })?;
     if runs.is_empty() {
         return Err(header.no_rows(TIME));
@@ -111,6 +146,7 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
     let samples = Samples {
         runs,
         words,
+        restarts,
         places: std::array::from_fn(|index| header.cell(1, index)),
     };
     for channel in Channel::ALL {
@@ -121,8 +157,15 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
     Ok(samples)
 }
 
-fn push(run: &mut RawRun, words: &mut [Option<(usize, usize)>], row: &Row) -> Result<(), CsvError> {
-    let (line, time) = (row.line, row.required_number(TIME)?);
+fn push(
+    run: &mut RawRun,
+    time: f64,
+    words: &mut [Option<(usize, usize)>],
+    row: &Row,
+) -> Result<(), CsvError> {
+    let line = row.line;
+    run.latest = run.latest.max(time);
+    run.rows += 1;
     for (index, samples) in run.channels.iter_mut().enumerate() {
         let is_word = |word: &str| {
             row.bytes(CHANNELS + index)

@@ -52,6 +52,7 @@ fn parse_recording(
 ) -> Result<Recording, CsvError> {
     let mut samples = read_samples(file, bytes)?;
     let mut notes = words(&samples);
+    notes.extend(restarts(&samples));
     order::check(&samples)?;
     notes.extend(turns::unwrap(&mut samples));
     let runs = samples.runs.iter().map(|raw| {
@@ -83,6 +84,17 @@ fn words(samples: &Samples) -> Vec<Note> {
         })
     };
     Channel::ALL.into_iter().filter_map(note).collect()
+}
+
+fn restarts(samples: &Samples) -> Option<Note> {
+    let (count, line) = samples.restarts?;
+    Some(Note {
+        kind: NoteKind::Restarted,
+        channel: None,
+        count,
+        line,
+        text: format!("starts anew {count} times under the same run; taken as runs of their own"),
+    })
 }
 
 #[cfg(test)]

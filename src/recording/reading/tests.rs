@@ -114,3 +114,33 @@ fn file_beside_the_recording_is_read() {
     let error = read_recording(&path).unwrap_err().to_string();
     assert!(error.contains("field.json: terrain: found"), "{error}");
 }
+
+#[test]
+fn clock_that_starts_anew_begins_another_run() {
+    let mut text = String::from("run,time,omega_left,omega_right\n");
+    for label in ["4", "4", "7", "4"] {
+        for row in 0..12 {
+            text += &format!("{label},0.{row:02},1,1\n");
+        }
+    }
+    let recording = read(&text).unwrap();
+    let labels: Vec<_> = recording
+        .runs
+        .iter()
+        .map(|run| run.label.as_str())
+        .collect();
+    assert_eq!(labels, ["4", "4", "7", "4"]);
+    let note = &recording.notes[0];
+    assert_eq!(
+        (note.kind, note.count, note.line),
+        (NoteKind::Restarted, 2, 14)
+    );
+    // Without that column, nothing says that this is another run.
+    let error = read(&text.replace("run,", "other,"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("line 14, column 2 (time): found 0, expected a time later"),
+        "{error}"
+    );
+}
