@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 17] = [
+const EDGES: &[(&str, &[&str])] = &[
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
@@ -21,8 +21,11 @@ const EDGES: [(&str, &[&str]); 17] = [
         &["effects", "parameter", "spelling", "terrain", "vehicle"],
     ),
     ("declaration", &["json", "terrain", "vehicle"]),
-    ("recording", &["json", "spelling", "terrain", "vehicle"]),
     ("import", &["spelling"]),
+    ("recording", &["json", "spelling", "terrain", "vehicle"]),
+    ("identification", &["recording", "simulation", "vehicle"]),
+    ("inspection", &["recording"]),
+    ("report", &["inspection", "recording"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],

@@ -5,6 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use ugv_terrain::fit::FitError;
+use ugv_terrain::identification::IdentificationError;
 use ugv_terrain::import::ImportError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
@@ -41,6 +42,8 @@ pub enum Failure {
     Fit(FitError),
     /// A robot's log that gives no recording.
     Import(ImportError),
+    /// A recording by which nothing can be judged.
+    Identification(IdentificationError),
     /// Vehicle and terrain that do not fit together.
     Model(ParameterError),
     /// A vehicle that cannot drive on; times are those of the recording.
@@ -120,6 +123,24 @@ impl Failure {
     }
 }
 
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Csv(error) => Self::Recording(error),
+            RecordingError::About { file, source } => Self::Json {
+                path: file.into(),
+                source,
+            },
+        }
+    }
+}
+
+impl From<IdentificationError> for Failure {
+    fn from(error: IdentificationError) -> Self {
+        Self::Identification(error)
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -131,6 +152,7 @@ impl fmt::Display for Failure {
             Self::ReadRecording(error) => error.fmt(f),
             Self::Fit(error) => error.fmt(f),
             Self::Import(error) => error.fmt(f),
+            Self::Identification(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::Write { target, .. } => write!(f, "cannot write {target}"),

@@ -5,11 +5,13 @@ mod failure;
 mod fit;
 mod import;
 mod initial;
+mod inspect;
 mod model;
 mod output;
 mod package;
 mod plot;
 mod presets;
+mod score;
 mod simulate;
 
 pub use failure::Failure;
@@ -21,6 +23,8 @@ const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
   ugv import drive.mcap --output drive.csv
+  ugv inspect field.csv --page field.html
+  ugv score drive.csv          # how well do models predict what was recorded?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
 
@@ -39,6 +43,8 @@ enum Command {
     Simulate(simulate::Args),
     Fit(fit::Args),
     Import(import::Args),
+    Inspect(inspect::Args),
+    Score(score::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -57,6 +63,8 @@ pub fn run() -> Result<(), Failure> {
         Command::Simulate(args) => simulate::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Import(args) => import::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Score(args) => score::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),

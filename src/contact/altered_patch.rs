@@ -266,8 +266,12 @@ impl<S: Scalar> AlteredPatch<S> {
         let q = (t * t).offset(1.0).sqrt() + t;
         let radius_squared = self.circle * self.circle;
         let by_depth = q.scale(2.0) * self.soil.cohesion * radius_squared * effect.lateral;
-        let by_square =
-            q * (q + q * q * t) * effect.unit_weight * radius_squared * self.circle * effect.lateral;
+        let by_square = q
+            * (q + q * q * t)
+            * effect.unit_weight
+            * radius_squared
+            * self.circle
+            * effect.lateral;
         let sinkage = self.circle * (arc.half_sine_squared).scale(2.0);
         let blade = effect.blade_resistance(&self.soil, sinkage);
         Wedge {
@@ -296,8 +300,8 @@ impl<S: Scalar> AlteredPatch<S> {
         let rise = (entry_squared - sine_squared).scale(2.0);
         let travelled = arc.entry.splat(simd) - angle;
         // The angle of the front that has the same stress.
-        let mirrored = arc.entry.splat(simd)
-            - (angle - arc.exit.splat(simd)) * arc.rear_slope.splat(simd);
+        let mirrored =
+            arc.entry.splat(simd) - (angle - arc.exit.splat(simd)) * arc.rear_slope.splat(simd);
         let alike = mirrored + (angle - mirrored).scale_lanes(front);
         let (alike, _) = alike.scale(0.5).sin_cos_small();
         let depth = (entry_squared - alike * alike) * self.circle.scale(2.0).splat(simd);
@@ -306,8 +310,7 @@ impl<S: Scalar> AlteredPatch<S> {
         let cos_entry = arc.cos_entry.splat(simd);
         let sin_entry = arc.sin_entry.splat(simd);
         let moved = &motion.displacement;
-        let strength =
-            stress * self.soil.friction.splat(simd) + self.soil.cohesion.splat(simd);
+        let strength = stress * self.soil.friction.splat(simd) + self.soil.cohesion.splat(simd);
         Column {
             sin,
             cos,
@@ -327,7 +330,10 @@ impl<S: Scalar> AlteredPatch<S> {
     /// Normal stress at depths below the surface that the wheel meets \[Pa\].
     #[inline(always)]
     fn stress<V: Simd>(&self, simd: V, depth: S::Packed<V>) -> S::Packed<V> {
-        let (modulus, exponent) = (self.soil.modulus.splat(simd), self.soil.exponent.splat(simd));
+        let (modulus, exponent) = (
+            self.soil.modulus.splat(simd),
+            self.soil.exponent.splat(simd),
+        );
         match &self.rut {
             None => depth.power_of(exponent) * modulus,
             Some(rut) => {
@@ -363,7 +369,9 @@ impl<S: Scalar> AlteredPatch<S> {
         let stretched = column.aside * column.aside * self.lateral_stretch.splat(simd);
         let path_squared = (x * x + z * z + stretched).offset(DISPLACEMENT_FLOOR);
         let path = path_squared * path_squared.inverse_sqrt();
-        let mobilised = (-(path * self.inverse_modulus.splat(simd))).decay().offset(-1.0);
+        let mobilised = (-(path * self.inverse_modulus.splat(simd)))
+            .decay()
+            .offset(-1.0);
         if self.lean > 0.0 {
             // Where nothing slides, the shear is opposite to the displacement.
             let saturated = path.like(self.lean) / (path + self.soil.shear_modulus.splat(simd));

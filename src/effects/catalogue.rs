@@ -176,8 +176,8 @@ impl Effects {
     /// # Errors
     /// A value that is not finite or out of range, or a name that is no parameter's.
     pub fn with(mut self, name: &str, value: f64) -> Result<Self, ParameterError> {
-        let parameter = ParameterName::find(name)
-            .ok_or_else(|| ParameterError::unknown(name, value))?;
+        let parameter =
+            ParameterName::find(name).ok_or_else(|| ParameterError::unknown(name, value))?;
         self.set(parameter, value)?;
         Ok(self)
     }
@@ -193,8 +193,8 @@ impl Effects {
     pub fn is_on(&self, effect: usize) -> bool {
         let declaration = CATALOGUE[effect];
         let first: usize = CATALOGUE[..effect].iter().map(|e| e.parameters.len()).sum();
-        let profiled = self.slope_profile.is_some()
-            && declaration.name == Grade::<f64>::DECLARATION.name;
+        let profiled =
+            self.slope_profile.is_some() && declaration.name == Grade::<f64>::DECLARATION.name;
         profiled
             || declaration
                 .parameters
@@ -207,14 +207,16 @@ impl Effects {
     /// model's.)
     #[must_use]
     pub fn is_paper(&self) -> bool {
-        (0..CATALOGUE.len()).all(|effect| {
-            CATALOGUE[effect].kind == super::Kind::Measurement || !self.is_on(effect)
-        })
+        (0..CATALOGUE.len())
+            .all(|effect| CATALOGUE[effect].kind == super::Kind::Measurement || !self.is_on(effect))
     }
 
     /// The effects that are on, and those besides that own a parameter which `seed` makes
     /// variable; `seed` lifts each value to the scalar.
-    pub fn active<S: Scalar>(&self, seed: impl Fn(ParameterName, f64) -> Option<S>) -> ActiveEffects<S> {
+    pub fn active<S: Scalar>(
+        &self,
+        seed: impl Fn(ParameterName, f64) -> Option<S>,
+    ) -> ActiveEffects<S> {
         let mut values = [S::constant(0.0); PARAMETER_COUNT];
         let mut variable = [false; CATALOGUE.len()];
         let mut place = 0;
@@ -244,7 +246,11 @@ mod tests {
             for text in [effect.lifts, effect.equation, effect.source] {
                 assert!(text.len() > 7, "{}", effect.name);
             }
-            assert!(effect.parameters.iter().any(|p| p.switches), "{}", effect.name);
+            assert!(
+                effect.parameters.iter().any(|p| p.switches),
+                "{}",
+                effect.name
+            );
             for parameter in effect.parameters {
                 parameter.check(effect.name, parameter.default).unwrap();
             }

@@ -8,20 +8,26 @@ mod about;
 mod channel;
 #[cfg(feature = "cli")]
 mod csv;
+mod cumulated;
 mod drive;
+mod moments;
 mod note;
 #[cfg(feature = "cli")]
 mod reading;
 mod run;
 mod series;
+mod way;
 
 pub use about::About;
 pub use channel::Channel;
 #[cfg(feature = "cli")]
 pub use csv::{Cell, CsvError, read_drive};
+pub use cumulated::{Cumulated, Grid};
 pub use drive::{Drive, fill_gaps};
+pub use moments::Moments;
 pub use note::{Note, NoteKind};
 #[cfg(feature = "cli")]
 pub use reading::{RecordingError, read_recording};
 pub use run::{Recording, Run};
 pub use series::Series;
+pub use way::way_along;

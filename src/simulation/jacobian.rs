@@ -146,10 +146,14 @@ impl Simulation {
                 let (motion, balance) = (&at.motion, &at.balance);
                 directions.differentiate(model, altered, motion, &surroundings, balance, results);
                 let along = direction.to_array();
-                self.work.partial.combine(results.iter().take(5).map(|r| &r.wrench).zip(along));
+                self.work
+                    .partial
+                    .combine(results.iter().take(5).map(|r| &r.wrench).zip(along));
             }
             _ => {
-                self.work.linearisation.evaluate(model, &at.motion, &at.balance);
+                self.work
+                    .linearisation
+                    .evaluate(model, &at.motion, &at.balance);
                 self.work.along(model, at, direction);
             }
         }

@@ -2,7 +2,9 @@
 
 #![cfg(feature = "cli")]
 
+mod inspect;
 mod refusals;
+mod score;
 mod simulate;
 mod streams;
 

@@ -48,14 +48,21 @@ fn nearly_off_is_nearly_the_paper() {
             // A transient is a state of its own: tests/effects/memory.rs.
             let switches = effect.parameters.iter().filter(|p| p.switches);
             for parameter in switches.filter(|_| effect.name != "transient_shear") {
-                let far = if parameter.default < parameter.high { parameter.high } else { parameter.low };
+                let far = if parameter.default < parameter.high {
+                    parameter.high
+                } else {
+                    parameter.low
+                };
                 let value = parameter.default + NEARLY_OFF * (far - parameter.default);
                 let name = format!("{}.{}", effect.name, parameter.name);
                 let on = model(terrain, &[(&name, value)]);
                 for (motion, paper) in MOTIONS.iter().zip(&paper) {
                     for (found, paper) in totals(&wrench(&on, motion)).iter().zip(paper) {
                         let error = (found - paper).abs();
-                        assert!(error < QUADRATURE_TOLERANCE, "{terrain} {name} {motion:?}: {error}");
+                        assert!(
+                            error < QUADRATURE_TOLERANCE,
+                            "{terrain} {name} {motion:?}: {error}"
+                        );
                         compared += 1;
                     }
                 }

@@ -9,7 +9,7 @@ mod table;
 pub use drive::read_drive;
 pub(super) use error::malformed;
 pub use error::{Cell, CsvError};
-pub(super) use samples::{Samples, read_samples};
+pub(super) use samples::{RawRun, Sample, Samples, read_samples};
 
 /// Marks separate drives, each with its own clock.
 const RUN: &str = "run";

@@ -94,6 +94,14 @@ pub struct Samples {
 }
 
 impl Samples {
+    /// The cell of a channel in some line.
+    pub fn cell(&self, line: usize, channel: Channel) -> Cell {
+        Cell {
+            line,
+            ..self.places[CHANNELS + channel.index()].clone()
+        }
+    }
+
     /// The cell of the time in some line.
     pub fn time_cell(&self, line: usize) -> Cell {
         Cell {

@@ -1,9 +1,14 @@
 //! From a file to a [`Recording`]: what is unambiguous is put right and noted, what is not is
 //! refused with its place.
 
+mod agreement;
+mod clock;
 mod error;
+mod limits;
 mod order;
+mod signs;
 mod turns;
+mod units;
 
 pub use error::RecordingError;
 
@@ -53,7 +58,13 @@ fn parse_recording(
     let mut samples = read_samples(file, bytes)?;
     let mut notes = words(&samples);
     notes.extend(restarts(&samples));
-    order::check(&samples)?;
+    notes.extend(order::settle(&mut samples)?);
+    notes.extend(clock::to_seconds(&mut samples)?);
+    notes.extend(limits::drop_outliers(&mut samples, limits::ANY_UNIT));
+    notes.extend(units::convert(&mut samples, &about));
+    notes.extend(limits::drop_outliers(&mut samples, 1.0));
+    limits::check(&samples)?;
+    notes.extend(signs::settle(&mut samples));
     notes.extend(turns::unwrap(&mut samples));
     let runs = samples.runs.iter().map(|raw| {
         let run = Run::new(raw.label.clone());
@@ -71,31 +82,40 @@ fn parse_recording(
     })
 }
 
+/// A note on something that happened, if it did: number of places, and the first one's line.
+fn note(
+    kind: NoteKind,
+    channel: Option<Channel>,
+    (count, line): (usize, usize),
+    text: String,
+) -> Option<Note> {
+    (count > 0).then_some(Note {
+        kind,
+        channel,
+        count,
+        line,
+        text,
+    })
+}
+
 /// Cells that say that there is no number.
 fn words(samples: &Samples) -> Vec<Note> {
-    let note = |channel: Channel| {
+    let of = |channel: Channel| {
         let (count, line) = samples.words[channel.index()]?;
-        Some(Note {
-            kind: NoteKind::NotANumber,
-            channel: Some(channel),
-            count,
-            line,
-            text: format!("{count} cells say nan or the like; taken as missing"),
-        })
+        let text = format!("{count} cells say nan or the like; taken as missing");
+        note(NoteKind::NotANumber, Some(channel), (count, line), text)
     };
-    Channel::ALL.into_iter().filter_map(note).collect()
+    Channel::ALL.into_iter().filter_map(of).collect()
 }
 
 fn restarts(samples: &Samples) -> Option<Note> {
     let (count, line) = samples.restarts?;
-    Some(Note {
-        kind: NoteKind::Restarted,
-        channel: None,
-        count,
-        line,
-        text: format!("starts anew {count} times under the same run; taken as runs of their own"),
-    })
+    let text = format!("starts anew {count} times under the same run; taken as runs of their own");
+    note(NoteKind::Restarted, None, (count, line), text)
 }
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod repair_tests;
