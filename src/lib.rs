@@ -28,7 +28,8 @@
 //! with the feature `fmu`. [`effects`] are what the paper leaves out; contact and vehicle use them.
 //! [`recording`] stands beside them, and knows of vehicles and terrains only how they are described;
 //! `import` makes recordings from robots' logs, [`inspection`] looks at one, `report` shows what
-//! it saw, and [`identification`] judges models by them. Everything inside is SI and radians; frames and signs are stated in [`vehicle`].
+//! it saw, [`identification`] judges models by them, and `fit` fits models to them. Everything inside
+//! is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
 //! - `cli` (default): the tool `ugv`, reading CSV and robots' logs (`import`), and [`package`],
@@ -38,6 +39,8 @@
 pub mod contact;
 pub mod declaration;
 pub mod effects;
+#[cfg(feature = "cli")]
+pub mod fit;
 #[cfg(feature = "fmu")]
 pub mod fmu;
 pub mod identification;

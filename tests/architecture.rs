@@ -30,6 +30,18 @@ const EDGES: &[(&str, &[&str])] = &[
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],
     ),
+    (
+        "fit",
+        &[
+            "effects",
+            "parameter",
+            "recording",
+            "simulation",
+            "spelling",
+            "terrain",
+            "vehicle",
+        ],
+    ),
     ("package", &["declaration", "simulation"]),
     ("lib", &[]),
     ("main", &["cli"]),

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use ugv_terrain::fit::FitError;
 use ugv_terrain::identification::IdentificationError;
 use ugv_terrain::import::ImportError;
 use ugv_terrain::json::JsonError;
@@ -35,6 +36,10 @@ pub enum Failure {
     Json { path: PathBuf, source: JsonError },
     /// A file that is no recording.
     Recording(CsvError),
+    /// A recording or the file beside it that cannot be read.
+    ReadRecording(RecordingError),
+    /// Recordings that nothing can be fitted to.
+    Fit(FitError),
     /// A robot's log that gives no recording.
     Import(ImportError),
     /// A recording by which nothing can be judged.
@@ -54,7 +59,7 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Self::Simulation(SimulationError::NotFinite { .. }) => BAD_INPUT,
-            Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
+            Self::Fit(FitError::NotFinite) | Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
             _ => BAD_INPUT,
         }
     }
@@ -144,6 +149,8 @@ impl fmt::Display for Failure {
             Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
             Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Recording(error) => error.fmt(f),
+            Self::ReadRecording(error) => error.fmt(f),
+            Self::Fit(error) => error.fmt(f),
             Self::Import(error) => error.fmt(f),
             Self::Identification(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
@@ -160,6 +167,7 @@ impl Error for Failure {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Json { source, .. } => source.source(),
             Self::Recording(error) => error.source(),
+            Self::ReadRecording(error) => error.source(),
             Self::Import(error) => error.source(),
             Self::Simulation(error) => error.source(),
             _ => None,

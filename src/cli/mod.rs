@@ -2,6 +2,7 @@
 
 mod completions;
 mod failure;
+mod fit;
 mod import;
 mod initial;
 mod inspect;
@@ -40,6 +41,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Fit(fit::Args),
     Import(import::Args),
     Inspect(inspect::Args),
     Score(score::Args),
@@ -59,6 +61,7 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Score(args) => score::run(&args),
