@@ -20,13 +20,16 @@ const EDGES: [(&str, &[&str]); 15] = [
         "json",
         &["effects", "parameter", "spelling", "terrain", "vehicle"],
     ),
-    ("declaration", &["json", "terrain", "vehicle"]),
+    (
+        "declaration",
+        &["effects", "json", "parameter", "terrain", "vehicle"],
+    ),
     ("recording", &["spelling"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],
     ),
-    ("package", &["declaration", "simulation"]),
+    ("package", &["declaration", "effects", "simulation"]),
     ("lib", &[]),
     ("main", &["cli"]),
 ];

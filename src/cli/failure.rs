@@ -29,7 +29,7 @@ pub enum Failure {
     },
     /// A file that cannot be read.
     Read { path: PathBuf, source: io::Error },
-    /// A file that describes no vehicle or terrain.
+    /// A file that describes no vehicle, terrain, effects or model.
     Json { path: PathBuf, source: JsonError },
     /// A file that is no recording.
     Recording(CsvError),
@@ -93,7 +93,7 @@ impl Failure {
                 names.first()?
             )),
             Self::Json { .. } => Some(
-                "`ugv vehicle` and `ugv terrains NAME` print files that are right".into(),
+                "`ugv vehicle`, `ugv terrains NAME`, `ugv effects NAME` and `ugv model` print files that are right".into(),
             ),
             Self::Simulation(SimulationError::Balance {
                 source: BalanceError::Bogged { .. },

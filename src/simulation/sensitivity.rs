@@ -171,6 +171,7 @@ impl Variation {
                 Direction::Memory(index) => (&mut a, State::COUNT + index, 1.0),
                 // What came later came with the speed of before.
                 Direction::WheelSpeed(side) => (&mut b, columns - 1, -[rates.left, rates.right][side]),
+                Direction::Time => continue,
                 Direction::Parameter(_) => {
                     parameter += 1;
                     (&mut b, parameter - 1, 1.0)
