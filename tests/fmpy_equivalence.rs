@@ -399,7 +399,12 @@ fn fmpy_gets_the_bits_of_the_library_with_a_vehicle_and_soil_of_ones_own() {
     };
     let vehicle = file("vehicle.json", VEHICLE.as_bytes());
     let soil = file("soil.json", SOIL.as_bytes());
-    let arguments = ["--vehicle".as_ref(), vehicle.as_os_str(), "--terrain".as_ref(), soil.as_os_str()];
+    let arguments = [
+        "--vehicle".as_ref(),
+        vehicle.as_os_str(),
+        "--terrain".as_ref(),
+        soil.as_os_str(),
+    ];
     let packaged = package(&fmu, &python, folder.path(), &arguments);
     let case = Case {
         name: "two rows on a soil of one's own",
@@ -437,12 +442,15 @@ fn fmpy_gets_the_bits_of_the_library_with_effects_that_remember() {
     std::fs::write(&file, MODEL).unwrap();
     let arguments = ["--model".as_ref(), file.as_os_str()];
     let packaged = package(&fmu, &python, folder.path(), &arguments);
-    let description = String::from_utf8(support::member(&packaged, "modelDescription.xml")).unwrap();
+    let description =
+        String::from_utf8(support::member(&packaged, "modelDescription.xml")).unwrap();
     assert!(description.contains("<CoSimulation") && !description.contains("<ModelExchange"));
     assert!(description.contains("wheel[6].load") && !description.contains("wheel[7].load"));
     let model = Specification::from_json(MODEL).unwrap();
     let stronger = model.effects.clone().with("multipass.stiffness_ratio", 4.0);
-    let stronger = stronger.and_then(|e| e.with("transient_shear.relaxation", 0.0)).unwrap();
+    let stronger = stronger
+        .and_then(|e| e.with("transient_shear.relaxation", 0.0))
+        .unwrap();
     let cases = [
         Case {
             name: "effects that remember",
@@ -452,8 +460,14 @@ fn fmpy_gets_the_bits_of_the_library_with_effects_that_remember() {
         },
         Case {
             name: "effects that remember, otherwise",
-            model: Specification { effects: stronger, ..model },
-            initial: State { v_x: 0.4, ..State::default() },
+            model: Specification {
+                effects: stronger,
+                ..model
+            },
+            initial: State {
+                v_x: 0.4,
+                ..State::default()
+            },
             start: json!({
                 "initial.v_x": 0.4, "effects.multipass.stiffness_ratio": 4.0,
                 "effects.transient_shear.relaxation": 0.0,

@@ -43,7 +43,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             explain(effect);
             for (place, declared) in effect.parameters.iter().enumerate() {
                 if let Some(parameter) = ParameterName::at(index, place) {
-                    effects.set(parameter, typical(declared)).map_err(Failure::Model)?;
+                    effects
+                        .set(parameter, typical(declared))
+                        .map_err(Failure::Model)?;
                 }
             }
         }
@@ -84,7 +86,11 @@ fn range(declared: &ParameterDeclaration) -> String {
 
 /// What the value means where none is given.
 fn state(declared: &ParameterDeclaration) -> String {
-    let kind = if declared.switches { "off at" } else { "default" };
+    let kind = if declared.switches {
+        "off at"
+    } else {
+        "default"
+    };
     format!("{kind} {}", declared.default)
 }
 
@@ -118,7 +124,11 @@ fn typical(declared: &ParameterDeclaration) -> f64 {
         Prior::Normal { mean, deviation } => (mean, mean + deviation),
         Prior::LogNormal { median, deviation } => (median, median * deviation.exp()),
     };
-    let chosen = if centre == declared.default { beside } else { centre };
+    let chosen = if centre == declared.default {
+        beside
+    } else {
+        centre
+    };
     let digits = 10_f64.powf(1.0 - chosen.abs().log10().floor());
     ((chosen * digits).round() / digits).clamp(declared.low, declared.high)
 }
@@ -142,11 +152,20 @@ mod tests {
 
     #[test]
     fn typical_values_are_short() {
-        let slope = ParameterName::find("grade.slope_east").unwrap().declaration().1;
+        let slope = ParameterName::find("grade.slope_east")
+            .unwrap()
+            .declaration()
+            .1;
         assert_eq!(typical(slope), 0.05);
-        let ratio = ParameterName::find("left_right_soil.ratio").unwrap().declaration().1;
+        let ratio = ParameterName::find("left_right_soil.ratio")
+            .unwrap()
+            .declaration()
+            .1;
         assert_eq!(typical(ratio), 1.5);
-        let hitch = ParameterName::find("drawbar.hitch_height").unwrap().declaration().1;
+        let hitch = ParameterName::find("drawbar.hitch_height")
+            .unwrap()
+            .declaration()
+            .1;
         assert_eq!(typical(hitch), 0.3);
     }
 }

@@ -75,7 +75,11 @@ impl ModelArgs {
 
     /// What the vehicle drives on, for people: the terrain's name or the model's file.
     pub fn ground(&self) -> String {
-        self.model.as_ref().unwrap_or(&self.terrain).to_string_lossy().into_owned()
+        self.model
+            .as_ref()
+            .unwrap_or(&self.terrain)
+            .to_string_lossy()
+            .into_owned()
     }
 }
 

@@ -74,7 +74,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let limits = if remembering.is_empty() {
         String::new()
     } else {
-        format!(", for co-simulation alone ({} add states)", remembering.join(", "))
+        format!(
+            ", for co-simulation alone ({} add states)",
+            remembering.join(", ")
+        )
     };
     tell(&format!(
         "{} written, for {}{limits}",
@@ -101,7 +104,10 @@ fn configuration(args: &Args) -> Result<Configuration, Failure> {
     } else {
         let mut configuration = Configuration::default();
         configuration.vehicle = args.model.vehicle()?;
-        if !terrain.to_str().is_some_and(|name| configuration.select(name)) {
+        if !terrain
+            .to_str()
+            .is_some_and(|name| configuration.select(name))
+        {
             configuration.select_custom(load_terrain(terrain)?);
         }
         args.model.replace_effects(&mut configuration.effects)?;

@@ -1,8 +1,8 @@
 //! `ugv terrains`, `ugv vehicle` and `ugv model`: the presets as JSON, to copy and edit, and what is
 //! made of them.
 
-use super::{Failure, model};
 use super::output::write_stdout;
+use super::{Failure, model};
 use clap::builder::PossibleValuesParser;
 use std::fmt::Write;
 use ugv_terrain::terrain::Terrain;

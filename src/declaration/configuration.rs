@@ -2,9 +2,9 @@
 //! effects.
 
 use super::Quantity;
-use crate::effects::{CATALOGUE, Effects};
 #[cfg(feature = "fmu")]
 use crate::effects::ParameterName;
+use crate::effects::{CATALOGUE, Effects};
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
 use crate::vehicle::{Specification, Vehicle};
@@ -88,9 +88,8 @@ impl Configuration {
     #[must_use]
     pub fn remembering(&self) -> Vec<&'static str> {
         let numbered = CATALOGUE.iter().enumerate();
-        let on = numbered.filter(|(effect, _)| {
-            self.effects.remembers(*effect) && self.effects.is_on(*effect)
-        });
+        let on = numbered
+            .filter(|(effect, _)| self.effects.remembers(*effect) && self.effects.is_on(*effect));
         on.map(|(_, declaration)| declaration.name).collect()
     }
 
@@ -224,7 +223,9 @@ mod tests {
             assert!(configuration.set_parameter(quantity, 29.3));
             assert_eq!(configuration.parameter(quantity), Some(29.3));
         }
-        let payload = ParameterName::find("payload.mass").map(Quantity::Effect).unwrap();
+        let payload = ParameterName::find("payload.mass")
+            .map(Quantity::Effect)
+            .unwrap();
         assert!(configuration.set_parameter(payload, 29.3));
         assert_eq!(configuration.parameter(payload), Some(29.3));
         assert!(!configuration.set_parameter(payload, -1.0));

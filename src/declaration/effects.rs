@@ -54,7 +54,9 @@ fn attributes(configuration: &Configuration, parameter: ParameterName) -> &'stat
 /// The variables of the effects that an FMU offers.
 pub(super) fn variables(configuration: &Configuration) -> impl Iterator<Item = Variable> {
     let effects = (0..CATALOGUE.len()).filter(|effect| offered(configuration, *effect));
-    let places = effects.flat_map(|effect| (0..CATALOGUE[effect].parameters.len()).map(move |place| (effect, place)));
+    let places = effects.flat_map(|effect| {
+        (0..CATALOGUE[effect].parameters.len()).map(move |place| (effect, place))
+    });
     places.filter_map(|(effect, place)| {
         let parameter = ParameterName::at(effect, place)?;
         Some(Variable {
@@ -74,8 +76,12 @@ pub(super) fn find(
     let offset = reference.checked_sub(FIRST)?;
     let (effect, place) = (offset / PER_EFFECT, offset % PER_EFFECT);
     let parameter = ParameterName::at(effect as usize, place as usize)?;
-    offered(configuration, effect as usize)
-        .then(|| (Quantity::Effect(parameter), attributes(configuration, parameter)))
+    offered(configuration, effect as usize).then(|| {
+        (
+            Quantity::Effect(parameter),
+            attributes(configuration, parameter),
+        )
+    })
 }
 
 #[cfg(test)]
@@ -89,7 +95,9 @@ mod tests {
             effects,
             ..Configuration::default()
         };
-        variables(&configuration).map(|v| (v.name, v.attributes.unit)).collect()
+        variables(&configuration)
+            .map(|v| (v.name, v.attributes.unit))
+            .collect()
     }
 
     #[test]
@@ -107,11 +115,18 @@ mod tests {
         let plain = names(Effects::NONE);
         assert_eq!(plain[0], ("effects.grade.slope_east".into(), "rad"));
         assert!(plain.contains(&("effects.terrain_change.position".into(), "m")));
-        for absent in ["effects.multipass.memory", "effects.transient_shear.relaxation", "effects.latency.pose"] {
+        for absent in [
+            "effects.multipass.memory",
+            "effects.transient_shear.relaxation",
+            "effects.latency.pose",
+        ] {
             assert!(plain.iter().all(|(name, _)| name != absent), "{absent}");
         }
         let on = names(Effects::NONE.with("multipass.memory", 1.0).unwrap());
-        assert!(on.iter().any(|(name, _)| name == "effects.multipass.stiffness_ratio"));
+        assert!(
+            on.iter()
+                .any(|(name, _)| name == "effects.multipass.stiffness_ratio")
+        );
         assert_eq!(on.len(), plain.len() + 2);
         let mut timed = Effects::NONE;
         timed.boundary = Boundary::Time;

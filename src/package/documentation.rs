@@ -28,7 +28,11 @@ fn effects(configuration: &Configuration) -> Vec<String> {
     let numbered = CATALOGUE.iter().enumerate();
     let physics = numbered.filter(|(_, effect)| effect.kind == EffectKind::Physics);
     let row = |(index, effect): (usize, &&Declaration)| {
-        let on = if configuration.effects.is_on(index) { "on" } else { "" };
+        let on = if configuration.effects.is_on(index) {
+            "on"
+        } else {
+            ""
+        };
         format!(
             "<tr><td><code>{}</code></td><td>{on}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
             effect.name,

@@ -2,6 +2,7 @@
 
 #![cfg(feature = "cli")]
 
+mod effects;
 mod refusals;
 mod simulate;
 mod streams;

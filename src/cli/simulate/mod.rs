@@ -120,8 +120,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let elapsed = summary.started.elapsed();
 
     if let (Some(trace), Some(mut picture)) = (&trace, picture) {
-        let svg =
-            plot::draw(trace, &args.model.ground()).map_err(Failure::Plot)?;
+        let svg = plot::draw(trace, &args.model.ground()).map_err(Failure::Plot)?;
         picture
             .write_all(svg.as_bytes())
             .map_err(|source| picture.failure(source))?;
