@@ -41,7 +41,7 @@ enum Command {
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
     Effects(effects::Args),
-    Model(presets::ModelArgs),
+    Model(presets::WholeModelArgs),
     Completions(completions::Args),
 }
 

@@ -40,12 +40,12 @@ Examples:
 /// Print vehicle, terrain and effects as one JSON, as --model takes it.
 #[derive(clap::Args)]
 #[command(after_help = MODEL_EXAMPLES)]
-pub struct ModelArgs {
+pub struct WholeModelArgs {
     #[command(flatten)]
     model: model::ModelArgs,
 }
 
-pub fn model(args: &ModelArgs) -> Result<(), Failure> {
+pub fn model(args: &WholeModelArgs) -> Result<(), Failure> {
     let specification = args.model.specification()?;
     // Refuses what does not fit together.
     VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
