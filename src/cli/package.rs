@@ -102,8 +102,10 @@ fn configuration(args: &Args) -> Result<Configuration, Failure> {
     let configuration = if model.is_some() {
         Configuration::from_specification(args.model.specification()?)
     } else {
-        let mut configuration = Configuration::default();
-        configuration.vehicle = args.model.vehicle()?;
+        let mut configuration = Configuration {
+            vehicle: args.model.vehicle()?,
+            ..Configuration::default()
+        };
         if !terrain
             .to_str()
             .is_some_and(|name| configuration.select(name))

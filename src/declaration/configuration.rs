@@ -60,10 +60,12 @@ impl Configuration {
     /// A model on its own soil, which becomes the custom one and is chosen.
     #[must_use]
     pub fn from_specification(specification: Specification) -> Self {
-        let mut configuration = Self::default();
-        configuration.vehicle = specification.vehicle;
+        let mut configuration = Self {
+            vehicle: specification.vehicle,
+            effects: specification.effects,
+            ..Self::default()
+        };
         configuration.select_custom(specification.terrain);
-        configuration.effects = specification.effects;
         configuration
     }
 
