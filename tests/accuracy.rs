@@ -239,7 +239,7 @@ fn the_jacobian_is_right_where_wheels_just_begin_to_slip() {
                 v_x: 1.0,
                 ..Motion::default()
             };
-            let slope = simulation.wrench_derivative(&ahead).unwrap().a_x;
+            let slope = simulation.wrench_derivative(&ahead, [0.0; 3]).unwrap().a_x;
             (simulation.wrench().unwrap().a_x, slope)
         };
         for excess in [

@@ -20,12 +20,15 @@ const EDGES: &[(&str, &[&str])] = &[
         "json",
         &["effects", "parameter", "spelling", "terrain", "vehicle"],
     ),
-    ("declaration", &["json", "terrain", "vehicle"]),
     ("import", &["spelling"]),
     ("recording", &["json", "spelling", "terrain", "vehicle"]),
     ("identification", &["recording", "simulation", "vehicle"]),
     ("inspection", &["recording"]),
     ("report", &["inspection", "recording"]),
+    (
+        "declaration",
+        &["effects", "json", "parameter", "terrain", "vehicle"],
+    ),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],
@@ -42,7 +45,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "vehicle",
         ],
     ),
-    ("package", &["declaration", "simulation"]),
+    ("package", &["declaration", "effects", "simulation"]),
     ("lib", &[]),
     ("main", &["cli"]),
 ];

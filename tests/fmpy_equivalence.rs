@@ -7,12 +7,13 @@ mod support;
 
 use serde_json::{Value, json};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use ugv_terrain::declaration::{Causality, Quantity, Variable, variables};
+use ugv_terrain::declaration::{Causality, Configuration, Quantity, Variable, variables};
+use ugv_terrain::effects::Effects;
 use ugv_terrain::simulation::{Simulation, State, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Vehicle, VehicleModel};
+use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
 
 /// Step sizes \[s\], taken in turn: from 0.1 ms to 100 ms, most of them no binary fractions.
 const STEPS: [f64; 9] = [
@@ -66,11 +67,10 @@ const AFTER: [Phase; 5] = [
     (0.3, [0.0, 0.0], How::Jump),
 ];
 
-/// A vehicle on a terrain as the FMU is told of it and as the library knows it.
+/// A model as the FMU is told of it and as the library knows it.
 struct Case {
     name: &'static str,
-    vehicle: Vehicle,
-    terrain: Terrain,
+    model: Specification,
     initial: State,
     /// Start values of the FMU that make it the same.
     start: Value,
@@ -89,14 +89,14 @@ struct Drive {
 
 impl Drive {
     fn new(case: &Case) -> Self {
-        let model = VehicleModel::new(case.vehicle.clone(), case.terrain).unwrap();
+        let model = VehicleModel::from_specification(&case.model).unwrap();
         let mut simulation = Simulation::new(model);
         simulation.set_state(case.initial).unwrap();
         let read = |v: &Variable| v.attributes.causality != Causality::Parameter;
-        let rows = case.vehicle.row_positions.len();
+        let configuration = Configuration::from_specification(case.model.clone());
         let mut drive = Self {
             simulation,
-            variables: variables(rows).into_iter().filter(read).collect(),
+            variables: variables(&configuration).into_iter().filter(read).collect(),
             saved: None,
             steps: 0,
             operations: Vec::new(),
@@ -294,8 +294,7 @@ fn fmpy_gets_the_bits_of_the_library_on_every_terrain() {
         .zip(1..)
         .map(|(name, number)| Case {
             name,
-            vehicle: Vehicle::tran2007(),
-            terrain: Terrain::preset(name).unwrap(),
+            model: Specification::plain(Vehicle::tran2007(), Terrain::preset(name).unwrap()),
             initial: State::default(),
             start: json!({"terrain": number}),
         })
@@ -303,7 +302,7 @@ fn fmpy_gets_the_bits_of_the_library_on_every_terrain() {
     let soil = Terrain {
         cohesion: 2500.0,
         friction_angle: 21.3_f64.to_radians(),
-        ..cases[1].terrain
+        ..cases[1].model.terrain
     };
     let vehicle = Vehicle {
         mass: 433.3,
@@ -312,8 +311,7 @@ fn fmpy_gets_the_bits_of_the_library_on_every_terrain() {
     };
     cases.push(Case {
         name: "parameters",
-        vehicle,
-        terrain: soil,
+        model: Specification::plain(vehicle, soil),
         initial: State {
             x: -3.0,
             heading: 2.1,
@@ -330,7 +328,57 @@ fn fmpy_gets_the_bits_of_the_library_on_every_terrain() {
             "initial.x": -3.0, "initial.heading": 2.1, "initial.v_x": 1.3, "initial.yaw_rate": -0.2,
         }),
     });
+    let mut effects = Effects::NONE;
+    let mut start = json!({"terrain": 3});
+    for (name, value) in [
+        ("grade.slope_east", 0.06),
+        ("grade.slope_north", -0.11),
+        ("terrain_change.stiffness_factor", 0.4),
+        ("terrain_change.position", 0.7),
+        ("left_right_soil.ratio", 1.4),
+        ("payload.mass", 70.0),
+        ("payload.left", 0.2),
+        ("drag.coefficient", 30.0),
+        ("stress_peak.a0", 0.43),
+    ] {
+        effects = effects.with(name, value).unwrap();
+        start[format!("effects.{name}")] = value.into();
+    }
+    cases.push(Case {
+        name: "effects as parameters",
+        model: Specification {
+            effects,
+            ..cases[2].model.clone()
+        },
+        initial: State::default(),
+        start,
+    });
     compare(&fmu, &python, &cases);
+}
+
+/// Packages an FMU with the library of another, and has fmpy look for faults in it.
+fn package(fmu: &Path, python: &Path, folder: &Path, arguments: &[&std::ffi::OsStr]) -> PathBuf {
+    let library = folder.join("ugv.so");
+    std::fs::write(&library, support::member(fmu, "binaries/linux64/ugv.so")).unwrap();
+    let packaged = folder.join("own.fmu");
+    let status = Command::new(env!("CARGO_BIN_EXE_ugv"))
+        .arg("package")
+        .args(arguments)
+        .arg("--library")
+        .arg(format!("linux64={}", library.display()))
+        .arg("--output")
+        .arg(&packaged)
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let validated = Command::new(python)
+        .args(["-m", "fmpy", "validate"])
+        .arg(&packaged)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&validated.stdout);
+    assert!(validated.status.success(), "{said}");
+    packaged
 }
 
 #[test]
@@ -349,35 +397,82 @@ fn fmpy_gets_the_bits_of_the_library_with_a_vehicle_and_soil_of_ones_own() {
         std::fs::write(&path, content).unwrap();
         path
     };
-    let library = support::member(&fmu, "binaries/linux64/ugv.so");
-    let library = file("ugv.so", &library);
-    let packaged = folder.path().join("own.fmu");
-    let status = Command::new(env!("CARGO_BIN_EXE_ugv"))
-        .arg("package")
-        .arg("--vehicle")
-        .arg(file("vehicle.json", VEHICLE.as_bytes()))
-        .arg("--terrain")
-        .arg(file("soil.json", SOIL.as_bytes()))
-        .arg("--library")
-        .arg(format!("linux64={}", library.display()))
-        .arg("--output")
-        .arg(&packaged)
-        .status()
-        .unwrap();
-    assert!(status.success());
-    let validated = Command::new(&python)
-        .args(["-m", "fmpy", "validate"])
-        .arg(&packaged)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&validated.stdout);
-    assert!(validated.status.success(), "{said}");
+    let vehicle = file("vehicle.json", VEHICLE.as_bytes());
+    let soil = file("soil.json", SOIL.as_bytes());
+    let arguments = [
+        "--vehicle".as_ref(),
+        vehicle.as_os_str(),
+        "--terrain".as_ref(),
+        soil.as_os_str(),
+    ];
+    let packaged = package(&fmu, &python, folder.path(), &arguments);
     let case = Case {
         name: "two rows on a soil of one's own",
-        vehicle: Vehicle::from_json(VEHICLE).unwrap(),
-        terrain: Terrain::from_json(SOIL).unwrap(),
+        model: Specification::plain(
+            Vehicle::from_json(VEHICLE).unwrap(),
+            Terrain::from_json(SOIL).unwrap(),
+        ),
         initial: State::default(),
         start: json!({}),
     };
     compare(&packaged, &python, &[case]);
+}
+
+/// A vehicle of three rows on a soil of its own, with effects that remember and slopes over time.
+const MODEL: &str = r#"{"format": "ugv-model/1",
+    "vehicle": {"mass": 240, "yaw_inertia": 71.5, "wheel_radius": 0.2, "wheel_width": 0.17,
+        "row_positions": [0.5, 0.05, -0.45], "half_track": 0.42, "com_offset": 0.02, "com_height": 0.3},
+    "terrain": {"cohesion": 2900, "friction_angle_deg": 27.3, "cohesive_modulus": 6200.5,
+        "frictional_modulus": 1410000, "sinkage_exponent": 0.91, "shear_modulus": 0.0145},
+    "effects": {
+        "grade": {"slope_north": 0.04, "profile": {"over": "time",
+            "points": [[0, 0, 0], [1.5, 0.12, 0], [4, -0.1, 0.05]]}},
+        "left_right_soil": {"ratio": 1.25},
+        "multipass": {"memory": 0.9},
+        "transient_shear": {"relaxation": 1.0},
+        "payload": {"mass": 35, "ahead": 0.1, "left": -0.15}}}"#;
+
+#[test]
+fn fmpy_gets_the_bits_of_the_library_with_effects_that_remember() {
+    let (Some(fmu), Some(python)) = (support::fmu(), support::python()) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("model.json");
+    std::fs::write(&file, MODEL).unwrap();
+    let arguments = ["--model".as_ref(), file.as_os_str()];
+    let packaged = package(&fmu, &python, folder.path(), &arguments);
+    let description =
+        String::from_utf8(support::member(&packaged, "modelDescription.xml")).unwrap();
+    assert!(description.contains("<CoSimulation") && !description.contains("<ModelExchange"));
+    assert!(description.contains("wheel[6].load") && !description.contains("wheel[7].load"));
+    let model = Specification::from_json(MODEL).unwrap();
+    let stronger = model.effects.clone().with("multipass.stiffness_ratio", 4.0);
+    let stronger = stronger
+        .and_then(|e| e.with("transient_shear.relaxation", 0.0))
+        .unwrap();
+    let cases = [
+        Case {
+            name: "effects that remember",
+            model: model.clone(),
+            initial: State::default(),
+            start: json!({}),
+        },
+        Case {
+            name: "effects that remember, otherwise",
+            model: Specification {
+                effects: stronger,
+                ..model
+            },
+            initial: State {
+                v_x: 0.4,
+                ..State::default()
+            },
+            start: json!({
+                "initial.v_x": 0.4, "effects.multipass.stiffness_ratio": 4.0,
+                "effects.transient_shear.relaxation": 0.0,
+            }),
+        },
+    ];
+    compare(&packaged, &python, &cases);
 }

@@ -91,6 +91,7 @@ static fmi2ValueReference reference(struct actor *a) {
     case 2: case 3: return 2000 + 16 * below(&a->random, 8) + below(&a->random, 7);
     case 4: return percent(&a->random, 70) ? below(&a->random, 13) : (fmi2ValueReference)draw(&a->random);
     case 5: case 6: return 2 + below(&a->random, 11);
+    case 7: return 500 + 16 * below(&a->random, 21) + below(&a->random, 7);
     default: return below(&a->random, 2);
     }
 }

@@ -10,8 +10,8 @@ use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
-use ugv_terrain::declaration::{Quantity, Variable, enumerations, variables};
-use ugv_terrain::vehicle::Vehicle;
+use ugv_terrain::declaration::{Configuration, Quantity, Variable, enumerations, variables};
+use ugv_terrain::effects::Effects;
 
 const HEADER: &str = "modelDescription/ugv.h";
 const PREAMBLE: &str = "\
@@ -42,10 +42,19 @@ fn generated() -> String {
     String::from_utf8(text).unwrap()
 }
 
+/// The paper's vehicle with the effects on whose parameters are no variables otherwise.
+fn configuration() -> Configuration {
+    let effects = Effects::NONE.with("multipass.memory", 1.0);
+    let effects = effects.and_then(|e| e.with("transient_shear.relaxation", 1.0));
+    Configuration {
+        effects: effects.unwrap(),
+        ..Configuration::default()
+    }
+}
+
 /// The value references, those of rows and wheels as functions of their number from 1.
 fn constants() -> String {
-    let rows = Vehicle::tran2007().row_positions.len();
-    let declared = variables(rows);
+    let declared = variables(&configuration());
     let of = |wanted: fn(&Variable) -> Option<usize>| -> Vec<(usize, &Variable)> {
         declared
             .iter()
@@ -126,7 +135,7 @@ fn every_variable_has_a_name_of_its_own() {
         .collect();
     let distinct: HashSet<&str> = names.iter().copied().collect();
     assert_eq!(names.len(), distinct.len());
-    let scalars = variables(2)
+    let scalars = variables(&configuration())
         .iter()
         .filter(|v| !v.name.contains('['))
         .count();

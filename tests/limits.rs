@@ -181,7 +181,7 @@ fn exact_derivatives_agree_with_differences() {
                 along[direction] = 1.0;
                 set(&mut simulation, &motion);
                 let exact = simulation
-                    .wrench_derivative(&Motion::from_array(along))
+                    .wrench_derivative(&Motion::from_array(along), [0.0; 3])
                     .unwrap()
                     .clone();
                 let at = |h: f64| {

@@ -32,7 +32,7 @@ pub enum Failure {
     },
     /// A file that cannot be read.
     Read { path: PathBuf, source: io::Error },
-    /// A file that describes no vehicle or terrain.
+    /// A file that describes no vehicle, terrain, effects or model.
     Json { path: PathBuf, source: JsonError },
     /// A file that is no recording.
     Recording(CsvError),
@@ -59,7 +59,10 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Self::Simulation(SimulationError::NotFinite { .. }) => BAD_INPUT,
-            Self::Fit(FitError::NotFinite) | Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
+            Self::Fit(FitError::NotFinite)
+            | Self::Simulation(_)
+            | Self::Write { .. }
+            | Self::Plot(_) => FAILED,
             _ => BAD_INPUT,
         }
     }
@@ -105,7 +108,7 @@ impl Failure {
                 names.first()?
             )),
             Self::Json { .. } => Some(
-                "`ugv vehicle` and `ugv terrains NAME` print files that are right".into(),
+                "`ugv vehicle`, `ugv terrains NAME`, `ugv effects NAME` and `ugv model` print files that are right".into(),
             ),
             Self::Simulation(SimulationError::Balance {
                 source: BalanceError::Bogged { .. },

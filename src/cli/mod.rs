@@ -1,6 +1,7 @@
 //! Arguments and output; no physics. One file per subcommand.
 
 mod completions;
+mod effects;
 mod failure;
 mod fit;
 mod import;
@@ -27,6 +28,8 @@ Examples:
   ugv score drive.csv          # how well do models predict what was recorded?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
+  ugv effects                  # physics that the paper leaves out, to switch on
+  ugv model --terrain soil.json --effects effects.json > model.json
 
 Exit status: 0 done; 1 the simulation or writing failed; 2 wrong arguments or input.";
 
@@ -48,6 +51,8 @@ enum Command {
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
+    Effects(effects::Args),
+    Model(presets::WholeModelArgs),
     Completions(completions::Args),
 }
 
@@ -68,6 +73,8 @@ pub fn run() -> Result<(), Failure> {
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),
+        Command::Effects(args) => effects::run(&args),
+        Command::Model(args) => presets::model(&args),
         Command::Completions(args) => completions::run(&args),
     }
 }

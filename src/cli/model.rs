@@ -1,13 +1,15 @@
-//! The arguments that name a vehicle and a terrain.
+//! The arguments that name a vehicle, a terrain and the effects besides the paper's physics.
 
-use super::Failure;
+use super::{Failure, tell};
 use std::fs;
 use std::path::{Path, PathBuf};
+use ugv_terrain::effects::{Effects, Kind};
+use ugv_terrain::json::JsonError;
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Vehicle, VehicleModel};
+use ugv_terrain::vehicle::{Specification, Vehicle};
 
-/// Which vehicle drives on which terrain.
+/// Which vehicle drives on which terrain, with which effects.
 #[derive(clap::Args)]
 pub struct ModelArgs {
     /// Vehicle, as `ugv vehicle` prints it; a file with one under the key `vehicle` will do
@@ -19,25 +21,77 @@ pub struct ModelArgs {
     /// prints it
     #[arg(long, value_name = "NAME|FILE.json", default_value = "clayed_soil")]
     pub terrain: PathBuf,
+
+    /// Vehicle, terrain and effects in one file, as `ugv model` prints it
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
+    pub model: Option<PathBuf>,
+
+    /// Physics that the paper leaves out, as `ugv effects NAME` prints it; takes the place of the
+    /// model's effects [default: none]
+    #[arg(long, value_name = "FILE.json")]
+    pub effects: Option<PathBuf>,
 }
 
 impl ModelArgs {
-    /// Reads what the arguments name.
-    pub fn load(&self) -> Result<VehicleModel, Failure> {
-        let vehicle = match &self.vehicle {
-            Some(path) => load_vehicle(path)?,
-            None => Vehicle::tran2007(),
+    /// Reads what the arguments name; whether it fits together is not checked.
+    pub fn specification(&self) -> Result<Specification, Failure> {
+        let mut specification = match &self.model {
+            Some(path) => read(path, Specification::from_json)?,
+            None => Specification::plain(self.vehicle()?, load_terrain(&self.terrain)?),
         };
-        VehicleModel::new(vehicle, load_terrain(&self.terrain)?).map_err(Failure::Model)
+        self.replace_effects(&mut specification.effects)?;
+        Ok(specification)
     }
+
+    /// The vehicle of the arguments, where they name no model.
+    pub fn vehicle(&self) -> Result<Vehicle, Failure> {
+        match &self.vehicle {
+            Some(path) => load_vehicle(path),
+            None => Ok(Vehicle::tran2007()),
+        }
+    }
+
+    /// Puts the effects of `--effects` in the place of a model's.
+    pub fn replace_effects(&self, effects: &mut Effects) -> Result<(), Failure> {
+        if let Some(path) = &self.effects {
+            let own = read(path, Effects::from_json)?;
+            if let (Some(model), false) = (&self.model, *effects == Effects::NONE) {
+                tell(&format!(
+                    "note: the effects of {} take the place of those in {} ({})",
+                    path.display(),
+                    model.display(),
+                    names(effects, Kind::Physics).unwrap_or("all of them off".into())
+                ));
+            }
+            *effects = own;
+        }
+        if let Some(names) = names(effects, Kind::Measurement) {
+            tell(&format!(
+                "note: {names} change what sensors report, not how the vehicle moves; left out here"
+            ));
+        }
+        Ok(())
+    }
+
+    /// What the vehicle drives on, for people: the terrain's name or the model's file.
+    pub fn ground(&self) -> String {
+        self.model
+            .as_ref()
+            .unwrap_or(&self.terrain)
+            .to_string_lossy()
+            .into_owned()
+    }
+}
+
+/// The effects of a kind that are on, if any is.
+pub fn names(effects: &Effects, kind: Kind) -> Option<String> {
+    let names: Vec<&str> = effects.on(kind).map(|effect| effect.name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 /// Reads a vehicle from a file.
 pub fn load_vehicle(path: &Path) -> Result<Vehicle, Failure> {
-    Vehicle::from_json(&read(path)?).map_err(|source| Failure::Json {
-        path: path.into(),
-        source,
-    })
+    read(path, Vehicle::from_json)
 }
 
 /// Takes a preset by its name, or reads a terrain from a file.
@@ -57,14 +111,15 @@ pub fn load_terrain(name: &Path) -> Result<Terrain, Failure> {
             hint: Some(format!("the nearest preset is --terrain {meant}")),
         });
     }
-    Terrain::from_json(&read(name)?).map_err(|source| Failure::Json {
-        path: name.into(),
-        source,
-    })
+    read(name, Terrain::from_json)
 }
 
-fn read(path: &Path) -> Result<String, Failure> {
-    fs::read_to_string(path).map_err(|source| Failure::Read {
+fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, JsonError>) -> Result<T, Failure> {
+    let text = fs::read_to_string(path).map_err(|source| Failure::Read {
+        path: path.into(),
+        source,
+    })?;
+    parse(&text).map_err(|source| Failure::Json {
         path: path.into(),
         source,
     })

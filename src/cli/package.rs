@@ -1,6 +1,6 @@
 //! `ugv package`: makes an FMU of a vehicle on a terrain.
 
-use super::model::{load_terrain, load_vehicle};
+use super::model::{ModelArgs, load_terrain};
 use super::{Failure, tell};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,22 +13,20 @@ const EXAMPLES: &str = "\
 Examples:
   ugv package
   ugv package --vehicle mine.json --terrain soil.json --output mine.fmu
+  ugv package --model model.json
   ugv package --library linux64=target/fmu/ugv.so --library win64=ugv.dll";
 
 /// Make an FMU of a vehicle on a terrain.
 ///
 /// The four terrains of the paper are in every FMU, to be chosen by its parameter `terrain`;
-/// a terrain from a file becomes its custom one.
+/// a terrain from a file, or a model's, becomes its custom one. An effect that adds states of its own
+/// (transient_shear, multipass, what is measured over the distance driven) makes the FMU one for
+/// co-simulation alone.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Vehicle, as `ugv vehicle` prints it [default: the vehicle of the paper]
-    #[arg(long, value_name = "FILE.json")]
-    vehicle: Option<PathBuf>,
-
-    /// Terrain to begin with: a preset, or a file as `ugv terrains NAME` prints it
-    #[arg(long, value_name = "NAME|FILE.json", default_value = "clayed_soil")]
-    terrain: PathBuf,
+    #[command(flatten)]
+    model: ModelArgs,
 
     /// The FMU to write
     #[arg(
@@ -72,8 +70,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .iter()
         .map(|(platform, _)| platform.name())
         .collect();
+    let remembering = configuration.remembering();
+    let limits = if remembering.is_empty() {
+        String::new()
+    } else {
+        format!(
+            ", for co-simulation alone ({} add states)",
+            remembering.join(", ")
+        )
+    };
     tell(&format!(
-        "{} written, for {}",
+        "{} written, for {}{limits}",
         args.output.display(),
         platforms.join(", ")
     ));
@@ -91,20 +98,25 @@ fn make_readable(file: &fs::File) -> std::io::Result<()> {
 }
 
 fn configuration(args: &Args) -> Result<Configuration, Failure> {
-    let mut configuration = Configuration::default();
-    if let Some(path) = &args.vehicle {
-        configuration.vehicle = load_vehicle(path)?;
-    }
-    if !args
-        .terrain
-        .to_str()
-        .is_some_and(|name| configuration.select(name))
-    {
-        configuration.select_custom(load_terrain(&args.terrain)?);
-    }
-    // Refuses a vehicle and a terrain that do not fit together.
-    VehicleModel::new(configuration.vehicle.clone(), *configuration.terrain())
-        .map_err(Failure::Model)?;
+    let ModelArgs { model, terrain, .. } = &args.model;
+    let configuration = if model.is_some() {
+        Configuration::from_specification(args.model.specification()?)
+    } else {
+        let mut configuration = Configuration {
+            vehicle: args.model.vehicle()?,
+            ..Configuration::default()
+        };
+        if !terrain
+            .to_str()
+            .is_some_and(|name| configuration.select(name))
+        {
+            configuration.select_custom(load_terrain(terrain)?);
+        }
+        args.model.replace_effects(&mut configuration.effects)?;
+        configuration
+    };
+    // Refuses what does not fit together.
+    VehicleModel::from_specification(&configuration.specification()).map_err(Failure::Model)?;
     Ok(configuration)
 }
 

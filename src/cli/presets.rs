@@ -1,11 +1,12 @@
-//! `ugv terrains` and `ugv vehicle`: the presets as JSON, to copy and edit.
+//! `ugv terrains`, `ugv vehicle` and `ugv model`: the presets as JSON, to copy and edit, and what is
+//! made of them.
 
-use super::Failure;
 use super::output::write_stdout;
+use super::{Failure, model};
 use clap::builder::PossibleValuesParser;
 use std::fmt::Write;
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::Vehicle;
+use ugv_terrain::vehicle::{Vehicle, VehicleModel};
 
 const TERRAINS_EXAMPLES: &str = "\
 Examples:
@@ -29,6 +30,27 @@ Examples:
 #[derive(clap::Args)]
 #[command(after_help = VEHICLE_EXAMPLES)]
 pub struct VehicleArgs {}
+
+const MODEL_EXAMPLES: &str = "\
+Examples:
+  ugv model --vehicle mine.json --terrain dry_sand --effects effects.json > model.json
+  ugv simulate --model model.json ...
+  ugv package --model model.json";
+
+/// Print vehicle, terrain and effects as one JSON, as --model takes it.
+#[derive(clap::Args)]
+#[command(after_help = MODEL_EXAMPLES)]
+pub struct WholeModelArgs {
+    #[command(flatten)]
+    model: model::ModelArgs,
+}
+
+pub fn model(args: &WholeModelArgs) -> Result<(), Failure> {
+    let specification = args.model.specification()?;
+    // Refuses what does not fit together.
+    VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
+    write_stdout(&specification.to_json())
+}
 
 pub fn terrains(args: &TerrainsArgs) -> Result<(), Failure> {
     match args.name.as_deref().and_then(Terrain::preset) {

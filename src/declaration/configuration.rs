@@ -1,12 +1,13 @@
-//! What an FMU is made for: a vehicle, the terrains to choose from, and the one to begin with.
+//! What an FMU is made for: a vehicle, the terrains to choose from, the one to begin with, and the
+//! effects.
 
 use super::Quantity;
-use crate::json::JsonError;
+#[cfg(feature = "fmu")]
+use crate::effects::ParameterName;
+use crate::effects::{CATALOGUE, Effects};
+use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
-use crate::vehicle::Vehicle;
-use serde_json::{Value, json};
-use std::fmt;
-use uuid::Uuid;
+use crate::vehicle::{Specification, Vehicle};
 
 /// Names of the terrains in the order of their numbers, from 1.
 pub const TERRAIN_NAMES: [&str; 5] = [
@@ -19,11 +20,11 @@ pub const TERRAIN_NAMES: [&str; 5] = [
 
 const CLAYED_SOIL: usize = 2;
 /// Position of the custom soil in [`TERRAIN_NAMES`].
-const CUSTOM: usize = 4;
+pub(super) const CUSTOM: usize = 4;
 /// The one parameter that is not kept in the unit that it is set in.
 const FRICTION_ANGLE: Quantity = Quantity::Soil(1);
 
-/// The vehicle and terrains that an FMU starts with; they travel in its `resources/`.
+/// The vehicle, terrains and effects that an FMU starts with; they travel in its `resources/`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// The vehicle.
@@ -32,41 +33,12 @@ pub struct Configuration {
     pub terrains: [Terrain; 5],
     /// Which of them is chosen, from 0.
     pub selected: usize,
+    /// The physics beside the paper's.
+    pub effects: Effects,
 }
-
-/// Why a folder describes no configuration.
-#[derive(Debug)]
-pub enum ConfigurationError {
-    /// A file that is there but cannot be read.
-    Io(&'static str, std::io::Error),
-    /// A file that says something else than it should.
-    Json(&'static str, JsonError),
-    /// A file without the name of a terrain.
-    Selection(&'static str),
-}
-
-impl fmt::Display for ConfigurationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Io(file, error) => write!(f, "resources/{file} cannot be read: {error}"),
-            Self::Json(file, error) => write!(f, "resources/{file}: {error}"),
-            Self::Selection(file) => write!(
-                f,
-                "resources/{file}: \"selected\" must be one of {}",
-                TERRAIN_NAMES.join(", ")
-            ),
-        }
-    }
-}
-
-impl std::error::Error for ConfigurationError {}
-
-const VEHICLE_FILE: &str = "vehicle.json";
-const TERRAINS_FILE: &str = "terrains.json";
-const SELECTION_FILE: &str = "terrain.json";
 
 impl Default for Configuration {
-    /// The paper's vehicle and terrains, on clayed soil.
+    /// The paper's vehicle and terrains, on clayed soil, without effects.
     fn default() -> Self {
         let presets = Terrain::PRESETS
             .map(|name| Terrain::preset(name).expect("the presets are in the crate, and tested"));
@@ -75,13 +47,52 @@ impl Default for Configuration {
 }
 
 impl Configuration {
-    fn new(vehicle: Vehicle, presets: [Terrain; 4]) -> Self {
+    pub(super) fn new(vehicle: Vehicle, presets: [Terrain; 4]) -> Self {
         let [sand, loam, clayed, clay] = presets;
         Self {
             vehicle,
             terrains: [sand, loam, clayed, clay, clayed],
             selected: CLAYED_SOIL,
+            effects: Effects::NONE,
         }
+    }
+
+    /// A model on its own soil, which becomes the custom one and is chosen.
+    #[must_use]
+    pub fn from_specification(specification: Specification) -> Self {
+        let mut configuration = Self {
+            vehicle: specification.vehicle,
+            effects: specification.effects,
+            ..Self::default()
+        };
+        configuration.select_custom(specification.terrain);
+        configuration
+    }
+
+    /// The vehicle on the terrain that is chosen, with the effects.
+    #[must_use]
+    pub fn specification(&self) -> Specification {
+        Specification {
+            vehicle: self.vehicle.clone(),
+            terrain: *self.terrain(),
+            effects: self.effects.clone(),
+        }
+    }
+
+    /// Number of wheel rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.vehicle.row_positions.len()
+    }
+
+    /// Names of the effects that are on and make the model remember more than the six states of model
+    /// exchange: with any of them the FMU is for co-simulation alone.
+    #[must_use]
+    pub fn remembering(&self) -> Vec<&'static str> {
+        let numbered = CATALOGUE.iter().enumerate();
+        let on = numbered
+            .filter(|(effect, _)| self.effects.remembers(*effect) && self.effects.is_on(*effect));
+        on.map(|(_, declaration)| declaration.name).collect()
     }
 
     /// Chooses one of the terrains by name; whether there is one.
@@ -105,18 +116,40 @@ impl Configuration {
         &self.terrains[self.selected]
     }
 
-    /// The value of a parameter of the vehicle or the custom soil (the friction angle in
-    /// degrees); `None` for any other quantity.
+    /// The value of a parameter of the vehicle, the custom soil (the friction angle in
+    /// degrees) or an effect; `None` for any other quantity.
     #[must_use]
     pub fn parameter(&self, quantity: Quantity) -> Option<f64> {
+        if let Quantity::Effect(parameter) = quantity {
+            return Some(self.effects.get(parameter));
+        }
         if quantity == FRICTION_ANGLE {
             return Some(self.terrains[CUSTOM].friction_angle_degrees());
         }
         self.clone().slot(quantity).map(|slot| *slot)
     }
 
-    /// Sets such a parameter; whether there is one.
+    /// Refuses the value of an effect's parameter outside its range; those of the vehicle and the
+    /// soil are checked together when a model is made.
+    ///
+    /// # Errors
+    /// A value that is not finite or out of range.
+    pub fn check_parameter(quantity: Quantity, value: f64) -> Result<(), ParameterError> {
+        match quantity {
+            Quantity::Effect(parameter) => {
+                let (effect, declared) = parameter.declaration();
+                declared.check(effect.name, value)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Sets such a parameter to a value that [`Configuration::check_parameter`] accepts; whether
+    /// there is one, and it did.
     pub fn set_parameter(&mut self, quantity: Quantity, value: f64) -> bool {
+        if let Quantity::Effect(parameter) = quantity {
+            return self.effects.set(parameter, value).is_ok();
+        }
         let value = if quantity == FRICTION_ANGLE {
             value.to_radians()
         } else {
@@ -131,7 +164,12 @@ impl Configuration {
         let mut selected = self.selected as f64;
         visit(&mut selected);
         self.selected = (selected as usize).min(CUSTOM);
-        let rows = self.vehicle.row_positions.len();
+        for parameter in ParameterName::all() {
+            let mut value = self.effects.get(parameter);
+            visit(&mut value);
+            self.set_parameter(Quantity::Effect(parameter), value);
+        }
+        let rows = self.rows();
         let vehicle = (0..7).map(Quantity::Vehicle);
         let all = (0..6)
             .map(Quantity::Soil)
@@ -168,112 +206,12 @@ impl Configuration {
             _ => return None,
         })
     }
-
-    /// Reads the files of a `resources` folder through `read`, which answers `None` for a
-    /// file that is not there; then the built-in one serves.
-    ///
-    /// # Errors
-    /// A file that cannot be read or says something else than it should.
-    pub fn from_resources(
-        read: impl Fn(&str) -> std::io::Result<Option<String>>,
-    ) -> Result<Self, ConfigurationError> {
-        let read = |file: &'static str| read(file).map_err(|e| ConfigurationError::Io(file, e));
-        let mut configuration = Self::default();
-        if let Some(text) = read(VEHICLE_FILE)? {
-            configuration.vehicle = Vehicle::from_json(&text)
-                .map_err(|error| ConfigurationError::Json(VEHICLE_FILE, error))?;
-        }
-        if let Some(text) = read(TERRAINS_FILE)? {
-            let presets = Terrain::presets_from_json(&text)
-                .map_err(|error| ConfigurationError::Json(TERRAINS_FILE, error))?;
-            configuration = Self::new(configuration.vehicle, presets);
-        }
-        if let Some(text) = read(SELECTION_FILE)? {
-            configuration.read_selection(&text)?;
-        }
-        Ok(configuration)
-    }
-
-    fn read_selection(&mut self, text: &str) -> Result<(), ConfigurationError> {
-        let wrong = ConfigurationError::Selection(SELECTION_FILE);
-        let Ok(value) = serde_json::from_str::<Value>(text) else {
-            return Err(wrong);
-        };
-        let custom = value
-            .get("custom")
-            .map(Terrain::from_json_value)
-            .transpose();
-        let custom = custom.map_err(|e| ConfigurationError::Json(SELECTION_FILE, e))?;
-        if let Some(custom) = custom {
-            self.terrains[CUSTOM] = custom;
-        }
-        match value["selected"].as_str() {
-            Some(name) if self.select(name) => Ok(()),
-            _ => Err(wrong),
-        }
-    }
-
-    /// The files that [`Configuration::from_resources`] reads back.
-    #[must_use]
-    pub fn to_resources(&self) -> [(&'static str, String); 3] {
-        let parsed = |text: String| -> Value {
-            serde_json::from_str(&text).expect("what the crate writes is JSON")
-        };
-        let mut presets = serde_json::Map::new();
-        for (name, terrain) in TERRAIN_NAMES.iter().zip(&self.terrains[..CUSTOM]) {
-            presets.insert((*name).to_owned(), parsed(terrain.to_json()));
-        }
-        let selection = json!({
-            "selected": TERRAIN_NAMES[self.selected],
-            "custom": parsed(self.terrains[CUSTOM].to_json()),
-        });
-        let pretty = |value: &Value| format!("{value:#}\n");
-        [
-            (VEHICLE_FILE, self.vehicle.to_json()),
-            (TERRAINS_FILE, pretty(&Value::Object(presets))),
-            (SELECTION_FILE, pretty(&selection)),
-        ]
-    }
-}
-
-/// The FMU's identity, derived from the declaration of its variables and from all the values
-/// that they start with: a model description and a library belong together if they agree.
-#[must_use]
-pub fn guid(configuration: &Configuration) -> String {
-    let mut content = format!("{} {}\n", super::SOURCE, env!("CARGO_PKG_VERSION"));
-    for (name, text) in configuration.to_resources() {
-        content += &format!("{name}\n{text}\n");
-    }
-    Uuid::new_v5(&Uuid::NAMESPACE_OID, content.as_bytes()).to_string()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn custom() -> Configuration {
-        let mut configuration = Configuration::default();
-        configuration.vehicle.row_positions = vec![0.5, -0.5];
-        configuration.select_custom(Terrain {
-            cohesion: 321.0,
-            ..configuration.terrains[0]
-        });
-        configuration
-    }
-
-    #[test]
-    fn resources_are_read_back() {
-        for configuration in [Configuration::default(), custom()] {
-            let files = configuration.to_resources();
-            let read = |name: &str| {
-                Ok(files
-                    .iter()
-                    .find(|(file, _)| *file == name)
-                    .map(|(_, text)| text.clone()))
-            };
-            assert_eq!(Configuration::from_resources(read).unwrap(), configuration);
-        }
-    }
+    use crate::effects::ParameterName;
 
     #[test]
     fn parameters_are_read_back_as_they_were_set() {
@@ -287,32 +225,14 @@ mod tests {
             assert!(configuration.set_parameter(quantity, 29.3));
             assert_eq!(configuration.parameter(quantity), Some(29.3));
         }
+        let payload = ParameterName::find("payload.mass")
+            .map(Quantity::Effect)
+            .unwrap();
+        assert!(configuration.set_parameter(payload, 29.3));
+        assert_eq!(configuration.parameter(payload), Some(29.3));
+        assert!(!configuration.set_parameter(payload, -1.0));
+        assert!(Configuration::check_parameter(payload, -1.0).is_err());
         assert!(!configuration.set_parameter(Quantity::Row(4), 1.0));
         assert_eq!(configuration.parameter(Quantity::Input(0)), None);
-    }
-
-    #[test]
-    fn without_files_the_defaults_serve() {
-        let read = Configuration::from_resources(|_| Ok(None)).unwrap();
-        assert_eq!(read, Configuration::default());
-    }
-
-    #[test]
-    fn a_wrong_selection_is_refused() {
-        let read =
-            |name: &str| Ok((name == SELECTION_FILE).then(|| "{\"selected\": \"mud\"}".into()));
-        let error = Configuration::from_resources(read).unwrap_err().to_string();
-        assert!(
-            error.contains("terrain.json") && error.contains("dry_sand"),
-            "{error}"
-        );
-    }
-
-    #[test]
-    fn the_guid_follows_the_content() {
-        let (default, custom) = (guid(&Configuration::default()), guid(&custom()));
-        assert_ne!(default, custom);
-        assert_eq!(default.len(), 36);
-        assert!(!default.contains(['{', '}']));
     }
 }

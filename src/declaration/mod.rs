@@ -1,11 +1,17 @@
-//! The FMU's variables, from their one declaration in `modelDescription/variables.json`.
+//! The FMU's variables, from their one declaration in `modelDescription/variables.json`, and for
+//! the parameters of effects in [`crate::effects::CATALOGUE`].
 //!
 //! The build script turns that file into the tables included here; value references, the
 //! model description, its documentation and the C header follow from them.
 
 mod configuration;
+mod effects;
+mod resources;
 
-pub use configuration::{Configuration, ConfigurationError, TERRAIN_NAMES, guid};
+pub use configuration::{Configuration, TERRAIN_NAMES};
+pub use resources::{ConfigurationError, guid};
+
+use crate::effects::ParameterName;
 
 /// What a variable is to the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +35,8 @@ pub enum Quantity {
     Vehicle(usize),
     /// The offset of a wheel row (from 0).
     Row(usize),
+    /// A parameter of an effect.
+    Effect(ParameterName),
     /// An initial state.
     Initial(usize),
     /// Whether to start at the velocities of rolling without slip.
@@ -137,9 +145,10 @@ const FIRST_ROW: u32 = 1000;
 const FIRST_WHEEL: u32 = 2000;
 const PER_WHEEL: u32 = 16;
 
-/// The variables of a vehicle with so many wheel rows, in the order of the model description.
+/// The variables of the FMU of a configuration, in the order of the model description.
 #[must_use]
-pub fn variables(rows: usize) -> Vec<Variable> {
+pub fn variables(configuration: &Configuration) -> Vec<Variable> {
+    let rows = configuration.rows();
     let scalars = SCALARS
         .iter()
         .zip(0..)
@@ -173,18 +182,25 @@ pub fn variables(rows: usize) -> Vec<Variable> {
         })
     });
     scalars
+        .chain(effects::variables(configuration))
         .chain(row_variables)
         .chain(wheel_variables)
         .collect()
 }
 
-/// The variable behind a value reference, for a vehicle with so many wheel rows.
+/// The variable behind a value reference in the FMU of a configuration.
 #[must_use]
-pub fn find(reference: u32, rows: usize) -> Option<(Quantity, &'static Attributes)> {
+pub fn find(
+    reference: u32,
+    configuration: &Configuration,
+) -> Option<(Quantity, &'static Attributes)> {
     if let Some(declared) = SCALARS.get(reference as usize) {
         return Some((declared.quantity, &declared.attributes));
     }
-    let rows = rows as u32;
+    if (effects::FIRST..FIRST_ROW).contains(&reference) {
+        return effects::find(reference, configuration);
+    }
+    let rows = configuration.rows() as u32;
     if (FIRST_ROW..FIRST_ROW + rows).contains(&reference) {
         let row = (reference - FIRST_ROW) as usize;
         return Some((Quantity::Row(row), &ROW[0].attributes));
@@ -221,14 +237,22 @@ pub fn enumerations() -> &'static [Enumeration] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::Effects;
     use std::collections::HashSet;
+
+    fn with_rows(rows: usize) -> Configuration {
+        let mut configuration = Configuration::default();
+        configuration.vehicle.row_positions = vec![0.0; rows];
+        configuration
+    }
 
     #[test]
     fn every_reference_finds_its_variable_and_no_other_does() {
         for rows in [2, 3, 4, 64] {
-            let variables = variables(rows);
+            let configuration = with_rows(rows);
+            let variables = variables(&configuration);
             for variable in &variables {
-                let found = find(variable.reference, rows);
+                let found = find(variable.reference, &configuration);
                 assert_eq!(
                     found,
                     Some((variable.quantity, variable.attributes)),
@@ -244,7 +268,7 @@ mod tests {
             );
             for reference in (0..10_000).chain([u32::MAX]) {
                 assert_eq!(
-                    find(reference, rows).is_some(),
+                    find(reference, &configuration).is_some(),
                     references.contains(&reference)
                 );
             }
@@ -253,7 +277,10 @@ mod tests {
 
     #[test]
     fn every_unit_is_defined_and_used() {
-        let used: HashSet<&str> = variables(2).iter().map(|v| v.attributes.unit).collect();
+        let mut configuration = with_rows(2);
+        configuration.effects = Effects::NONE.with("multipass.memory", 1.0).unwrap();
+        let used = variables(&configuration);
+        let used: HashSet<&str> = used.iter().map(|v| v.attributes.unit).collect();
         for unit in used.iter().filter(|unit| !unit.is_empty()) {
             assert!(units().iter().any(|u| u.name == *unit), "{unit}");
         }

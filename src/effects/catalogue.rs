@@ -1,6 +1,6 @@
 //! All effects, and which of them are on.
 
-use super::{Boundary, Declaration, ParameterDeclaration, SlopeProfile};
+use super::{Boundary, Declaration, Kind, ParameterDeclaration, SlopeProfile};
 use super::{
     Bulldozing, ComShift, Drag, Drawbar, ElasticRebound, Grade, HeadingOffset, Latency,
     LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ShearAnisotropy, SlipSinkage,
@@ -74,6 +74,11 @@ pub const PARAMETER_COUNT: usize = {
     count
 };
 
+/// Place of an effect's first parameter in the vector of all.
+fn first(effect: usize) -> usize {
+    CATALOGUE[..effect].iter().map(|e| e.parameters.len()).sum()
+}
+
 /// A parameter of an effect, by its place in the vector of all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ParameterName(usize);
@@ -88,6 +93,13 @@ impl ParameterName {
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::all().find(|parameter| parameter.full_name() == name)
+    }
+
+    /// The parameter at these places: of its effect in the catalogue, and of itself in the effect.
+    #[must_use]
+    pub fn at(effect: usize, place: usize) -> Option<Self> {
+        CATALOGUE.get(effect)?.parameters.get(place)?;
+        Some(Self(first(effect) + place))
     }
 
     /// Its place in the vector.
@@ -192,23 +204,41 @@ impl Effects {
     #[must_use]
     pub fn is_on(&self, effect: usize) -> bool {
         let declaration = CATALOGUE[effect];
-        let first: usize = CATALOGUE[..effect].iter().map(|e| e.parameters.len()).sum();
         let profiled =
             self.slope_profile.is_some() && declaration.name == Grade::<f64>::DECLARATION.name;
         profiled
             || declaration
                 .parameters
                 .iter()
-                .zip(&self.values[first..])
+                .zip(&self.values[first(effect)..])
                 .any(|(parameter, value)| parameter.switches && *value != parameter.default)
+    }
+
+    /// The effects of this kind that are on.
+    pub fn on(&self, kind: Kind) -> impl Iterator<Item = &'static Declaration> {
+        let numbered = CATALOGUE.iter().enumerate();
+        numbered
+            .filter(move |(effect, declaration)| declaration.kind == kind && self.is_on(*effect))
+            .map(|(_, declaration)| *declaration)
     }
 
     /// Whether all physics is off: the paper's model. (What sensors add is no matter of the
     /// model's.)
     #[must_use]
     pub fn is_paper(&self) -> bool {
-        (0..CATALOGUE.len())
-            .all(|effect| CATALOGUE[effect].kind == super::Kind::Measurement || !self.is_on(effect))
+        self.on(Kind::Physics).next().is_none()
+    }
+
+    /// Whether an effect of the catalogue, where it is on, makes the vehicle or its ground remember:
+    /// states besides position and velocity.
+    #[must_use]
+    pub fn remembers(&self, effect: usize) -> bool {
+        let is = |other: &Declaration| CATALOGUE[effect].name == other.name;
+        let over_distance = matches!(self.slope_profile, Some(SlopeProfile::Distance(_)));
+        is(&TransientShear::<f64>::DECLARATION)
+            || is(&Multipass::<f64>::DECLARATION)
+            || is(&TerrainChange::<f64>::DECLARATION) && self.boundary == Boundary::Distance
+            || is(&Grade::<f64>::DECLARATION) && over_distance
     }
 
     /// The effects that are on, and those besides that own a parameter which `seed` makes
@@ -259,6 +289,12 @@ mod tests {
         for parameter in ParameterName::all() {
             assert_eq!(ParameterName::find(&parameter.full_name()), Some(parameter));
         }
+        assert_eq!(
+            ParameterName::at(1, 0),
+            ParameterName::find("terrain_change.cohesion_factor")
+        );
+        assert_eq!(ParameterName::at(0, 2), None);
+        assert_eq!(ParameterName::at(CATALOGUE.len(), 0), None);
     }
 
     #[test]

@@ -84,7 +84,10 @@ impl fmt::Display for FitError {
                 f,
                 "{seconds:.1} s of usable driving are too short: a fit needs {SHORTEST} s"
             ),
-            Self::Start(error) => write!(f, "the fit cannot begin with this vehicle and terrain: {error}"),
+            Self::Start(error) => write!(
+                f,
+                "the fit cannot begin with this vehicle and terrain: {error}"
+            ),
             Self::NotFinite => f.write_str("the fit's numbers are not finite"),
         }
     }
@@ -227,7 +230,12 @@ pub fn fit<P: Predictor>(
     };
     let coordinates = point.coordinates.as_slice();
     Ok(Fit {
-        estimates: problem.parameters.iter().enumerate().map(estimate).collect(),
+        estimates: problem
+            .parameters
+            .iter()
+            .enumerate()
+            .map(estimate)
+            .collect(),
         model_parameters: problem.model_parameters,
         limits: limits(
             &problem.parameters,
@@ -310,7 +318,11 @@ fn recut<P: Predictor>(
     options: &Options,
     state: &mut State,
 ) -> Result<(), FitError> {
-    let old: Vec<_> = problem.segments.iter().map(|s| (s.recording, s.run, s.start)).collect();
+    let old: Vec<_> = problem
+        .segments
+        .iter()
+        .map(|s| (s.recording, s.run, s.start))
+        .collect();
     take_segments(problem, recordings, &state.point.coordinates, options)?;
     let start = |segment: &super::segment::Segment| {
         let key = (segment.recording, segment.run, segment.start);
@@ -354,7 +366,12 @@ fn free_sensors(
     recording: &Recording,
     wanted: &[SensorParameter],
 ) -> Result<Vec<SensorParameter>, FitError> {
-    let has = |channel| recording.runs.iter().any(|run| run.series(channel).is_some());
+    let has = |channel| {
+        recording
+            .runs
+            .iter()
+            .any(|run| run.series(channel).is_some())
+    };
     if !Signal::ALL.iter().any(|signal| has(signal.channel())) {
         return Err(FitError::NothingMeasured {
             recording: recording.name.clone(),
@@ -382,7 +399,9 @@ fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
     });
     let ones = |segment: &super::segment::Segment| {
         let samples = segment.samples.iter();
-        samples.map(|samples| vec![1.0; samples.time.len()]).collect()
+        samples
+            .map(|samples| vec![1.0; samples.time.len()])
+            .collect()
     };
     Weighing {
         noise: vec![noise; problem.recordings.len()],

@@ -91,7 +91,11 @@ impl<P: Predictor> Part<'_, '_, P> {
                 .map(|k| ((at[k] - medians[k]) / deviations[k]).powi(2))
                 .sum();
             let value = self.objective(&rest, &from_logarithms(at), by) + prior;
-            if value.is_finite() { value } else { f64::INFINITY }
+            if value.is_finite() {
+                value
+            } else {
+                f64::INFINITY
+            }
         };
         let mut lowest = objective(&best);
         let mut step = FIRST_STEP;
@@ -126,8 +130,8 @@ impl<P: Predictor> Part<'_, '_, P> {
             let mut normal = normal.clone();
             let log_determinant = self.add(*index, noise, by, true, &mut normal);
             let eliminated = Eliminated::new(&normal, 0.0)?;
-            let value =
-                log_determinant + normal.cost - eliminated.start_gain + eliminated.log_determinant();
+            let value = log_determinant + normal.cost - eliminated.start_gain
+                + eliminated.log_determinant();
             Some((value, eliminated))
         };
         let parts: Vec<Option<_>> = rest.normals.par_iter().map(one).collect();

@@ -76,10 +76,6 @@ impl Instance {
         &self.configuration
     }
 
-    pub(super) fn rows(&self) -> usize {
-        self.configuration.vehicle.row_positions.len()
-    }
-
     pub(super) fn reset(&mut self) {
         self.core = Core::new(self.configuration.clone());
     }
@@ -94,6 +90,8 @@ impl Instance {
         }
         self.core.time = start;
         self.core.stop_time = stop;
+        // Built at another time, if it is built already.
+        self.core.simulation = None;
         Ok(())
     }
 
@@ -118,7 +116,7 @@ impl Instance {
         reference: u32,
         kind: Kind,
     ) -> Outcome<(Quantity, &'static Attributes)> {
-        match declaration::find(reference, self.rows()) {
+        match declaration::find(reference, &self.configuration) {
             Some((quantity, attributes)) if attributes.kind == kind => Ok((quantity, attributes)),
             Some((_, attributes)) => refuse(format!(
                 "value reference {reference} is of type {:?}, not {kind:?}",
@@ -150,6 +148,8 @@ impl Instance {
                     "value reference {reference} cannot be set to {value}"
                 ));
             }
+            Configuration::check_parameter(quantity, *value)
+                .map_err(|e| Failure::Refused(e.to_string()))?;
         }
         for (reference, value) in references.iter().zip(values) {
             let (quantity, _) = self.find(*reference, Kind::Real)?;
@@ -290,6 +290,7 @@ impl Core {
                 .model()
                 .map_err(|e| Failure::Broken(e.to_string()))?;
             let mut simulation = Simulation::new(model);
+            simulation.set_time(self.time);
             let state = self.parameters.initial_state(self.speeds);
             simulation
                 .set_state(state)

@@ -22,10 +22,9 @@ impl Parameters {
         }
     }
 
-    /// The vehicle on its terrain.
+    /// The vehicle on its terrain, with its effects.
     pub(super) fn model(&self) -> Result<VehicleModel, ParameterError> {
-        let Configuration { vehicle, .. } = &self.configuration;
-        VehicleModel::new(vehicle.clone(), *self.configuration.terrain())
+        VehicleModel::from_specification(&self.configuration.specification())
     }
 
     /// Pose and velocities at the start, with these wheel speeds.

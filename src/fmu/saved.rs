@@ -2,7 +2,7 @@
 
 use super::calls::Mode;
 use super::instance::{Core, Failure, Instance, Interface, Outcome, refuse};
-use crate::declaration;
+use crate::declaration::{self, Configuration};
 use crate::simulation::{Simulation, WheelSpeeds};
 
 /// A saved state; the importer holds a pointer to it.
@@ -20,15 +20,18 @@ impl Instance {
     }
 
     pub(super) fn restore(&mut self, saved: &Saved) -> Outcome {
-        let rows = |core: &Core| core.parameters.configuration.vehicle.row_positions.len();
-        if rows(&saved.core) != rows(&self.core) {
-            return refuse("the state was saved from another vehicle");
+        let configuration = &saved.core.parameters.configuration;
+        if !same_fixtures(configuration, self.configuration()) {
+            return refuse("the state was saved from another vehicle, or with other effects");
         }
         let foreign = match self.interface {
             Interface::CoSimulation => &[Mode::Event, Mode::ContinuousTime][..],
             Interface::ModelExchange => &[Mode::StepComplete],
         };
-        if foreign.contains(&saved.core.mode) {
+        let integrable = self.interface == Interface::CoSimulation;
+        if foreign.contains(&saved.core.mode)
+            || !(integrable || configuration.remembering().is_empty())
+        {
             return refuse("the state was saved from an instance of the other interface");
         }
         self.core = saved.core.clone();
@@ -98,6 +101,15 @@ impl Instance {
     fn identity(&self) -> String {
         declaration::guid(self.configuration())
     }
+}
+
+/// Whether two configurations differ in nothing but what can be set.
+fn same_fixtures(one: &Configuration, other: &Configuration) -> bool {
+    let effects = [&one.effects, &other.effects];
+    let [one_profile, other_profile] = effects.map(|effects| &effects.slope_profile);
+    one.rows() == other.rows()
+        && effects[0].boundary == effects[1].boundary
+        && one_profile == other_profile
 }
 
 /// FNV-1a: tells bytes that were damaged or cut short, not ones that were forged.

@@ -2,7 +2,7 @@
 
 use super::instance::{Failure, Instance, Outcome, refuse, total, wheel_field};
 use crate::declaration::{Kind, Quantity};
-use crate::simulation::{Simulation, SimulationError, State, WheelSpeeds};
+use crate::simulation::{SimulationError, State, WheelSpeeds};
 use crate::vehicle::{Motion, Wrench};
 
 /// A direction in which states and wheel speeds change.
@@ -32,9 +32,8 @@ struct Change {
     rate: [f64; State::COUNT],
 }
 
-fn along(simulation: &mut Simulation, direction: Direction) -> Result<Change, SimulationError> {
-    let state = simulation.state();
-    let wrench = simulation.wrench_derivative(&direction.motion())?.clone();
+/// The change along a direction in which the wrench changes so.
+fn change(state: State, direction: Direction, wrench: Wrench) -> Change {
     let (sin, cos) = state.heading.sin_cos();
     let [_, _, turn, v_x, v_y, yaw_rate] = direction.state;
     let (east, north) = (
@@ -49,11 +48,11 @@ fn along(simulation: &mut Simulation, direction: Direction) -> Result<Change, Si
         wrench.a_y - v_x * state.yaw_rate - state.v_x * yaw_rate,
         wrench.yaw_acceleration,
     ];
-    Ok(Change {
+    Change {
         direction,
         wrench,
         rate,
-    })
+    }
 }
 
 impl Change {
@@ -94,7 +93,14 @@ impl Instance {
                 }
             }
         }
-        self.changes(direction, unknowns, values)
+        let simulation = self.core.simulation()?;
+        let [x, y, heading, ..] = direction.state;
+        let wrench = simulation
+            .wrench_derivative(&direction.motion(), [x, y, heading])
+            .map_err(broken)?
+            .clone();
+        let change = change(simulation.state(), direction, wrench);
+        self.changes(&change, unknowns, values)
     }
 
     /// The outputs' derivatives in time, the inputs being held.
@@ -107,16 +113,17 @@ impl Instance {
         if let Some(order) = orders.iter().find(|order| **order != 1) {
             return refuse(format!("output derivatives are of order 1, not {order}"));
         }
-        let state = self.core.simulation()?.derivative().map_err(broken)?;
+        let simulation = self.core.simulation()?;
         let direction = Direction {
-            state,
+            state: simulation.derivative().map_err(broken)?,
             speeds: WheelSpeeds::default(),
         };
-        self.changes(direction, references, values)
+        let wrench = simulation.wrench_rate().map_err(broken)?.clone();
+        let change = change(simulation.state(), direction, wrench);
+        self.changes(&change, references, values)
     }
 
-    fn changes(&mut self, direction: Direction, references: &[u32], values: &mut [f64]) -> Outcome {
-        let change = along(self.core.simulation()?, direction).map_err(broken)?;
+    fn changes(&self, change: &Change, references: &[u32], values: &mut [f64]) -> Outcome {
         for (reference, value) in references.iter().zip(values) {
             let (quantity, _) = self.find(*reference, Kind::Real)?;
             match change.of(quantity) {

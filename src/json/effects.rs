@@ -99,16 +99,33 @@ impl Effects {
         Ok(())
     }
 
-    /// The effects that are on, as JSON that [`Effects::from_json_value`] reads back to the last bit.
+    /// A file of effects, as [`Effects::from_json`] reads it.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let mut value = self.to_json_value();
+        value[FORMAT] = EFFECTS_FORMAT.into();
+        format!("{value:#}\n")
+    }
+
+    /// The effects that are on, or whose shape is another than where nothing is said, as JSON that
+    /// [`Effects::from_json_value`] reads back to the last bit.
     #[must_use]
     pub fn to_json_value(&self) -> Value {
         let mut map = Map::new();
         for (index, effect) in CATALOGUE.iter().enumerate() {
-            if !self.is_on(index) {
+            let places = 0..effect.parameters.len();
+            let own: Vec<_> = places
+                .filter_map(|place| ParameterName::at(index, place))
+                .collect();
+            let shaped = own
+                .iter()
+                .any(|p| self.get(*p) != p.declaration().1.default);
+            let bounded = effect.name == "terrain_change" && self.boundary != Boundary::default();
+            if !(self.is_on(index) || shaped || bounded) {
                 continue;
             }
             let mut parameters = Map::new();
-            for parameter in ParameterName::all().filter(|p| p.declaration().0 == *effect) {
+            for parameter in own {
                 let name = parameter.declaration().1.name;
                 parameters.insert(name.into(), self.get(parameter).into());
             }
@@ -254,6 +271,14 @@ mod tests {
         }
         assert_eq!(Effects::from_json("{}"), Ok(Effects::NONE));
         assert_eq!(Effects::NONE.to_json_value(), json!({}));
+        assert_eq!(
+            Effects::from_json(&Effects::NONE.to_json()),
+            Ok(Effects::NONE)
+        );
+        // What only shapes an effect is kept while it is off.
+        let mut shaped = Effects::NONE.with("drawbar.hitch_height", 0.9).unwrap();
+        shaped.boundary = Boundary::Time;
+        assert_eq!(Effects::from_json(&shaped.to_json()), Ok(shaped));
     }
 
     #[test]

@@ -1,18 +1,47 @@
 //! The page that the FMU carries as its documentation.
 
 use crate::declaration::{Causality, Configuration, Kind, TERRAIN_NAMES, Variable, variables};
+use crate::effects::{CATALOGUE, Declaration, Kind as EffectKind};
 use quick_xml::escape::escape;
 
 const TEMPLATE: &str = include_str!("../../modelDescription/documentation.html");
 
-/// The page with its table of variables.
+/// The page with its tables of effects and variables.
 #[must_use]
 pub fn documentation(configuration: &Configuration) -> String {
-    let variables = variables(configuration.vehicle.row_positions.len());
+    let variables = variables(configuration);
     let rows: Vec<String> = variables.iter().map(|v| row(v, configuration)).collect();
+    let interfaces = if configuration.remembering().is_empty() {
+        "co-simulation and model exchange"
+    } else {
+        "co-simulation"
+    };
     TEMPLATE
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
+        .replace("{{interfaces}}", interfaces)
+        .replace("{{effects}}", &effects(configuration).join("\n"))
         .replace("{{variables}}", &rows.join("\n"))
+}
+
+/// One row for each effect of the model's.
+fn effects(configuration: &Configuration) -> Vec<String> {
+    let numbered = CATALOGUE.iter().enumerate();
+    let physics = numbered.filter(|(_, effect)| effect.kind == EffectKind::Physics);
+    let row = |(index, effect): (usize, &&Declaration)| {
+        let on = if configuration.effects.is_on(index) {
+            "on"
+        } else {
+            ""
+        };
+        format!(
+            "<tr><td><code>{}</code></td><td>{on}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            effect.name,
+            escape(effect.lifts),
+            escape(effect.equation),
+            escape(effect.source),
+        )
+    };
+    physics.map(row).collect()
 }
 
 fn row(variable: &Variable, configuration: &Configuration) -> String {

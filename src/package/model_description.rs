@@ -46,7 +46,7 @@ pub fn model_description(configuration: &Configuration) -> String {
 }
 
 fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
-    let variables = variables(configuration.vehicle.row_positions.len());
+    let variables = variables(configuration);
     let indices = Indices {
         variables: &variables,
     };
@@ -73,7 +73,7 @@ fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
             ("numberOfEventIndicators", "0"),
         ])
         .write_inner_content(|xml| {
-            write_interfaces(xml)?;
+            write_interfaces(xml, configuration)?;
             xml.create_element("UnitDefinitions")
                 .write_inner_content(|xml| {
                     units().iter().try_for_each(|unit| write_unit(xml, unit))
@@ -99,7 +99,8 @@ fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
     Ok(())
 }
 
-fn write_interfaces(xml: &mut Xml) -> io::Result<()> {
+/// Co-simulation, and model exchange unless the model remembers more than its six states.
+fn write_interfaces(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
     let common = [
         ("modelIdentifier", MODEL_IDENTIFIER),
         ("canNotUseMemoryManagementFunctions", "true"),
@@ -107,10 +108,12 @@ fn write_interfaces(xml: &mut Xml) -> io::Result<()> {
         ("canSerializeFMUstate", "true"),
         ("providesDirectionalDerivative", "true"),
     ];
-    xml.create_element("ModelExchange")
-        .with_attributes(common)
-        .with_attribute(("completedIntegratorStepNotNeeded", "true"))
-        .write_empty()?;
+    if configuration.remembering().is_empty() {
+        xml.create_element("ModelExchange")
+            .with_attributes(common)
+            .with_attribute(("completedIntegratorStepNotNeeded", "true"))
+            .write_empty()?;
+    }
     xml.create_element("CoSimulation")
         .with_attributes(common)
         .with_attributes([
@@ -265,8 +268,9 @@ fn dependencies(quantity: Quantity, indices: &Indices) -> (Vec<usize>, &'static 
             .map(|index| indices.of(Quantity::State(*index)))
             .collect()
     };
-    let motion = || {
-        let mut all = states(&[3, 4, 5]);
+    // On the pose only effects depend: a grade, and a boundary on the map.
+    let everything = || {
+        let mut all = states(&[0, 1, 2, 3, 4, 5]);
         all.extend([0, 1].map(|side| indices.of(Quantity::Input(side))));
         all.sort_unstable();
         all
@@ -275,7 +279,7 @@ fn dependencies(quantity: Quantity, indices: &Indices) -> (Vec<usize>, &'static 
         Quantity::State(index) => (states(&[index]), "constant"),
         Quantity::Rate(0 | 1) => (states(&[2, 3, 4]), "dependent"),
         Quantity::Rate(2) => (states(&[5]), "constant"),
-        _ => (motion(), "dependent"),
+        _ => (everything(), "dependent"),
     }
 }
 

@@ -4,7 +4,8 @@ use super::memory::{MemoryJacobian, directions};
 use super::rosenbrock::Stages;
 use super::{Evaluation, InputMatrix, Simulation, SimulationError, State, StateMatrix};
 use crate::vehicle::{
-    Differentiated, Directions, Linearisation, Motion, Surroundings, Trend, VehicleModel, Wrench,
+    Differentiated, Direction, Directions, Linearisation, Motion, Surroundings, Trend,
+    VehicleModel, Wrench,
 };
 
 /// Derivatives of the state's rate of change.
@@ -133,11 +134,16 @@ fn rates(derivative: &Wrench) -> [f64; 3] {
 }
 
 impl Simulation {
-    /// The derivative of the wrench when velocities and wheel speeds change in `direction`.
+    /// The derivative of the wrench when velocities and wheel speeds change in `direction`, and
+    /// position and heading in `pose` \[m, m, rad\]; what is remembered is held.
     ///
     /// # Errors
     /// As [`Simulation::wrench`].
-    pub fn wrench_derivative(&mut self, direction: &Motion) -> Result<&Wrench, SimulationError> {
+    pub fn wrench_derivative(
+        &mut self,
+        direction: &Motion,
+        pose: [f64; 3],
+    ) -> Result<&Wrench, SimulationError> {
         self.evaluate()?;
         let surroundings = self.state.surroundings(self.time, &self.memory);
         let (model, at) = (&self.model, &self.now);
@@ -145,10 +151,10 @@ impl Simulation {
             (Some((directions, results)), Some(altered)) => {
                 let (motion, balance) = (&at.motion, &at.balance);
                 directions.differentiate(model, altered, motion, &surroundings, balance, results);
-                let along = direction.to_array();
+                let along = direction.to_array().into_iter().chain(pose);
                 self.work
                     .partial
-                    .combine(results.iter().take(5).map(|r| &r.wrench).zip(along));
+                    .combine(results.iter().map(|r| &r.wrench).zip(along));
             }
             _ => {
                 self.work
@@ -157,6 +163,40 @@ impl Simulation {
                 self.work.along(model, at, direction);
             }
         }
+        Ok(&self.work.partial)
+    }
+
+    /// The derivative of the wrench in time, the wheel speeds being held.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wrench_rate(&mut self) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        let [x, y, heading, v_x, v_y, yaw_rate] = self.now.derivative.into();
+        let motion = Motion {
+            v_x,
+            v_y,
+            yaw_rate,
+            ..Motion::default()
+        };
+        let pose = [x, y, heading];
+        if self.model.altered().is_none() {
+            return self.wrench_derivative(&motion, pose);
+        }
+        let mut list = directions(self.memory.len());
+        list.push(Direction::Time);
+        let mut results = Vec::new();
+        self.differentiate(&self.model.directions(list), &mut results);
+        let remembered = self.now.memory_rates.iter().copied();
+        let along = motion
+            .to_array()
+            .into_iter()
+            .chain(pose)
+            .chain(remembered)
+            .chain([1.0]);
+        self.work
+            .partial
+            .combine(results.iter().map(|r| &r.wrench).zip(along));
         Ok(&self.work.partial)
     }
 

@@ -78,7 +78,7 @@ impl MemoryJacobian {
                     self.accelerations[index] = [wrench.a_x, wrench.a_y, wrench.yaw_acceleration];
                     self.diagonal[index] = result.memory_rates[index];
                 }
-                Direction::Parameter(_) => {}
+                Direction::Time | Direction::Parameter(_) => {}
             }
         }
     }

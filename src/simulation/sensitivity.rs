@@ -183,6 +183,7 @@ impl Variation {
                 Direction::WheelSpeed(side) => {
                     (&mut b, columns - 1, -[rates.left, rates.right][side])
                 }
+                Direction::Time => continue,
                 Direction::Parameter(_) => {
                     parameter += 1;
                     (&mut b, parameter - 1, 1.0)

@@ -1,7 +1,7 @@
 //! What a model is made of, and each of its numbers by name.
 
 use super::Vehicle;
-use crate::effects::{CATALOGUE, Effects, Grade, ParameterName, TerrainChange};
+use crate::effects::{Effects, Grade, Kind, ParameterName, TerrainChange};
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
 
@@ -172,10 +172,9 @@ impl Specification {
     /// Names of the effects that are on.
     #[must_use]
     pub fn effect_names(&self) -> Vec<&'static str> {
-        let on = CATALOGUE.iter().enumerate();
-        on.filter(|(index, _)| self.effects.is_on(*index))
-            .map(|(_, effect)| effect.name)
-            .collect()
+        let kinds = [Kind::Physics, Kind::Measurement];
+        let on = kinds.into_iter().flat_map(|kind| self.effects.on(kind));
+        on.map(|effect| effect.name).collect()
     }
 }
 

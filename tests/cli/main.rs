@@ -2,6 +2,7 @@
 
 #![cfg(feature = "cli")]
 
+mod effects;
 mod inspect;
 mod refusals;
 mod score;

@@ -24,6 +24,25 @@ POINTS = [
     ([0.0, 0.0, 0.0, 0.002, 0.001, 0.003], [0.02, 0.01]),
 ]
 
+# A slope and a boundary across the points; and what else changes masses and forces.
+EFFECTS = [
+    {
+        "effects.grade.slope_east": 0.06,
+        "effects.grade.slope_north": -0.1,
+        "effects.terrain_change.stiffness_factor": 0.5,
+        "effects.terrain_change.friction_factor": 1.3,
+        "effects.terrain_change.direction": 0.4,
+        "effects.terrain_change.transition": 3.0,
+    },
+    {
+        "effects.left_right_soil.ratio": 1.3,
+        "effects.payload.mass": 80.0,
+        "effects.payload.left": 0.2,
+        "effects.drawbar.force": 150.0,
+        "effects.slip_sinkage.sinkage_growth": 0.4,
+    },
+]
+
 
 class Directional(unittest.TestCase):
     """fmi2GetDirectionalDerivative."""
@@ -38,27 +57,41 @@ class Directional(unittest.TestCase):
         self.unknowns = [*RATES, *fmu().outputs]
         self.knowns = [*STATES, *INPUTS]
 
+    def compare(self, start: dict[str, float], states: list[float], speeds: list[float]) -> None:
+        """Compares the derivatives at a point with differences."""
+        with model_exchange(start) as instance:
+            point = np.array(states + speeds)
+            nearby = 0.1 if abs(states[3]) < 0.01 else 1.0
+            for index, known in enumerate(self.knowns):
+                step = STEP * nearby * np.eye(len(point))[index]
+                differences = self.values(instance, point + step)
+                differences -= self.values(instance, point - step)
+                differences /= 2.0 * STEP * nearby
+                values = self.values(instance, point)
+                exact = np.array(instance.directional(self.unknowns, [known], [1.0]))
+                allowed = RELATIVE_TOLERANCE * np.abs(exact).max()
+                allowed = allowed + VALUE_TOLERANCE * np.abs(values)
+                worst = np.argmax(np.abs(exact - differences) - allowed)
+                with self.subTest(start=start, point=point, known=known):
+                    self.assertLessEqual(
+                        abs(exact[worst] - differences[worst]),
+                        allowed[worst],
+                        f"{self.unknowns[worst]}: {exact[worst]}, {differences[worst]}",
+                    )
+
     def test_they_are_the_limit_of_differences(self) -> None:
         for terrain, (states, speeds) in itertools.product(range(1, 5), POINTS):
-            with model_exchange({"terrain": terrain}) as instance:
-                point = np.array(states + speeds)
-                nearby = 0.1 if abs(states[3]) < 0.01 else 1.0
-                for index, known in enumerate(self.knowns):
-                    step = STEP * nearby * np.eye(len(point))[index]
-                    differences = self.values(instance, point + step)
-                    differences -= self.values(instance, point - step)
-                    differences /= 2.0 * STEP * nearby
-                    values = self.values(instance, point)
-                    exact = np.array(instance.directional(self.unknowns, [known], [1.0]))
-                    allowed = RELATIVE_TOLERANCE * np.abs(exact).max()
-                    allowed = allowed + VALUE_TOLERANCE * np.abs(values)
-                    worst = np.argmax(np.abs(exact - differences) - allowed)
-                    with self.subTest(terrain=terrain, point=point, known=known):
-                        self.assertLessEqual(
-                            abs(exact[worst] - differences[worst]),
-                            allowed[worst],
-                            f"{self.unknowns[worst]}: {exact[worst]}, {differences[worst]}",
-                        )
+            self.compare({"terrain": terrain}, states, speeds)
+
+    def test_with_effects_they_are_so_too_by_place_and_heading(self) -> None:
+        for effects, (states, speeds) in itertools.product(EFFECTS, POINTS):
+            self.compare(effects, states, speeds)
+        with model_exchange(EFFECTS[0]) as instance:
+            states, speeds = POINTS[0]
+            self.values(instance, np.array(states + speeds))
+            for known in ("x", "y", "heading"):
+                (change,) = instance.directional(["a_x"], [known], [1.0])
+                self.assertGreater(abs(change), 1e-3, known)
 
     def test_they_are_linear_in_the_seeds(self) -> None:
         states, speeds = POINTS[1]

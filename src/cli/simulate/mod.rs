@@ -5,7 +5,7 @@ mod progress;
 mod table;
 
 use super::initial::{Initial, initial_state};
-use super::model::ModelArgs;
+use super::model::{ModelArgs, names};
 use super::output::Output;
 use super::plot::{self, Trace};
 use super::{Failure, tell};
@@ -16,14 +16,18 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use ugv_terrain::effects::Kind;
 use ugv_terrain::recording::{CsvError, Drive, read_drive};
 use ugv_terrain::simulation::{Simulation, State};
+use ugv_terrain::vehicle::VehicleModel;
 
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --output motion.csv --plot motion.svg
   ugv simulate --input drive.csv --terrain dry_sand --initial v_x=1.1 --output-step 0.05
   ugv simulate --input drive.csv --vehicle mine.json --initial no-slip heading=1.57 --output -
+  ugv simulate --input drive.csv --effects effects.json --output motion.csv
+  ugv simulate --input drive.csv --model model.json --output motion.csv
   generate | ugv simulate --input - --quiet | plot
 
 Input:   a header with time,omega_left,omega_right [s, rad/s], linear in between. Other columns are
@@ -74,7 +78,9 @@ fn step(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let model = args.model.load()?;
+    let specification = args.model.specification()?;
+    let effects = names(&specification.effects, Kind::Physics);
+    let model = VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
     let recording = read(&args.input)?;
     let state = initial_state(
         &args.initial,
@@ -114,8 +120,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let elapsed = summary.started.elapsed();
 
     if let (Some(trace), Some(mut picture)) = (&trace, picture) {
-        let svg =
-            plot::draw(trace, &args.model.terrain.to_string_lossy()).map_err(Failure::Plot)?;
+        let svg = plot::draw(trace, &args.model.ground()).map_err(Failure::Plot)?;
         picture
             .write_all(svg.as_bytes())
             .map_err(|source| picture.failure(source))?;
@@ -123,7 +128,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     table.finish()?;
     if !args.quiet {
-        summary.tell(&recording, elapsed.as_secs_f64());
+        summary.tell(&recording, effects.as_deref(), elapsed.as_secs_f64());
     }
     Ok(())
 }
@@ -194,7 +199,7 @@ impl Summary {
         }
     }
 
-    fn tell(&self, recording: &Drive, elapsed: f64) {
+    fn tell(&self, recording: &Drive, effects: Option<&str>, elapsed: f64) {
         let seconds = recording.duration();
         let State { x, y, heading, .. } = self.last;
         let heading_deg = heading.to_degrees();
@@ -205,9 +210,10 @@ impl Summary {
                 recording.len()
             ));
         }
+        let effects = effects.map_or(String::new(), |names| format!(", effects: {names}"));
         tell(&format!(
             "simulated {seconds:.2} s from {} s on, drove {:.3} m to x {x:.3} m, y {y:.3} m, \
-             heading {heading_deg:.2} deg, {:.0} times as fast as real time",
+             heading {heading_deg:.2} deg, {:.0} times as fast as real time{effects}",
             self.start,
             self.distance,
             seconds / elapsed

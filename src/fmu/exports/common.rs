@@ -157,6 +157,13 @@ fn configure(
              package the FMU anew with \"ugv package\""
         ));
     }
+    let remembering = configuration.remembering();
+    if interface == Interface::ModelExchange && !remembering.is_empty() {
+        return Err(format!(
+            "this FMU is for co-simulation alone: with {} its model has states that model exchange does not see",
+            remembering.join(", ")
+        ));
+    }
     Ok((interface, configuration))
 }
 

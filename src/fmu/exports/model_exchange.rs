@@ -117,7 +117,7 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     }
 }
 
-/// Sets the time, on which nothing in the model depends.
+/// Sets the time, on which only effects depend.
 ///
 /// # Safety
 /// `component` is null or a live component.

@@ -27,6 +27,7 @@ pub(crate) enum Direction {
     /// East or north.
     Position(usize),
     Heading,
+    Time,
     /// One of the remembered numbers.
     Memory(usize),
     Parameter(Parameter),
@@ -146,6 +147,7 @@ impl Point<'_> {
                 Direction::WheelSpeed(side) => &mut at.wheel_speeds[side],
                 Direction::Position(axis) => &mut at.position[axis],
                 Direction::Heading => &mut at.heading,
+                Direction::Time => &mut at.time,
                 Direction::Memory(index) if self.altered.layout.owner(index).is_none() => {
                     &mut at.distance
                 }

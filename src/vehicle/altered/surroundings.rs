@@ -28,7 +28,7 @@ pub(crate) struct Situation<S> {
     pub wheel_speeds: [S; 2],
     pub position: [S; 2],
     pub heading: S,
-    pub time: f64,
+    pub time: S,
     pub distance: S,
 }
 
@@ -54,7 +54,7 @@ impl<S: Scalar> Situation<S> {
             wheel_speeds: [c(motion.omega_left), c(motion.omega_right)],
             position: surroundings.position.map(c),
             heading: c(surroundings.heading),
-            time: surroundings.time,
+            time: c(surroundings.time),
             distance: c(layout.distance(surroundings.memory)),
         }
     }
@@ -85,7 +85,7 @@ impl<S: Scalar> Chassis<S> {
                 at.position[0] + ahead * cos - left * sin,
                 at.position[1] + ahead * sin + left * cos,
             ];
-            let share = change.share(boundary, S::constant(at.time), at.distance, place);
+            let share = change.share(boundary, at.time, at.distance, place);
             law.soil = change.soil(&law.soil, share);
         }
         law
@@ -99,8 +99,7 @@ impl<S: Scalar> Chassis<S> {
             .grade
             .map_or([zero; 2], |grade| [grade.slope_east, grade.slope_north]);
         if let Some(profile) = &effects.slope_profile {
-            let time = S::constant(at.time);
-            let more = profile.slopes(time, at.distance, at.position);
+            let more = profile.slopes(at.time, at.distance, at.position);
             slopes = [slopes[0] + more[0], slopes[1] + more[1]];
         }
         let gravity = if self.effects.grade.is_some() {

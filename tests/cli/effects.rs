@@ -1,0 +1,205 @@
+//! Model files, effects, and what the tool tells of them.
+
+use super::*;
+use predicates::prelude::*;
+use predicates::str::contains;
+use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
+use ugv_terrain::vehicle::{Specification, Vehicle};
+
+const SLOPE: &str = r#"{"grade": {"slope_east": 0.08}, "payload": {"mass": 60}}"#;
+
+#[test]
+fn the_list_names_every_effect_and_parameter() {
+    let list = Bench::new().stdout("effects");
+    for effect in CATALOGUE {
+        assert!(list.contains(&format!("  {}: lifts {}", effect.name, effect.lifts)));
+        for declared in effect.parameters {
+            let line = list
+                .lines()
+                .find(|line| line.contains(declared.description))
+                .unwrap();
+            assert!(line.contains(declared.name), "{line}");
+        }
+    }
+    for expected in [
+        "-0.3 to 0.3 rad",
+        "off at 2000000",
+        "default 16000",
+        "Measurement",
+    ] {
+        assert!(list.contains(expected), "{expected}");
+    }
+}
+
+#[test]
+fn an_effect_is_explained_and_printed_as_a_file_that_works() {
+    let bench = Bench::new();
+    let told = contains("equation: F = -k |V| V")
+        .and(contains("source: quadratic drag"))
+        .and(contains(
+            "0 to 200 N s^2/m^2, off at 0; where on, believed to be 10, up or down",
+        ));
+    let assert = bench
+        .ugv("effects drag grade")
+        .assert()
+        .success()
+        .stderr(told);
+    bench.write("effects.json", &assert.get_output().stdout);
+    let effects = Effects::from_json(&bench.read("effects.json")).unwrap();
+    let names: Vec<&str> = effects
+        .on(Kind::Physics)
+        .map(|effect| effect.name)
+        .collect();
+    assert_eq!(names, ["grade", "drag"]);
+    let told = contains("as fast as real time, effects: grade, drag\n");
+    let assert = bench
+        .ugv("simulate --input drive.csv --effects effects.json")
+        .assert()
+        .success()
+        .stderr(told);
+    let plain = bench.stdout("simulate --input drive.csv");
+    assert_ne!(assert.get_output().stdout, plain.as_bytes());
+    let plain_again = bench.ugv("simulate --input drive.csv").assert();
+    let told = String::from_utf8(plain_again.get_output().stderr.clone()).unwrap();
+    assert!(!told.contains("effects"), "{told}");
+}
+
+#[test]
+fn a_model_file_is_vehicle_terrain_and_effects() {
+    let bench = Bench::new();
+    bench.write("effects.json", SLOPE);
+    bench.write(
+        "mine.json",
+        bench.stdout("vehicle").replace("490.0", "470.0"),
+    );
+    let parts = "--vehicle mine.json --terrain dry_sand --effects effects.json";
+    bench.write("model.json", bench.stdout(&format!("model {parts}")));
+    let model = Specification::from_json(&bench.read("model.json")).unwrap();
+    assert_eq!(model.vehicle.mass, 470.0);
+    assert_eq!(model.effect_names(), ["grade", "payload"]);
+    let of_parts = bench.stdout(&format!("simulate --input drive.csv {parts}"));
+    let of_model = bench.stdout("simulate --input drive.csv --model model.json");
+    assert_eq!(of_parts, of_model);
+    // Printed again it is the same.
+    assert_eq!(
+        bench.stdout("model --model model.json"),
+        bench.read("model.json")
+    );
+    let plain = Specification::from_json(&bench.stdout("model")).unwrap();
+    assert_eq!(
+        (plain.vehicle, plain.effects),
+        (Vehicle::tran2007(), Effects::NONE)
+    );
+}
+
+#[test]
+fn effects_take_the_place_of_a_models_and_it_is_told() {
+    let bench = Bench::new();
+    bench.write("effects.json", SLOPE);
+    bench.write("model.json", bench.stdout("model --effects effects.json"));
+    bench.write(
+        "other.json",
+        r#"{"drag": {"coefficient": 20}, "latency": {"pose": 0.2}}"#,
+    );
+    let told = contains(
+        "note: the effects of other.json take the place of those in model.json (grade, payload)",
+    )
+    .and(contains("note: latency change what sensors report"))
+    .and(contains("effects: drag\n"));
+    let assert = bench
+        .ugv("simulate --input drive.csv --model model.json --effects other.json")
+        .assert()
+        .success()
+        .stderr(told);
+    let expected = bench.stdout("simulate --input drive.csv --effects other.json");
+    assert_eq!(assert.get_output().stdout, expected.as_bytes());
+}
+
+#[test]
+fn the_picture_is_headed_by_the_model() {
+    let bench = Bench::new();
+    bench.write("model.json", bench.stdout("model"));
+    bench.stdout("simulate --input drive.csv --model model.json --plot p.svg");
+    assert!(bench.read("p.svg").contains("model.json"));
+}
+
+#[test]
+fn what_is_wrong_with_effects_or_a_model_is_named() {
+    let bench = Bench::new();
+    let model = bench.stdout("model");
+    for (file, text, expected) in [
+        (
+            "effects",
+            r#"{"grad": {}}"#.into(),
+            "the nearest known one is `grade`",
+        ),
+        (
+            "effects",
+            r#"{"grade": {"slope_est": 0}}"#.into(),
+            "the nearest known one is `slope_east`",
+        ),
+        (
+            "effects",
+            r#"{"grade": {"slope_east": 0.5}}"#.into(),
+            "grade.slope_east = 0.5 rad is outside its range [-0.3, 0.3] rad",
+        ),
+        (
+            "effects",
+            r#"{"grade": {"slope_east": "steep"}}"#.into(),
+            "grade.slope_east: found the text \"steep\", expected a number [rad]",
+        ),
+        (
+            "effects",
+            "{\n  \"grade\": 1,\n}".into(),
+            "line 3, column 1: not JSON",
+        ),
+        (
+            "model",
+            "{}".into(),
+            "the model has no key `format`, expected \"ugv-model/1\"",
+        ),
+        (
+            "model",
+            model.replace("\"effects\"", "\"efects\""),
+            "nearest known one is `effects`",
+        ),
+        (
+            "model",
+            model.replace("490.0", "-1"),
+            "mass = -1 kg is outside its range",
+        ),
+    ] {
+        bench.write("bad.json", text);
+        for command in [
+            "simulate --input drive.csv",
+            "model",
+            "package --output new.fmu",
+        ] {
+            let message = bench.fails(&format!("{command} --{file} bad.json"), 2);
+            assert!(message.starts_with("ugv: error: bad.json: "), "{message}");
+            assert!(message.contains(expected), "{message}");
+            assert!(message.contains("ugv: hint: "), "{message}");
+        }
+    }
+    for (arguments, expected) in [
+        (
+            "model --model m.json --vehicle v.json",
+            "cannot be used with",
+        ),
+        (
+            "simulate --input drive.csv --model m.json --terrain dry_sand",
+            "cannot be used with",
+        ),
+        (
+            "package --model m.json --terrain dry_sand",
+            "cannot be used with",
+        ),
+        ("model --model nowhere.json", "cannot read nowhere.json: "),
+        ("model --effects nowhere.json", "cannot read nowhere.json: "),
+        ("effects grad", "'grade'"),
+    ] {
+        let message = bench.fails(arguments, 2);
+        assert!(message.contains(expected), "{message}");
+    }
+    assert_eq!(bench.files(), ["bad.json", "drive.csv"]);
+}
