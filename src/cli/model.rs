@@ -36,7 +36,7 @@ impl ModelArgs {
     /// Reads what the arguments name; whether it fits together is not checked.
     pub fn specification(&self) -> Result<Specification, Failure> {
         let mut specification = match &self.model {
-            Some(path) => read(path, Specification::from_json)?,
+            Some(path) => load_model(path)?,
             None => Specification::plain(self.vehicle()?, load_terrain(&self.terrain)?),
         };
         self.replace_effects(&mut specification.effects)?;
@@ -87,6 +87,11 @@ impl ModelArgs {
 pub fn names(effects: &Effects, kind: Kind) -> Option<String> {
     let names: Vec<&str> = effects.on(kind).map(|effect| effect.name).collect();
     (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// Reads vehicle, terrain and effects from a file.
+pub fn load_model(path: &Path) -> Result<Specification, Failure> {
+    read(path, Specification::from_json)
 }
 
 /// Reads a vehicle from a file.

@@ -31,6 +31,11 @@ pub enum IdentificationError {
         /// Windows with a gap in the pose.
         gaps: usize,
     },
+    /// No windows for fitting beside those for judging.
+    TooShortToPart {
+        /// Name of the recording.
+        recording: String,
+    },
     /// A setting outside its range.
     Setting {
         /// Which one.
@@ -70,6 +75,10 @@ impl fmt::Display for IdentificationError {
                 f,
                 "{recording}: no window to judge: in {standing} the vehicle stands still, in \
                  {gaps} the pose has a gap"
+            ),
+            Self::TooShortToPart { recording } => write!(
+                f,
+                "{recording}: too short to be fitted on one half and judged on the other"
             ),
             Self::Setting { what, value, range } => {
                 write!(f, "{what} = {value}: it must be {range}")

@@ -66,6 +66,11 @@ impl Signals {
         })
     }
 
+    /// Whether a run has what windows are cut from.
+    pub(super) fn is_complete(run: &Run) -> bool {
+        Self::of_run(run).is_some()
+    }
+
     fn of_run(run: &Run) -> Option<Self> {
         let yaw_rate = run.series(Channel::YawRate).cloned();
         Some(Self {

@@ -15,6 +15,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::{Fit, Options, catalogue, fit};
+use ugv_terrain::identification::{Cut, fitted_part};
 use ugv_terrain::recording::{Recording, read_recording};
 
 const EXAMPLES: &str = "\
@@ -56,6 +57,14 @@ pub struct Args {
     /// [default: that of the recordings, or else clayed_soil]
     #[arg(long, value_name = "NAME|FILE.json")]
     terrain: Option<PathBuf>,
+
+    /// Model to begin with, as `ugv model` writes it; what is not fitted stays as it is there
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
+    model: Option<PathBuf>,
+
+    /// Leave out the half of each recording by which `ugv score` judges
+    #[arg(long)]
+    half: bool,
 
     /// Length of a segment, each with a start of its own
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
@@ -101,7 +110,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
         return print_names(&model::nominal(args, &[])?);
     }
-    let recordings = read(&args.recordings)?;
+    let mut recordings = read(&args.recordings)?;
+    if args.half {
+        for recording in &mut recordings {
+            *recording = fitted_part(recording, &Cut::default())?;
+        }
+    }
     let nominal = model::nominal(args, &recordings)?;
     let wanted = Wanted::parse(&args.free, &args.sensors)?;
     let options = Options {

@@ -6,7 +6,7 @@ mod json;
 mod progress;
 mod table;
 
-use super::model::{load_terrain, load_vehicle};
+use super::model::{load_model, load_terrain, load_vehicle};
 use super::output::{Output, write_stdout};
 use super::{Failure, tell};
 use contest::{Contest, Outcome, pool};
@@ -21,7 +21,7 @@ use ugv_terrain::identification::{
 };
 use ugv_terrain::recording::{About, Recording, read_recording};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Vehicle, VehicleModel};
+use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
 
 /// Recorded headings that stray further from the gyro's within a second are worth less than
 /// its integral \[rad\].
@@ -56,6 +56,10 @@ pub struct Args {
     /// [default: the recording's]
     #[arg(long, value_name = "NAME|FILE.json")]
     terrain: Option<PathBuf>,
+
+    /// Model to judge beside the nominal one, as `ugv fit` and `ugv model` write it
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
+    model: Option<PathBuf>,
 
     /// Predict so many seconds ahead
     #[arg(long, value_name = "S", default_value_t = Cut::default().horizon)]
@@ -178,18 +182,24 @@ type Described = (String, Arc<VehicleModel>);
 struct Given {
     vehicle: Option<Vehicle>,
     terrain: Option<Terrain>,
+    model: Option<Specification>,
     words: String,
 }
 
 impl Given {
     fn load(args: &Args) -> Result<Self, Failure> {
-        let named = [("vehicle", &args.vehicle), ("terrain", &args.terrain)];
+        let named = [
+            ("vehicle", &args.vehicle),
+            ("terrain", &args.terrain),
+            ("model", &args.model),
+        ];
         let words = named
             .iter()
             .filter_map(|(key, path)| Some(format!("{key} {}", path.as_ref()?.display())));
         Ok(Self {
             vehicle: args.vehicle.as_deref().map(load_vehicle).transpose()?,
             terrain: args.terrain.as_deref().map(load_terrain).transpose()?,
+            model: args.model.as_deref().map(load_model).transpose()?,
             words: words.collect::<Vec<_>>().join(", "),
         })
     }
@@ -219,6 +229,10 @@ impl Given {
             model.map(Arc::new).map_err(Failure::Model)
         };
         let nominal = (words, model(&vehicle, &terrain)?);
+        if let Some(specification) = &self.model {
+            let model = VehicleModel::from_specification(specification).map_err(Failure::Model)?;
+            return Ok((nominal, Some((self.words.clone(), Arc::new(model)))));
+        }
         if self.vehicle.is_none() && self.terrain.is_none() {
             return Ok((nominal, None));
         }
