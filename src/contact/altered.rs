@@ -6,6 +6,7 @@ use super::wheel::OneSided;
 use super::{Detail, WheelContact, WheelForces, WheelMotion};
 use crate::effects::{
     Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak, absolute_slip,
+    whole_slip,
 };
 use crate::scalar::Scalar;
 use fearless_simd::{Level, Simd, dispatch};
@@ -179,16 +180,13 @@ impl WheelContact {
         let rule = self.rule(detail);
         let fading = self.regularisation().travel_speed;
         let rim_speed = motion.angular_speed * law.radius;
-        let slip = (law.slip_sinkage.is_some() || law.peak.is_some())
-            .then(|| absolute_slip(rim_speed, motion.forward, fading));
-        let soil = match (&law.slip_sinkage, slip) {
-            (Some(effect), Some(slip)) => effect.soil(&law.soil, slip),
-            _ => law.soil,
-        };
-        let peak = match (&law.peak, slip) {
-            (Some(effect), Some(slip)) => effect.place(slip),
-            _ => S::constant(0.5),
-        };
+        let soil = law.slip_sinkage.as_ref().map_or(law.soil, |effect| {
+            let slip = whole_slip(rim_speed, motion.forward, motion.lateral, fading);
+            effect.soil(&law.soil, slip)
+        });
+        let peak = law.peak.as_ref().map_or(S::constant(0.5), |effect| {
+            effect.place(absolute_slip(rim_speed, motion.forward, fading))
+        });
         let patch = AlteredPatch::new(law, soil, peak, memory.pressed, self.regularisation());
         let side = AlteredSide {
             wheel: self,

@@ -182,7 +182,7 @@ impl<S: Scalar> AlteredPatch<S> {
             tangential: zero,
         };
         let mut normal = [zero; 2];
-        // Integrals of h - h^2 cos(theta) / R and h^2 (...) over the arc, and with sin(theta).
+        // Integrals of h cos(theta) and h^2 cos(theta) over the arc, and with sin(theta).
         let mut buried = [zero; 4];
         let mut room = [(0.0, 0.0); MOST_ROWS];
         let crossing = Crossing {
@@ -230,7 +230,7 @@ impl<S: Scalar> AlteredPatch<S> {
                         normal[0] += column.stress * column.sin;
                         normal[1] += column.stress * column.cos;
                         let depth = column.rise;
-                        let strip = depth * (depth.like(1.0) - depth * column.cos) * column.weight;
+                        let strip = depth * column.cos * column.weight;
                         buried[0] += strip;
                         buried[1] += strip * depth;
                         buried[2] += strip * column.sin;
@@ -258,8 +258,8 @@ impl<S: Scalar> AlteredPatch<S> {
         (sums, wedge)
     }
 
-    /// Forces on the wheel's flank from the integrals of h/R (1 - h cos(theta)/R) and
-    /// (h/R)^2 (1 - h cos(theta)/R) over the arc, plain and with sin(theta): R_b = a h + b h^2.
+    /// Forces on the wheel's flank from the integrals of h/R cos(theta) and (h/R)^2 cos(theta)
+    /// over the arc, plain and with sin(theta): R_b = a h + b h^2.
     #[inline(always)]
     fn wedge(&self, effect: &Bulldozing<S>, arc: &Arc<S>, buried: [S; 4]) -> Wedge<S> {
         let t = self.soil.friction;

@@ -15,10 +15,15 @@ effect! {
     /// D2 = q + q^2 tan phi. Passive earth pressure by Rankine, 2 c q + gamma h q^2 for each metre
     /// of depth, integrates to 2 q c h + q^2 gamma h^2 / 2: the same term in c, and a
     /// resistance of the weight that is 2 D2 / q = 2 (1 + q tan phi) times as large.
+    ///
+    /// The blades of the flank stand side by side along X = r sin theta, so each is
+    /// dX = r cos theta dtheta wide. The source has r - h cos theta in its place, which is nearly
+    /// nothing below the axle of a wheel that is buried to it; a measured wheel's side force
+    /// follows the geometry (src/docs/single_wheel.md).
     Bulldozing: "bulldozing", Physics,
     lifts "no bulldozing",
-    equation "F_Y = -lateral int R_b(h) (r - h cos theta) sin(beta) dtheta, F_X = -frontal b R_b(h_0) cos(beta); R_b = D1 (c h + D2 gamma h^2 / 2), sin(beta) = V_Y / |V|",
-    source "Ishigami, Miwa, Nagatani, Yoshida, J. Field Robotics 24 (2007), after Hegedus 1960",
+    equation "F_Y = -lateral int R_b(h) r cos theta sin(beta) dtheta, F_X = -frontal b R_b(h_0) cos(beta); R_b = D1 (c h + D2 gamma h^2 / 2), sin(beta) = V_Y / |V|",
+    source "Ishigami, Miwa, Nagatani, Yoshida, J. Field Robotics 24 (2007), after Hegedus 1960; the width of the blades by geometry",
     {
         lateral ["1"] 0.0..3.0, off 0.0, lognormal(0.7, 0.7), "Strength of the lateral wedge, 1 as in the source";
         frontal ["1"] 0.0..3.0, off 0.0, lognormal(0.3, 0.7), "Strength of the frontal wedge, 1 for a blade as deep as the wheel";

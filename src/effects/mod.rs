@@ -48,7 +48,7 @@ pub use payload::Payload;
 pub use profile::{Grid, Points, ProfileError, SlopeProfile};
 pub use rate_dependent_soil::RateDependentSoil;
 pub use shear_anisotropy::ShearAnisotropy;
-pub use slip_sinkage::{SlipSinkage, absolute_slip};
+pub use slip_sinkage::{SlipSinkage, absolute_slip, whole_slip};
 pub use soil::Soil;
 pub use stress_peak::StressPeak;
 pub use terrain_change::{Boundary, TerrainChange};

@@ -66,8 +66,10 @@ fn dense(
     let slip = ((rim - m.forward) / rim.abs().max(m.forward.abs())).abs();
     let (mut k, mut n) = (law.soil.modulus, law.soil.exponent);
     if let Some(effect) = &law.slip_sinkage {
-        k /= (1.0 + effect.sinkage_growth * slip).powf(n);
-        n += effect.exponent_growth * slip;
+        let whole = (rim - m.forward).hypot(m.lateral) / rim.abs().max(m.forward.hypot(m.lateral));
+        let grown = effect.sinkage_growth * whole;
+        k /= ((1.0 + grown) / (1.0 - grown / 2.0)).powf(n);
+        n += effect.exponent_growth * whole;
     }
     let exit = -law.rebound * entry;
     let share = law

@@ -167,7 +167,7 @@ fn grade_moves_the_load_downhill_by_the_moment_of_the_weight() {
 #[test]
 fn wedges_push_as_hard_as_by_hand() {
     // Side force of one wheel at beta = 90 deg beside the rolling: the difference to the paper is
-    // N times int R_b (r - h cos theta) sin(beta) dtheta, here by the trapezoidal rule.
+    // N times int R_b r cos theta sin(beta) dtheta, here by the midpoint rule.
     let effect = model("dry_sand", &[("bulldozing.lateral", 1.0)]);
     let (with, without) = (
         wrench(&effect, &SIDEWAYS),
@@ -181,7 +181,7 @@ fn wedges_push_as_hard_as_by_hand() {
         let (r, entry) = (0.25, wheel.entry_angle);
         let strip = |theta: f64| {
             let h = r * (theta.cos() - entry.cos());
-            2.0 * q * (1040.0 * h + (q + q * q * t) * 16e3 * h * h / 2.0) * (r - h * theta.cos())
+            2.0 * q * (1040.0 * h + (q + q * q * t) * 16e3 * h * h / 2.0) * r * theta.cos()
         };
         let step = entry / 2000.0;
         let sum: f64 = (0..2000).map(|k| strip((f64::from(k) + 0.5) * step)).sum();
@@ -218,6 +218,16 @@ fn slip_sinkage_digs_spinning_wheels_in() {
             "{effect:?}: {dug} {rolling}"
         );
     }
+}
+
+#[test]
+fn wheels_that_slide_sideways_dig_in_as_well() {
+    let (on, off) = (model("dry_sand", &[("slip_sinkage.sinkage_growth", 0.8)]), paper_model("dry_sand"));
+    let deeper = |motion: &Motion| {
+        let sinkages = |model| wrench(model, motion).wheels.iter().map(|wheel| wheel.sinkage).sum::<f64>();
+        sinkages(&on) / sinkages(&off)
+    };
+    assert!(deeper(&SIDEWAYS) > 1.02 * deeper(&STRAIGHT));
 }
 
 #[test]
