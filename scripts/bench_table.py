@@ -46,6 +46,14 @@ def main() -> None:
     print("| what | measured |\n|---|---|")
     for name, value in rows:
         print(f"| {name} | {value} |")
+    plain = estimate("effects", "none asked for")
+    drive_plain = estimate("effects", "10 s drive, none asked for")
+    print("\n| effects | wrench | as a ratio | 10 s drive, as a ratio |\n|---|---|---|---|")
+    for name in ("none asked for", "all off", "one on", "every one on"):
+        one, ten = estimate("effects", name), estimate("effects", f"10 s drive, {name}")
+        print(f"| {name} | {one * 1e6:.1f} us | {one / plain:.2f} | {ten / drive_plain:.2f} |")
+    derived = estimate("effects", "10 s drive with its derivatives by the soil")
+    print(f"| none, with the drive's derivatives by the soil | | | {derived / drive_plain:.1f} |")
     print("\n| quadrature nodes per wheel | wrench |\n|---|---|")
     for nodes in (16, 64, 256):
         print(f"| {nodes} | {estimate('wrench by nodes', str(nodes)) * 1e6:.1f} us |")

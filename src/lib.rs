@@ -25,23 +25,35 @@
 //! # Layers
 //! Dependencies point one way: [`terrain`] to [`contact`] (one wheel) to [`vehicle`] (all
 //! wheels in balance) to [`simulation`] (motion in time) to the FMU's C interface, which is built
-//! with the feature `fmu`. [`recording`] stands alone. Everything inside is SI and radians; frames
-//! and signs are stated in [`vehicle`].
+//! with the feature `fmu`. [`effects`] are what the paper leaves out; contact and vehicle use them.
+//! [`recording`] stands beside them, and knows of vehicles and terrains only how they are described;
+//! `import` makes recordings from robots' logs, [`inspection`] looks at one, `report` shows what
+//! it saw, [`identification`] judges models by them, and `fit` fits models to them. Everything inside
+//! is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
-//! - `cli` (default): the tool `ugv`, reading CSV, and [`package`], which makes the FMU's archive.
+//! - `cli` (default): the tool `ugv`, reading CSV and robots' logs (`import`), and [`package`],
+//!   which makes the FMU's archive.
 //! - `fmu`: the C interface of FMI 2.0; building it needs libclang.
 
 pub mod contact;
 pub mod declaration;
 pub mod effects;
+#[cfg(feature = "cli")]
+pub mod fit;
 #[cfg(feature = "fmu")]
 pub mod fmu;
+pub mod identification;
+#[cfg(feature = "cli")]
+pub mod import;
+pub mod inspection;
 pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;
 pub mod parameter;
 pub mod recording;
+#[cfg(feature = "cli")]
+pub mod report;
 pub mod scalar;
 pub mod simulation;
 pub mod spelling;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
-const EDGES: [(&str, &[&str]); 15] = [
+const EDGES: &[(&str, &[&str])] = &[
     ("parameter", &[]),
     ("spelling", &[]),
     ("scalar", &[]),
@@ -20,14 +20,30 @@ const EDGES: [(&str, &[&str]); 15] = [
         "json",
         &["effects", "parameter", "spelling", "terrain", "vehicle"],
     ),
+    ("import", &["spelling"]),
+    ("recording", &["json", "spelling", "terrain", "vehicle"]),
+    ("identification", &["recording", "simulation", "vehicle"]),
+    ("inspection", &["recording"]),
+    ("report", &["inspection", "recording"]),
     (
         "declaration",
         &["effects", "json", "parameter", "terrain", "vehicle"],
     ),
-    ("recording", &["spelling"]),
     (
         "fmu",
         &["declaration", "parameter", "simulation", "vehicle"],
+    ),
+    (
+        "fit",
+        &[
+            "effects",
+            "parameter",
+            "recording",
+            "simulation",
+            "spelling",
+            "terrain",
+            "vehicle",
+        ],
     ),
     ("package", &["declaration", "effects", "simulation"]),
     ("lib", &[]),

@@ -4,9 +4,12 @@ use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use ugv_terrain::fit::FitError;
+use ugv_terrain::identification::IdentificationError;
+use ugv_terrain::import::ImportError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::CsvError;
+use ugv_terrain::recording::{CsvError, RecordingError};
 use ugv_terrain::simulation::SimulationError;
 use ugv_terrain::vehicle::BalanceError;
 
@@ -33,6 +36,14 @@ pub enum Failure {
     Json { path: PathBuf, source: JsonError },
     /// A file that is no recording.
     Recording(CsvError),
+    /// A recording or the file beside it that cannot be read.
+    ReadRecording(RecordingError),
+    /// Recordings that nothing can be fitted to.
+    Fit(FitError),
+    /// A robot's log that gives no recording.
+    Import(ImportError),
+    /// A recording by which nothing can be judged.
+    Identification(IdentificationError),
     /// Vehicle and terrain that do not fit together.
     Model(ParameterError),
     /// A vehicle that cannot drive on; times are those of the recording.
@@ -48,7 +59,10 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Self::Simulation(SimulationError::NotFinite { .. }) => BAD_INPUT,
-            Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
+            Self::Fit(FitError::NotFinite)
+            | Self::Simulation(_)
+            | Self::Write { .. }
+            | Self::Plot(_) => FAILED,
             _ => BAD_INPUT,
         }
     }
@@ -85,6 +99,7 @@ impl Failure {
     fn hint(&self) -> Option<String> {
         match self {
             Self::Argument { hint, .. } => hint.clone(),
+            Self::Import(error) => error.remedy(),
             Self::Json {
                 source: JsonError::SeveralTerrains { names },
                 ..
@@ -111,6 +126,24 @@ impl Failure {
     }
 }
 
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Csv(error) => Self::Recording(error),
+            RecordingError::About { file, source } => Self::Json {
+                path: file.into(),
+                source,
+            },
+        }
+    }
+}
+
+impl From<IdentificationError> for Failure {
+    fn from(error: IdentificationError) -> Self {
+        Self::Identification(error)
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -119,6 +152,10 @@ impl fmt::Display for Failure {
             Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
             Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Recording(error) => error.fmt(f),
+            Self::ReadRecording(error) => error.fmt(f),
+            Self::Fit(error) => error.fmt(f),
+            Self::Import(error) => error.fmt(f),
+            Self::Identification(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::Write { target, .. } => write!(f, "cannot write {target}"),
@@ -133,6 +170,8 @@ impl Error for Failure {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Json { source, .. } => source.source(),
             Self::Recording(error) => error.source(),
+            Self::ReadRecording(error) => error.source(),
+            Self::Import(error) => error.source(),
             Self::Simulation(error) => error.source(),
             _ => None,
         }

@@ -3,12 +3,16 @@
 mod completions;
 mod effects;
 mod failure;
+mod fit;
+mod import;
 mod initial;
+mod inspect;
 mod model;
 mod output;
 mod package;
 mod plot;
 mod presets;
+mod score;
 mod simulate;
 
 pub use failure::Failure;
@@ -19,6 +23,9 @@ use output::write_stdout;
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
+  ugv import drive.mcap --output drive.csv
+  ugv inspect field.csv --page field.html
+  ugv score drive.csv          # how well do models predict what was recorded?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
   ugv effects                  # physics that the paper leaves out, to switch on
@@ -37,6 +44,10 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Fit(fit::Args),
+    Import(import::Args),
+    Inspect(inspect::Args),
+    Score(score::Args),
     Package(package::Args),
     Terrains(presets::TerrainsArgs),
     Vehicle(presets::VehicleArgs),
@@ -55,6 +66,10 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Fit(args) => fit::run(&args),
+        Command::Import(args) => import::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Score(args) => score::run(&args),
         Command::Package(args) => package::run(&args),
         Command::Terrains(args) => presets::terrains(&args),
         Command::Vehicle(args) => presets::vehicle(&args),

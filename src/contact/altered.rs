@@ -1,7 +1,8 @@
 //! Forces on one wheel whose contact effects alter.
 
-use super::altered_patch::{AlteredPatch, AlteredMotion};
+use super::altered_patch::{AlteredMotion, AlteredPatch};
 use super::quadrature::Quadrature;
+use super::wheel::OneSided;
 use super::{Detail, WheelContact, WheelForces, WheelMotion};
 use crate::effects::{
     Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak, absolute_slip,
@@ -135,6 +136,17 @@ impl WheelLaw<f64> {
     }
 }
 
+/// The law that effects alter, on the wheel's +X side.
+struct AlteredSide<'a, V, S> {
+    wheel: &'a WheelContact,
+    simd: V,
+    rule: &'a Quadrature,
+    law: &'a WheelLaw<S>,
+    patch: &'a AlteredPatch<S>,
+    memory: &'a WheelMemory<S>,
+    entry_angle: S,
+}
+
 impl WheelContact {
     /// Forces of the ground on a wheel under a law that effects alter, whose rim enters the soil
     /// (or the ground of the rut) at `entry_angle` \[rad\].
@@ -178,29 +190,35 @@ impl WheelContact {
             _ => S::constant(0.5),
         };
         let patch = AlteredPatch::new(law, soil, peak, memory.pressed, self.regularisation());
-        let mut forces = self.both_sides(motion, |sign, seen| {
-            self.altered_side(simd, rule, law, &patch, seen, memory, sign, entry_angle)
-        });
+        let side = AlteredSide {
+            wheel: self,
+            simd,
+            rule,
+            law,
+            patch: &patch,
+            memory,
+            entry_angle,
+        };
+        let mut forces = self.both_sides(motion, &side);
         forces.thrust = forces.thrust - law.viscosity[0] * motion.forward;
         forces.lateral = forces.lateral - law.viscosity[1] * motion.lateral;
         forces
     }
+}
 
-    /// Forces on a wheel that compacts soil on its +X side; with the sign -1 it is the mirror image of
-    /// the wheel that the memory belongs to.
-    #[allow(clippy::too_many_arguments, reason = "one call, of the method above")]
+impl<V: Simd, S: Scalar> OneSided<S> for AlteredSide<'_, V, S> {
+    /// With the sign -1 it is the mirror image of the wheel that the memory belongs to.
     #[inline(always)]
-    fn altered_side<V: Simd, S: Scalar>(
-        &self,
-        simd: V,
-        rule: &Quadrature,
-        law: &WheelLaw<S>,
-        patch: &AlteredPatch<S>,
-        motion: &WheelMotion<S>,
-        memory: &WheelMemory<S>,
-        sign: f64,
-        entry_angle: S,
-    ) -> WheelForces<S> {
+    fn forces(&self, sign: f64, motion: &WheelMotion<S>) -> WheelForces<S> {
+        let Self {
+            wheel,
+            simd,
+            rule,
+            law,
+            patch,
+            memory,
+            entry_angle,
+        } = *self;
         let rim_speed = motion.angular_speed * law.radius;
         let displacement = if law.transient {
             let Displacement {
@@ -216,7 +234,7 @@ impl WheelContact {
                 rim: rim.scale(sign),
             }
         } else {
-            let bounded = self
+            let bounded = wheel
                 .regularisation()
                 .bounded_angular_speed(motion.angular_speed);
             let time_per_angle = law.circle / (law.radius * bounded);
@@ -242,7 +260,7 @@ impl WheelContact {
             |sum| sum * area * law.radius,
         );
         if let Some(wedge) = wedge {
-            let fading = self.regularisation().travel_speed;
+            let fading = wheel.regularisation().travel_speed;
             let speed_squared = motion.forward * motion.forward + motion.lateral * motion.lateral;
             let inverse = speed_squared.offset(fading * fading).inverse_sqrt();
             let across = -motion.lateral * inverse;

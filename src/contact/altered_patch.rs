@@ -197,11 +197,17 @@ impl<S: Scalar> AlteredPatch<S> {
         let reversed = self.footprint.reversed_rows(width, &crossing);
         // First the rows whose slip velocity keeps its sign, then each of the others on its own
         // split arc.
-        let first = ([arc.exit, arc.exit, arc.middle, arc.middle, arc.entry], !reversed);
+        let rut = self.rut_ends(&arc);
+        let straight = self.ends(&arc, rut, arc.exit, arc.exit);
+        let first = (straight, !reversed);
         let others = (0..width.len()).filter(|row| reversed & (1 << row) != 0);
-        let others = others.map(|row| (self.split(motion, &arc, width[row].0), 1 << row));
+        let others = others.map(|row| {
+            let turn = self.turn(motion, &arc, width[row].0);
+            (self.ends(&arc, rut, -turn, turn), 1 << row)
+        });
         for (task, (ends, rows)) in std::iter::once(first).chain(others).enumerate() {
             let straight = task == 0;
+            let graded = straight && rut.is_none();
             for pair in ends.windows(2) {
                 let (start, end) = (pair[0].most(arc.exit), pair[1].least(arc.entry));
                 if end.value() <= start.value() {
@@ -209,7 +215,7 @@ impl<S: Scalar> AlteredPatch<S> {
                 }
                 let ahead = start.value() >= arc.middle.value();
                 let front = f64x8::splat(simd, f64::from(u8::from(ahead)));
-                let nodes = match (straight, ahead) {
+                let nodes = match (graded, ahead) {
                     (true, false) => &rule.rear,
                     (true, true) => &rule.front,
                     (false, _) => &rule.piece,
@@ -260,8 +266,12 @@ impl<S: Scalar> AlteredPatch<S> {
         let q = (t * t).offset(1.0).sqrt() + t;
         let radius_squared = self.circle * self.circle;
         let by_depth = q.scale(2.0) * self.soil.cohesion * radius_squared * effect.lateral;
-        let by_square =
-            q * (q + q * q * t) * effect.unit_weight * radius_squared * self.circle * effect.lateral;
+        let by_square = q
+            * (q + q * q * t)
+            * effect.unit_weight
+            * radius_squared
+            * self.circle
+            * effect.lateral;
         let sinkage = self.circle * (arc.half_sine_squared).scale(2.0);
         let blade = effect.blade_resistance(&self.soil, sinkage);
         Wedge {
@@ -290,8 +300,8 @@ impl<S: Scalar> AlteredPatch<S> {
         let rise = (entry_squared - sine_squared).scale(2.0);
         let travelled = arc.entry.splat(simd) - angle;
         // The angle of the front that has the same stress.
-        let mirrored = arc.entry.splat(simd)
-            - (angle - arc.exit.splat(simd)) * arc.rear_slope.splat(simd);
+        let mirrored =
+            arc.entry.splat(simd) - (angle - arc.exit.splat(simd)) * arc.rear_slope.splat(simd);
         let alike = mirrored + (angle - mirrored).scale_lanes(front);
         let (alike, _) = alike.scale(0.5).sin_cos_small();
         let depth = (entry_squared - alike * alike) * self.circle.scale(2.0).splat(simd);
@@ -300,8 +310,7 @@ impl<S: Scalar> AlteredPatch<S> {
         let cos_entry = arc.cos_entry.splat(simd);
         let sin_entry = arc.sin_entry.splat(simd);
         let moved = &motion.displacement;
-        let strength =
-            stress * self.soil.friction.splat(simd) + self.soil.cohesion.splat(simd);
+        let strength = stress * self.soil.friction.splat(simd) + self.soil.cohesion.splat(simd);
         Column {
             sin,
             cos,
@@ -321,7 +330,10 @@ impl<S: Scalar> AlteredPatch<S> {
     /// Normal stress at depths below the surface that the wheel meets \[Pa\].
     #[inline(always)]
     fn stress<V: Simd>(&self, simd: V, depth: S::Packed<V>) -> S::Packed<V> {
-        let (modulus, exponent) = (self.soil.modulus.splat(simd), self.soil.exponent.splat(simd));
+        let (modulus, exponent) = (
+            self.soil.modulus.splat(simd),
+            self.soil.exponent.splat(simd),
+        );
         match &self.rut {
             None => depth.power_of(exponent) * modulus,
             Some(rut) => {
@@ -357,7 +369,9 @@ impl<S: Scalar> AlteredPatch<S> {
         let stretched = column.aside * column.aside * self.lateral_stretch.splat(simd);
         let path_squared = (x * x + z * z + stretched).offset(DISPLACEMENT_FLOOR);
         let path = path_squared * path_squared.inverse_sqrt();
-        let mobilised = (-(path * self.inverse_modulus.splat(simd))).decay().offset(-1.0);
+        let mobilised = (-(path * self.inverse_modulus.splat(simd)))
+            .decay()
+            .offset(-1.0);
         if self.lean > 0.0 {
             // Where nothing slides, the shear is opposite to the displacement.
             let saturated = path.like(self.lean) / (path + self.soil.shear_modulus.splat(simd));
@@ -377,23 +391,56 @@ impl<S: Scalar> AlteredPatch<S> {
         sums.arc_moment += across * column.sin;
     }
 
-    /// The ends of the pieces of an arc in which the slip velocity changes its sign, where
-    /// cos(theta) = r omega / V_Xi: ahead of the lowest point and behind it. Those beyond the arc
-    /// are to be left out.
+    /// Where, behind and ahead of the greatest stress, a wheel in a rut reaches the depth beyond
+    /// which its ground is no longer elastic; `None` where it does not.
     #[inline(always)]
-    fn split(&self, motion: &AlteredMotion<S>, arc: &Arc<S>, at: f64) -> [S; 5] {
+    fn rut_ends(&self, arc: &Arc<S>) -> Option<[S; 2]> {
+        let rut = self.rut.as_ref()?;
+        let below = (rut.elastic / self.circle).scale(0.5);
+        let sine_squared = arc.half_sine_squared - below;
+        let ahead = if sine_squared.value() > 0.0 {
+            // The half angle by its sine, with the derivative of the arc sine.
+            let sine = sine_squared.sqrt();
+            let (value, slope) = (sine.value(), 2.0 / (1.0 - sine.value().powi(2)).sqrt());
+            S::chain(2.0 * value.asin(), &[slope], &[sine])
+        } else {
+            arc.exit
+        };
+        let behind = arc.exit + (arc.entry - ahead) / arc.rear_slope;
+        if ahead.value() > arc.middle.value() {
+            Some([behind, ahead])
+        } else {
+            Some([arc.middle, arc.middle])
+        }
+    }
+
+    /// The ends of the pieces into which an arc is split, in order: at the greatest stress, at the
+    /// rut's ends and at the turns of the slip velocity. Those beyond the arc are to be left out.
+    #[inline(always)]
+    fn ends(&self, arc: &Arc<S>, rut: Option<[S; 2]>, behind: S, ahead: S) -> [S; 7] {
+        let [rut_behind, rut_ahead] = rut.unwrap_or([arc.exit; 2]);
+        let mut ends = [
+            arc.exit, behind, rut_behind, arc.middle, rut_ahead, ahead, arc.entry,
+        ];
+        for end in 1..ends.len() {
+            let mut place = end;
+            while place > 0 && ends[place - 1].value() > ends[place].value() {
+                ends.swap(place - 1, place);
+                place -= 1;
+            }
+        }
+        ends
+    }
+
+    /// The angle at which the slip velocity of a row changes its sign, ahead of the lowest point:
+    /// cos(theta) = r omega / V_Xi.
+    #[inline(always)]
+    fn turn(&self, motion: &AlteredMotion<S>, arc: &Arc<S>, at: f64) -> S {
         let forward = motion.forward - motion.yaw_rate.scale(at * self.footprint.width);
         let ratio = motion.rim_speed / forward;
         let turn = ratio.value().clamp(-1.0, 1.0).acos();
         let moves = turn > EARLIEST_MOVING_TURN * arc.entry.value();
         let slope = if moves { -1.0 / turn.sin() } else { 0.0 };
-        let turn = S::chain(turn, &[slope], &[ratio]);
-        let mut ends = [arc.exit, -turn, arc.middle, turn, arc.entry];
-        for (low, high) in [(1, 2), (2, 3), (1, 2)] {
-            if ends[low].value() > ends[high].value() {
-                ends.swap(low, high);
-            }
-        }
-        ends
+        S::chain(turn, &[slope], &[ratio])
     }
 }

@@ -288,7 +288,8 @@ impl PatchLaw {
         let ends = [first.splat(simd), second.splat(simd), arc.entry.splat(simd)];
         let late = usize::from(turn.value() >= middle.value());
         // The shear turns round within this angle.
-        let sideways = motion.lateral.value() + motion.yaw_rate.value() * self.footprint.radius * sine;
+        let sideways =
+            motion.lateral.value() + motion.yaw_rate.value() * self.footprint.radius * sine;
         let speed = (sideways * sideways + self.footprint.slip_speed_squared).sqrt();
         let part = second.value() - first.value();
         let longer = part.max(if late == 1 {
@@ -341,5 +342,9 @@ pub(super) fn small_angle_support(law: &PatchLaw, rule: &Quadrature) -> f64 {
         .map(|(u, weight)| weight * (1.0 - u.max(1.0 - u).powi(2)).powf(law.exponent))
         .sum();
     // Half the cosine difference is theta_1^2 (1 - u^2) / 4.
-    law.pressure * 0.25_f64.powf(law.exponent) * integral * law.footprint.radius * law.footprint.width
+    law.pressure
+        * 0.25_f64.powf(law.exponent)
+        * integral
+        * law.footprint.radius
+        * law.footprint.width
 }

@@ -172,6 +172,29 @@ pub struct WheelContact {
     support: f64,
 }
 
+/// Forces on a wheel that compacts soil on its +X side, of the motion as it is (sign 1) or of its
+/// mirror image (sign -1). A trait: a closure as large as this is not always inlined, and one
+/// that is not loses the vector instructions.
+pub(super) trait OneSided<S> {
+    fn forces(&self, sign: f64, motion: &WheelMotion<S>) -> WheelForces<S>;
+}
+
+/// The paper's law.
+struct PlainSide<'a, V, S> {
+    wheel: &'a WheelContact,
+    simd: V,
+    rule: &'a Quadrature,
+    entry_angle: S,
+}
+
+impl<V: Simd, S: Scalar> OneSided<S> for PlainSide<'_, V, S> {
+    #[inline(always)]
+    fn forces(&self, _: f64, motion: &WheelMotion<S>) -> WheelForces<S> {
+        self.wheel
+            .one_sided(self.simd, self.rule, motion, self.entry_angle)
+    }
+}
+
 impl WheelContact {
     /// A wheel of the given radius and width \[m\] on a soil.
     ///
@@ -239,9 +262,13 @@ impl WheelContact {
         detail: Detail,
     ) -> WheelForces<S> {
         let rule = self.rule(detail);
-        self.both_sides(motion, |_, seen| {
-            self.one_sided(simd, rule, seen, entry_angle)
-        })
+        let side = PlainSide {
+            wheel: self,
+            simd,
+            rule,
+            entry_angle,
+        };
+        self.both_sides(motion, &side)
     }
 
     pub(super) fn rule(&self, detail: Detail) -> &Quadrature {
@@ -261,7 +288,7 @@ impl WheelContact {
     pub(super) fn both_sides<S: Scalar>(
         &self,
         motion: &WheelMotion<S>,
-        one_sided: impl Fn(f64, &WheelMotion<S>) -> WheelForces<S>,
+        one_sided: &impl OneSided<S>,
     ) -> WheelForces<S> {
         let side = self.regularisation.compacting_side(motion.forward);
         // Share of the patch whose front (rear) compacts; near standstill both do.
@@ -278,7 +305,7 @@ impl WheelContact {
                 yaw_rate: motion.yaw_rate.scale(sign),
                 angular_speed: motion.angular_speed.scale(sign),
             };
-            let one = one_sided(sign, &seen);
+            let one = one_sided.forces(sign, &seen);
             forces.thrust += one.thrust.scale(sign) * share;
             forces.compaction += one.compaction.scale(sign) * share;
             forces.lateral += one.lateral * share;

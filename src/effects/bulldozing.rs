@@ -54,15 +54,26 @@ mod tests {
         // X_c = 30 deg: cot = 1.73205, tan(60 deg) = 1.73205: D1 = 3.46410;
         // D2 = 1.73205 + 3 x 0.57735 = 3.46410. At h = 0.02 m, gamma = 16 kN/m^3:
         // 3.46410 (800 x 0.02 + 3.46410 x 16000 x 0.0004 / 2) = 3.46410 x 27.0851 = 93.825 N/m.
-        let effect = Bulldozing { lateral: 1.0, frontal: 0.0, unit_weight: 16000.0 };
+        let effect = Bulldozing {
+            lateral: 1.0,
+            frontal: 0.0,
+            unit_weight: 16000.0,
+        };
         let found = effect.blade_resistance(&SOIL, 0.02);
         assert!((found - 93.825).abs() < 1e-3, "{found}");
     }
 
     #[test]
     fn without_friction_only_cohesion_and_hydrostatic_weight_remain() {
-        let effect = Bulldozing { lateral: 1.0, frontal: 0.0, unit_weight: 16000.0 };
-        let clay = Soil { friction: 0.0, ..SOIL };
+        let effect = Bulldozing {
+            lateral: 1.0,
+            frontal: 0.0,
+            unit_weight: 16000.0,
+        };
+        let clay = Soil {
+            friction: 0.0,
+            ..SOIL
+        };
         let found = effect.blade_resistance(&clay, 0.1);
         assert!((found - 2.0 * (800.0 * 0.1 + 80.0)).abs() < 1e-9);
         assert_eq!(effect.blade_resistance(&SOIL, 0.0), 0.0);

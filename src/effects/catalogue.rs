@@ -188,8 +188,8 @@ impl Effects {
     /// # Errors
     /// A value that is not finite or out of range, or a name that is no parameter's.
     pub fn with(mut self, name: &str, value: f64) -> Result<Self, ParameterError> {
-        let parameter = ParameterName::find(name)
-            .ok_or_else(|| ParameterError::unknown(name, value))?;
+        let parameter =
+            ParameterName::find(name).ok_or_else(|| ParameterError::unknown(name, value))?;
         self.set(parameter, value)?;
         Ok(self)
     }
@@ -204,8 +204,8 @@ impl Effects {
     #[must_use]
     pub fn is_on(&self, effect: usize) -> bool {
         let declaration = CATALOGUE[effect];
-        let profiled = self.slope_profile.is_some()
-            && declaration.name == Grade::<f64>::DECLARATION.name;
+        let profiled =
+            self.slope_profile.is_some() && declaration.name == Grade::<f64>::DECLARATION.name;
         profiled
             || declaration
                 .parameters
@@ -243,7 +243,10 @@ impl Effects {
 
     /// The effects that are on, and those besides that own a parameter which `seed` makes
     /// variable; `seed` lifts each value to the scalar.
-    pub fn active<S: Scalar>(&self, seed: impl Fn(ParameterName, f64) -> Option<S>) -> ActiveEffects<S> {
+    pub fn active<S: Scalar>(
+        &self,
+        seed: impl Fn(ParameterName, f64) -> Option<S>,
+    ) -> ActiveEffects<S> {
         let mut values = [S::constant(0.0); PARAMETER_COUNT];
         let mut variable = [false; CATALOGUE.len()];
         let mut place = 0;
@@ -273,7 +276,11 @@ mod tests {
             for text in [effect.lifts, effect.equation, effect.source] {
                 assert!(text.len() > 7, "{}", effect.name);
             }
-            assert!(effect.parameters.iter().any(|p| p.switches), "{}", effect.name);
+            assert!(
+                effect.parameters.iter().any(|p| p.switches),
+                "{}",
+                effect.name
+            );
             for parameter in effect.parameters {
                 parameter.check(effect.name, parameter.default).unwrap();
             }
@@ -282,7 +289,10 @@ mod tests {
         for parameter in ParameterName::all() {
             assert_eq!(ParameterName::find(&parameter.full_name()), Some(parameter));
         }
-        assert_eq!(ParameterName::at(1, 0), ParameterName::find("terrain_change.cohesion_factor"));
+        assert_eq!(
+            ParameterName::at(1, 0),
+            ParameterName::find("terrain_change.cohesion_factor")
+        );
         assert_eq!(ParameterName::at(0, 2), None);
         assert_eq!(ParameterName::at(CATALOGUE.len(), 0), None);
     }

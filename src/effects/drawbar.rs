@@ -32,7 +32,11 @@ impl<S: Scalar> Drawbar<S> {
 mod tests {
     use super::*;
 
-    const EFFECT: Drawbar<f64> = Drawbar { force: 400.0, hitch_behind: 1.0, hitch_height: 0.3 };
+    const EFFECT: Drawbar<f64> = Drawbar {
+        force: 400.0,
+        hitch_behind: 1.0,
+        hitch_height: 0.3,
+    };
 
     #[test]
     fn pulls_against_the_hitch_and_not_at_rest() {

@@ -31,8 +31,10 @@ impl<S: Scalar> Grade<S> {
     /// Gravity of magnitude `gravity` \[m/s^2\] as a vehicle with this heading feels it.
     pub fn gravity(&self, heading: S, gravity: f64) -> SlopeGravity<S> {
         let (east, north) = (self.slope_east.tan(), self.slope_north.tan());
-        let normal =
-            (east * east + north * north).offset(1.0).inverse_sqrt().scale(gravity);
+        let normal = (east * east + north * north)
+            .offset(1.0)
+            .inverse_sqrt()
+            .scale(gravity);
         let (sin, cos) = heading.sin_cos();
         SlopeGravity {
             along: [
@@ -51,7 +53,10 @@ mod tests {
     #[test]
     fn ten_degrees_uphill_weigh_what_a_right_triangle_says() {
         let slope = 10.0_f64.to_radians();
-        let grade = Grade { slope_east: slope, slope_north: 0.0 };
+        let grade = Grade {
+            slope_east: slope,
+            slope_north: 0.0,
+        };
         let gravity = grade.gravity(0.0, 9.81);
         // g sin 10 deg = 1.7035, g cos 10 deg = 9.6610 m/s^2.
         assert!((gravity.along[0] + 1.7035).abs() < 5e-5);
@@ -61,8 +66,14 @@ mod tests {
 
     #[test]
     fn the_body_turns_under_gravity() {
-        let grade = Grade { slope_east: 0.1, slope_north: -0.05 };
-        let (here, turned) = (grade.gravity(0.4, 9.81), grade.gravity(0.4 + std::f64::consts::PI, 9.81));
+        let grade = Grade {
+            slope_east: 0.1,
+            slope_north: -0.05,
+        };
+        let (here, turned) = (
+            grade.gravity(0.4, 9.81),
+            grade.gravity(0.4 + std::f64::consts::PI, 9.81),
+        );
         for axis in 0..2 {
             assert!((here.along[axis] + turned.along[axis]).abs() < 1e-14);
         }

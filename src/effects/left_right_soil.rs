@@ -36,7 +36,13 @@ mod tests {
 
     #[test]
     fn the_sides_differ_by_the_ratio_and_keep_their_mean() {
-        let soil = Soil { cohesion: 900.0, friction: 0.6, modulus: 4e5, exponent: 1.0, shear_modulus: 0.01 };
+        let soil = Soil {
+            cohesion: 900.0,
+            friction: 0.6,
+            modulus: 4e5,
+            exponent: 1.0,
+            shear_modulus: 0.01,
+        };
         let effect = LeftRightSoil { ratio: 2.25 };
         let (left, right) = (effect.soil(&soil, true), effect.soil(&soil, false));
         assert!((left.cohesion - 1350.0).abs() < 1e-9);

@@ -32,7 +32,10 @@ mod tests {
 
     #[test]
     fn heading_north_ahead_is_north_and_left_is_west() {
-        let arm = LeverArm { ahead: 0.5, left: 0.2 };
+        let arm = LeverArm {
+            ahead: 0.5,
+            left: 0.2,
+        };
         let [x, y] = arm.position([1.0, 2.0], std::f64::consts::FRAC_PI_2);
         assert!((x - 0.8).abs() < 1e-12 && (y - 2.5).abs() < 1e-12);
     }

@@ -56,7 +56,10 @@ impl<S: Scalar> Multipass<S> {
 mod tests {
     use super::*;
 
-    const EFFECT: Multipass<f64> = Multipass { memory: 1.0, stiffness_ratio: 10.0 };
+    const EFFECT: Multipass<f64> = Multipass {
+        memory: 1.0,
+        stiffness_ratio: 10.0,
+    };
 
     #[test]
     fn the_line_of_reloading_meets_the_first_loading_where_it_ended() {
@@ -74,7 +77,10 @@ mod tests {
         let straight = EFFECT.arriving(0.02, 0.6, 0.0, 0.25);
         assert_eq!(straight, 0.02);
         assert!(EFFECT.arriving(0.02, 0.6, 2.0, 0.25) < 0.02 * 0.05);
-        let off = Multipass { memory: 0.0, ..EFFECT };
+        let off = Multipass {
+            memory: 0.0,
+            ..EFFECT
+        };
         assert_eq!(off.arriving(0.02, 0.6, 0.0, 0.25), 0.0);
     }
 }

@@ -51,7 +51,10 @@ impl fmt::Display for ProfileError {
             Self::Order(at) => write!(f, "the profile's points must increase, but not so at {at}"),
             Self::Slope(slope) => write!(f, "a slope of {slope} rad is outside -0.3..0.3 rad"),
             Self::Count(found, expected) => {
-                write!(f, "found {found} slopes for the {expected} corners of the grid")
+                write!(
+                    f,
+                    "found {found} slopes for the {expected} corners of the grid"
+                )
             }
         }
     }
@@ -66,7 +69,9 @@ fn check_axis(axis: &[f64]) -> Result<(), ProfileError> {
     if axis.is_empty() {
         return Err(ProfileError::Empty);
     }
-    let unordered = axis.windows(2).find(|pair| pair[1] <= pair[0] || !pair[1].is_finite());
+    let unordered = axis
+        .windows(2)
+        .find(|pair| pair[1] <= pair[0] || !pair[1].is_finite());
     match unordered {
         _ if !axis[0].is_finite() => Err(ProfileError::Order(axis[0])),
         Some(pair) => Err(ProfileError::Order(pair[1])),
@@ -78,7 +83,11 @@ fn check_slopes(slopes: &[[f64; 2]], expected: usize) -> Result<(), ProfileError
     if slopes.len() != expected {
         return Err(ProfileError::Count(slopes.len(), expected));
     }
-    match slopes.iter().flatten().find(|slope| !(slope.abs() <= STEEPEST)) {
+    match slopes
+        .iter()
+        .flatten()
+        .find(|slope| !(slope.abs() <= STEEPEST))
+    {
         Some(slope) => Err(ProfileError::Slope(*slope)),
         None => Ok(()),
     }
@@ -87,13 +96,23 @@ fn check_slopes(slopes: &[[f64; 2]], expected: usize) -> Result<(), ProfileError
 /// The interval that holds a value, and how far it lies in it.
 fn bracket<S: Scalar>(axis: &[f64], value: S) -> (usize, S) {
     let last = axis.len().saturating_sub(2);
-    let cell = axis.partition_point(|at| *at <= value.value()).saturating_sub(1).min(last);
+    let cell = axis
+        .partition_point(|at| *at <= value.value())
+        .saturating_sub(1)
+        .min(last);
     let Some(end) = axis.get(cell + 1) else {
         return (0, S::constant(0.0));
     };
     let share = value.offset(-axis[cell]).scale(1.0 / (end - axis[cell]));
     let held = share.value().clamp(0.0, 1.0);
-    (cell, if held == share.value() { share } else { S::constant(held) })
+    (
+        cell,
+        if held == share.value() {
+            share
+        } else {
+            S::constant(held)
+        },
+    )
 }
 
 impl Points {
@@ -144,7 +163,10 @@ impl Grid {
     fn slopes<S: Scalar>(&self, place: [S; 2]) -> [S; 2] {
         let ((column, along), (row, up)) = (bracket(&self.x, place[0]), bracket(&self.y, place[1]));
         let corner = |dx: usize, dy: usize| {
-            let (i, j) = ((column + dx).min(self.x.len() - 1), (row + dy).min(self.y.len() - 1));
+            let (i, j) = (
+                (column + dx).min(self.x.len() - 1),
+                (row + dy).min(self.y.len() - 1),
+            );
             self.slopes[i * self.y.len() + j]
         };
         let mix = |a: S, b: S, share: S| a + (b - a) * share;
@@ -189,7 +211,12 @@ mod tests {
         let grid = Grid::new(vec![0.0, 1.0], vec![0.0, 1.0], slopes).unwrap();
         let profile = SlopeProfile::Place(grid);
         let east = |x, y| profile.slopes(0.0, 0.0, [x, y])[0];
-        for (x, y, expected) in [(0.0, 1.0, 0.1), (1.0, 0.0, 0.2), (0.5, 0.5, 0.15), (9.0, 9.0, 0.3)] {
+        for (x, y, expected) in [
+            (0.0, 1.0, 0.1),
+            (1.0, 0.0, 0.2),
+            (0.5, 0.5, 0.15),
+            (9.0, 9.0, 0.3),
+        ] {
             assert!((east(x, y) - expected).abs() < 1e-15, "{x} {y}");
         }
     }
@@ -198,9 +225,18 @@ mod tests {
     fn numbers_that_make_no_profile_are_refused() {
         assert_eq!(Points::new(vec![], vec![]), Err(ProfileError::Empty));
         let slope = [0.0; 2];
-        assert_eq!(Points::new(vec![1.0, 1.0], vec![slope; 2]), Err(ProfileError::Order(1.0)));
-        assert_eq!(Points::new(vec![1.0], vec![[0.4, 0.0]]), Err(ProfileError::Slope(0.4)));
-        assert_eq!(Points::new(vec![1.0], vec![slope; 2]), Err(ProfileError::Count(2, 1)));
+        assert_eq!(
+            Points::new(vec![1.0, 1.0], vec![slope; 2]),
+            Err(ProfileError::Order(1.0))
+        );
+        assert_eq!(
+            Points::new(vec![1.0], vec![[0.4, 0.0]]),
+            Err(ProfileError::Slope(0.4))
+        );
+        assert_eq!(
+            Points::new(vec![1.0], vec![slope; 2]),
+            Err(ProfileError::Count(2, 1))
+        );
         assert!(Points::new(vec![f64::NAN], vec![slope]).is_err());
         assert!(Points::new(vec![1.0], vec![[f64::NAN, 0.0]]).is_err());
     }

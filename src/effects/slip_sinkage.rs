@@ -59,7 +59,10 @@ mod tests {
     #[test]
     fn a_plate_under_the_same_pressure_sinks_by_the_factor() {
         // S = 0.5 at i = 0.6: 1.3 times as deep.
-        let effect = SlipSinkage { exponent_growth: 0.0, sinkage_growth: 0.5 };
+        let effect = SlipSinkage {
+            exponent_growth: 0.0,
+            sinkage_growth: 0.5,
+        };
         let slipped = effect.soil(&SOIL, 0.6);
         let depth = |soil: &Soil<f64>| (20e3 / soil.modulus).powf(1.0 / soil.exponent);
         assert!((depth(&slipped) / depth(&SOIL) - 1.3).abs() < 1e-12);

@@ -22,8 +22,14 @@ impl<S: Scalar> Soil<S> {
     /// From a terrain's parameters in the order of [`Terrain`]'s fields, for a wheel of width
     /// `width` \[m\].
     pub(crate) fn from_terrain(parameters: &[S; Terrain::COUNT], width: S) -> Self {
-        let [cohesion, friction_angle, cohesive, frictional, exponent, shear_modulus] =
-            *parameters;
+        let [
+            cohesion,
+            friction_angle,
+            cohesive,
+            frictional,
+            exponent,
+            shear_modulus,
+        ] = *parameters;
         Self {
             cohesion,
             friction: friction_angle.tan(),

@@ -21,7 +21,11 @@ impl<S: Scalar> StressPeak<S> {
     pub fn place(&self, slip: S) -> S {
         let place = self.a0 + self.a1 * slip;
         // Beyond what was ever measured: the arc behind the entry must keep some length.
-        if place.value() > 0.95 { S::constant(0.95) } else { place }
+        if place.value() > 0.95 {
+            S::constant(0.95)
+        } else {
+            place
+        }
     }
 }
 

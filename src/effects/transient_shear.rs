@@ -57,17 +57,16 @@ impl<S: Scalar> TransientShear<S> {
         let stored = displacement.forward - displacement.rim;
         let slip = drive.forward - drive.rim;
         // The mean displacement in units of the longest one, and the speed that slides past it.
-        let full = (stored * stored + displacement.lateral * displacement.lateral)
-            * half_arc
-            * half_arc
-            / (shear_modulus * shear_modulus).scale(LONGEST * LONGEST);
+        let full =
+            (stored * stored + displacement.lateral * displacement.lateral) * half_arc * half_arc
+                / (shear_modulus * shear_modulus).scale(LONGEST * LONGEST);
         let speed = (slip * slip + drive.lateral * drive.lateral)
             .offset(1e-18)
             .sqrt();
-        let sliding = speed * half_arc / shear_modulus.scale(LONGEST) * full * full.offset(1e-12).sqrt();
-        let relax = |drive: S, value: S, slides: S| {
-            (drive - turning * value - sliding * slides) / scale
-        };
+        let sliding =
+            speed * half_arc / shear_modulus.scale(LONGEST) * full * full.offset(1e-12).sqrt();
+        let relax =
+            |drive: S, value: S, slides: S| (drive - turning * value - sliding * slides) / scale;
         Displacement {
             forward: relax(drive.forward, displacement.forward, stored),
             lateral: relax(drive.lateral, displacement.lateral, displacement.lateral),
@@ -87,7 +86,12 @@ mod tests {
     fn the_steady_state_is_the_papers() {
         let (omega, drive) = (
             6.0,
-            Displacement { forward: 1.4, lateral: 0.1, yaw: 0.2, rim: 1.5 },
+            Displacement {
+                forward: 1.4,
+                lateral: 0.1,
+                yaw: 0.2,
+                rim: 1.5,
+            },
         );
         let steady = Displacement {
             forward: 1.4 / omega,
@@ -97,26 +101,50 @@ mod tests {
         };
         let rate = EFFECT.rate(&steady, &drive, omega, 0.4, 0.01);
         // Below LONGEST K next to nothing slides: (0.0236 x 0.2 / 0.1)^3.
-        assert!(rate.forward.abs() < 1e-3 && rate.rim.abs() < 1e-12, "{rate:?}");
+        assert!(
+            rate.forward.abs() < 1e-3 && rate.rim.abs() < 1e-12,
+            "{rate:?}"
+        );
     }
 
     #[test]
     fn a_locked_wheel_stores_the_distance_that_it_slides() {
         // Mean displacement J theta_1 / 2 grows with V: dJ/dt = 2 V / theta_1 = 2 x 0.02 / 0.4.
-        let still = Displacement { forward: 0.0, lateral: 0.0, yaw: 0.0, rim: 0.0 };
-        let drive = Displacement { forward: 0.02, ..still };
+        let still = Displacement {
+            forward: 0.0,
+            lateral: 0.0,
+            yaw: 0.0,
+            rim: 0.0,
+        };
+        let drive = Displacement {
+            forward: 0.02,
+            ..still
+        };
         let rate = EFFECT.rate(&still, &drive, 0.0, 0.4, 0.01);
         assert!((rate.forward - 0.1).abs() < 1e-12, "{rate:?}");
         // At the longest displacement, J = 10 K x 2 / theta_1, it stores no more.
-        let full = Displacement { forward: 10.0 * 0.01 * 2.0 / 0.4, ..still };
+        let full = Displacement {
+            forward: 10.0 * 0.01 * 2.0 / 0.4,
+            ..still
+        };
         let rate = EFFECT.rate(&full, &drive, 0.0, 0.4, 0.01);
         assert!(rate.forward.abs() < 1e-9, "{rate:?}");
     }
 
     #[test]
     fn nothing_creeps_at_rest() {
-        let held = Displacement { forward: 0.02, lateral: -0.01, yaw: 0.003, rim: 0.25 };
-        let rest = Displacement { forward: 0.0, lateral: 0.0, yaw: 0.0, rim: 0.0 };
+        let held = Displacement {
+            forward: 0.02,
+            lateral: -0.01,
+            yaw: 0.003,
+            rim: 0.25,
+        };
+        let rest = Displacement {
+            forward: 0.0,
+            lateral: 0.0,
+            yaw: 0.0,
+            rim: 0.0,
+        };
         let rate = EFFECT.rate(&held, &rest, 0.0, 0.4, 0.01);
         for value in [rate.forward, rate.lateral, rate.yaw, rate.rim] {
             assert!(value.abs() < 1e-6, "{rate:?}");

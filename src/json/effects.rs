@@ -39,7 +39,11 @@ impl Effects {
     /// As [`Effects::from_json`].
     pub fn from_json_value(value: &Value) -> Result<Self, JsonError> {
         let value = object::unwrap(value, "effects");
-        let map = as_object(value, "effects", "an object with a key for each effect that is on")?;
+        let map = as_object(
+            value,
+            "effects",
+            "an object with a key for each effect that is on",
+        )?;
         let mut effects = Self::NONE;
         for (key, value) in map {
             if key == FORMAT {
@@ -55,7 +59,11 @@ impl Effects {
         Ok(effects)
     }
 
-    fn read_effect(&mut self, effect: &'static Declaration, value: &Value) -> Result<(), JsonError> {
+    fn read_effect(
+        &mut self,
+        effect: &'static Declaration,
+        value: &Value,
+    ) -> Result<(), JsonError> {
         let map = as_object(value, effect.name, "an object with the effect's parameters")?;
         let extra: &[&'static str] = match effect.name {
             "grade" => &[PROFILE],
@@ -80,7 +88,11 @@ impl Effects {
                 }
                 None => {
                     let known = effect.parameters.iter().map(|p| p.name);
-                    return Err(unknown(effect.name, key, known.chain(extra.iter().copied())));
+                    return Err(unknown(
+                        effect.name,
+                        key,
+                        known.chain(extra.iter().copied()),
+                    ));
                 }
             }
         }
@@ -102,8 +114,12 @@ impl Effects {
         let mut map = Map::new();
         for (index, effect) in CATALOGUE.iter().enumerate() {
             let places = 0..effect.parameters.len();
-            let own: Vec<_> = places.filter_map(|place| ParameterName::at(index, place)).collect();
-            let shaped = own.iter().any(|p| self.get(*p) != p.declaration().1.default);
+            let own: Vec<_> = places
+                .filter_map(|place| ParameterName::at(index, place))
+                .collect();
+            let shaped = own
+                .iter()
+                .any(|p| self.get(*p) != p.declaration().1.default);
             let bounded = effect.name == "terrain_change" && self.boundary != Boundary::default();
             if !(self.is_on(index) || shaped || bounded) {
                 continue;
@@ -143,14 +159,14 @@ pub(super) fn check_format(value: &Value, expected: &'static str) -> Result<(), 
     if value == expected {
         return Ok(());
     }
-    Err(JsonError::wrong_type(FORMAT, value, format!("\"{expected}\"")))
+    Err(JsonError::wrong_type(
+        FORMAT,
+        value,
+        format!("\"{expected}\""),
+    ))
 }
 
-fn unknown(
-    what: &'static str,
-    key: &str,
-    known: impl Iterator<Item = &'static str>,
-) -> JsonError {
+fn unknown(what: &'static str, key: &str, known: impl Iterator<Item = &'static str>) -> JsonError {
     JsonError::UnknownKey {
         what,
         key: key.into(),
@@ -209,7 +225,10 @@ fn read_profile(place: &str, value: &Value) -> Result<SlopeProfile, JsonError> {
 
 fn write_profile(profile: &SlopeProfile) -> Value {
     let points = |over: &str, points: &Points| {
-        let points: Vec<_> = points.iter().map(|(at, [e, n])| json!([at, e, n])).collect();
+        let points: Vec<_> = points
+            .iter()
+            .map(|(at, [e, n])| json!([at, e, n]))
+            .collect();
         json!({ "over": over, "points": points })
     };
     match profile {
@@ -245,11 +264,17 @@ mod tests {
                     "drag": {{"coefficient": 0.3333333333333333}}}}"#
             );
             let effects = Effects::from_json(&text).unwrap();
-            assert_eq!(Effects::from_json_value(&effects.to_json_value()), Ok(effects));
+            assert_eq!(
+                Effects::from_json_value(&effects.to_json_value()),
+                Ok(effects)
+            );
         }
         assert_eq!(Effects::from_json("{}"), Ok(Effects::NONE));
         assert_eq!(Effects::NONE.to_json_value(), json!({}));
-        assert_eq!(Effects::from_json(&Effects::NONE.to_json()), Ok(Effects::NONE));
+        assert_eq!(
+            Effects::from_json(&Effects::NONE.to_json()),
+            Ok(Effects::NONE)
+        );
         // What only shapes an effect is kept while it is off.
         let mut shaped = Effects::NONE.with("drawbar.hitch_height", 0.9).unwrap();
         shaped.boundary = Boundary::Time;

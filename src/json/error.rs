@@ -68,7 +68,7 @@ pub enum JsonError {
 }
 
 impl JsonError {
-    pub(super) fn wrong_type(place: impl Into<String>, found: &Value, expected: String) -> Self {
+    pub(crate) fn wrong_type(place: impl Into<String>, found: &Value, expected: String) -> Self {
         Self::WrongType {
             place: place.into(),
             found: describe(found),

@@ -13,4 +13,5 @@ mod vehicle;
 
 pub use effects::EFFECTS_FORMAT;
 pub use error::JsonError;
+pub(crate) use object::parse;
 pub use specification::MODEL_FORMAT;

@@ -27,7 +27,7 @@ pub(super) struct Object<'a> {
 }
 
 /// Parses a text, with or without a byte order mark.
-pub(super) fn parse(text: &str) -> Result<Value, JsonError> {
+pub(crate) fn parse(text: &str) -> Result<Value, JsonError> {
     Ok(serde_json::from_str(
         text.strip_prefix('\u{feff}').unwrap_or(text),
     )?)

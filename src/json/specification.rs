@@ -98,7 +98,10 @@ mod tests {
     #[test]
     fn what_is_missing_or_unknown_is_named() {
         let error = |text: &str| Specification::from_json(text).unwrap_err().to_string();
-        assert_eq!(error("{}"), "the model has no key `format`, expected \"ugv-model/1\"");
+        assert_eq!(
+            error("{}"),
+            "the model has no key `format`, expected \"ugv-model/1\""
+        );
         assert!(error(r#"{"efects": {}}"#).contains("nearest known one is `effects`"));
         let text = Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_clay").unwrap());
         let mut json: Value = serde_json::from_str(&text.to_json()).unwrap();
@@ -106,7 +109,9 @@ mod tests {
         let named = Specification::from_json_value(&json).unwrap();
         assert_eq!(named.terrain, Terrain::preset("dry_sand").unwrap());
         json["terrain"] = "mud".into();
-        let message = Specification::from_json_value(&json).unwrap_err().to_string();
+        let message = Specification::from_json_value(&json)
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("one of dry_sand"), "{message}");
     }
 }

@@ -1,110 +1,33 @@
-//! What was measured on a drive: columns of one length over a common time.
+//! What was measured on a drive: series of samples, each channel with times of its own.
+//!
+//! [`Recording`] is one file: its runs, what the JSON beside it tells of vehicle and sensors,
+//! and notes on everything that the reader changed. [`Drive`] is what a simulation needs of it:
+//! both wheel speeds over common times. Frames and signs are those of [`crate::vehicle`].
 
+mod about;
+mod channel;
 #[cfg(feature = "cli")]
 mod csv;
-
+mod cumulated;
+mod drive;
+mod moments;
+mod note;
 #[cfg(feature = "cli")]
-pub use csv::{Cell, CsvError, read_csv};
+mod reading;
+mod run;
+mod series;
+mod way;
 
-/// Wheel speeds over time, linear in between; at least one row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Recording {
-    /// Time of each row \[s\], increasing.
-    pub time: Vec<f64>,
-    /// Angular speed of the left wheels in each row \[rad/s\].
-    pub omega_left: Vec<f64>,
-    /// Angular speed of the right wheels in each row \[rad/s\].
-    pub omega_right: Vec<f64>,
-    /// Rows in which a wheel speed was missing and follows from the samples around it.
-    pub filled_rows: usize,
-}
-
-impl Recording {
-    /// Number of rows.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.time.len()
-    }
-
-    /// Whether there is no row.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.time.is_empty()
-    }
-
-    /// From the first row to the last \[s\].
-    #[must_use]
-    pub fn duration(&self) -> f64 {
-        match (self.time.first(), self.time.last()) {
-            (Some(first), Some(last)) => last - first,
-            _ => 0.0,
-        }
-    }
-
-    /// Left and right wheel speed in a row \[rad/s\].
-    #[must_use]
-    pub fn wheel_speeds(&self, row: usize) -> [f64; 2] {
-        [self.omega_left[row], self.omega_right[row]]
-    }
-
-    /// The rates at which left and right wheel speed change from a row to the next
-    /// \[rad/s^2\]; zero after the last.
-    #[must_use]
-    pub fn wheel_accelerations(&self, row: usize) -> [f64; 2] {
-        if row + 1 == self.len() {
-            return [0.0; 2];
-        }
-        let seconds = self.time[row + 1] - self.time[row];
-        let (from, to) = (self.wheel_speeds(row), self.wheel_speeds(row + 1));
-        [0, 1].map(|side| (to[side] - from[side]) / seconds)
-    }
-}
-
-/// Fills gaps between samples linearly and holds the first and the last sample beyond them.
-/// `None` where there is no sample at all.
-#[must_use]
-pub fn fill_gaps(time: &[f64], samples: &[Option<f64>]) -> Option<Vec<f64>> {
-    let mut filled = Vec::with_capacity(samples.len());
-    let mut last: Option<(usize, f64)> = None;
-    for (row, sample) in samples.iter().enumerate() {
-        let Some(value) = *sample else { continue };
-        let (from, start) = last.map_or((time[row], value), |(at, start)| (time[at], start));
-        while filled.len() < row {
-            let share = (time[filled.len()] - from) / (time[row] - from);
-            let between = start + (value - start) * share;
-            filled.push(if last.is_some() { between } else { value });
-        }
-        filled.push(value);
-        last = Some((row, value));
-    }
-    let (_, end) = last?;
-    filled.resize(samples.len(), end);
-    Some(filled)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gaps_are_filled_linearly_and_ends_held() {
-        let time = [0.0, 1.0, 2.0, 4.0, 5.0, 6.0];
-        let samples = [None, Some(2.0), None, None, Some(10.0), None];
-        let filled = fill_gaps(&time, &samples).unwrap();
-        assert_eq!(filled, [2.0, 2.0, 4.0, 8.0, 10.0, 10.0]);
-        assert_eq!(fill_gaps(&time[..2], &[None, None]), None);
-    }
-
-    #[test]
-    fn accelerations_are_the_slopes() {
-        let recording = Recording {
-            time: vec![1.0, 1.5],
-            omega_left: vec![2.0, 3.0],
-            omega_right: vec![4.0, 2.0],
-            filled_rows: 0,
-        };
-        assert_eq!(recording.wheel_accelerations(0), [2.0, -4.0]);
-        assert_eq!(recording.wheel_accelerations(1), [0.0; 2]);
-        assert_eq!(recording.duration(), 0.5);
-    }
-}
+pub use about::About;
+pub use channel::Channel;
+#[cfg(feature = "cli")]
+pub use csv::{Cell, CsvError, read_drive};
+pub use cumulated::{Cumulated, Grid};
+pub use drive::{Drive, fill_gaps};
+pub use moments::Moments;
+pub use note::{Note, NoteKind};
+#[cfg(feature = "cli")]
+pub use reading::{RecordingError, read_recording};
+pub use run::{Recording, Run};
+pub use series::Series;
+pub use way::way_along;

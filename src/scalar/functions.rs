@@ -68,13 +68,21 @@ pub trait Elementary: Scalar {
     #[must_use]
     #[inline(always)]
     fn least(self, other: Self) -> Self {
-        if self.value() <= other.value() { self } else { other }
+        if self.value() <= other.value() {
+            self
+        } else {
+            other
+        }
     }
     /// The larger of two numbers.
     #[must_use]
     #[inline(always)]
     fn most(self, other: Self) -> Self {
-        if self.value() >= other.value() { self } else { other }
+        if self.value() >= other.value() {
+            self
+        } else {
+            other
+        }
     }
 }
 
@@ -118,7 +126,8 @@ mod tests {
         for x in [0.0, 0.3, 0.8] {
             let sum = Elementary::smooth_step(x) + Elementary::smooth_step(-x);
             assert!((sum - 1.0).abs() < 1e-15);
-            let slope = (Elementary::smooth_step(x + 1e-6) - Elementary::smooth_step(x - 1e-6)) / 2e-6;
+            let slope =
+                (Elementary::smooth_step(x + 1e-6) - Elementary::smooth_step(x - 1e-6)) / 2e-6;
             let dual = Dual::<f64, 1>::variable(x, 0).smooth_step();
             assert!((dual.eps[0] - slope).abs() < DIFFERENCE_TOLERANCE);
         }

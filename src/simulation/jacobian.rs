@@ -4,7 +4,8 @@ use super::memory::{MemoryJacobian, directions};
 use super::rosenbrock::Stages;
 use super::{Evaluation, InputMatrix, Simulation, SimulationError, State, StateMatrix};
 use crate::vehicle::{
-    Differentiated, Direction, Directions, Linearisation, Motion, Surroundings, Trend, VehicleModel, Wrench,
+    Differentiated, Direction, Directions, Linearisation, Motion, Surroundings, Trend,
+    VehicleModel, Wrench,
 };
 
 /// Derivatives of the state's rate of change.
@@ -151,10 +152,14 @@ impl Simulation {
                 let (motion, balance) = (&at.motion, &at.balance);
                 directions.differentiate(model, altered, motion, &surroundings, balance, results);
                 let along = direction.to_array().into_iter().chain(pose);
-                self.work.partial.combine(results.iter().map(|r| &r.wrench).zip(along));
+                self.work
+                    .partial
+                    .combine(results.iter().map(|r| &r.wrench).zip(along));
             }
             _ => {
-                self.work.linearisation.evaluate(model, &at.motion, &at.balance);
+                self.work
+                    .linearisation
+                    .evaluate(model, &at.motion, &at.balance);
                 self.work.along(model, at, direction);
             }
         }
@@ -183,8 +188,15 @@ impl Simulation {
         let mut results = Vec::new();
         self.differentiate(&self.model.directions(list), &mut results);
         let remembered = self.now.memory_rates.iter().copied();
-        let along = motion.to_array().into_iter().chain(pose).chain(remembered).chain([1.0]);
-        self.work.partial.combine(results.iter().map(|r| &r.wrench).zip(along));
+        let along = motion
+            .to_array()
+            .into_iter()
+            .chain(pose)
+            .chain(remembered)
+            .chain([1.0]);
+        self.work
+            .partial
+            .combine(results.iter().map(|r| &r.wrench).zip(along));
         Ok(&self.work.partial)
     }
 

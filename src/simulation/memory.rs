@@ -40,7 +40,10 @@ impl MemoryJacobian {
 
     /// Visits every number, for a snapshot.
     pub fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
-        self.accelerations.iter_mut().flatten().for_each(&mut *visit);
+        self.accelerations
+            .iter_mut()
+            .flatten()
+            .for_each(&mut *visit);
         self.by_state.iter_mut().flatten().for_each(&mut *visit);
         self.by_input.iter_mut().flatten().for_each(&mut *visit);
         self.diagonal.iter_mut().for_each(visit);
@@ -48,7 +51,9 @@ impl MemoryJacobian {
 
     /// Takes the derivatives in the directions that [`directions`] lists.
     pub fn set(&mut self, list: &[Direction], results: &[Differentiated]) {
-        let count = results.first().map_or(0, |result| result.memory_rates.len());
+        let count = results
+            .first()
+            .map_or(0, |result| result.memory_rates.len());
         *self = Self::new(count);
         for (direction, result) in list.iter().zip(results) {
             let rates = result.memory_rates.iter().enumerate();
@@ -158,7 +163,10 @@ mod tests {
         let by_state = StateMatrix::from_fn(|i, j| 0.3 * ((i * 7 + j * 3) as f64).sin());
         let memory = MemoryJacobian {
             accelerations: vec![[3.0, -1.0, 2.0], [0.5, 4.0, -2.0]],
-            by_state: vec![[0.1, 0.0, 0.2, 1.0, 0.3, -0.2], [0.0, 0.4, 0.0, -0.5, 1.0, 0.7]],
+            by_state: vec![
+                [0.1, 0.0, 0.2, 1.0, 0.3, -0.2],
+                [0.0, 0.4, 0.0, -0.5, 1.0, 0.7],
+            ],
             by_input: vec![[0.0; 2]; 2],
             diagonal: vec![-20.0, -3.0],
         };
@@ -173,7 +181,11 @@ mod tests {
             for axis in 0..3 {
                 residual[3 + axis] -= scale * memory.accelerations[index][axis] * value;
             }
-            let by: f64 = memory.by_state[index].iter().zip(&state).map(|(a, b)| a * b).sum();
+            let by: f64 = memory.by_state[index]
+                .iter()
+                .zip(&state)
+                .map(|(a, b)| a * b)
+                .sum();
             let own = value - scale * (memory.diagonal[index] * value + by) - [0.7, -0.4][index];
             assert!(own.abs() < 1e-13, "{own}");
         }

@@ -12,8 +12,8 @@ pub use rosenbrock::Counters;
 pub use sensitivity::SensitiveSimulation;
 pub use state::{State, WheelSpeeds};
 
-use crate::vehicle::{Differentiated, Directions};
 use crate::vehicle::{Balance, BalanceError, Motion, Surroundings, Trend, VehicleModel, Wrench};
+use crate::vehicle::{Differentiated, Directions};
 use jacobian::Work;
 use nalgebra::{SMatrix, SVector};
 use std::fmt;
@@ -266,7 +266,14 @@ impl Simulation {
         let surroundings = self.state.surroundings(self.time, &self.memory);
         if let Some(altered) = self.model.altered() {
             let (motion, balance) = (&self.now.motion, &self.now.balance);
-            directions.differentiate(&self.model, altered, motion, &surroundings, balance, results);
+            directions.differentiate(
+                &self.model,
+                altered,
+                motion,
+                &surroundings,
+                balance,
+                results,
+            );
         }
     }
 

@@ -83,7 +83,11 @@ impl SensitiveSimulation {
     ///
     /// # Errors
     /// A value that is not finite.
-    pub fn drive(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError> {
+    pub fn drive(
+        &mut self,
+        speeds: WheelSpeeds,
+        rates: WheelSpeeds,
+    ) -> Result<(), SimulationError> {
         self.simulation.set_wheel_speeds(speeds)?;
         self.simulation.set_wheel_accelerations(rates)?;
         // B holds the rates.
@@ -124,7 +128,10 @@ impl SensitiveSimulation {
     /// Derivatives of the state by the state at the restart.
     #[must_use]
     pub fn by_initial(&self) -> SMatrix<f64, { State::COUNT }, { State::COUNT }> {
-        self.variation.by.fixed_view::<{ State::COUNT }, { State::COUNT }>(0, 0).into()
+        self.variation
+            .by
+            .fixed_view::<{ State::COUNT }, { State::COUNT }>(0, 0)
+            .into()
     }
 
     /// Derivative of the state by one of the parameters.
@@ -142,9 +149,11 @@ impl SensitiveSimulation {
 }
 
 fn identity(memory: usize, parameters: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(State::COUNT + memory, State::COUNT + parameters + 1, |i, j| {
-        f64::from(u8::from(i == j && j < State::COUNT))
-    })
+    DMatrix::from_fn(
+        State::COUNT + memory,
+        State::COUNT + parameters + 1,
+        |i, j| f64::from(u8::from(i == j && j < State::COUNT)),
+    )
 }
 
 impl Variation {
@@ -155,7 +164,8 @@ impl Variation {
         let mut a = DMatrix::zeros(rows, rows);
         let mut b = DMatrix::zeros(rows, columns);
         let kinematics = simulation.state().kinematic_jacobian().by_state;
-        a.view_mut((0, 0), (State::COUNT, State::COUNT)).copy_from(&kinematics);
+        a.view_mut((0, 0), (State::COUNT, State::COUNT))
+            .copy_from(&kinematics);
         let rates = simulation.input_rates();
         let mut parameter = State::COUNT;
         for (direction, result) in self.directions.list().iter().zip(&self.results) {
@@ -170,7 +180,9 @@ impl Variation {
                 Direction::YawRate => (&mut a, 5, 1.0),
                 Direction::Memory(index) => (&mut a, State::COUNT + index, 1.0),
                 // What came later came with the speed of before.
-                Direction::WheelSpeed(side) => (&mut b, columns - 1, -[rates.left, rates.right][side]),
+                Direction::WheelSpeed(side) => {
+                    (&mut b, columns - 1, -[rates.left, rates.right][side])
+                }
                 Direction::Time => continue,
                 Direction::Parameter(_) => {
                     parameter += 1;

@@ -93,7 +93,8 @@ impl VehicleModel {
     /// Names of the remembered numbers.
     #[must_use]
     pub fn memory_names(&self) -> Vec<String> {
-        self.altered().map_or_else(Vec::new, |altered| altered.layout.names())
+        self.altered()
+            .map_or_else(Vec::new, |altered| altered.layout.names())
     }
 
     /// The directions to differentiate in, prepared; a model without effects has none.
@@ -132,7 +133,8 @@ impl VehicleModel {
 
     /// Mass of the vehicle with its payload \[kg\].
     pub(super) fn mass(&self) -> f64 {
-        self.altered().map_or(self.vehicle.mass, |altered| altered.chassis.mass)
+        self.altered()
+            .map_or(self.vehicle.mass, |altered| altered.chassis.mass)
     }
 
     /// The vehicle.

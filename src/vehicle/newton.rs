@@ -184,9 +184,13 @@ impl VehicleModel {
                 wheel.entry_angle = self.contact().entry_angle_guess(target).clamp(low, high);
             }
             let forces = match prepared {
-                Some(prepared) => {
-                    prepared.wheel(self.level(), self.contact(), index, wheel.entry_angle, detail)
-                }
+                Some(prepared) => prepared.wheel(
+                    self.level(),
+                    self.contact(),
+                    index,
+                    wheel.entry_angle,
+                    detail,
+                ),
                 None => self.plain_wheel(simd, motion, index, wheel.entry_angle, detail),
             };
             let forces = forces.to_array();

@@ -88,7 +88,9 @@ impl Parameter {
     pub fn get(self, specification: &Specification) -> f64 {
         match self {
             Self::Effect(parameter) => specification.effects.get(parameter),
-            _ => *self.slot(&mut specification.clone()).expect("not an effect's"),
+            _ => *self
+                .slot(&mut specification.clone())
+                .expect("not an effect's"),
         }
     }
 

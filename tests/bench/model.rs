@@ -8,10 +8,12 @@ use serde_json::Value;
 use std::hint::black_box;
 use std::time::Duration;
 use ugv_terrain::contact::{Regularisation, Resolution};
+use ugv_terrain::effects::{Effects, Kind, ParameterName};
 use ugv_terrain::scalar::Real;
-use ugv_terrain::simulation::{Simulation, WheelSpeeds};
+use ugv_terrain::simulation::{SensitiveSimulation, Simulation, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Balance, Linearisation, Motion, Vehicle, VehicleModel, Wrench};
+use ugv_terrain::vehicle::{Balance, Linearisation, Motion, Parameter, Specification, Vehicle};
+use ugv_terrain::vehicle::{VehicleModel, Wrench};
 
 /// The golden states with their models: what a wrench costs is their mean.
 fn golden() -> Vec<(VehicleModel, Motion)> {
@@ -105,6 +107,98 @@ fn wrenches(c: &mut Criterion) {
                 model.solve(black_box(motion), balance).unwrap();
                 balance.wrench(model, motion, &mut wrench);
             }
+        });
+    });
+    group.finish();
+}
+
+/// The paper's vehicle on clayed soil with effects.
+fn with_effects(effects: Effects) -> VehicleModel {
+    let plain = clayed(Resolution::default(), 4);
+    let specification = Specification {
+        vehicle: plain.vehicle().clone(),
+        terrain: *plain.terrain(),
+        effects,
+    };
+    VehicleModel::from_specification(&specification).unwrap()
+}
+
+/// Every effect a little on.
+fn every_effect() -> Effects {
+    let mut effects = Effects::NONE;
+    for name in ParameterName::all() {
+        let (effect, parameter) = name.declaration();
+        if effect.kind == Kind::Physics && parameter.switches {
+            let far = if parameter.default < parameter.high {
+                parameter.high
+            } else {
+                parameter.low
+            };
+            let value = parameter.default + 0.05 * (far - parameter.default);
+            effects.set(name, value).unwrap();
+        }
+    }
+    effects
+}
+
+fn effects(c: &mut Criterion) {
+    let mut group = c.benchmark_group("effects");
+    let models = [
+        ("none asked for", clayed(Resolution::default(), 4)),
+        ("all off", with_effects(Effects::NONE)),
+        (
+            "one on",
+            with_effects(Effects::NONE.with("grade.slope_east", 0.05).unwrap()),
+        ),
+        ("every one on", with_effects(every_effect())),
+    ];
+    for (name, model) in &models {
+        let fresh = Balance::new(model);
+        group.bench_function(*name, |b| {
+            b.iter_batched_ref(
+                || fresh.clone(),
+                |balance| model.solve(black_box(&MOTION), balance).unwrap(),
+                BatchSize::SmallInput,
+            );
+        });
+    }
+    for (name, model) in &models {
+        let mut start = Simulation::new(model.clone());
+        start
+            .set_wheel_speeds(WheelSpeeds {
+                left: 6.0,
+                right: 7.0,
+            })
+            .unwrap();
+        group.bench_function(format!("10 s drive, {name}"), |b| {
+            b.iter(|| {
+                let mut drive = start.clone();
+                drive.step(10.0).unwrap();
+                drive.state()
+            });
+        });
+    }
+    let plain = Specification {
+        vehicle: models[0].1.vehicle().clone(),
+        terrain: *models[0].1.terrain(),
+        effects: Effects::NONE,
+    };
+    let soil: Vec<Parameter> = Parameter::all().take(6).collect();
+    let mut start = SensitiveSimulation::new(&plain, &soil).unwrap();
+    start
+        .drive(
+            WheelSpeeds {
+                left: 6.0,
+                right: 7.0,
+            },
+            WheelSpeeds::default(),
+        )
+        .unwrap();
+    group.bench_function("10 s drive with its derivatives by the soil", |b| {
+        b.iter(|| {
+            let mut drive = start.clone();
+            drive.step(10.0).unwrap();
+            drive.by_parameter(0)
         });
     });
     group.finish();
@@ -235,6 +329,6 @@ fn functions(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
-    targets = wrenches, growth, drives, functions
+    targets = wrenches, effects, growth, drives, functions
 }
 criterion_main!(benches);

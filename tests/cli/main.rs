@@ -3,7 +3,9 @@
 #![cfg(feature = "cli")]
 
 mod effects;
+mod inspect;
 mod refusals;
+mod score;
 mod simulate;
 mod streams;
 

@@ -2,13 +2,13 @@
 
 use super::*;
 use predicates::str::contains;
-use ugv_terrain::recording::{Recording, read_csv};
+use ugv_terrain::recording::{Drive, read_drive};
 use ugv_terrain::simulation::{Simulation, State};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Vehicle, VehicleModel};
 
-fn recording() -> Recording {
-    read_csv("drive", DRIVE.as_bytes()).unwrap()
+fn recording() -> Drive {
+    read_drive("drive", DRIVE.as_bytes()).unwrap()
 }
 
 /// What the library computes, in the order of the tool's columns.

@@ -84,7 +84,14 @@ fn closed_pipe_is_no_error() {
 #[test]
 fn help_has_examples_and_completions_name_the_subcommands() {
     let bench = Bench::new();
-    for command in ["", "simulate", "terrains", "vehicle", "completions"] {
+    for command in [
+        "",
+        "simulate",
+        "inspect",
+        "terrains",
+        "vehicle",
+        "completions",
+    ] {
         assert!(
             bench
                 .stdout(&format!("{command} --help"))

@@ -1,6 +1,6 @@
 //! Exact derivatives against differences: of a whole drive, by its beginning and by every parameter.
 
-use super::limits::specification;
+use super::specification;
 use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
 use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
@@ -9,16 +9,29 @@ use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
 /// motion), the differences by the integrator's tolerance over their step.
 const RELATIVE_TOLERANCE: f64 = 2e-2;
 
-const START: State = State { x: 0.0, y: 0.0, heading: 0.3, v_x: 1.2, v_y: 0.02, yaw_rate: 0.1 };
+const START: State = State {
+    x: 0.0,
+    y: 0.0,
+    heading: 0.3,
+    v_x: 1.2,
+    v_y: 0.02,
+    yaw_rate: 0.1,
+};
 const SECONDS: usize = 40;
 
 fn speeds(time: f64) -> WheelSpeeds {
-    WheelSpeeds { left: 5.5 + (1.7 * time).sin(), right: 6.0 - 0.8 * (1.1 * time).sin() }
+    WheelSpeeds {
+        left: 5.5 + (1.7 * time).sin(),
+        right: 6.0 - 0.8 * (1.1 * time).sin(),
+    }
 }
 
 fn rates(time: f64) -> WheelSpeeds {
     let (from, to) = (speeds(time), speeds(time + 0.05));
-    WheelSpeeds { left: (to.left - from.left) / 0.05, right: (to.right - from.right) / 0.05 }
+    WheelSpeeds {
+        left: (to.left - from.left) / 0.05,
+        right: (to.right - from.right) / 0.05,
+    }
 }
 
 /// The state after a drive of two seconds, the wheel speeds late by `delay`.
@@ -75,7 +88,11 @@ fn a_drive_is_differentiated_by_its_beginning() {
             end(&plain, State::from_array(start))
         };
         let found = difference(moved(1e-3), moved(-1e-3), 1e-3);
-        compare(&format!("initial state {column}"), exact.column(column).into_owned().into(), found);
+        compare(
+            &format!("initial state {column}"),
+            exact.column(column).into_owned().into(),
+            found,
+        );
     }
 }
 
@@ -83,18 +100,25 @@ fn a_drive_is_differentiated_by_its_beginning() {
 fn a_drive_is_differentiated_by_the_soil_and_the_vehicle() {
     for terrain in ["dry_sand", "clayed_soil"] {
         let plain = specification(terrain, Effects::NONE);
-        let parameters: Vec<Parameter> =
-            Parameter::all().filter(|p| !matches!(p, Parameter::Effect(_))).collect();
+        let parameters: Vec<Parameter> = Parameter::all()
+            .filter(|p| !matches!(p, Parameter::Effect(_)))
+            .collect();
         let exact = sensitive(&plain, &parameters);
         for (index, parameter) in parameters.iter().enumerate() {
             let step = 1e-2 * parameter.get(&plain).abs();
             let moved = |by: f64| {
                 let mut changed = plain.clone();
-                parameter.set(&mut changed, parameter.get(&plain) + by).unwrap();
+                parameter
+                    .set(&mut changed, parameter.get(&plain) + by)
+                    .unwrap();
                 end(&changed, START)
             };
             let found = difference(moved(step), moved(-step), step);
-            compare(&format!("{terrain} {}", parameter.name()), exact.by_parameter(index), found);
+            compare(
+                &format!("{terrain} {}", parameter.name()),
+                exact.by_parameter(index),
+                found,
+            );
         }
     }
 }
@@ -133,16 +157,20 @@ fn a_drive_is_differentiated_by_every_effect() {
         let exact = sensitive(&on, &parameters);
         for (index, parameter) in parameters.iter().enumerate() {
             let value = parameter.get(&on);
-            let Parameter::Effect(name) = *parameter else { unreachable!() };
+            let Parameter::Effect(name) = *parameter else {
+                unreachable!()
+            };
             let declared = name.declaration().1;
-            let step = 1e-2 * value.abs().max(0.02 * (declared.high - declared.low).min(1.0));
+            let step = 1e-2
+                * value
+                    .abs()
+                    .max(0.02 * (declared.high - declared.low).min(1.0));
             let moved = |by: f64| {
                 let mut changed = on.clone();
                 parameter.set(&mut changed, value + by).unwrap();
                 end(&changed, START)
             };
             let found = difference(moved(step), moved(-step), step);
-            println!("{}: {:?} {:?}", parameter.name(), exact.by_parameter(index), found);
             compare(&parameter.name(), exact.by_parameter(index), found);
         }
     }

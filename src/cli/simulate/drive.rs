@@ -1,7 +1,7 @@
 //! Steps a simulation along a recording's wheel speeds.
 
 use crate::cli::Failure;
-use ugv_terrain::recording::Recording;
+use ugv_terrain::recording::Drive;
 use ugv_terrain::simulation::{Simulation, SimulationError, State, WheelSpeeds};
 use ugv_terrain::vehicle::Wrench;
 
@@ -37,7 +37,7 @@ pub struct Schedule {
 impl Schedule {
     /// # Errors
     /// A step so small that the output would never end.
-    pub fn new(recording: &Recording, step: Option<f64>) -> Result<Self, Failure> {
+    pub fn new(recording: &Drive, step: Option<f64>) -> Result<Self, Failure> {
         let start = recording.time[0];
         let rows = step.map_or(0.0, |step| recording.duration() / step);
         if rows > MOST_ROWS {
@@ -95,7 +95,7 @@ impl Schedule {
 /// # Errors
 /// Whatever stops the simulation, at the recording's time, and whatever the visitor refuses.
 pub fn drive(
-    recording: &Recording,
+    recording: &Drive,
     mut schedule: Schedule,
     simulation: &mut Simulation,
     mut visit: impl FnMut(&Stop) -> Result<(), Failure>,
@@ -154,8 +154,8 @@ mod tests {
     use ugv_terrain::terrain::Terrain;
     use ugv_terrain::vehicle::{Vehicle, VehicleModel};
 
-    fn recording(time: &[f64]) -> Recording {
-        Recording {
+    fn recording(time: &[f64]) -> Drive {
+        Drive {
             time: time.to_vec(),
             omega_left: time.iter().map(|t| t - time[0]).collect(),
             omega_right: vec![2.0; time.len()],

@@ -17,7 +17,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use ugv_terrain::effects::Kind;
-use ugv_terrain::recording::{CsvError, Recording, read_csv};
+use ugv_terrain::recording::{CsvError, Drive, read_drive};
 use ugv_terrain::simulation::{Simulation, State};
 use ugv_terrain::vehicle::VehicleModel;
 
@@ -133,9 +133,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn read(path: &Path) -> Result<Recording, Failure> {
+fn read(path: &Path) -> Result<Drive, Failure> {
     if path == Path::new("-") {
-        return read_csv("standard input", io::stdin().lock()).map_err(Failure::Recording);
+        return read_drive("standard input", io::stdin().lock()).map_err(Failure::Recording);
     }
     let file = path.display().to_string();
     let opened = File::open(path);
@@ -144,7 +144,7 @@ fn read(path: &Path) -> Result<Recording, Failure> {
             file: file.clone(),
             source,
         })
-        .and_then(|input| read_csv(&file, input))
+        .and_then(|input| read_drive(&file, input))
         .map_err(Failure::Recording)
 }
 
@@ -169,7 +169,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn new(recording: &Recording, state: State) -> Self {
+    fn new(recording: &Drive, state: State) -> Self {
         Self {
             started: Instant::now(),
             start: recording.time[0],
@@ -199,7 +199,7 @@ impl Summary {
         }
     }
 
-    fn tell(&self, recording: &Recording, effects: Option<&str>, elapsed: f64) {
+    fn tell(&self, recording: &Drive, effects: Option<&str>, elapsed: f64) {
         let seconds = recording.duration();
         let State { x, y, heading, .. } = self.last;
         let heading_deg = heading.to_degrees();

@@ -3,7 +3,7 @@
 use super::drive::Stop;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
-use ugv_terrain::recording::Recording;
+use ugv_terrain::recording::Drive;
 
 /// Jobs shorter than this need no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -20,7 +20,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    pub fn new(recording: &Recording, quiet: bool) -> Self {
+    pub fn new(recording: &Drive, quiet: bool) -> Self {
         Self {
             started: Instant::now(),
             start: recording.time[0],

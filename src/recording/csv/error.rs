@@ -1,6 +1,5 @@
 //! What can be wrong with a recording's CSV, and where.
 
-use super::COLUMNS;
 use crate::spelling::nearest;
 use std::fmt;
 use std::io;
@@ -47,7 +46,9 @@ pub enum CsvError {
         /// Behind the header's last cell.
         cell: Cell,
         /// The column that is missing.
-        expected: &'static str,
+        missing: &'static str,
+        /// All columns that must be there.
+        required: Box<[&'static str]>,
         /// The header's cells.
         found: Vec<String>,
     },
@@ -68,21 +69,21 @@ impl fmt::Display for CsvError {
             Self::Read { file, .. } => write!(f, "cannot read {file}"),
             Self::MissingColumn {
                 cell,
-                expected,
+                missing,
+                required,
                 found,
             } => {
                 write!(
                     f,
-                    "{cell}: found no column `{expected}` among `{}`",
+                    "{cell}: found no column `{missing}` among `{}`",
                     found.join("`, `")
                 )?;
-                let names: Vec<_> = COLUMNS.iter().map(|column| column.name).collect();
-                write!(f, ", expected a header with {}", names.join(", "))?;
+                write!(f, ", expected a header with {}", required.join(", "))?;
                 let others = found
                     .iter()
                     .map(String::as_str)
-                    .filter(|name| !names.contains(name));
-                match nearest(expected, others) {
+                    .filter(|name| !required.contains(name));
+                match nearest(missing, others) {
                     Some(name) => write!(f, " (the nearest is `{name}`)"),
                     None => Ok(()),
                 }
@@ -105,11 +106,7 @@ impl std::error::Error for CsvError {
     }
 }
 
-pub(super) fn malformed(
-    cell: Cell,
-    found: impl Into<String>,
-    expected: impl Into<String>,
-) -> CsvError {
+pub fn malformed(cell: Cell, found: impl Into<String>, expected: impl Into<String>) -> CsvError {
     CsvError::Malformed {
         cell,
         found: found.into(),

@@ -36,8 +36,9 @@ pub(crate) struct ChassisWheel<S> {
 impl<S: Scalar> Chassis<S> {
     /// Applies the effects; `seed` makes parameters variable.
     pub fn new(specification: &Specification, seed: impl Fn(Parameter) -> Option<S>) -> Self {
-        let lifted =
-            |parameter: Parameter| seed(parameter).unwrap_or(S::constant(parameter.get(specification)));
+        let lifted = |parameter: Parameter| {
+            seed(parameter).unwrap_or(S::constant(parameter.get(specification)))
+        };
         let vehicle = &specification.vehicle;
         let effects = specification
             .effects
@@ -89,9 +90,9 @@ impl<S: Scalar> Chassis<S> {
                 .map_or(soil, |effect| effect.soil(&soil, left));
             let radius = radius * factor;
             let width = S::constant(vehicle.wheel_width);
-            let circle = effects
-                .tyre_compliance
-                .map_or(radius, |tyre| tyre.radius(&soil, rest[index], radius, width));
+            let circle = effects.tyre_compliance.map_or(radius, |tyre| {
+                tyre.radius(&soil, rest[index], radius, width)
+            });
             let share = 1.0 / count as f64;
             ChassisWheel {
                 place: place(index),
@@ -172,8 +173,7 @@ impl<S: Scalar> Body<S> {
         let reduced = self.mass * mass / total;
         Self {
             mass: total,
-            yaw_inertia: self.yaw_inertia
-                + reduced * (apart[0] * apart[0] + apart[1] * apart[1]),
+            yaw_inertia: self.yaw_inertia + reduced * (apart[0] * apart[0] + apart[1] * apart[1]),
             height: middle(self.height, height),
             com: [middle(self.com[0], place[0]), middle(self.com[1], place[1])],
         }
@@ -187,7 +187,12 @@ mod tests {
     #[test]
     fn a_payload_moves_the_centre_of_mass_by_the_parallel_axis_rule() {
         // 100 kg on the vehicle's 400 kg, 1 m ahead: centre at 0.2 m; inertia 50 + 80 x 1.
-        let body = Body { mass: 400.0, yaw_inertia: 50.0, height: 0.5, com: [0.0, 0.0] };
+        let body = Body {
+            mass: 400.0,
+            yaw_inertia: 50.0,
+            height: 0.5,
+            com: [0.0, 0.0],
+        };
         let loaded = body.with_point(100.0, [1.0, 0.0], 1.0);
         assert!((loaded.com[0] - 0.2).abs() < 1e-15);
         assert!((loaded.yaw_inertia - 130.0).abs() < 1e-12);

@@ -124,11 +124,9 @@ struct Point<'a> {
 impl Point<'_> {
     /// Slopes of each wheel's forces by its entry angle, with the forces themselves.
     fn slopes(&self) -> Vec<WheelForces<Dual<f64, 1>>> {
-        let prepared = self.altered.prepare(
-            self.motion,
-            self.surroundings,
-            self.model.regularisation(),
-        );
+        let prepared =
+            self.altered
+                .prepare(self.motion, self.surroundings, self.model.regularisation());
         let wheel = |(index, wheel): (usize, &crate::vehicle::balance::BalancedWheel)| {
             if wheel.load <= 0.0 {
                 return WheelForces::zero();
@@ -259,7 +257,9 @@ impl Point<'_> {
                     WheelOutputs::from_array(outputs.map(|output| output.eps[place]));
             }
             result.memory_rates.clear();
-            result.memory_rates.extend(rates.iter().map(|r| r.eps[place]));
+            result
+                .memory_rates
+                .extend(rates.iter().map(|r| r.eps[place]));
         }
     }
 
@@ -306,7 +306,8 @@ impl Point<'_> {
                 } else {
                     0.0
                 };
-                held_changes[index] = std::array::from_fn(|k| share * (fixed[k] + slope[k] * entry));
+                held_changes[index] =
+                    std::array::from_fn(|k| share * (fixed[k] + slope[k] * entry));
                 by_load[index] = if share < 1.0 {
                     slopes[index].to_array().map(|force| force.re / lightest)
                 } else if growth > 0.0 {
@@ -336,8 +337,7 @@ impl Point<'_> {
                     entry_angles[index].eps[place] = (followed - fixed.vertical) / growth;
                 }
                 for k in 0..FORCE_COUNT {
-                    forces[index][k].eps[place] =
-                        held_changes[index][k] + by_load[index][k] * load;
+                    forces[index][k].eps[place] = held_changes[index][k] + by_load[index][k] * load;
                     forces[index][k].re = wheel.share * slopes[index].to_array()[k].re;
                 }
             }

@@ -34,9 +34,8 @@ pub(crate) fn spread_loads<S: Scalar>(
             spread[axis] += from_mean * from_mean;
         }
     }
-    let tilt = [0, 1].map(|axis| {
-        (targets.moments[axis] - targets.normal * mean[axis]) / spread[axis]
-    });
+    let tilt =
+        [0, 1].map(|axis| (targets.moments[axis] - targets.normal * mean[axis]) / spread[axis]);
     let (mut carried, mut lifted) = (zero, false);
     for (place, load) in places.iter().zip(&mut *loads) {
         *load = targets.normal.scale(inverse)
@@ -67,7 +66,10 @@ mod tests {
     #[test]
     fn loads_balance_force_and_both_moments() {
         let places = [[0.8, 0.7], [0.8, -0.5], [-0.2, 0.7], [-0.2, -0.5]];
-        let targets = LoadTargets { normal: 4000.0, moments: [150.0, -90.0] };
+        let targets = LoadTargets {
+            normal: 4000.0,
+            moments: [150.0, -90.0],
+        };
         let mut loads = [0.0; 4];
         assert!(!spread_loads(&places, &targets, &mut loads));
         let sum = |arm: fn(&[f64; 2]) -> f64| -> f64 {
@@ -81,7 +83,10 @@ mod tests {
     #[test]
     fn a_lifted_wheel_leaves_its_share_to_the_others() {
         let places = [[0.5, 0.6], [0.5, -0.6], [-0.5, 0.6], [-0.5, -0.6]];
-        let targets = LoadTargets { normal: 4000.0, moments: [0.0, 3000.0] };
+        let targets = LoadTargets {
+            normal: 4000.0,
+            moments: [0.0, 3000.0],
+        };
         let mut loads = [0.0; 4];
         assert!(spread_loads(&places, &targets, &mut loads));
         assert_eq!((loads[1], loads[3]), (0.0, 0.0));

@@ -64,7 +64,11 @@ impl MemoryLayout {
             let shear = ["shear_forward", "shear_lateral", "shear_yaw", "shear_rim"];
             let shear = shear.iter().filter(|_| self.shear);
             let rut = ["rut_depth"].iter().filter(|_| self.rut);
-            names.extend(shear.chain(rut).map(|name| format!("wheel[{wheel}].{name}")));
+            names.extend(
+                shear
+                    .chain(rut)
+                    .map(|name| format!("wheel[{wheel}].{name}")),
+            );
         }
         names
     }
@@ -144,23 +148,32 @@ impl MemoryLayout {
             }
             if let (true, Some(effect)) = (self.rut, &law.multipass) {
                 // Which row goes ahead depends on where the wheel travels to.
-                let onward = (motion.forward.scale(1.0 / regularisation.travel_speed)).smooth_step();
+                let onward =
+                    (motion.forward.scale(1.0 / regularisation.travel_speed)).smooth_step();
                 let speed = (motion.forward * motion.forward + motion.lateral * motion.lateral)
                     .offset(SPEED_FLOOR)
                     .sqrt();
-                let aside = motion.lateral
-                    / motion.forward.rounded_abs(regularisation.travel_speed);
+                let aside =
+                    motion.lateral / motion.forward.rounded_abs(regularisation.travel_speed);
                 let mut rate = S::constant(0.0);
                 for (share, ahead) in [
                     (onward, index.checked_sub(2)),
-                    (S::constant(1.0) - onward, Some(index + 2).filter(|i| *i < wheels.len())),
+                    (
+                        S::constant(1.0) - onward,
+                        Some(index + 2).filter(|i| *i < wheels.len()),
+                    ),
                 ] {
                     // The leading row meets untouched soil, as if a row of its own length ahead.
-                    let neighbour = ahead.or(if index >= 2 { Some(index - 2) } else { Some(index + 2) });
+                    let neighbour = ahead.or(if index >= 2 {
+                        Some(index - 2)
+                    } else {
+                        Some(index + 2)
+                    });
                     let Some(neighbour) = neighbour.filter(|i| *i < wheels.len()) else {
                         continue;
                     };
-                    let apart = (chassis.wheels[index].place[0] - chassis.wheels[neighbour].place[0])
+                    let apart = (chassis.wheels[index].place[0]
+                        - chassis.wheels[neighbour].place[0])
                         .rounded_abs(CLOSEST_ROWS);
                     let arriving = match ahead {
                         Some(row) => {

@@ -118,7 +118,14 @@ impl Prepared<'_> {
             .map(|(index, wheel)| (wheel.entry_angle, layout.wheel(self.memory, index)))
             .collect();
         let boundary = specification.effects.boundary;
-        layout.rates(chassis, &self.situation, regularisation, &wheels, boundary, rates);
+        layout.rates(
+            chassis,
+            &self.situation,
+            regularisation,
+            &wheels,
+            boundary,
+            rates,
+        );
     }
 
     /// Writes each wheel's load and its derivatives by the ground's specific force; whether one is
@@ -178,7 +185,10 @@ impl Prepared<'_> {
 impl<S: Scalar> Chassis<S> {
     /// One wheel's numbers in the order of [`crate::vehicle::WheelOutputs`]; the sinkage is
     /// counted from the untouched surface.
-    #[allow(clippy::too_many_arguments, reason = "what a wheel's outputs depend on")]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "what a wheel's outputs depend on"
+    )]
     pub fn outputs(
         &self,
         at: &Situation<S>,

@@ -137,8 +137,7 @@ impl<S: Scalar> Chassis<S> {
                 environment.force[axis] += pull[axis];
                 environment.load_moments[axis] += raised * pull[axis];
             }
-            environment.yaw_moment +=
-                (hitch - self.com[0]) * pull[1] + self.com[1] * pull[0];
+            environment.yaw_moment += (hitch - self.com[0]) * pull[1] + self.com[1] * pull[0];
         }
         environment
     }
@@ -149,8 +148,7 @@ impl<S: Scalar> Chassis<S> {
         let leverage = self.mass * self.com_height;
         LoadTargets {
             normal: self.mass * environment.gravity.normal,
-            moments: [0, 1]
-                .map(|axis| environment.load_moments[axis] - leverage * specific[axis]),
+            moments: [0, 1].map(|axis| environment.load_moments[axis] - leverage * specific[axis]),
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
 
-fn read(text: &str) -> Result<Recording, CsvError> {
-    read_csv("drive.csv", text.as_bytes())
+fn read(text: &str) -> Result<Drive, CsvError> {
+    read_drive("drive.csv", text.as_bytes())
 }
 
 fn error(text: &str) -> String {
@@ -12,12 +12,12 @@ const HEADER: &str = "time,omega_left,omega_right\n";
 
 #[test]
 fn reads_columns_in_any_order_among_others() {
-    let recording =
+    let drive =
         read("note,omega_right,time,x,omega_left\nstart,3,0,,1\n,4.5,0.5,nan,-2e-1\n").unwrap();
-    assert_eq!(recording.time, [0.0, 0.5]);
-    assert_eq!(recording.omega_left, [1.0, -0.2]);
-    assert_eq!(recording.omega_right, [3.0, 4.5]);
-    assert_eq!(recording.filled_rows, 0);
+    assert_eq!(drive.time, [0.0, 0.5]);
+    assert_eq!(drive.omega_left, [1.0, -0.2]);
+    assert_eq!(drive.omega_right, [3.0, 4.5]);
+    assert_eq!(drive.filled_rows, 0);
 }
 
 #[test]
@@ -33,17 +33,17 @@ fn forgives_what_editors_do() {
 }
 
 #[test]
-fn one_row_is_a_recording() {
-    let recording = read("time,omega_left,omega_right\n2,1,1\n").unwrap();
-    assert_eq!((recording.len(), recording.duration()), (1, 0.0));
+fn one_row_is_a_drive() {
+    let drive = read("time,omega_left,omega_right\n2,1,1\n").unwrap();
+    assert_eq!((drive.len(), drive.duration()), (1, 0.0));
 }
 
 #[test]
 fn empty_cells_of_wheel_speeds_are_missing_samples() {
-    let recording = read("time,omega_left,omega_right\n0,1,2\n1,,4\n2,5,\n").unwrap();
-    assert_eq!(recording.omega_left, [1.0, 3.0, 5.0]);
-    assert_eq!(recording.omega_right, [2.0, 4.0, 4.0]);
-    assert_eq!(recording.filled_rows, 2);
+    let drive = read("time,omega_left,omega_right\n0,1,2\n1,,4\n2,5,\n").unwrap();
+    assert_eq!(drive.omega_left, [1.0, 3.0, 5.0]);
+    assert_eq!(drive.omega_right, [2.0, 4.0, 4.0]);
+    assert_eq!(drive.filled_rows, 2);
 }
 
 #[test]
@@ -124,7 +124,8 @@ fn several_runs_in_one_file_get_a_hint() {
 
 #[test]
 fn bytes_that_are_not_text_are_shown() {
-    let error = read_csv("drive.csv", &b"time,omega_left,omega_right\n0,\xff,1\n"[..]).unwrap_err();
+    let error =
+        read_drive("drive.csv", &b"time,omega_left,omega_right\n0,\xff,1\n"[..]).unwrap_err();
     assert!(
         error
             .to_string()

@@ -1,0 +1,210 @@
+//! `ugv fit`: soil parameters from recordings.
+
+mod model;
+mod names;
+mod progress;
+mod report;
+mod summary;
+
+use super::Failure;
+use super::output::Output;
+use names::{Wanted, print_names};
+use progress::Progress;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+use ugv_terrain::fit::exact::ExactPredictor;
+use ugv_terrain::fit::{Fit, Options, catalogue, fit};
+use ugv_terrain::recording::{Recording, read_recording};
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv fit drive.csv --output model.json --report fit.json
+  ugv fit monday.csv tuesday.csv --vehicle mine.json --terrain sandy_loam --report fit.json
+  ugv fit drive.csv --free cohesion,friction_angle,wheel_radius --sensors pose_latency
+  ugv fit --free help          # all parameters, with their priors
+
+Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
+         yaw_rate [s, m, rad]; an empty cell is a missing sample. Several recordings share soil and
+         vehicle; latencies and biases are each recording's own.
+Output:  the fitted model, which `ugv simulate --vehicle FILE --terrain FILE` reads. The report holds
+         the intervals and everything else, in SI units and radians.";
+
+/// Fit soil parameters to recordings, with their intervals.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Recordings; what NAME.json beside NAME.csv tells of the vehicle is used
+    #[arg(value_name = "REC.csv")]
+    recordings: Vec<PathBuf>,
+
+    /// Parameters to fit, separated by commas, or help for a list
+    /// [default: cohesion, friction_angle, frictional_modulus, sinkage_exponent, shear_modulus]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    free: Vec<String>,
+
+    /// Sensor parameters to fit for each recording, or none
+    #[arg(long, value_name = "NAMES", value_delimiter = ',',
+          default_values = ["pose_latency", "wheel_latency", "yaw_rate_bias"])]
+    sensors: Vec<String>,
+
+    /// Vehicle [default: that of the recordings, or else the paper's]
+    #[arg(long, value_name = "FILE.json")]
+    vehicle: Option<PathBuf>,
+
+    /// Terrain to begin with: a preset or a file; what is not fitted stays as it is there
+    /// [default: that of the recordings, or else clayed_soil]
+    #[arg(long, value_name = "NAME|FILE.json")]
+    terrain: Option<PathBuf>,
+
+    /// Length of a segment, each with a start of its own
+    #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
+    segment: f64,
+
+    /// Random starts that look for another answer; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    starts: usize,
+
+    /// Seed of the random starts
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Every sample counts alike, outliers too
+    #[arg(long)]
+    not_robust: bool,
+
+    /// Threads [default: one per processor]; the result does not depend on it
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+
+    /// JSON file for the fitted model; - writes to standard output
+    #[arg(long, value_name = "FILE.json")]
+    output: Option<PathBuf>,
+
+    /// JSON file for everything: intervals, correlations, noise, other answers
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+
+    /// Neither summary nor progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (3.0..=8.0).contains(&seconds) => Ok(seconds),
+        _ => Err("expected 3 to 8 seconds: shorter ones tell little, longer ones drift".into()),
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    if args.free == ["help"] || args.sensors == ["help"] {
+        return print_names(&model::nominal(args, &[])?);
+    }
+    let recordings = read(&args.recordings)?;
+    let nominal = model::nominal(args, &recordings)?;
+    let wanted = Wanted::parse(&args.free, &args.sensors)?;
+    let options = Options {
+        sensors: wanted.sensors,
+        segment: args.segment,
+        starts: args.starts,
+        seed: args.seed,
+        robust: !args.not_robust,
+    };
+    let output = args.output.as_deref().map(|path| Output::to(Some(path)));
+    let output = output.transpose()?;
+    let report = args.report.as_deref().map(|path| Output::to(Some(path)));
+    let report = report.transpose()?;
+    if let (Some(output), Some(report)) = (&output, &report)
+        && report.collides_with(output)
+    {
+        return Err(Failure::Argument {
+            reason: "--report and --output lead to the same place".into(),
+            hint: None,
+        });
+    }
+    let started = Instant::now();
+    let progress = Progress::new(args.starts, args.quiet);
+    let predictor = ExactPredictor::new(nominal.clone(), wanted.model.clone());
+    let parameters = wanted
+        .model
+        .iter()
+        .map(|k| catalogue::describe(*k, &nominal));
+    let values: Vec<f64> = wanted.model.iter().map(|k| k.get(&nominal)).collect();
+    let parameters = parameters.collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0));
+    let pool = pool.build().map_err(|error| Failure::Argument {
+        reason: format!("--jobs: {error}"),
+        hint: None,
+    })?;
+    let show = |stage| progress.show(stage);
+    let fitted = pool
+        .install(|| {
+            fit(
+                &predictor,
+                parameters,
+                &values,
+                &recordings,
+                &options,
+                &show,
+            )
+        })
+        .map_err(Failure::Fit)?;
+    progress.finish();
+    let values: Vec<f64> = fitted.estimates[..fitted.model_parameters]
+        .iter()
+        .map(|estimate| estimate.value)
+        .collect();
+    let model = predictor.with(&values).map_err(Failure::Model)?;
+    let to_stdout = args
+        .output
+        .as_deref()
+        .is_some_and(|path| path.as_os_str() == "-");
+    write(output, || model.to_json())?;
+    write(report, || {
+        report::to_json(&fitted, &model, &recordings, &options)
+    })?;
+    if !args.quiet {
+        let text = summary::text(&fitted, &recordings, started.elapsed().as_secs_f64());
+        if to_stdout {
+            text.lines().for_each(super::tell);
+        } else {
+            super::output::write_stdout(&text)?;
+        }
+    }
+    Ok(())
+}
+
+fn read(paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
+    if paths.is_empty() {
+        return Err(Failure::Argument {
+            reason: "no recording to fit to".into(),
+            hint: Some("ugv fit drive.csv --output model.json".into()),
+        });
+    }
+    let each = paths.iter().map(|path| read_recording(path));
+    each.collect::<Result<_, _>>()
+        .map_err(Failure::ReadRecording)
+}
+
+fn write(output: Option<Output>, text: impl Fn() -> String) -> Result<(), Failure> {
+    let Some(mut output) = output else {
+        return Ok(());
+    };
+    let written = output.write_all(text().as_bytes());
+    written.map_err(|source| output.failure(source))?;
+    output.finish()
+}
+
+/// The name of a recording's sensor parameter without the recording, where there is but one.
+fn short_name<'a>(name: &'a str, fitted: &Fit, recordings: &[Recording]) -> &'a str {
+    let is_sensor = fitted.estimates[fitted.model_parameters..]
+        .iter()
+        .any(|estimate| estimate.parameter.name == name);
+    let short = name.rsplit_once('.').map_or(name, |(_, short)| short);
+    if is_sensor && recordings.len() > 1 {
+        name
+    } else {
+        short
+    }
+}

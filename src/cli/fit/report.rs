@@ -1,0 +1,88 @@
+//! The report, format `ugv-fit/1`: everything, in SI units and radians.
+
+use serde_json::{Value, json};
+use ugv_terrain::fit::starts::Starts;
+use ugv_terrain::fit::{Estimate, Fit, NoiseEstimate, Options};
+use ugv_terrain::recording::Recording;
+use ugv_terrain::vehicle::Specification;
+
+const FORMAT: &str = "ugv-fit/1";
+
+pub fn to_json(
+    fitted: &Fit,
+    model: &Specification,
+    recordings: &[Recording],
+    options: &Options,
+) -> String {
+    let names: Vec<&str> = recordings.iter().map(|r| r.name.as_str()).collect();
+    let count = fitted.estimates.len();
+    let correlation = |a: usize| -> Vec<f64> {
+        (0..count)
+            .map(|b| fitted.uncertainty.correlation(a, b))
+            .collect()
+    };
+    let document = json!({
+        "format": FORMAT,
+        "recordings": names,
+        "settings": {
+            "segment_s": options.segment, "starts": options.starts, "seed": options.seed,
+            "robust": options.robust,
+        },
+        "parameters": fitted.estimates.iter().enumerate()
+            .map(|(k, estimate)| parameter(estimate, k < fitted.model_parameters))
+            .collect::<Vec<_>>(),
+        "correlation": (0..count).map(correlation).collect::<Vec<_>>(),
+        "noise": fitted.noise.iter().map(|noise| channel(noise, &names)).collect::<Vec<_>>(),
+        "overdispersion": fitted.uncertainty.overdispersion,
+        "limits": fitted.limits.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "starts": fitted.starts.as_ref().map(|found| starts(found, fitted)),
+        "data": {
+            "segments": fitted.segments, "seconds": fitted.seconds,
+            "at_rest_s": fitted.at_rest, "unusable_s": fitted.unusable,
+        },
+        "turns": fitted.turns,
+        "converged": fitted.converged,
+        "model": serde_json::from_str::<Value>(&model.to_json()).unwrap_or_default(),
+    });
+    format!("{document:#}\n")
+}
+
+fn parameter(estimate: &Estimate, of_model: bool) -> Value {
+    let (low, high) = estimate.parameter.prior_interval();
+    json!({
+        "name": estimate.parameter.name, "unit": estimate.parameter.unit,
+        "kind": if of_model { "model" } else { "sensor" },
+        "value": estimate.value, "low": estimate.low, "high": estimate.high,
+        "start": estimate.nominal,
+        "prior": { "median": estimate.parameter.prior.median, "low": low, "high": high },
+        "width_over_prior": estimate.told,
+    })
+}
+
+fn channel(estimate: &NoiseEstimate, names: &[&str]) -> Value {
+    let (channel, unit) = estimate.group.describe();
+    json!({
+        "recording": names[estimate.recording], "channel": channel, "unit": unit,
+        "white": estimate.noise.white, "coloured": estimate.noise.coloured,
+        "correlation_time_s": estimate.noise.correlation_time,
+        "residual_rms": estimate.rms, "samples": estimate.samples,
+        "outlier_share": estimate.outliers,
+    })
+}
+
+fn starts(found: &Starts, fitted: &Fit) -> Value {
+    let other = |minimum: &ugv_terrain::fit::starts::OtherMinimum| {
+        let values = fitted.estimates.iter().zip(&minimum.values);
+        let values: serde_json::Map<String, Value> = values
+            .map(|(estimate, value)| (estimate.parameter.name.clone(), json!(value)))
+            .collect();
+        json!({
+            "count": minimum.count, "chi_square_above": minimum.above,
+            "ruled_out": minimum.ruled_out(), "values": values,
+        })
+    };
+    json!({
+        "tried": found.tried, "failed": found.failed, "agreed": found.agreed,
+        "others": found.others.iter().map(other).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,379 @@
+//! `ugv import`: makes a recording of a robot's log.
+
+use super::output::{Output, write_stdout};
+use super::{Failure, tell};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Map, Value};
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use ugv_terrain::import::{
+    self, Clock, Ending, Heading, Imported, Kind, Options, Pose, Survey, Wish,
+};
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv import drive.mcap --list
+  ugv import drive.mcap --output drive.csv
+  ugv import drive.bag --output drive.csv --topics odometry=/ins/odom imu=none
+  ugv import drive.bag --output drive.csv --left fl,rl --right fr,rr --invert right
+
+Input:   MCAP (ROS 2 or ROS 1 messages) or a ROS 1 bag, with any of
+           joints    sensor_msgs/JointState  omega_left, omega_right (required)
+           odometry  nav_msgs/Odometry       x, y, heading, v_x, v_y
+           imu       sensor_msgs/Imu         yaw_rate, a_x, a_y
+           fix       sensor_msgs/NavSatFix   x, y: metres east and north of the first fix
+Output:  CSV in SI units and radians: time, omega_left, omega_right, then what there is; a row for
+         every time at which anything was measured, an empty cell where a column was not. Beside
+         FILE.csv, FILE.json tells under `provenance` where each column comes from; what else it
+         holds stays.
+Choice:  of several topics of a type the one with wheels in it (joints), the one that tells of GPS,
+         INS, lidar or motion capture by its name rather than of wheels (odometry), the one that is
+         not raw (imu, fix), then the one with the most messages. What was chosen is told. The pose
+         is from odometry unless that is of wheels and there are fixes. Wheels are told by the names
+         of their joints; their velocities are taken, or else the differences of their positions.";
+
+/// Make a recording of a robot's log: MCAP or ROS 1 bag in, CSV out.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// MCAP file or ROS 1 bag
+    #[arg(value_name = "FILE")]
+    input: PathBuf,
+
+    /// Show the topics with type, number of messages, rate and span, and which would serve
+    #[arg(long, conflicts_with = "output")]
+    list: bool,
+
+    /// CSV file for the recording; - or nothing writes to standard output, without the .json
+    #[arg(long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+
+    /// Topics by what they serve as: any of joints, odometry, imu, fix; `none` leaves one out
+    #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
+    topics: Vec<(Kind, Wish)>,
+
+    /// Joints of the left wheels [default: by their names]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    left: Vec<String>,
+
+    /// Joints of the right wheels [default: by their names]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    right: Vec<String>,
+
+    /// Change the sign of wheel speeds that are reported mirrored
+    #[arg(long, value_name = "SIDE")]
+    invert: Option<Invert>,
+
+    /// Where x and y come from [default: odometry unless it is of wheels and there are fixes]
+    #[arg(long, value_name = "SOURCE")]
+    pose: Option<PoseSource>,
+
+    /// Where heading comes from [default: odometry if x and y are from there]
+    #[arg(long, value_name = "SOURCE")]
+    heading: Option<HeadingSource>,
+
+    /// Which time counts: that of measuring, in each message's header, or that of logging
+    #[arg(long, value_name = "CLOCK", default_value = "header")]
+    time: Time,
+
+    /// The IMU's z axis points down: change the sign of yaw_rate and a_y
+    #[arg(long)]
+    imu_z_down: bool,
+
+    /// Import what comes before the damage in a file that was cut off or is damaged
+    #[arg(long)]
+    partial: bool,
+
+    /// Neither notes nor progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Invert {
+    Left,
+    Right,
+    Both,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum PoseSource {
+    Odometry,
+    Fix,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum HeadingSource {
+    Odometry,
+    Imu,
+    None,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Time {
+    Header,
+    Log,
+}
+
+fn topic(text: &str) -> Result<(Kind, Wish), String> {
+    let names = Kind::ALL.map(Kind::name).join(", ");
+    let expected = format!("expected KIND=TOPIC with a KIND of {names}");
+    let (kind, topic) = text.split_once('=').ok_or(expected.as_str())?;
+    let kind = Kind::ALL.into_iter().find(|known| known.name() == kind);
+    let wish = match topic {
+        "" => return Err(expected),
+        "none" => Wish::Without,
+        name => Wish::Named(name.into()),
+    };
+    Ok((kind.ok_or(expected)?, wish))
+}
+
+impl Args {
+    fn options(&self) -> Options {
+        Options {
+            topics: self.topics.iter().cloned().collect(),
+            wheels: import::WheelJoints {
+                left: self.left.clone(),
+                right: self.right.clone(),
+            },
+            invert: match self.invert {
+                None => [false; 2],
+                Some(Invert::Left) => [true, false],
+                Some(Invert::Right) => [false, true],
+                Some(Invert::Both) => [true; 2],
+            },
+            pose: self.pose.map(|pose| match pose {
+                PoseSource::Odometry => Pose::Odometry,
+                PoseSource::Fix => Pose::Fix,
+            }),
+            heading: self.heading.map(|heading| match heading {
+                HeadingSource::Odometry => Heading::Odometry,
+                HeadingSource::Imu => Heading::Imu,
+                HeadingSource::None => Heading::Without,
+            }),
+            clock: match self.time {
+                Time::Header => Clock::Header,
+                Time::Log => Clock::Log,
+            },
+            imu_z_down: self.imu_z_down,
+            partial: self.partial,
+        }
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let options = args.options();
+    let files = (!args.list).then(|| Files::new(args)).transpose()?;
+    let mut bar = Bar::new(args.quiet);
+    let surveyed = import::survey(&args.input, &mut |done, of| bar.show(done, 2 * of));
+    let survey = surveyed.map_err(Failure::Import)?;
+    let Some(files) = files else {
+        bar.finish();
+        return list(&args.input, &survey, &options);
+    };
+    let imported = import::import(&args.input, &survey, &options, &mut |done, of| {
+        bar.show(of + done, 2 * of);
+    });
+    bar.finish();
+    let imported = imported.map_err(Failure::Import)?;
+    let rows = files.write(&imported, &args.input, &survey)?;
+    if !args.quiet {
+        summarise(&imported, rows);
+    }
+    Ok(())
+}
+
+/// The recording, and what is told beside it.
+struct Files {
+    table: Output,
+    beside: Option<Beside>,
+}
+
+/// The file that tells of the recording, with what it held before.
+struct Beside {
+    output: Output,
+    content: Map<String, Value>,
+}
+
+impl Files {
+    fn new(args: &Args) -> Result<Self, Failure> {
+        let table = Output::to(args.output.as_deref())?;
+        let path = args.output.as_ref().filter(|path| *path != Path::new("-"));
+        let beside = path.map(|path| Beside::new(&path.with_extension("json")));
+        let files = Self {
+            table,
+            beside: beside.transpose()?,
+        };
+        let collides = |beside: &Beside| beside.output.collides_with(&files.table);
+        if files.beside.as_ref().is_some_and(collides) {
+            return Err(Failure::Argument {
+                reason: "--output is to be a CSV file; beside it goes one that ends in .json"
+                    .into(),
+                hint: Some("--output FILE.csv".into()),
+            });
+        }
+        Ok(files)
+    }
+
+    /// Writes both and returns the number of rows.
+    fn write(mut self, imported: &Imported, input: &Path, survey: &Survey) -> Result<u64, Failure> {
+        let written = imported.write_csv(&mut self.table);
+        let rows = written.map_err(|source| self.table.failure(source))?;
+        if let Some(beside) = self.beside {
+            beside.write(imported.provenance(input, survey))?;
+        }
+        self.table.finish()?;
+        Ok(rows)
+    }
+}
+
+impl Beside {
+    fn new(path: &Path) -> Result<Self, Failure> {
+        let output = Output::to(Some(path))?;
+        let content = match fs::read_to_string(path) {
+            Ok(text) => serde_json::from_str(&text).map_err(|error| Failure::Argument {
+                reason: format!(
+                    "{} is there already and no JSON object: {error}",
+                    path.display()
+                ),
+                hint: Some("move it away, or choose another name for --output".into()),
+            })?,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Map::new(),
+            Err(source) => {
+                let path = path.into();
+                return Err(Failure::Read { path, source });
+            }
+        };
+        Ok(Self { output, content })
+    }
+
+    fn write(mut self, provenance: Value) -> Result<(), Failure> {
+        let source = format!(
+            "{} ({})",
+            provenance["file"].as_str().unwrap_or_default(),
+            provenance["container"].as_str().unwrap_or_default()
+        );
+        self.content.insert("source".into(), Value::String(source));
+        self.content.insert("provenance".into(), provenance);
+        let content = Value::Object(self.content);
+        let written = writeln!(self.output, "{content:#}");
+        written.map_err(|source| self.output.failure(source))?;
+        self.output.finish()
+    }
+}
+
+/// Tells what was made of what.
+fn summarise(imported: &Imported, rows: u64) {
+    for column in &imported.columns {
+        tell(&format!(
+            "{:<11} {:>7} samples from {}: {}",
+            column.name,
+            column.samples.len(),
+            column.topic,
+            column.conversion
+        ));
+    }
+    for note in &imported.notes {
+        let prefix = if note.starts_with("warning: ") {
+            ""
+        } else {
+            "note: "
+        };
+        tell(&format!("{prefix}{note}"));
+    }
+    tell(&format!("{rows} rows over {:.2} s", imported.seconds()));
+}
+
+/// Prints the topics; a star marks those that would serve.
+fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure> {
+    let mut serving = Vec::new();
+    for kind in Kind::ALL {
+        let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
+        let choice =
+            import::choose(survey, kind, wish, &options.wheels).map_err(Failure::Import)?;
+        serving.extend(choice.map(|choice| (choice.topic, kind)));
+    }
+    let start = survey.logged().map_or(0, |[first, _]| first);
+    let since = |time: i64| (time - start) as f64 * 1e-9;
+    let width = |length: fn(&import::Topic) -> usize| survey.topics.iter().map(length).max();
+    let name_width = width(|topic| topic.name.len()).unwrap_or(0).max(5);
+    let type_width = width(|topic| topic.message_type.len()).unwrap_or(0).max(4);
+    let mut text = format!(
+        "{:name_width$}  {:type_width$}  {:8}  {:>8}  {:>8}  {:>17}  serves as\n",
+        "topic", "type", "encoding", "messages", "rate/Hz", "logged/s"
+    );
+    for topic in &survey.topics {
+        let rate = topic.rate().map_or("-".into(), |rate| format!("{rate:.2}"));
+        let [first, last] = topic.logged.map(since);
+        let role = serving.iter().find(|(chosen, _)| *chosen == topic);
+        let role = match (role, topic.kind()) {
+            (Some((_, kind)), _) => format!("{} *", kind.name()),
+            (None, Some(kind)) => kind.name().into(),
+            (None, None) => "-".into(),
+        };
+        // A string takes everything.
+        let _ = writeln!(
+            text,
+            "{:name_width$}  {:type_width$}  {:8}  {:>8}  {rate:>8}  {:>17}  {role}",
+            topic.name,
+            topic.message_type,
+            topic.encoding,
+            topic.messages,
+            format!("{first:.2} .. {last:.2}"),
+        );
+        if !topic.joints.is_empty() {
+            let joints: Vec<&str> = topic.joints.iter().map(String::as_str).collect();
+            let _ = writeln!(text, "{:name_width$}  joints: {}", "", joints.join(", "));
+        }
+    }
+    write_stdout(&text)?;
+    if let Ending::Broken { offset, reason } = &survey.ending {
+        tell(&format!(
+            "warning: {} is damaged near byte {offset}: {reason}; the topics are those before",
+            input.display()
+        ));
+    }
+    Ok(())
+}
+
+/// Files that are read sooner need no bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How far reading has come; shown only on a terminal, and only if it takes long.
+struct Bar {
+    started: Instant,
+    quiet: bool,
+    bar: Option<ProgressBar>,
+}
+
+impl Bar {
+    fn new(quiet: bool) -> Self {
+        Self {
+            started: Instant::now(),
+            quiet,
+            bar: None,
+        }
+    }
+
+    fn show(&mut self, done: u64, of: u64) {
+        if self.quiet || (self.bar.is_none() && self.started.elapsed() < PATIENCE) {
+            return;
+        }
+        let bar = self.bar.get_or_insert_with(|| {
+            let template = "{bar:40} {binary_bytes} of {binary_total_bytes}, {eta} left";
+            let style = ProgressStyle::with_template(template);
+            // It goes to standard error, and hides where that is no terminal.
+            ProgressBar::new(of).with_style(style.expect("the template is valid"))
+        });
+        bar.set_position(done);
+    }
+
+    fn finish(self) {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! `ugv inspect`: what a recording is worth, before anything is fitted to it.
+
+use super::output::{Output, write_stdout};
+use super::{Failure, tell};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use ugv_terrain::inspection::inspect;
+use ugv_terrain::recording::read_recording;
+use ugv_terrain::report::inspection::{json, page, text};
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv inspect drive.csv
+  ugv inspect drive.csv --page drive.html --json drive.inspection.json --quiet
+
+Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
+         [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]; an empty cell is a missing sample, and so is nan;
+         a column `run` marks separate runs. Other columns are not read. drive.json beside
+         drive.csv may tell vehicle, terrain and sensors.
+Repairs: wrong units, swapped columns, late rows and wrapped headings are put right where that is
+         unambiguous, and told; where it is not, the file is refused.
+Delays:  positive where the first signal trails the second.";
+
+/// Look at a recording: rates, gaps, noise, and how far its sensors trail each other.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// The recording
+    #[arg(value_name = "REC.csv")]
+    recording: PathBuf,
+
+    /// Write everything as JSON; - writes to standard output
+    #[arg(long, value_name = "FILE.json")]
+    json: Option<PathBuf>,
+
+    /// Write a page with plots
+    #[arg(long, value_name = "FILE.html")]
+    page: Option<PathBuf>,
+
+    /// No text, only the files that are asked for
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut files = Vec::new();
+    for path in [&args.json, &args.page].into_iter().flatten() {
+        files.push(target(path, &args.recording)?);
+    }
+    if let [json, page] = &files[..]
+        && json.collides_with(page)
+    {
+        return Err(Failure::Argument {
+            reason: "--json and --page lead to the same place".into(),
+            hint: None,
+        });
+    }
+    let recording = read_recording(&args.recording)?;
+    let inspection = inspect(&recording);
+    let texts = [
+        args.json.as_ref().map(|_| json(&recording, &inspection)),
+        args.page.as_ref().map(|_| page(&recording, &inspection)),
+    ];
+    for (mut file, text) in files.into_iter().zip(texts.into_iter().flatten()) {
+        file.write_all(text.as_bytes())
+            .map_err(|source| file.failure(source))?;
+        file.finish()?;
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    let text = text(&recording, &inspection);
+    let taken = [&args.json, &args.page];
+    if taken
+        .into_iter()
+        .flatten()
+        .any(|path| path == Path::new("-"))
+    {
+        // Standard output is taken.
+        text.lines().for_each(tell);
+        return Ok(());
+    }
+    write_stdout(&text)
+}
+
+/// A file that is neither the recording nor the one beside it.
+fn target(path: &Path, recording: &Path) -> Result<Output, Failure> {
+    let beside = recording.with_extension("json");
+    let same = |other: &Path| {
+        path == other
+            || matches!((path.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    };
+    if same(recording) || same(&beside) {
+        return Err(Failure::Argument {
+            reason: format!("{} is the recording's own file", path.display()),
+            hint: Some("take another name, such as drive.inspection.json".into()),
+        });
+    }
+    Output::to(Some(path))
+}

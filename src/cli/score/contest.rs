@@ -1,0 +1,158 @@
+//! Models predict the same windows.
+
+use super::entries::Entry;
+use rayon::prelude::*;
+use ugv_terrain::identification::{
+    Halves, HeadingSource, Latencies, PredictionError, Summary, Window, WindowSet, common,
+    summarise,
+};
+
+/// A recording's windows and the models that are to predict them.
+pub struct Contest {
+    pub name: String,
+    pub latencies: Latencies,
+    pub heading: HeadingSource,
+    pub heading_noise: Option<f64>,
+    pub set: WindowSet,
+    pub halves: Halves,
+    pub entries: Vec<Entry>,
+}
+
+/// A contest with its results.
+pub struct Outcome<'a> {
+    pub contest: &'a Contest,
+    /// Windows that all models predicted: those that count.
+    pub counted: usize,
+    /// In the order of the entries.
+    pub results: Vec<Outcomes>,
+}
+
+/// What a model achieved.
+pub struct Outcomes {
+    /// Windows in which the model failed, and why it did first.
+    pub failed: usize,
+    pub reason: Option<String>,
+    /// On the windows that count.
+    pub scores: Option<Scores>,
+    errors: Vec<PredictionError>,
+    blocks: Vec<(usize, i64)>,
+}
+
+/// Errors at the end of windows.
+pub struct Scores {
+    pub position: Summary,
+    pub heading: Summary,
+}
+
+/// What a model achieved on the windows of all recordings.
+pub struct Pooled {
+    pub name: &'static str,
+    pub windows: usize,
+    pub scores: Scores,
+}
+
+impl Contest {
+    /// Number of predictions.
+    pub fn work(&self) -> u64 {
+        (self.halves.judged.len() * self.entries.len()) as u64
+    }
+
+    /// Lets every model predict every window that is to be judged; on all cores, with results
+    /// that do not depend on how many there are.
+    pub fn run(&self, done: impl Fn() + Sync) -> Outcome<'_> {
+        let windows: Vec<&Window> = self
+            .halves
+            .judged
+            .iter()
+            .map(|k| &self.set.windows[*k])
+            .collect();
+        let mut predictions = Vec::new();
+        let mut reasons = Vec::new();
+        for entry in &self.entries {
+            let predict = |window: &&Window| {
+                let predictor = entry.predictor.as_ref()?;
+                let predicted = predictor.predict(window);
+                done();
+                Some(predicted.map(|pose| PredictionError::new(window, pose)))
+            };
+            let all: Vec<_> = windows.par_iter().map(predict).collect();
+            let reason = all
+                .iter()
+                .flatten()
+                .find_map(|result| result.as_ref().err());
+            reasons.push(reason.map(ToString::to_string));
+            predictions.push(
+                all.into_iter()
+                    .map(|result| result?.ok())
+                    .collect::<Vec<_>>(),
+            );
+        }
+        let counting = common(&predictions);
+        let blocks: Vec<(usize, i64)> = counting.iter().map(|k| windows[*k].block()).collect();
+        let result = |(errors, reason): (Vec<Option<PredictionError>>, Option<String>)| {
+            let failed = errors.iter().filter(|error| error.is_none()).count();
+            let errors: Vec<_> = counting.iter().filter_map(|k| errors[*k]).collect();
+            Outcomes {
+                failed,
+                reason,
+                scores: Scores::of(&errors, &blocks),
+                errors,
+                blocks: blocks.clone(),
+            }
+        };
+        Outcome {
+            contest: self,
+            counted: counting.len(),
+            results: predictions
+                .into_par_iter()
+                .zip(reasons)
+                .map(result)
+                .collect(),
+        }
+    }
+}
+
+impl Scores {
+    fn of<B: Ord + Clone>(errors: &[PredictionError], blocks: &[B]) -> Option<Self> {
+        let pick = |value: fn(&PredictionError) -> f64| {
+            let values: Vec<f64> = errors.iter().map(value).collect();
+            summarise(&values, blocks.iter().cloned())
+        };
+        Some(Self {
+            position: pick(|error| error.position)?,
+            heading: pick(|error| error.heading)?,
+        })
+    }
+}
+
+/// The windows of all recordings taken together, for the models that predicted some of each;
+/// `None` for a single recording.
+pub fn pool(outcomes: &[Outcome]) -> Option<Vec<Pooled>> {
+    let (first, _) = outcomes
+        .split_first()
+        .filter(|(_, rest)| !rest.is_empty())?;
+    let together = |(index, entry): (usize, &Entry)| {
+        let mut errors = Vec::new();
+        let mut blocks = Vec::new();
+        for (recording, outcome) in outcomes.iter().enumerate() {
+            let result = outcome.results.get(index)?;
+            result.scores.as_ref()?;
+            errors.extend_from_slice(&result.errors);
+            blocks.extend(result.blocks.iter().map(|block| (recording, *block)));
+        }
+        Some(Pooled {
+            name: entry.name,
+            windows: errors.len(),
+            scores: Scores::of(&errors, &blocks)?,
+        })
+    };
+    Some(
+        first
+            .contest
+            .entries
+            .iter()
+            .enumerate()
+            .filter_map(together)
+            .collect(),
+    )
+}

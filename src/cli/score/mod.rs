@@ -1,0 +1,230 @@
+//! `ugv score`: how well models predict recordings.
+
+mod contest;
+mod entries;
+mod json;
+mod progress;
+mod table;
+
+use super::model::{load_terrain, load_vehicle};
+use super::output::{Output, write_stdout};
+use super::{Failure, tell};
+use contest::{Contest, Outcome, pool};
+use entries::Entry;
+use progress::Progress;
+use rayon::prelude::*;
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+use ugv_terrain::identification::{
+    Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
+};
+use ugv_terrain::recording::{About, Recording, read_recording};
+use ugv_terrain::terrain::Terrain;
+use ugv_terrain::vehicle::{Vehicle, VehicleModel};
+
+/// Recorded headings that stray further from the gyro's within a second are worth less than
+/// its integral \[rad\].
+const POOR_HEADING: f64 = 0.1;
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv score drive.csv
+  ugv score recordings/*.csv --terrain dry_sand --json score.json
+  ugv score drive.csv --vehicle mine.json --terrain soil.json --horizon 3
+
+Recordings:  time,omega_left,omega_right,x,y,heading and, better, yaw_rate; NAME.json beside NAME.csv
+             may tell vehicle and terrain.
+Windows:     each starts at the recorded state; a model gets the recorded wheel speeds and predicts the
+             pose at the end. Constant latencies of pose and wheels are estimated and removed first.
+             Of a single run the second half is judged, of several runs every second one; the
+             kinematic models are fitted on the rest. In brackets: 90 % intervals.";
+
+/// Compare how well models predict recordings: kinematics, nominal soil, a soil of your own.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Recordings (CSV)
+    #[arg(required = true, value_name = "REC.csv")]
+    recordings: Vec<PathBuf>,
+
+    /// Vehicle of the model to judge beside the nominal one [default: the recording's]
+    #[arg(long, value_name = "FILE.json")]
+    vehicle: Option<PathBuf>,
+
+    /// Terrain of the model to judge beside the nominal one, a preset or a file
+    /// [default: the recording's]
+    #[arg(long, value_name = "NAME|FILE.json")]
+    terrain: Option<PathBuf>,
+
+    /// Predict so many seconds ahead
+    #[arg(long, value_name = "S", default_value_t = Cut::default().horizon)]
+    horizon: f64,
+
+    /// Start a window every so many seconds
+    #[arg(long, value_name = "S", default_value_t = Cut::default().spacing)]
+    spacing: f64,
+
+    /// Compare the heading with the recorded one or with the integrated yaw rate; auto takes
+    /// the yaw rate where the recorded heading is poor
+    #[arg(long, value_enum, default_value_t = Heading::Auto)]
+    heading: Heading,
+
+    /// Write everything to a file (format ugv-score/1); - writes it to standard output
+    /// instead of the table
+    #[arg(long, value_name = "FILE.json")]
+    json: Option<PathBuf>,
+
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Heading {
+    Auto,
+    Pose,
+    Gyro,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let json = args
+        .json
+        .as_deref()
+        .map(|path| Output::to(Some(path)))
+        .transpose()?;
+    let given = Given::load(args)?;
+    let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
+        let recording = read_recording(path)?;
+        let notes = recording.notes.iter().filter(|note| note.kind.is_warning());
+        let notes = notes.map(|note| format!("{}: {note}", recording.name));
+        Ok((notes.collect(), prepare(args, &recording, &given)?))
+    };
+    // Collected in the order of the arguments, so the first error is always the same.
+    let prepared: Vec<_> = args.recordings.par_iter().map(prepared).collect();
+    let mut contests = Vec::new();
+    for recording in prepared {
+        let (notes, contest) = recording?;
+        notes.iter().for_each(|note| tell(note));
+        contests.push(contest);
+    }
+    let progress = Progress::new(contests.iter().map(Contest::work).sum(), args.quiet);
+    let outcomes: Vec<Outcome> = contests
+        .iter()
+        .map(|c| c.run(|| progress.count()))
+        .collect();
+    progress.finish();
+    let pooled = pool(&outcomes);
+    if args
+        .json
+        .as_deref()
+        .is_none_or(|path| path.as_os_str() != "-")
+    {
+        write_stdout(&table::render(args.horizon, &outcomes, pooled.as_ref()))?;
+    }
+    if let Some(mut output) = json {
+        let text = json::render(args.horizon, args.spacing, &outcomes, pooled.as_ref());
+        output
+            .write_all(text.as_bytes())
+            .map_err(|source| output.failure(source))?;
+        output.finish()?;
+    }
+    Ok(())
+}
+
+fn prepare(args: &Args, recording: &Recording, given: &Given) -> Result<Contest, Failure> {
+    let mut runs = Signals::of(recording)?;
+    let latencies = Latencies::estimate(&runs);
+    for run in &mut runs {
+        run.remove(&latencies);
+    }
+    let noise = heading_noise(&runs);
+    let heading = match (args.heading, noise) {
+        (Heading::Auto, Some(noise)) if noise > POOR_HEADING => HeadingSource::Gyro,
+        (Heading::Auto | Heading::Pose, _) => HeadingSource::Pose,
+        (Heading::Gyro, Some(_)) => HeadingSource::Gyro,
+        (Heading::Gyro, None) => {
+            return Err(Failure::Argument {
+                reason: format!("--heading gyro: {} has no yaw_rate", recording.name),
+                hint: Some("take --heading pose".into()),
+            });
+        }
+    };
+    let how = Cut {
+        horizon: args.horizon,
+        spacing: args.spacing,
+        heading,
+        ..Cut::default()
+    };
+    let set = cut(&recording.name, &runs, &how)?;
+    let halves = split(&runs, &set.windows);
+    let (nominal, given) = given.models(&recording.about)?;
+    let entries = Entry::all(&set.windows, &halves.fitted, nominal, given);
+    Ok(Contest {
+        name: recording.name.clone(),
+        latencies,
+        heading,
+        heading_noise: noise,
+        set,
+        halves,
+        entries,
+    })
+}
+
+/// A model with a few words on it.
+type Described = (String, Arc<VehicleModel>);
+
+/// What the arguments say of the model to judge.
+struct Given {
+    vehicle: Option<Vehicle>,
+    terrain: Option<Terrain>,
+    words: String,
+}
+
+impl Given {
+    fn load(args: &Args) -> Result<Self, Failure> {
+        let named = [("vehicle", &args.vehicle), ("terrain", &args.terrain)];
+        let words = named
+            .iter()
+            .filter_map(|(key, path)| Some(format!("{key} {}", path.as_ref()?.display())));
+        Ok(Self {
+            vehicle: args.vehicle.as_deref().map(load_vehicle).transpose()?,
+            terrain: args.terrain.as_deref().map(load_terrain).transpose()?,
+            words: words.collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// The nominal model of a recording, and the one that the arguments ask for.
+    fn models(&self, about: &About) -> Result<(Described, Option<Described>), Failure> {
+        const TERRAIN: &str = "clayed_soil";
+        let vehicle = about.vehicle.clone();
+        let mut words = String::from(match vehicle {
+            Some(_) => "the recording's vehicle, ",
+            None => "the paper's vehicle (none is told beside the recording), ",
+        });
+        let vehicle = vehicle.unwrap_or_else(Vehicle::tran2007);
+        let terrain = match (&about.terrain, &about.terrain_name) {
+            (Some(terrain), name) => {
+                words += name.as_deref().unwrap_or("the recording's terrain");
+                *terrain
+            }
+            (None, _) => {
+                words += TERRAIN;
+                words += " by default (no terrain is told beside the recording)";
+                Terrain::preset(TERRAIN).expect("a preset")
+            }
+        };
+        let model = |vehicle: &Vehicle, terrain: &Terrain| {
+            let model = VehicleModel::new(vehicle.clone(), *terrain);
+            model.map(Arc::new).map_err(Failure::Model)
+        };
+        let nominal = (words, model(&vehicle, &terrain)?);
+        if self.vehicle.is_none() && self.terrain.is_none() {
+            return Ok((nominal, None));
+        }
+        let vehicle = self.vehicle.as_ref().unwrap_or(&vehicle);
+        let terrain = self.terrain.as_ref().unwrap_or(&terrain);
+        let given = (self.words.clone(), model(vehicle, terrain)?);
+        Ok((nominal, Some(given)))
+    }
+}

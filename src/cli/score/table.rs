@@ -1,0 +1,144 @@
+//! Scores as a text for the terminal.
+
+use super::contest::{Outcome, Pooled, Scores};
+use std::fmt::Write;
+use ugv_terrain::identification::{Estimate, Latency};
+
+/// Widths of the column of names and of the others.
+const NAME: usize = 18;
+const CELL: usize = 17;
+
+pub fn render(horizon: f64, outcomes: &[Outcome], pooled: Option<&Vec<Pooled>>) -> String {
+    let mut text = String::new();
+    for outcome in outcomes {
+        recording(&mut text, horizon, outcome);
+        text.push('\n');
+    }
+    if let Some(pooled) = pooled.filter(|pooled| !pooled.is_empty()) {
+        let _ = writeln!(
+            text,
+            "All {} recordings: {} windows",
+            outcomes.len(),
+            pooled[0].windows
+        );
+        heads(&mut text);
+        for model in pooled {
+            rows(&mut text, model.name, &model.scores, 0);
+        }
+        text.push('\n');
+    }
+    // One line end closes the last table.
+    text.truncate(text.trim_end().len());
+    text.push('\n');
+    text
+}
+
+fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
+    let contest = outcome.contest;
+    let (set, halves) = (&contest.set, &contest.halves);
+    let _ = writeln!(
+        text,
+        "{}: {} windows of {horizon} s (left out: {} standing, {} with gaps); \
+         {} fitted, {} judged, {} counted",
+        contest.name,
+        set.windows.len(),
+        set.rejected.standing,
+        set.rejected.gaps,
+        halves.fitted.len(),
+        halves.judged.len(),
+        outcome.counted
+    );
+    let _ = write!(
+        text,
+        "latency removed: pose {}, wheels {}; heading compared with the {}",
+        latency(&contest.latencies.pose),
+        latency(&contest.latencies.wheels),
+        contest.heading.name()
+    );
+    let _ = match contest.heading_noise {
+        Some(noise) => writeln!(text, " (in 1 s pose and gyro differ by {noise:.3} rad RMS)"),
+        None => writeln!(text, " (no yaw rate)"),
+    };
+    heads(text);
+    for (entry, result) in contest.entries.iter().zip(&outcome.results) {
+        match &result.scores {
+            Some(scores) => rows(text, entry.name, scores, result.failed),
+            None => {
+                let _ = writeln!(text, "  {:NAME$} no prediction", entry.name);
+            }
+        }
+    }
+    for (entry, result) in contest.entries.iter().zip(&outcome.results) {
+        let _ = write!(text, "  {}: {}", entry.name, entry.description);
+        for p in &entry.parameters {
+            let bounds = interval(&p.estimate, 4);
+            let _ = write!(
+                text,
+                "; {} = {:.4} {bounds} {}",
+                p.name, p.estimate.value, p.unit
+            );
+        }
+        if let Some(reason) = &result.reason {
+            let _ = write!(
+                text,
+                "; failed in {} windows, first: {reason}",
+                result.failed
+            );
+        }
+        text.push('\n');
+    }
+}
+
+fn heads(text: &mut String) {
+    let columns = [
+        "median [m]",
+        "95 % [m]",
+        "RMSE [m]",
+        "median [rad]",
+        "95 % [rad]",
+        "RMSE [rad]",
+    ];
+    let _ = write!(text, "  {:NAME$}", "model");
+    for column in columns {
+        let _ = write!(text, "{column:>CELL$}");
+    }
+    let _ = writeln!(text, "{:>8}", "failed");
+}
+
+/// The values, and below them their intervals.
+fn rows(text: &mut String, name: &str, scores: &Scores, failed: usize) {
+    let summaries = [&scores.position, &scores.heading];
+    let estimates = || {
+        summaries
+            .into_iter()
+            .flat_map(|s| [s.median, s.p95, s.rmse])
+    };
+    let _ = write!(text, "  {name:NAME$}");
+    for estimate in estimates() {
+        let _ = write!(text, "{:>CELL$.3}", estimate.value);
+    }
+    let _ = write!(text, "{failed:>8}\n  {:NAME$}", "");
+    for estimate in estimates() {
+        let _ = write!(text, "{:>CELL$}", interval(&estimate, 3));
+    }
+    text.push('\n');
+}
+
+fn latency(latency: &Latency) -> String {
+    match latency {
+        Latency::Estimated(estimate) => {
+            format!("{:.2} s {}", estimate.value, interval(estimate, 2))
+        }
+        Latency::Unknown => "none (too few turns to tell)".into(),
+        Latency::Reference => "none (the pose's is against them)".into(),
+    }
+}
+
+fn interval(estimate: &Estimate, digits: usize) -> String {
+    let Estimate { low, high, .. } = estimate;
+    if estimate.width().is_finite() {
+        format!("({low:.digits$}..{high:.digits$})")
+    } else {
+        "(too few)".into()
+    }
+}

@@ -1,0 +1,468 @@
+//! The fit as a whole: motion, noise and weights in turns until none of them moves.
+
+use super::identifiability::{Limit, limits};
+use super::noise::ChannelNoise;
+use super::noise_estimate;
+use super::optimiser::{Stop, minimise};
+use super::parameter::Parameter;
+use super::predictor::{PredictionError, Predictor};
+use super::problem::{Point, Problem, Tables, Weighing};
+use super::robust;
+use super::segment::{Cut, NoiseGroup, Signal, cut};
+use super::sensor::{SensorParameter, SensorValues};
+use super::starts::{Starts, search};
+use super::uncertainty::{Uncertainty, uncertainty};
+use crate::recording::{Channel, Recording};
+use std::fmt;
+
+/// What to fit, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Free parameters of each recording's sensors, where the recording can tell of them.
+    pub sensors: Vec<SensorParameter>,
+    /// Length of a segment \[s\].
+    pub segment: f64,
+    /// Number of random starts.
+    pub starts: usize,
+    /// Seed of the random starts.
+    pub seed: u64,
+    /// Whether samples far off count less.
+    pub robust: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            sensors: SensorParameter::DEFAULT_FREE.to_vec(),
+            segment: 5.0,
+            starts: 20,
+            seed: 1,
+            robust: true,
+        }
+    }
+}
+
+/// How far a fit has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stage {
+    /// In this turn of motion, noise and weights.
+    Turn(usize),
+    /// So many random starts done.
+    Start(usize),
+}
+
+/// Why there is no fit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FitError {
+    /// A recording without anything to compare with.
+    NothingMeasured {
+        /// Its name.
+        recording: String,
+    },
+    /// Wheels that never turn.
+    AtRest,
+    /// Too little to fit \[s\].
+    TooShort {
+        /// Seconds with wheel speeds and samples.
+        seconds: f64,
+    },
+    /// A model that cannot drive along the wheel speeds to begin with.
+    Start(PredictionError),
+    /// Numbers that left the range of the machine.
+    NotFinite,
+}
+
+impl fmt::Display for FitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NothingMeasured { recording } => write!(
+                f,
+                "{recording} has neither pose nor yaw rate nor velocities: nothing to compare with"
+            ),
+            Self::AtRest => f.write_str("the wheels stand still throughout: nothing to fit"),
+            Self::TooShort { seconds } => write!(
+                f,
+                "{seconds:.1} s of usable driving are too short: a fit needs {SHORTEST} s"
+            ),
+            Self::Start(error) => write!(
+                f,
+                "the fit cannot begin with this vehicle and terrain: {error}"
+            ),
+            Self::NotFinite => f.write_str("the fit's numbers are not finite"),
+        }
+    }
+}
+
+impl std::error::Error for FitError {}
+
+/// A fitted parameter; it never travels without its interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// What it is.
+    pub parameter: Parameter,
+    /// Where the fit began.
+    pub nominal: f64,
+    /// The fitted value.
+    pub value: f64,
+    /// Lower end of the 90 % interval.
+    pub low: f64,
+    /// Upper end of the 90 % interval.
+    pub high: f64,
+    /// Standard deviation of the coordinate over the prior's.
+    pub told: f64,
+}
+
+/// The noise of a recording's channels, and what is left of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseEstimate {
+    /// Which recording.
+    pub recording: usize,
+    /// Which channels.
+    pub group: NoiseGroup,
+    /// White and coloured part.
+    pub noise: ChannelNoise,
+    /// Number of samples.
+    pub samples: usize,
+    /// Root mean square of the residuals, in the channel's unit.
+    pub rms: f64,
+    /// Share of samples that count less than a third: outliers.
+    pub outliers: f64,
+}
+
+/// A finished fit.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// All parameters: the model's, then each recording's sensors'.
+    pub estimates: Vec<Estimate>,
+    /// Number of the model's.
+    pub model_parameters: usize,
+    /// Covariance and information, in coordinates.
+    pub uncertainty: Uncertainty,
+    /// Noise of every channel that has samples.
+    pub noise: Vec<NoiseEstimate>,
+    /// What the data leave open.
+    pub limits: Vec<Limit>,
+    /// What other starts led to.
+    pub starts: Option<Starts>,
+    /// Number of segments.
+    pub segments: usize,
+    /// Seconds that they cover.
+    pub seconds: f64,
+    /// Seconds left out because the wheels stand still.
+    pub at_rest: f64,
+    /// Seconds left out because wheel speeds or samples are missing.
+    pub unusable: f64,
+    /// Turns of motion, noise and weights.
+    pub turns: usize,
+    /// Whether the last turn moved nothing any more.
+    pub converged: bool,
+}
+
+/// Less driving than this cannot tell a soil from the noise \[s\].
+const SHORTEST: f64 = 3.0;
+/// Turns at most.
+const TURNS: usize = 12;
+/// A turn that lowers the cost, a chi-square, by less than this, and moves no noise by more
+/// than this factor's logarithm, is the last.
+const STILL: f64 = 0.5;
+const STILL_NOISE: f64 = 0.05;
+/// Steps of a turn: few, as noise and weights are still to come. A gain of 0.05 moves no
+/// parameter by more than a quarter of its standard deviation.
+const TURN: Stop = Stop {
+    steps: 6,
+    gain: 0.05,
+};
+/// Samples go to other segments when the pose proves later by more than this \[s\].
+const LATER: f64 = 0.03;
+
+/// Fits a model's free parameters to recordings.
+///
+/// `model` are the predictor's parameters and `nominal` their values to begin with.
+///
+/// # Errors
+/// Recordings that tell nothing, and a model that cannot even begin.
+pub fn fit<P: Predictor>(
+    predictor: &P,
+    model: Vec<Parameter>,
+    nominal: &[f64],
+    recordings: &[Recording],
+    options: &Options,
+    progress: &(dyn Fn(Stage) + Sync),
+) -> Result<Fit, FitError> {
+    let sensors = recordings
+        .iter()
+        .map(|recording| free_sensors(recording, &options.sensors))
+        .collect::<Result<_, _>>()?;
+    let names = recordings.iter().map(|r| r.name.clone()).collect();
+    let mut problem = Problem::new(predictor, model, names, sensors);
+    let begin = problem.coordinates(nominal);
+    let cut = take_segments(&mut problem, recordings, &begin, options)?;
+    let mut state = State {
+        point: Point {
+            starts: problem.measured_starts(),
+            coordinates: begin.clone(),
+        },
+        by: first_weighing(&problem),
+    };
+    let mut turned = turns(&mut problem, recordings, options, &mut state, progress)?;
+    let mut doubt = doubts(&problem, &turned, &state)?;
+    let mut starts = None;
+    if options.starts > 0 {
+        let found = search(&problem, &state.point, &state.by, &doubt, options, progress);
+        if let Some(better) = &found.better {
+            state.point = better.clone();
+            turned = turns(&mut problem, recordings, options, &mut state, progress)?;
+            doubt = doubts(&problem, &turned, &state)?;
+        }
+        starts = Some(found);
+    }
+    let point = &state.point;
+    let estimate = |(k, parameter): (usize, &Parameter)| {
+        let (low, high) = parameter.interval(point.coordinates[k], doubt.half_width(k));
+        Estimate {
+            parameter: parameter.clone(),
+            nominal: parameter.value(begin[k]),
+            value: parameter.value(point.coordinates[k]),
+            low,
+            high,
+            told: doubt.deviation(k) / parameter.prior.deviation,
+        }
+    };
+    let coordinates = point.coordinates.as_slice();
+    Ok(Fit {
+        estimates: problem
+            .parameters
+            .iter()
+            .enumerate()
+            .map(estimate)
+            .collect(),
+        model_parameters: problem.model_parameters,
+        limits: limits(
+            &problem.parameters,
+            problem.model_parameters,
+            coordinates,
+            &doubt,
+        ),
+        noise: noise_estimates(&problem, &turned.tables, &state.by),
+        uncertainty: doubt,
+        starts,
+        segments: problem.segments.len(),
+        seconds: problem.segments.iter().map(|s| s.end - s.start).sum(),
+        at_rest: cut.at_rest,
+        unusable: cut.unusable,
+        turns: turned.turns,
+        converged: turned.converged,
+    })
+}
+
+/// Where the fit stands.
+struct State {
+    point: Point,
+    by: Weighing,
+}
+
+/// What the turns ended with.
+struct Turned {
+    tables: Vec<Tables>,
+    turns: usize,
+    converged: bool,
+}
+
+/// Motion, noise and weights in turns.
+fn turns<P: Predictor>(
+    problem: &mut Problem<P>,
+    recordings: &[Recording],
+    options: &Options,
+    state: &mut State,
+    progress: &(dyn Fn(Stage) + Sync),
+) -> Result<Turned, FitError> {
+    let mut cut_for = latencies(problem, state);
+    for turn in 1.. {
+        progress(Stage::Turn(turn));
+        let State { point, by } = state;
+        let outcome = minimise(problem, point, by, TURN).map_err(FitError::Start)?;
+        let change = noise_estimate::update(problem, &outcome.tables, point, by);
+        if options.robust {
+            reweigh(problem, &outcome.tables, by);
+        }
+        let still = outcome.gain < STILL && change < STILL_NOISE;
+        if still || turn == TURNS {
+            return Ok(Turned {
+                tables: outcome.tables,
+                turns: turn,
+                converged: still,
+            });
+        }
+        let now = latencies(problem, state);
+        let shift = now.iter().zip(&cut_for).map(|(a, b)| (a - b).abs());
+        if shift.fold(0.0, f64::max) > LATER {
+            cut_for = now;
+            recut(problem, recordings, options, state)?;
+        }
+    }
+    Err(FitError::NotFinite)
+}
+
+fn latencies<P: Predictor>(problem: &Problem<P>, state: &State) -> Vec<f64> {
+    let late = |recording| {
+        let values = problem.sensor_values(recording, &state.point.coordinates);
+        values[SensorParameter::PoseLatency.index()]
+    };
+    (0..problem.recordings.len()).map(late).collect()
+}
+
+/// Cuts anew; segments that are still there keep their starts.
+fn recut<P: Predictor>(
+    problem: &mut Problem<P>,
+    recordings: &[Recording],
+    options: &Options,
+    state: &mut State,
+) -> Result<(), FitError> {
+    let old: Vec<_> = problem
+        .segments
+        .iter()
+        .map(|s| (s.recording, s.run, s.start))
+        .collect();
+    take_segments(problem, recordings, &state.point.coordinates, options)?;
+    let start = |segment: &super::segment::Segment| {
+        let key = (segment.recording, segment.run, segment.start);
+        let kept = old.iter().position(|other| *other == key);
+        kept.map_or(segment.start_prior, |index| state.point.starts[index])
+    };
+    state.point.starts = problem.segments.iter().map(start).collect();
+    let noise = std::mem::take(&mut state.by.noise);
+    state.by = Weighing {
+        noise,
+        ..first_weighing(problem)
+    };
+    Ok(())
+}
+
+fn take_segments<P: Predictor>(
+    problem: &mut Problem<P>,
+    recordings: &[Recording],
+    coordinates: &nalgebra::DVector<f64>,
+    options: &Options,
+) -> Result<Cut, FitError> {
+    let each = 0..recordings.len();
+    let sensors: Vec<SensorValues> = each
+        .map(|recording| problem.sensor_values(recording, coordinates))
+        .collect();
+    let mut cut = cut(recordings, &sensors, options.segment);
+    problem.segments = std::mem::take(&mut cut.segments);
+    let seconds: f64 = problem.segments.iter().map(|s| s.end - s.start).sum();
+    if seconds >= SHORTEST {
+        Ok(cut)
+    } else if cut.at_rest > cut.unusable + seconds {
+        Err(FitError::AtRest)
+    } else {
+        let seconds = seconds + cut.unusable;
+        Err(FitError::TooShort { seconds })
+    }
+}
+
+/// Of the sensor parameters wanted, those that a recording can tell of.
+fn free_sensors(
+    recording: &Recording,
+    wanted: &[SensorParameter],
+) -> Result<Vec<SensorParameter>, FitError> {
+    let has = |channel| {
+        recording
+            .runs
+            .iter()
+            .any(|run| run.series(channel).is_some())
+    };
+    if !Signal::ALL.iter().any(|signal| has(signal.channel())) {
+        return Err(FitError::NothingMeasured {
+            recording: recording.name.clone(),
+        });
+    }
+    let gyro = has(Channel::YawRate);
+    let pose = has(Channel::X) || has(Channel::Heading);
+    // A pose can only trail something: the gyro or velocities.
+    let clock = gyro || has(Channel::VX);
+    let tells = |sensor: &SensorParameter| match sensor {
+        SensorParameter::PoseLatency => pose && clock,
+        SensorParameter::WheelLatency => true,
+        SensorParameter::YawRateBias => gyro,
+        SensorParameter::LeverArmX | SensorParameter::LeverArmY => has(Channel::X),
+        SensorParameter::HeadingOffset => has(Channel::Heading),
+    };
+    Ok(wanted.iter().copied().filter(tells).collect())
+}
+
+fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
+    let noise = NoiseGroup::ALL.map(|group| ChannelNoise {
+        white: group.first_guess(),
+        coloured: group.first_guess(),
+        correlation_time: 1.0,
+    });
+    let ones = |segment: &super::segment::Segment| {
+        let samples = segment.samples.iter();
+        samples
+            .map(|samples| vec![1.0; samples.time.len()])
+            .collect()
+    };
+    Weighing {
+        noise: vec![noise; problem.recordings.len()],
+        weights: problem.segments.iter().map(ones).collect(),
+    }
+}
+
+/// Sets every sample's weight to what its residual asks for.
+pub(super) fn reweigh<P: Predictor>(problem: &Problem<P>, tables: &[Tables], by: &mut Weighing) {
+    let parts = problem.segments.iter().zip(tables).zip(&mut by.weights);
+    for ((segment, tables), weights) in parts {
+        let channels = segment.samples.iter().zip(&tables.channels).zip(weights);
+        for ((samples, table), weights) in channels {
+            let noise = &by.noise[segment.recording][samples.signal.group() as usize];
+            let residual: Vec<f64> = table.iter().step_by(tables.columns).copied().collect();
+            robust::update(noise, &samples.time, &residual, weights);
+        }
+    }
+}
+
+fn doubts<P: Predictor>(
+    problem: &Problem<P>,
+    turned: &Turned,
+    state: &State,
+) -> Result<Uncertainty, FitError> {
+    uncertainty(problem, &turned.tables, &state.point, &state.by).ok_or(FitError::NotFinite)
+}
+
+fn noise_estimates<P: Predictor>(
+    problem: &Problem<P>,
+    tables: &[Tables],
+    by: &Weighing,
+) -> Vec<NoiseEstimate> {
+    let mut all = Vec::new();
+    for recording in 0..problem.recordings.len() {
+        for group in NoiseGroup::ALL {
+            let (mut samples, mut squares, mut outliers) = (0, 0.0, 0);
+            for (index, segment) in problem.segments.iter().enumerate() {
+                for (channel, data) in segment.samples.iter().enumerate() {
+                    if segment.recording != recording || data.signal.group() != group {
+                        continue;
+                    }
+                    let table = &tables[index].channels[channel];
+                    let residuals = table.iter().step_by(tables[index].columns);
+                    squares += residuals.map(|r| r * r).sum::<f64>();
+                    samples += data.time.len();
+                    let weights = by.weights[index][channel].iter();
+                    outliers += weights.filter(|weight| **weight < 1.0 / 3.0).count();
+                }
+            }
+            if samples > 0 {
+                all.push(NoiseEstimate {
+                    recording,
+                    group,
+                    noise: by.noise[recording][group as usize],
+                    samples,
+                    rms: (squares / samples as f64).sqrt(),
+                    outliers: outliers as f64 / samples as f64,
+                });
+            }
+        }
+    }
+    all
+}

@@ -1,0 +1,142 @@
+//! Trajectories with exact derivatives.
+
+use super::predictor::{PredictionError, Predictor, Request, Trajectory};
+use crate::parameter::ParameterError;
+use crate::recording::Drive;
+use crate::simulation::{SensitiveSimulation, Simulation, SimulationError, WheelSpeeds};
+use crate::vehicle::{Parameter, Specification, VehicleModel};
+
+/// Predicts by [`Simulation`], and by [`SensitiveSimulation`] where derivatives are wanted.
+#[derive(Debug, Clone)]
+pub struct ExactPredictor {
+    nominal: Specification,
+    free: Vec<Parameter>,
+}
+
+impl ExactPredictor {
+    /// A model with free parameters.
+    #[must_use]
+    pub fn new(nominal: Specification, free: Vec<Parameter>) -> Self {
+        Self { nominal, free }
+    }
+
+    /// The model with other values of the free parameters.
+    ///
+    /// # Errors
+    /// An effect's parameter out of its range.
+    pub fn with(&self, values: &[f64]) -> Result<Specification, ParameterError> {
+        let mut specification = self.nominal.clone();
+        for (parameter, &value) in self.free.iter().zip(values) {
+            parameter.set(&mut specification, value)?;
+        }
+        Ok(specification)
+    }
+}
+
+impl Predictor for ExactPredictor {
+    fn parameters(&self) -> usize {
+        self.free.len()
+    }
+
+    fn predict(&self, request: &Request, out: &mut Trajectory) -> Result<(), PredictionError> {
+        out.clear();
+        let specification = self.with(request.parameters)?;
+        if request.derivatives {
+            let mut simulation = SensitiveSimulation::new(&specification, &self.free)?;
+            simulation.restart(0.0, *request.start)?;
+            drive(&mut simulation, request, |simulation| {
+                out.states.push(simulation.state().to_array());
+                out.rates.push(simulation.derivative()?);
+                let by_start = simulation.by_initial();
+                out.by_start.push(std::array::from_fn(|k| {
+                    by_start.column(k).into_owned().into()
+                }));
+                let each = 0..self.free.len();
+                out.by_parameter
+                    .extend(each.map(|k| simulation.by_parameter(k)));
+                // A latency brings speeds earlier that a delay brings later.
+                out.by_wheel_latency
+                    .push(simulation.by_wheel_delay().map(|slope| -slope));
+                Ok(())
+            })?;
+        } else {
+            let model = VehicleModel::from_specification(&specification)?;
+            let mut simulation = Simulation::new(model);
+            simulation.set_state(*request.start)?;
+            drive(&mut simulation, request, |simulation| {
+                out.states.push(simulation.state().to_array());
+                out.rates.push(simulation.derivative()?);
+                Ok(())
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// Something that drives.
+trait Driven {
+    fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
+    fn advance(&mut self, seconds: f64) -> Result<(), SimulationError>;
+}
+
+impl Driven for Simulation {
+    fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError> {
+        self.set_wheel_speeds(speeds)?;
+        self.set_wheel_accelerations(rates)
+    }
+
+    fn advance(&mut self, seconds: f64) -> Result<(), SimulationError> {
+        self.step(seconds)
+    }
+}
+
+impl Driven for SensitiveSimulation {
+    fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError> {
+        self.drive(speeds, rates)
+    }
+
+    fn advance(&mut self, seconds: f64) -> Result<(), SimulationError> {
+        self.step(seconds)
+    }
+}
+
+/// Drives along the wheel speeds and looks at each of the times.
+fn drive<D: Driven>(
+    simulation: &mut D,
+    request: &Request,
+    mut look: impl FnMut(&mut D) -> Result<(), SimulationError>,
+) -> Result<(), SimulationError> {
+    let Some(&begin) = request.times.first() else {
+        return Ok(());
+    };
+    let drive = request.drive;
+    let mut now = begin + request.wheel_latency;
+    let mut row = drive.time.partition_point(|time| *time <= now);
+    let (speeds, rates) = wheels(drive, row, now);
+    simulation.wheels(speeds, rates)?;
+    for time in request.times {
+        let target = time + request.wheel_latency;
+        while let Some(&next) = drive.time.get(row)
+            && next <= target
+        {
+            simulation.advance((next - now).max(0.0))?;
+            (now, row) = (next, row + 1);
+            let (speeds, rates) = wheels(drive, row, now);
+            simulation.wheels(speeds, rates)?;
+        }
+        simulation.advance((target - now).max(0.0))?;
+        now = target;
+        look(simulation)?;
+    }
+    Ok(())
+}
+
+/// Wheel speeds and their rates at a time between row - 1 and `row`.
+fn wheels(drive: &Drive, row: usize, time: f64) -> (WheelSpeeds, WheelSpeeds) {
+    let Some(before) = row.checked_sub(1) else {
+        return (drive.wheel_speeds(0).into(), WheelSpeeds::default());
+    };
+    let rates = WheelSpeeds::from(drive.wheel_accelerations(before));
+    let speeds = WheelSpeeds::from(drive.wheel_speeds(before));
+    (speeds.after(rates, time - drive.time[before]), rates)
+}

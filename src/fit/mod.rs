@@ -1,0 +1,32 @@
+//! Fitting soil, vehicle and sensor parameters to recordings.
+//!
+//! Multiple shooting: recordings are cut into segments of some seconds, each with a start of
+//! its own ([`segment`]); a model predicts each ([`predictor`], [`exact`]), sensors report of it
+//! ([`observation`]), and the parameters that all segments share are found by
+//! Levenberg–Marquardt with the starts eliminated ([`optimiser`], [`normal`]). The noise of
+//! each channel, white and coloured, comes from the data ([`noise`], [`noise_estimate`]),
+//! heavy tails by weights ([`robust`]). What the data fix, and how well, is told by
+//! [`uncertainty`] and [`identifiability`]; [`starts`] asks whether there is another answer.
+//!
+//! Segments are computed side by side and summed in their order: the result does not depend
+//! on the number of threads.
+
+pub mod catalogue;
+pub mod estimate;
+pub mod exact;
+pub mod identifiability;
+pub mod noise;
+pub mod noise_estimate;
+pub mod normal;
+pub mod observation;
+pub mod optimiser;
+pub mod parameter;
+pub mod predictor;
+pub mod problem;
+pub mod robust;
+pub mod segment;
+pub mod sensor;
+pub mod starts;
+pub mod uncertainty;
+
+pub use estimate::{Estimate, Fit, FitError, NoiseEstimate, Options, Stage, fit};

@@ -1,0 +1,246 @@
+//! The channels' noise from the data, by restricted maximum likelihood.
+//!
+//! Residuals of a fit are smaller than the noise: every free start and parameter swallows a
+//! part of it, and of slow noise most. So the likelihood is integrated over starts and
+//! parameters (of the linearised problem, with their priors), not taken at their best values:
+//! minus twice its logarithm is
+//! sum ln S_i + cost - g^T H^-1 g + ln det H
+//! with the innovations' variances S_i, the gradient g and the matrix H of the normal equations
+//! (H. D. Patterson & R. Thompson, "Recovery of inter-block information when block sizes are
+//! unequal", Biometrika 58 (1971)).
+
+use super::noise::ChannelNoise;
+use super::normal::{Eliminated, Normal};
+use super::predictor::Predictor;
+use super::problem::{Point, Problem, Tables, Weighing};
+use super::segment::NoiseGroup;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Prior of the logarithms of white and coloured standard deviation and of the correlation
+/// time, which is 1 s in the middle: only to keep what the data leave open from running away.
+const SIZE_DEVIATION: f64 = 3.0;
+const TIME_DEVIATION: f64 = 1.0;
+/// Correlation times beyond these cannot be told from white noise or from an offset \[s\].
+const TIME_RANGE: (f64, f64) = (0.03, 10.0);
+/// Smallest standard deviation, as a share of the first guess.
+const SMALLEST: f64 = 1e-3;
+/// Steps of the search in the logarithms: the first, and the last.
+const FIRST_STEP: f64 = 0.6;
+const LAST_STEP: f64 = 0.06;
+
+/// Estimates the noise of every channel of every recording anew; returns the largest change
+/// of a standard deviation, as a logarithm.
+pub fn update<P: Predictor>(
+    problem: &Problem<P>,
+    tables: &[Tables],
+    point: &Point,
+    by: &mut Weighing,
+) -> f64 {
+    let mut largest: f64 = 0.0;
+    for recording in 0..problem.recordings.len() {
+        for group in NoiseGroup::ALL {
+            let part = Part {
+                problem,
+                tables,
+                point,
+                recording,
+                group,
+            };
+            if part.members().next().is_none() {
+                continue;
+            }
+            let old = by.noise[recording][group as usize];
+            let new = part.search(by);
+            by.noise[recording][group as usize] = new;
+            largest = largest.max((new.total() / old.total()).ln().abs());
+        }
+    }
+    largest
+}
+
+/// The segments of a recording, and the channels of a group.
+struct Part<'a, 'b, P> {
+    problem: &'a Problem<'b, P>,
+    tables: &'a [Tables],
+    point: &'a Point,
+    recording: usize,
+    group: NoiseGroup,
+}
+
+impl<P: Predictor> Part<'_, '_, P> {
+    /// Segments of the recording that have a channel of the group.
+    fn members(&self) -> impl Iterator<Item = usize> + '_ {
+        let segments = self.problem.segments.iter().enumerate();
+        let ours = segments.filter(|(_, segment)| {
+            let mut samples = segment.samples.iter();
+            segment.recording == self.recording && samples.any(|s| s.signal.group() == self.group)
+        });
+        ours.map(|(index, _)| index)
+    }
+
+    /// Compass search in the three logarithms.
+    fn search(&self, by: &Weighing) -> ChannelNoise {
+        let rest = Rest::new(self, by);
+        let guess = self.group.first_guess();
+        let mut best = to_logarithms(&by.noise[self.recording][self.group as usize]);
+        let objective = |at: &[f64; 3]| {
+            let medians = [guess.ln(), guess.ln(), 0.0];
+            let deviations = [SIZE_DEVIATION, SIZE_DEVIATION, TIME_DEVIATION];
+            let prior: f64 = (0..3)
+                .map(|k| ((at[k] - medians[k]) / deviations[k]).powi(2))
+                .sum();
+            let value = self.objective(&rest, &from_logarithms(at), by) + prior;
+            if value.is_finite() {
+                value
+            } else {
+                f64::INFINITY
+            }
+        };
+        let mut lowest = objective(&best);
+        let mut step = FIRST_STEP;
+        while step > LAST_STEP {
+            let mut moved = false;
+            for k in 0..3 {
+                for sign in [1.0, -1.0] {
+                    let mut trial = best;
+                    trial[k] += sign * step;
+                    let inside = trial[0].min(trial[1]) > (SMALLEST * guess).ln()
+                        && (TIME_RANGE.0.ln()..TIME_RANGE.1.ln()).contains(&trial[2]);
+                    if !inside {
+                        continue;
+                    }
+                    let value = objective(&trial);
+                    if value < lowest {
+                        (best, lowest, moved) = (trial, value, true);
+                        break;
+                    }
+                }
+            }
+            if !moved {
+                step *= 0.5;
+            }
+        }
+        from_logarithms(&best)
+    }
+
+    /// Minus twice the log likelihood with other noise in the group.
+    fn objective(&self, rest: &Rest, noise: &ChannelNoise, by: &Weighing) -> f64 {
+        let one = |(index, normal): &(usize, Normal)| {
+            let mut normal = normal.clone();
+            let log_determinant = self.add(*index, noise, by, true, &mut normal);
+            let eliminated = Eliminated::new(&normal, 0.0)?;
+            let value = log_determinant + normal.cost - eliminated.start_gain
+                + eliminated.log_determinant();
+            Some((value, eliminated))
+        };
+        let parts: Vec<Option<_>> = rest.normals.par_iter().map(one).collect();
+        let mut value = rest.value;
+        let (mut matrix, mut gradient) = (rest.matrix.clone(), rest.gradient.clone());
+        for part in parts {
+            let Some((one, eliminated)) = part else {
+                return f64::INFINITY;
+            };
+            value += one;
+            matrix += &eliminated.matrix;
+            gradient += &eliminated.gradient;
+        }
+        match matrix.cholesky() {
+            Some(factor) => {
+                value - gradient.dot(&factor.solve(&gradient))
+                    + 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum()
+            }
+            None => f64::INFINITY,
+        }
+    }
+
+    /// Adds the group's channels to a segment's normal equations, or all but those.
+    fn add(
+        &self,
+        index: usize,
+        noise: &ChannelNoise,
+        by: &Weighing,
+        ours: bool,
+        normal: &mut Normal,
+    ) -> f64 {
+        let segment = &self.problem.segments[index];
+        let places = self.problem.places(segment.recording);
+        let mut log_determinant = 0.0;
+        for (channel, samples) in segment.samples.iter().enumerate() {
+            let group = samples.signal.group();
+            if (group == self.group) != ours {
+                continue;
+            }
+            let noise = if ours {
+                noise
+            } else {
+                &by.noise[segment.recording][group as usize]
+            };
+            let tables = &self.tables[index];
+            let mut table = tables.channels[channel].clone();
+            let weights = &by.weights[index][channel];
+            log_determinant += noise.whiten(&samples.time, weights, tables.columns, &mut table);
+            normal.add(&table, &places);
+        }
+        log_determinant
+    }
+}
+
+/// What does not change with the group's noise.
+struct Rest {
+    /// Normal equations of the recording's segments without the group's channels.
+    normals: Vec<(usize, Normal)>,
+    /// Everything of the other segments and of the prior.
+    matrix: DMatrix<f64>,
+    gradient: nalgebra::DVector<f64>,
+    value: f64,
+}
+
+impl Rest {
+    fn new<P: Predictor>(part: &Part<P>, by: &Weighing) -> Self {
+        let (problem, point) = (part.problem, part.point);
+        let members: Vec<usize> = part.members().collect();
+        let without = |&index: &usize| {
+            let mut normal = Normal::zeros(problem.parameters.len());
+            let segment = &problem.segments[index];
+            let start = &point.starts[index];
+            let missing = std::array::from_fn(|k| segment.start_prior[k] - start[k]);
+            normal.add_start_prior(&missing, &segment.start_deviation);
+            let noise = by.noise[part.recording][part.group as usize];
+            part.add(index, &noise, by, false, &mut normal);
+            (index, normal)
+        };
+        let normals: Vec<_> = members.par_iter().map(without).collect();
+        let (precision, gradient) = problem.prior(&point.coordinates);
+        let mut rest = Self {
+            normals,
+            matrix: DMatrix::from_diagonal(&precision),
+            gradient,
+            value: 0.0,
+        };
+        for index in 0..problem.segments.len() {
+            if members.binary_search(&index).is_ok() {
+                continue;
+            }
+            let normal = problem.normal(index, &part.tables[index], point, by);
+            if let Some(eliminated) = Eliminated::new(&normal, 0.0) {
+                rest.matrix += &eliminated.matrix;
+                rest.gradient += &eliminated.gradient;
+            }
+        }
+        rest
+    }
+}
+
+fn to_logarithms(noise: &ChannelNoise) -> [f64; 3] {
+    [noise.white, noise.coloured, noise.correlation_time].map(f64::ln)
+}
+
+fn from_logarithms(logarithms: &[f64; 3]) -> ChannelNoise {
+    let [white, coloured, correlation_time] = logarithms.map(f64::exp);
+    ChannelNoise {
+        white,
+        coloured,
+        correlation_time,
+    }
+}

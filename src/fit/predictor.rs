@@ -1,0 +1,94 @@
+//! What the fit asks of a model: trajectories with derivatives.
+
+use crate::parameter::ParameterError;
+use crate::recording::Drive;
+use crate::simulation::{SimulationError, State};
+use std::fmt;
+
+/// A trajectory that is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// The free parameters, in the predictor's order, in SI units.
+    pub parameters: &'a [f64],
+    /// The state at the first of the times.
+    pub start: &'a State,
+    /// Recorded wheel speeds, linear between rows and held beyond the ends.
+    pub drive: &'a Drive,
+    /// The wheels at time t turn as the drive tells of t + `wheel_latency` \[s\].
+    pub wheel_latency: f64,
+    /// Times at which the state is wanted \[s\], increasing.
+    pub times: &'a [f64],
+    /// Whether derivatives are wanted besides the states.
+    pub derivatives: bool,
+}
+
+/// States over time, and their derivatives where those were asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Trajectory {
+    /// State at each time, in the order of [`State::to_array`].
+    pub states: Vec<[f64; 6]>,
+    /// Its rate of change.
+    pub rates: Vec<[f64; 6]>,
+    /// Derivatives by the start: for each time one state's worth per component of the start.
+    pub by_start: Vec<[[f64; 6]; 6]>,
+    /// Derivatives by the parameters: for each time one state's worth per parameter, all in
+    /// one list.
+    pub by_parameter: Vec<[f64; 6]>,
+    /// Derivatives by the wheels' latency.
+    pub by_wheel_latency: Vec<[f64; 6]>,
+}
+
+impl Trajectory {
+    /// Makes room for another trajectory.
+    pub fn clear(&mut self) {
+        self.states.clear();
+        self.rates.clear();
+        self.by_start.clear();
+        self.by_parameter.clear();
+        self.by_wheel_latency.clear();
+    }
+}
+
+/// A model whose parameters can be fitted.
+pub trait Predictor: Sync {
+    /// Number of free parameters.
+    fn parameters(&self) -> usize;
+
+    /// States, rates and, where asked for, derivatives at the request's times.
+    ///
+    /// # Errors
+    /// Parameters out of range, and drives that the vehicle cannot follow with them.
+    fn predict(&self, request: &Request, out: &mut Trajectory) -> Result<(), PredictionError>;
+}
+
+/// Why there is no trajectory for these parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PredictionError {
+    /// A parameter out of range.
+    Parameter(ParameterError),
+    /// A drive that ends early.
+    Simulation(SimulationError),
+}
+
+impl fmt::Display for PredictionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Parameter(error) => error.fmt(f),
+            Self::Simulation(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for PredictionError {}
+
+impl From<ParameterError> for PredictionError {
+    fn from(error: ParameterError) -> Self {
+        Self::Parameter(error)
+    }
+}
+
+impl From<SimulationError> for PredictionError {
+    fn from(error: SimulationError) -> Self {
+        Self::Simulation(error)
+    }
+}

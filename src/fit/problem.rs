@@ -1,0 +1,280 @@
+//! The unknowns, the segments, and the residuals at a point.
+
+use super::noise::ChannelNoise;
+use super::normal::{Normal, START};
+use super::observation::{self, Residuals};
+use super::parameter::Parameter;
+use super::predictor::{PredictionError, Predictor};
+use super::segment::{NoiseGroup, Segment};
+use super::sensor::{SensorParameter, SensorValues};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// What is fitted to what.
+#[derive(Debug)]
+pub struct Problem<'a, P> {
+    predictor: &'a P,
+    /// All unknowns but the starts: the model's, then each recording's sensors'.
+    pub parameters: Vec<Parameter>,
+    /// Number of the model's.
+    pub model_parameters: usize,
+    /// For each recording its free sensor parameters with their places among all.
+    sensors: Vec<Vec<(SensorParameter, usize)>>,
+    /// For each recording the values of those that are not free.
+    held: Vec<SensorValues>,
+    /// Names of the recordings.
+    pub recordings: Vec<String>,
+    /// What was measured.
+    pub segments: Vec<Segment>,
+}
+
+/// Values of all unknowns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Coordinates of the parameters.
+    pub coordinates: DVector<f64>,
+    /// Start of each segment.
+    pub starts: Vec<[f64; START]>,
+}
+
+/// How residuals are weighed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weighing {
+    /// Noise of each recording's channels, by [`NoiseGroup`].
+    pub noise: Vec<[ChannelNoise; NoiseGroup::ALL.len()]>,
+    /// Weight of each sample, by segment and channel.
+    pub weights: Vec<Vec<Vec<f64>>>,
+}
+
+/// A segment's residuals, channel by channel: rows of residual, derivatives by the start and
+/// derivatives by the coordinates that the segment depends on.
+#[derive(Debug, Clone)]
+pub struct Tables {
+    /// A table per channel.
+    pub channels: Vec<Vec<f64>>,
+    /// Numbers in a row: 1 without derivatives.
+    pub columns: usize,
+}
+
+impl<'a, P: Predictor> Problem<'a, P> {
+    /// Unknowns and data. `model` are the free parameters of the predictor, in its order;
+    /// `sensors` the free ones of each recording.
+    pub fn new(
+        predictor: &'a P,
+        model: Vec<Parameter>,
+        recordings: Vec<String>,
+        sensors: Vec<Vec<SensorParameter>>,
+    ) -> Self {
+        debug_assert_eq!(predictor.parameters(), model.len());
+        let model_parameters = model.len();
+        let mut parameters = model;
+        let mut places = Vec::new();
+        for (name, free) in recordings.iter().zip(&sensors) {
+            let first = parameters.len();
+            parameters.extend(free.iter().map(|sensor| sensor.parameter(name)));
+            places.push(free.iter().copied().zip(first..).collect());
+        }
+        Self {
+            predictor,
+            parameters,
+            model_parameters,
+            sensors: places,
+            held: vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
+            recordings,
+            segments: Vec::new(),
+        }
+    }
+
+    /// The same unknowns with a part of the segments.
+    #[must_use]
+    pub fn with_segments(&self, segments: Vec<Segment>) -> Self {
+        Self {
+            predictor: self.predictor,
+            parameters: self.parameters.clone(),
+            model_parameters: self.model_parameters,
+            sensors: self.sensors.clone(),
+            held: self.held.clone(),
+            recordings: self.recordings.clone(),
+            segments,
+        }
+    }
+
+    /// The starts as the sensors show them.
+    #[must_use]
+    pub fn measured_starts(&self) -> Vec<[f64; START]> {
+        self.segments.iter().map(|s| s.start_prior).collect()
+    }
+
+    /// Values of the model's parameters, in SI units.
+    #[must_use]
+    pub fn model_values(&self, coordinates: &DVector<f64>) -> Vec<f64> {
+        let parameters = self.parameters[..self.model_parameters].iter();
+        let value = |(p, at): (&Parameter, &f64)| p.value(*at);
+        parameters.zip(coordinates.iter()).map(value).collect()
+    }
+
+    /// Values of a recording's sensor parameters.
+    #[must_use]
+    pub fn sensor_values(&self, recording: usize, coordinates: &DVector<f64>) -> SensorValues {
+        let mut values = self.held[recording];
+        for &(sensor, place) in &self.sensors[recording] {
+            values[sensor.index()] = self.parameters[place].value(coordinates[place]);
+        }
+        values
+    }
+
+    /// The place of a recording's sensor parameter among all, if it is free.
+    #[must_use]
+    pub fn sensor_place(&self, recording: usize, sensor: SensorParameter) -> Option<usize> {
+        let free = self.sensors[recording].iter();
+        free.clone().find(|(s, _)| *s == sensor).map(|(_, at)| *at)
+    }
+
+    /// Places of the parameters that a recording's segments depend on.
+    #[must_use]
+    pub fn places(&self, recording: usize) -> Vec<usize> {
+        let sensors = self.sensors[recording].iter().map(|(_, place)| *place);
+        (0..self.model_parameters).chain(sensors).collect()
+    }
+
+    /// Residuals of all segments, computed side by side.
+    ///
+    /// # Errors
+    /// The first segment that cannot be predicted.
+    pub fn evaluate(
+        &self,
+        point: &Point,
+        derivatives: bool,
+    ) -> Result<Vec<Tables>, PredictionError> {
+        let values = self.model_values(&point.coordinates);
+        let one = |(segment, start): (&Segment, &[f64; START])| {
+            let sensors = self.sensor_values(segment.recording, &point.coordinates);
+            let observed = observation::observe(
+                self.predictor,
+                segment,
+                start,
+                &values,
+                &sensors,
+                derivatives,
+            )?;
+            Ok(self.tables(segment.recording, &values, &observed, derivatives))
+        };
+        let pairs = self.segments.par_iter().zip(&point.starts);
+        let all: Vec<Result<Tables, PredictionError>> = pairs.map(one).collect();
+        all.into_iter().collect()
+    }
+
+    /// Keeps the derivatives by what is free, and turns values into coordinates.
+    fn tables(
+        &self,
+        recording: usize,
+        values: &[f64],
+        observed: &[Residuals],
+        derivatives: bool,
+    ) -> Tables {
+        let sensors = &self.sensors[recording];
+        let columns = if derivatives {
+            1 + START + values.len() + sensors.len()
+        } else {
+            1
+        };
+        let width = observation::columns(values.len());
+        let fill = |channel: &Residuals| {
+            if !derivatives {
+                return channel.residual.clone();
+            }
+            let mut table = Vec::with_capacity(columns * channel.residual.len());
+            for (residual, row) in channel
+                .residual
+                .iter()
+                .zip(channel.rows.chunks_exact(width))
+            {
+                let (start, rest) = row.split_at(START);
+                let (model, own) = rest.split_at(values.len());
+                table.push(*residual);
+                table.extend(start);
+                let slopes = self.parameters.iter().zip(values).zip(model);
+                table.extend(slopes.map(|((p, value), slope)| p.slope(*value) * slope));
+                table.extend(sensors.iter().map(|(sensor, _)| own[sensor.index()]));
+            }
+            table
+        };
+        Tables {
+            channels: observed.iter().map(fill).collect(),
+            columns,
+        }
+    }
+
+    /// Normal equations of a segment, its start's prior among them.
+    #[must_use]
+    pub fn normal(&self, index: usize, tables: &Tables, point: &Point, by: &Weighing) -> Normal {
+        let segment = &self.segments[index];
+        let places = self.places(segment.recording);
+        let mut normal = Normal::zeros(self.parameters.len());
+        for (channel, samples) in segment.samples.iter().enumerate() {
+            let mut table = tables.channels[channel].clone();
+            let noise = by.noise[segment.recording][samples.signal.group() as usize];
+            let weights = &by.weights[index][channel];
+            noise.whiten(&samples.time, weights, tables.columns, &mut table);
+            normal.add(&table, &places);
+        }
+        normal.add_start_prior(&self.start_missing(index, point), &segment.start_deviation);
+        normal
+    }
+
+    /// Sum of the squares of all whitened residuals and of the distances from the priors.
+    #[must_use]
+    pub fn cost(&self, residuals: &[Tables], point: &Point, by: &Weighing) -> f64 {
+        let one = |(index, tables): (usize, &Tables)| {
+            let segment = &self.segments[index];
+            let mut cost = 0.0;
+            for (channel, samples) in segment.samples.iter().enumerate() {
+                let mut table = tables.channels[channel].clone();
+                let noise = by.noise[segment.recording][samples.signal.group() as usize];
+                noise.whiten(&samples.time, &by.weights[index][channel], 1, &mut table);
+                cost += table.iter().map(|r| r * r).sum::<f64>();
+            }
+            let missing = self.start_missing(index, point);
+            let pairs = missing.iter().zip(segment.start_deviation);
+            cost + pairs.map(|(m, d)| (m / d).powi(2)).sum::<f64>()
+        };
+        let costs: Vec<f64> = residuals.par_iter().enumerate().map(one).collect();
+        costs.iter().sum::<f64>() + self.prior_cost(&point.coordinates)
+    }
+
+    fn start_missing(&self, index: usize, point: &Point) -> [f64; START] {
+        let (prior, start) = (&self.segments[index].start_prior, &point.starts[index]);
+        std::array::from_fn(|k| prior[k] - start[k])
+    }
+
+    /// Sum of the squared distances of the parameters from their priors.
+    #[must_use]
+    pub fn prior_cost(&self, coordinates: &DVector<f64>) -> f64 {
+        let pairs = self.parameters.iter().zip(coordinates.iter());
+        pairs
+            .map(|(p, at)| ((p.prior_coordinate() - at) / p.prior.deviation).powi(2))
+            .sum()
+    }
+
+    /// The parameters' priors: precisions, and pulls towards the medians.
+    #[must_use]
+    pub fn prior(&self, coordinates: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+        let precision = self.parameters.iter().map(|p| p.prior.deviation.powi(-2));
+        let precision = DVector::from_iterator(self.parameters.len(), precision);
+        let medians = self.parameters.iter().map(Parameter::prior_coordinate);
+        let medians = DVector::from_iterator(self.parameters.len(), medians);
+        let pull = (medians - coordinates).component_mul(&precision);
+        (precision, pull)
+    }
+
+    /// Coordinates of a model, sensors without fault.
+    #[must_use]
+    pub fn coordinates(&self, model: &[f64]) -> DVector<f64> {
+        let medians = self.parameters.iter().map(Parameter::prior_coordinate);
+        let mut coordinates = DVector::from_iterator(self.parameters.len(), medians);
+        for (at, (parameter, value)) in self.parameters.iter().zip(model).enumerate() {
+            coordinates[at] = parameter.coordinate(value.clamp(parameter.low, parameter.high));
+        }
+        coordinates
+    }
+}

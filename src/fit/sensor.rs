@@ -1,0 +1,106 @@
+//! The sensors' parameters: what a recording says beside what the vehicle did.
+
+use super::parameter::{Parameter, Prior, Scale};
+use crate::spelling::nearest;
+
+/// A constant property of a recording's sensors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SensorParameter {
+    /// How much the pose trails the clock \[s\].
+    PoseLatency,
+    /// How much the wheel speeds trail the clock \[s\].
+    WheelLatency,
+    /// What the gyro shows at rest \[rad/s\].
+    YawRateBias,
+    /// How far ahead of the centre of mass the pose is told \[m\].
+    LeverArmX,
+    /// How far left of the centre of mass the pose is told \[m\].
+    LeverArmY,
+    /// How far the told heading is turned against the vehicle's axis \[rad\].
+    HeadingOffset,
+}
+
+/// Values of all sensor parameters of a recording, in the order of [`SensorParameter::ALL`].
+pub type SensorValues = [f64; SensorParameter::ALL.len()];
+
+impl SensorParameter {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::PoseLatency,
+        Self::WheelLatency,
+        Self::YawRateBias,
+        Self::LeverArmX,
+        Self::LeverArmY,
+        Self::HeadingOffset,
+    ];
+
+    /// Those that are fitted unless the user says otherwise.
+    pub const DEFAULT_FREE: [Self; 3] = [Self::PoseLatency, Self::WheelLatency, Self::YawRateBias];
+
+    /// Place in [`SensorParameter::ALL`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Name as users write it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PoseLatency => "pose_latency",
+            Self::WheelLatency => "wheel_latency",
+            Self::YawRateBias => "yaw_rate_bias",
+            Self::LeverArmX => "lever_arm_x",
+            Self::LeverArmY => "lever_arm_y",
+            Self::HeadingOffset => "heading_offset",
+        }
+    }
+
+    /// The parameter of a name.
+    ///
+    /// # Errors
+    /// The nearest name, where none fits.
+    pub fn parse(name: &str) -> Result<Self, &'static str> {
+        let names = Self::ALL.map(Self::name);
+        let found = Self::ALL.into_iter().find(|p| p.name() == name);
+        found.ok_or_else(|| nearest(name, names).unwrap_or_default())
+    }
+
+    /// The parameter to be fitted for a recording. Priors: a pose from lidar or a filter
+    /// trails by tenths of a second, encoders by less, a warm MEMS gyro is off by some mrad/s.
+    #[must_use]
+    pub fn parameter(self, recording: &str) -> Parameter {
+        let (unit, deviation, reach) = match self {
+            Self::PoseLatency => ("s", 0.4, 1.5),
+            Self::WheelLatency => ("s", 0.2, 1.0),
+            Self::YawRateBias => ("rad/s", 0.02, 0.3),
+            Self::LeverArmX | Self::LeverArmY => ("m", 0.3, 5.0),
+            Self::HeadingOffset => ("rad", 0.05, 0.8),
+        };
+        Parameter {
+            name: format!("{recording}.{}", self.name()),
+            unit,
+            scale: Scale::Linear,
+            prior: Prior {
+                median: 0.0,
+                deviation,
+            },
+            low: -reach,
+            high: reach,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back() {
+        for (place, parameter) in SensorParameter::ALL.into_iter().enumerate() {
+            assert_eq!(parameter.index(), place);
+            assert_eq!(SensorParameter::parse(parameter.name()), Ok(parameter));
+        }
+        assert_eq!(SensorParameter::parse("pose_lag"), Err("pose_latency"));
+    }
+}

@@ -1,0 +1,136 @@
+//! By how much pose and wheel speeds trail the yaw rate.
+
+use super::increments::{Cost, Increments};
+use super::signals::wrapped;
+use super::{Estimate, Signals};
+use crate::recording::Series;
+
+/// Step of the search \[s\].
+const STEP: f64 = 0.01;
+/// Lags at which the pose is looked for \[s\].
+const POSE: (f64, f64) = (-0.3, 1.3);
+/// Lags at which the wheel speeds are looked for \[s\]. None below zero: on slippery ground the
+/// vehicle turns later than its wheels, which is physics and must stay in.
+const WHEELS: (f64, f64) = (0.0, 0.5);
+/// An interval wider than this says that the drive tells nothing about the latency \[s\].
+const WIDEST: f64 = 0.5;
+/// Changes of heading over a second that stray further count linearly \[rad\]: lidar
+/// odometry loses its way at times.
+const OUTLIER: f64 = 0.1;
+
+/// A constant latency \[s\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Latency {
+    /// Estimated from the recording.
+    Estimated(Estimate),
+    /// The drive does not tell it, for want of turns: none is removed.
+    Unknown,
+    /// The clock that the others are compared with.
+    Reference,
+}
+
+impl Latency {
+    /// What is removed \[s\].
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        match self {
+            Self::Estimated(estimate) => estimate.value,
+            Self::Unknown | Self::Reference => 0.0,
+        }
+    }
+
+    fn from_search(estimate: Option<Estimate>) -> Self {
+        match estimate {
+            Some(estimate) if estimate.width() <= WIDEST => Self::Estimated(estimate),
+            _ => Self::Unknown,
+        }
+    }
+}
+
+/// The constant latencies of a recording, against its yaw rate; where there is none, of the
+/// pose against the wheel speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Latencies {
+    /// By how much x, y and heading trail.
+    pub pose: Latency,
+    /// By how much the wheel speeds trail.
+    pub wheels: Latency,
+}
+
+impl Latencies {
+    /// Estimates them from all runs together: the lag at which changes of heading over a
+    /// second agree best.
+    #[must_use]
+    pub fn estimate(runs: &[Signals]) -> Self {
+        let twists: Vec<Series> = runs.iter().map(Signals::twist).collect();
+        let gyros = || runs.iter().map(Signals::turned_series);
+        let headings = || runs.iter().map(Signals::heading_series);
+        if gyros().all(|gyro| gyro.is_none()) {
+            let pairs = Increments::over_lags(twists.iter().zip(headings()), grid(POSE));
+            return Self {
+                pose: Latency::from_search(pairs.best_lag(&Proportional)),
+                wheels: Latency::Reference,
+            };
+        }
+        let pose = gyros().zip(headings()).filter_map(|(g, h)| Some((g?, h)));
+        let wheels = gyros().zip(&twists).filter_map(|(g, t)| Some((g?, t)));
+        let pose = Increments::over_lags(pose, grid(POSE)).best_lag(&Equal);
+        let wheels = Increments::over_lags(wheels, grid(WHEELS)).best_lag(&Proportional);
+        Self {
+            pose: Latency::from_search(pose),
+            wheels: Latency::from_search(wheels),
+        }
+    }
+}
+
+fn grid((least, most): (f64, f64)) -> Vec<f64> {
+    let count = ((most - least) / STEP).round() as usize;
+    (0..=count).map(|k| least + STEP * k as f64).collect()
+}
+
+/// Both change by the same angle: Huber's loss of the difference.
+struct Equal;
+
+impl Cost for Equal {
+    type Sums = f64;
+
+    fn sums(&self, pairs: &[(f64, f64)]) -> f64 {
+        let loss = |(gyro, pose): &(f64, f64)| {
+            let stray = wrapped(pose - gyro).abs();
+            if stray < OUTLIER {
+                stray * stray
+            } else {
+                OUTLIER * (2.0 * stray - OUTLIER)
+            }
+        };
+        pairs.iter().map(loss).sum()
+    }
+
+    fn total(&self, blocks: impl Iterator<Item = f64>) -> f64 {
+        blocks.sum()
+    }
+}
+
+/// One changes in proportion to the other, by a factor that is not known: the share of its
+/// squares that the best factor leaves.
+struct Proportional;
+
+impl Cost for Proportional {
+    type Sums = [f64; 3];
+
+    fn sums(&self, pairs: &[(f64, f64)]) -> [f64; 3] {
+        pairs.iter().fold([0.0; 3], |sums, (a, b)| {
+            [sums[0] + a * a, sums[1] + a * b, sums[2] + b * b]
+        })
+    }
+
+    fn total(&self, blocks: impl Iterator<Item = [f64; 3]>) -> f64 {
+        let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let [aa, ab, bb] = blocks.fold([0.0; 3], add);
+        if aa > 0.0 && bb > 0.0 {
+            1.0 - ab * ab / (aa * bb)
+        } else {
+            1.0
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! A run's series on one clock.
+
+use super::estimate::median;
+use super::increments::Increments;
+use super::{IdentificationError, Latencies};
+use crate::recording::{Channel, Drive, Recording, Run, Series};
+use std::f64::consts::{PI, TAU};
+
+/// Seconds on either side over which the gyro is tied to the recorded heading.
+const TIE: f64 = 1.0;
+
+/// Where the heading that a prediction is compared with comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeadingSource {
+    /// The recorded heading.
+    Pose,
+    /// The integrated yaw rate, tied to the recorded heading around the window's start.
+    Gyro,
+}
+
+impl HeadingSource {
+    /// Its name in tables and files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pose => "pose",
+            Self::Gyro => "gyro",
+        }
+    }
+}
+
+/// What the windows are cut from: pose, wheel speeds and yaw rate of one run. Times are those
+/// of the yaw rate's sensor; pose and wheels are shifted onto them by their latencies.
+#[derive(Debug, Clone)]
+pub struct Signals {
+    /// The run's label.
+    pub label: String,
+    x: Series,
+    y: Series,
+    heading: Series,
+    wheels: Drive,
+    yaw_rate: Option<Series>,
+    /// Integral of the yaw rate \[rad\] at its samples.
+    turned: Option<Series>,
+    latencies: [f64; 2],
+}
+
+impl Signals {
+    /// The runs that have wheel speeds and a pose, with no latency removed yet.
+    ///
+    /// # Errors
+    /// A recording in which no run has both.
+    pub fn of(recording: &Recording) -> Result<Vec<Self>, IdentificationError> {
+        let found: Vec<Self> = recording.runs.iter().filter_map(Self::of_run).collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let absent = |channel: &Channel| {
+            let mut runs = recording.runs.iter();
+            !runs.any(|run| run.series(*channel).is_some())
+        };
+        let pose = [Channel::X, Channel::Y, Channel::Heading];
+        Err(IdentificationError::NoPose {
+            recording: recording.name.clone(),
+            missing: pose.into_iter().filter(absent).collect(),
+        })
+    }
+
+    fn of_run(run: &Run) -> Option<Self> {
+        let yaw_rate = run.series(Channel::YawRate).cloned();
+        Some(Self {
+            label: run.label.clone(),
+            x: run.series(Channel::X)?.clone(),
+            y: run.series(Channel::Y)?.clone(),
+            heading: run.series(Channel::Heading)?.clone(),
+            wheels: run.drive()?,
+            turned: yaw_rate.as_ref().map(integral),
+            yaw_rate,
+            latencies: [0.0; 2],
+        })
+    }
+
+    /// Shifts pose and wheel speeds back by what they trail.
+    pub fn remove(&mut self, latencies: &Latencies) {
+        self.latencies = [latencies.pose.value(), latencies.wheels.value()];
+    }
+
+    fn pose_latency(&self) -> f64 {
+        self.latencies[0]
+    }
+
+    fn wheel_latency(&self) -> f64 {
+        self.latencies[1]
+    }
+
+    /// First and last time at which pose and wheel speeds are known \[s\], and the yaw rate
+    /// where the heading comes from it; the last may lie before the first.
+    #[must_use]
+    pub fn span(&self, heading: HeadingSource) -> (f64, f64) {
+        let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
+        let wheels = &self.wheels.time;
+        let series =
+            [&self.x.time, &self.y.time, &self.heading.time].map(|t| (t, self.pose_latency()));
+        for (time, latency) in series.into_iter().chain([(wheels, self.wheel_latency())]) {
+            first = first.max(time.first().map_or(f64::INFINITY, |t| t - latency));
+            last = last.min(time.last().map_or(f64::NEG_INFINITY, |t| t - latency));
+        }
+        if let (HeadingSource::Gyro, Some(turned)) = (heading, &self.turned) {
+            first = first.max(turned.start().unwrap_or(first));
+            last = last.min(turned.end().unwrap_or(last));
+        }
+        (first, last)
+    }
+
+    /// Recorded x, y and heading at a time.
+    #[must_use]
+    pub fn pose(&self, time: f64) -> Option<[f64; 3]> {
+        let at = time + self.pose_latency();
+        Some([self.x.at(at)?, self.y.at(at)?, self.heading.at(at)?])
+    }
+
+    /// The times at which the position was sampled within a span.
+    pub fn position_times(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + '_ {
+        let shift = self.pose_latency();
+        let times = within(&self.x.time, from + shift, to + shift);
+        times.iter().map(move |time| time - shift)
+    }
+
+    /// Seconds between the samples of the pose before and after a time; `None` outside the pose.
+    #[must_use]
+    pub fn pose_gap(&self, time: f64) -> Option<f64> {
+        let at = time + self.pose_latency();
+        let gap = |series: &Series| {
+            let after = series.time.partition_point(|t| *t <= at);
+            Some(series.time.get(after)? - series.time.get(after.checked_sub(1)?)?)
+        };
+        Some(gap(&self.x)?.max(gap(&self.y)?).max(gap(&self.heading)?))
+    }
+
+    /// Whether there is a yaw rate.
+    #[must_use]
+    pub fn has_gyro(&self) -> bool {
+        self.turned.is_some()
+    }
+
+    /// Samples of the yaw rate within a span.
+    pub(super) fn yaw_rates(&self, from: f64, to: f64) -> Vec<(f64, f64)> {
+        let pick = |series: &Series| -> Vec<(f64, f64)> {
+            let first = series.time.partition_point(|t| *t < from);
+            series
+                .samples()
+                .skip(first)
+                .take_while(|(t, _)| *t <= to)
+                .collect()
+        };
+        self.yaw_rate.as_ref().map(pick).unwrap_or_default()
+    }
+
+    /// Samples of the heading within a span.
+    pub(super) fn headings(&self, from: f64, to: f64) -> Vec<(f64, f64)> {
+        let shift = self.pose_latency();
+        let first = self.heading.time.partition_point(|t| *t < from + shift);
+        let samples = self.heading.samples().skip(first);
+        samples
+            .map(|(t, value)| (t - shift, value))
+            .take_while(|(t, _)| *t <= to)
+            .collect()
+    }
+
+    /// Integral of the yaw rate, from an arbitrary beginning \[rad\].
+    #[must_use]
+    pub fn turned(&self, time: f64) -> Option<f64> {
+        self.turned.as_ref()?.at(time)
+    }
+
+    /// Heading at a time from the integrated yaw rate, tied to the recorded headings around:
+    /// their median forgives those that are wrong.
+    #[must_use]
+    pub fn tied_heading(&self, time: f64) -> Option<f64> {
+        let here = self.turned(time)?;
+        let around = self.headings(time - TIE, time + TIE).into_iter();
+        let mut offsets: Vec<f64> = around
+            .filter_map(|(t, heading)| Some(heading + here - self.turned(t)?))
+            .collect();
+        let first = *offsets.first()?;
+        for offset in &mut offsets {
+            *offset = first + wrapped(*offset - first);
+        }
+        Some(median(&mut offsets))
+    }
+
+    /// The wheel speeds from a time on, for so many seconds: times from 0, both ends included.
+    #[must_use]
+    pub fn drive(&self, start: f64, seconds: f64) -> Drive {
+        let from = start + self.wheel_latency();
+        let inside = within(&self.wheels.time, from, from + seconds);
+        let mut time: Vec<f64> = vec![0.0];
+        time.extend(
+            inside
+                .iter()
+                .map(|t| t - from)
+                .filter(|t| *t > 0.0 && *t < seconds),
+        );
+        time.push(seconds);
+        let speeds: Vec<[f64; 2]> = time.iter().map(|t| self.wheel_speeds(from + t)).collect();
+        Drive {
+            omega_left: speeds.iter().map(|s| s[0]).collect(),
+            omega_right: speeds.iter().map(|s| s[1]).collect(),
+            time,
+            filled_rows: 0,
+        }
+    }
+
+    /// Wheel speeds at a time of their own clock, linear in between, held beyond the ends.
+    fn wheel_speeds(&self, time: f64) -> [f64; 2] {
+        let wheels = &self.wheels;
+        let after = wheels.time.partition_point(|t| *t <= time);
+        let Some(before) = after.checked_sub(1) else {
+            return wheels.wheel_speeds(0);
+        };
+        let (speeds, rates) = (
+            wheels.wheel_speeds(before),
+            wheels.wheel_accelerations(before),
+        );
+        let seconds = time - wheels.time[before];
+        [0, 1].map(|side| speeds[side] + rates[side] * seconds)
+    }
+
+    /// Integral of the difference of the wheel speeds, right minus left \[rad\], on the wheels'
+    /// clock: it grows with the heading.
+    pub(super) fn twist(&self) -> Series {
+        let wheels = &self.wheels;
+        let difference = wheels
+            .omega_right
+            .iter()
+            .zip(&wheels.omega_left)
+            .map(|(r, l)| r - l);
+        integral(&wheels.time.iter().copied().zip(difference).collect())
+    }
+
+    /// Integral of the yaw rate, where there is one.
+    pub(super) fn turned_series(&self) -> Option<&Series> {
+        self.turned.as_ref()
+    }
+
+    /// The recorded heading on its own clock.
+    pub(super) fn heading_series(&self) -> &Series {
+        &self.heading
+    }
+}
+
+/// How far the recorded heading's changes over a second stray from the gyro's, as RMS \[rad\];
+/// `None` without a yaw rate.
+#[must_use]
+pub fn heading_noise(runs: &[Signals]) -> Option<f64> {
+    let lag = runs.first()?.pose_latency();
+    let pairs = runs
+        .iter()
+        .filter_map(|run| Some((run.turned_series()?, run.heading_series())));
+    let increments = Increments::at_lag(pairs, lag);
+    let squares: f64 = increments
+        .iter()
+        .map(|(gyro, pose)| wrapped(pose - gyro).powi(2))
+        .sum();
+    (!increments.is_empty()).then(|| (squares / increments.len() as f64).sqrt())
+}
+
+/// An angle between -pi and pi \[rad\].
+pub(super) fn wrapped(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(TAU) - PI
+}
+
+fn within(time: &[f64], from: f64, to: f64) -> &[f64] {
+    let first = time.partition_point(|t| *t < from);
+    let end = time.partition_point(|t| *t <= to);
+    &time[first..end.max(first)]
+}
+
+/// Integral over time of values that are linear between samples, at the samples.
+fn integral(series: &Series) -> Series {
+    let mut sum = 0.0;
+    let mut before: Option<(f64, f64)> = None;
+    let add = |(time, value): (f64, f64)| {
+        if let Some((t, v)) = before {
+            sum += 0.5 * (v + value) * (time - t);
+        }
+        before = Some((time, value));
+        (time, sum)
+    };
+    series.samples().map(add).collect()
+}

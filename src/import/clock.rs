@@ -1,0 +1,227 @@
+//! The time of samples.
+
+use super::collect::{Sample, Stream};
+
+/// Which of a message's times counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Clock {
+    /// The header's: when it was measured.
+    #[default]
+    Header,
+    /// The file's: when it was logged.
+    Log,
+}
+
+impl Clock {
+    /// Its name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Header => "header",
+            Self::Log => "log",
+        }
+    }
+
+    fn of<T>(self, sample: &Sample<T>) -> i64 {
+        match self {
+            Self::Header => sample.stamp,
+            Self::Log => sample.logged,
+        }
+    }
+}
+
+/// Topics whose delays from measuring to logging differ by more than this may run on different
+/// clocks \[ns\].
+const LARGEST_DELAY_DIFFERENCE: i64 = 200_000_000;
+
+/// Times of measuring may span twice those of logging, and this more \[ns\].
+const SPAN_TOLERANCE: i64 = 1_000_000_000;
+
+/// What is known of a topic's times, whatever it carries.
+pub(super) struct Times {
+    topic: String,
+    /// Messages without a stamp.
+    pub unstamped: usize,
+    messages: usize,
+    /// Median delay from measuring to logging \[ns\].
+    delay: Option<i64>,
+    /// From the earliest to the latest time of measuring, and of logging \[ns\].
+    spans: [i64; 2],
+}
+
+impl Times {
+    pub fn of<T>(stream: &Stream<T>) -> Self {
+        let stamped = stream.samples.iter().filter(|sample| sample.stamp != 0);
+        let mut delays: Vec<i64> = stamped.map(|sample| sample.logged - sample.stamp).collect();
+        let unstamped = stream.samples.len() - delays.len();
+        delays.sort_unstable();
+        Self {
+            topic: stream.topic.name.clone(),
+            unstamped,
+            messages: stream.samples.len(),
+            delay: delays.get(delays.len() / 2).copied(),
+            spans: [
+                span(stream.samples.iter().map(|sample| sample.stamp)),
+                span(stream.samples.iter().map(|sample| sample.logged)),
+            ],
+        }
+    }
+}
+
+fn span(times: impl Iterator<Item = i64> + Clone) -> i64 {
+    let last = times.clone().max().unwrap_or(0);
+    last - times.min().unwrap_or(0)
+}
+
+/// The clock that all topics have, and what is to be said of it.
+pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
+    if asked == Clock::Log {
+        return (Clock::Log, Vec::new());
+    }
+    let unstamped: Vec<String> = topics
+        .iter()
+        .filter(|times| times.unstamped > 0)
+        .map(|times| {
+            format!(
+                "{} of {} of {}",
+                times.unstamped, times.messages, times.topic
+            )
+        })
+        .collect();
+    if !unstamped.is_empty() {
+        let note = format!(
+            "messages without a time of measurement ({}): the time of logging is taken for all topics",
+            unstamped.join(", ")
+        );
+        return (Clock::Log, vec![note]);
+    }
+    let mut delays: Vec<(i64, &str)> = topics
+        .iter()
+        .filter_map(|times| Some((times.delay?, times.topic.as_str())))
+        .collect();
+    delays.sort_unstable();
+    let strayed = topics.iter().filter(|times| {
+        let [measured, logged] = times.spans;
+        measured / 2 > logged + SPAN_TOLERANCE
+    });
+    let mut notes: Vec<String> = strayed
+        .map(|times| {
+            format!(
+                "warning: the times of measuring of {} span {:.0} s, those of logging {:.0} s: the clock \
+                 was set on the way, or some are wrong; --time log takes the time of logging",
+                times.topic,
+                times.spans[0] as f64 * 1e-9,
+                times.spans[1] as f64 * 1e-9
+            )
+        })
+        .collect();
+    if let (Some((least, first)), Some((most, last))) = (delays.first(), delays.last())
+        && most.saturating_sub(*least) > LARGEST_DELAY_DIFFERENCE
+    {
+        notes.push(format!(
+            "{last} is logged {:.3} s after its header's time, {first} {:.3} s: their clocks may \
+             differ; --time log takes the time of logging",
+            *most as f64 * 1e-9,
+            *least as f64 * 1e-9
+        ));
+    }
+    (Clock::Header, notes)
+}
+
+/// The samples of a topic by time, no two at the same, and what had to be done for it.
+pub(super) fn ordered<T>(stream: Stream<T>, clock: Clock) -> (Vec<(i64, T)>, Option<String>) {
+    let topic = stream.topic.name;
+    let samples = stream.samples.into_iter();
+    let mut samples: Vec<(i64, T)> = samples
+        .map(|sample| (clock.of(&sample), sample.value))
+        .collect();
+    let steps_back = samples.windows(2).filter(|pair| pair[1].0 < pair[0].0);
+    let steps_back = steps_back.count();
+    samples.sort_by_key(|(time, _)| *time);
+    let before = samples.len();
+    samples.dedup_by_key(|(time, _)| *time);
+    let repeated = before - samples.len();
+    let note = match (steps_back, repeated) {
+        (0, 0) => None,
+        (0, _) => Some(format!(
+            "{topic}: {repeated} of {before} messages repeat a time; the first of each is kept"
+        )),
+        (_, 0) => Some(format!(
+            "{topic}: its time steps back {steps_back} times; its messages were sorted"
+        )),
+        _ => Some(format!(
+            "{topic}: its time steps back {steps_back} times and {repeated} of {before} messages \
+             repeat a time; they were sorted, the first of each is kept"
+        )),
+    };
+    (samples, note)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::container::Channel;
+    use crate::import::message::Kind;
+
+    fn stream(name: &str, times: &[(i64, i64)]) -> Stream<usize> {
+        let channel = Channel {
+            topic: name.into(),
+            message_type: String::new(),
+            encoding: String::new(),
+        };
+        let sample = |(value, (stamp, logged)): (usize, &(i64, i64))| Sample {
+            stamp: *stamp,
+            logged: *logged,
+            value,
+        };
+        Stream {
+            kind: Kind::Imu,
+            topic: crate::import::survey::Topic::new(&channel, 0),
+            frame: String::new(),
+            child_frame: String::new(),
+            samples: times.iter().enumerate().map(sample).collect(),
+        }
+    }
+
+    #[test]
+    fn samples_are_sorted_and_the_first_of_a_time_stays() {
+        let stream = stream("/a", &[(10, 1), (30, 2), (20, 3), (30, 4)]);
+        let (samples, note) = ordered(stream.clone(), Clock::Header);
+        assert_eq!(samples, [(10, 0), (20, 2), (30, 1)]);
+        assert!(note.unwrap().contains("steps back 1 times and 1 of 4"));
+        let (samples, note) = ordered(stream, Clock::Log);
+        assert_eq!(samples, [(1, 0), (2, 1), (3, 2), (4, 3)]);
+        assert_eq!(note, None);
+    }
+
+    #[test]
+    fn one_topic_without_stamps_puts_all_on_the_time_of_logging() {
+        let second = 1_000_000_000;
+        let good = Times::of(&stream("/good", &[(second, second + 5), (2 * second, 0)]));
+        let bare = Times::of(&stream("/bare", &[(0, 7), (0, 8)]));
+        let (clock, notes) = settle(Clock::Header, &[good, bare]);
+        assert_eq!(clock, Clock::Log);
+        assert!(notes[0].contains("2 of 2 of /bare"), "{notes:?}");
+    }
+
+    #[test]
+    fn clocks_that_differ_are_told() {
+        let near = Times::of(&stream("/near", &[(100, 200)]));
+        let far = Times::of(&stream("/far", &[(100, 18_000_000_100)]));
+        let (clock, notes) = settle(Clock::Header, &[far, near]);
+        assert_eq!(clock, Clock::Header);
+        assert!(notes[0].starts_with("/far is logged 18.000 s"), "{notes:?}");
+        assert!(settle(Clock::Header, &[]).1.is_empty());
+        let second = 1_000_000_000;
+        let set = stream(
+            "/gps",
+            &[
+                (second, 0),
+                (900 * second, second),
+                (901 * second, 2 * second),
+            ],
+        );
+        let (_, notes) = settle(Clock::Header, &[Times::of(&set)]);
+        assert!(notes[0].contains("of /gps span 900 s"), "{notes:?}");
+    }
+}

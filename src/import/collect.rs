@@ -1,0 +1,232 @@
+//! Samples of the chosen topics, as they stand in the file.
+
+use super::ImportError;
+use super::attitude::{Yaw, yaw};
+use super::choose::Choice;
+use super::container::{self, Channel, Progress};
+use super::message::{Decode, Fix, Header, Imu, Joints, Kind, Odometry};
+use super::side::WheelJoints;
+use super::survey::{Survey, Topic};
+use super::wire::{DecodeError, Encoding};
+use std::path::Path;
+
+/// Something with its two times \[ns\] since 1970.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Sample<T> {
+    /// When it was measured; zero where the publisher did not say.
+    pub stamp: i64,
+    /// When it was logged.
+    pub logged: i64,
+    pub value: T,
+}
+
+/// The samples of a topic.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Stream<T> {
+    pub kind: Kind,
+    pub topic: Topic,
+    /// The frame of the first message.
+    pub frame: String,
+    /// The frame of its velocities, in odometry.
+    pub child_frame: String,
+    pub samples: Vec<Sample<T>>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct OdometrySample {
+    pub position: [f64; 2],
+    pub yaw: Yaw,
+    pub velocity: [f64; 2],
+    pub yaw_rate: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ImuSample {
+    pub yaw: Option<Yaw>,
+    pub yaw_rate: Option<f64>,
+    pub acceleration: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FixSample {
+    pub status: i8,
+    /// Latitude, longitude \[deg\], altitude \[m\].
+    pub place: [f64; 3],
+}
+
+/// A joint in a message; NaN where the message has no such value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct JointSample {
+    pub position: f64,
+    pub velocity: f64,
+}
+
+/// Left joints, then right ones, in the order of [`WheelJoints`].
+pub(super) type WheelSample = Box<[JointSample]>;
+
+/// The samples of all chosen topics.
+pub(super) struct Collected {
+    pub joints: Stream<WheelSample>,
+    pub wheels: WheelJoints,
+    pub odometry: Option<Stream<OdometrySample>>,
+    pub imu: Option<Stream<ImuSample>>,
+    pub fix: Option<Stream<FixSample>>,
+}
+
+/// The chosen topics.
+pub(super) struct Choices<'s> {
+    pub joints: Choice<'s>,
+    pub wheels: WheelJoints,
+    pub odometry: Option<Choice<'s>>,
+    pub imu: Option<Choice<'s>>,
+    pub fix: Option<Choice<'s>>,
+}
+
+impl<T> Stream<T> {
+    fn new(choice: &Choice) -> Self {
+        Self {
+            kind: choice.kind,
+            topic: choice.topic.clone(),
+            frame: String::new(),
+            child_frame: String::new(),
+            samples: Vec::new(),
+        }
+    }
+
+    fn carries(&self, channel: &Channel) -> bool {
+        let topic = &self.topic;
+        topic.name == channel.topic
+            && topic.message_type == channel.message_type
+            && topic.encoding == channel.encoding
+    }
+
+    fn push(&mut self, header: &Header, logged: i64, value: T) {
+        if self.samples.is_empty() {
+            self.frame = header.frame.clone().into_owned();
+        }
+        self.samples.push(Sample {
+            stamp: header.stamp,
+            logged,
+            value,
+        });
+    }
+
+    /// What is wrong with the message after the last one.
+    fn refuse(&self, source: DecodeError) -> ImportError {
+        ImportError::Message {
+            topic: self.topic.name.clone(),
+            message_type: self.topic.message_type.clone(),
+            number: self.samples.len() as u64 + 1,
+            source,
+        }
+    }
+}
+
+/// Reads the chosen topics.
+///
+/// # Errors
+/// A file that cannot be read, and a message that does not decode. A damaged file is read as far
+/// as the survey came.
+pub(super) fn collect(
+    path: &Path,
+    survey: &Survey,
+    choices: &Choices,
+    progress: &mut Progress,
+) -> Result<Collected, ImportError> {
+    let mut all = Collected {
+        joints: Stream::new(&choices.joints),
+        wheels: choices.wheels.clone(),
+        odometry: choices.odometry.as_ref().map(Stream::new),
+        imu: choices.imu.as_ref().map(Stream::new),
+        fix: choices.fix.as_ref().map(Stream::new),
+    };
+    container::read(
+        path,
+        survey.container,
+        progress,
+        &mut |channel, time, data| {
+            let Some(encoding) = Encoding::of_name(&channel.encoding) else {
+                return Ok(());
+            };
+            all.take(channel, encoding, time, data)
+        },
+    )?;
+    Ok(all)
+}
+
+impl Collected {
+    fn take(
+        &mut self,
+        channel: &Channel,
+        encoding: Encoding,
+        logged: i64,
+        data: &[u8],
+    ) -> Result<(), ImportError> {
+        if self.joints.carries(channel) {
+            let stream = &mut self.joints;
+            let message = Joints::decode(encoding, data).map_err(|error| stream.refuse(error))?;
+            let value = wheel_sample(&message, &self.wheels);
+            stream.push(&message.header, logged, value);
+        } else if let Some(stream) = carrying(&mut self.odometry, channel) {
+            let message = Odometry::decode(encoding, data).map_err(|error| stream.refuse(error))?;
+            if stream.samples.is_empty() {
+                stream.child_frame = message.child_frame.clone().into_owned();
+            }
+            let [x, y, _] = message.position;
+            let [v_x, v_y, _] = message.velocity;
+            let value = OdometrySample {
+                position: [x, y],
+                yaw: yaw(message.orientation),
+                velocity: [v_x, v_y],
+                yaw_rate: message.angular_velocity[2],
+            };
+            stream.push(&message.header, logged, value);
+        } else if let Some(stream) = carrying(&mut self.imu, channel) {
+            let message = Imu::decode(encoding, data).map_err(|error| stream.refuse(error))?;
+            let value = ImuSample {
+                yaw: message.orientation.map(yaw),
+                yaw_rate: message.angular_velocity.map(|[_, _, rate]| rate),
+                acceleration: message.acceleration,
+            };
+            stream.push(&message.header, logged, value);
+        } else if let Some(stream) = carrying(&mut self.fix, channel) {
+            let message = Fix::decode(encoding, data).map_err(|error| stream.refuse(error))?;
+            let value = FixSample {
+                status: message.status,
+                place: [message.latitude, message.longitude, message.altitude],
+            };
+            stream.push(&message.header, logged, value);
+        }
+        Ok(())
+    }
+}
+
+fn carrying<'a, T>(
+    stream: &'a mut Option<Stream<T>>,
+    channel: &Channel,
+) -> Option<&'a mut Stream<T>> {
+    stream.as_mut().filter(|stream| stream.carries(channel))
+}
+
+fn wheel_sample(message: &Joints, wheels: &WheelJoints) -> WheelSample {
+    let sample = |wanted: &String| {
+        let place = message.names.iter().position(|name| name == wanted);
+        let value = |values: &[f64]| {
+            // A list that is shorter than the names belongs to none of them for sure.
+            let whole = values.len() == message.names.len();
+            place
+                .filter(|_| whole)
+                .map_or(f64::NAN, |place| values[place])
+        };
+        JointSample {
+            position: value(&message.positions),
+            velocity: value(&message.velocities),
+        }
+    };
+    wheels
+        .left
+        .iter()
+        .chain(&wheels.right)
+        .map(sample)
+        .collect()
+}

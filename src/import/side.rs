@@ -1,0 +1,155 @@
+//! Which joints are wheels, and on which side, by their names.
+
+use std::collections::BTreeSet;
+
+/// The wheels' joints of both sides.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct WheelJoints {
+    /// Of the left side.
+    pub left: Vec<String>,
+    /// Of the right side.
+    pub right: Vec<String>,
+}
+
+/// Words that tell the side: left and right alone and with front, middle (centre), rear (back,
+/// hind).
+const LEFT: [&str; 14] = [
+    "left", "l", "fl", "lf", "ml", "lm", "cl", "lc", "rl", "lr", "bl", "lb", "hl", "lh",
+];
+const RIGHT: [&str; 13] = [
+    "right", "r", "fr", "rf", "mr", "rm", "cr", "rc", "rr", "br", "rb", "hr", "rh",
+];
+/// Parts of names of what drives.
+const DRIVES: [&str; 7] = [
+    "wheel", "track", "drive", "motor", "tire", "tyre", "sprocket",
+];
+/// Parts of names of what does not, whatever else the name says.
+const OTHERS: [&str; 12] = [
+    "steer", "caster", "castor", "susp", "shock", "rocker", "bogie", "arm", "gripper", "finger",
+    "camera", "flipper",
+];
+
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Left,
+    Right,
+}
+
+/// The wheels among joints. Where a joint's name says that it drives, those that do not say so
+/// are left out.
+#[must_use]
+pub fn guess(joints: &BTreeSet<String>) -> WheelJoints {
+    let sided = joints
+        .iter()
+        .filter(|name| !contains(name, &OTHERS))
+        .filter_map(|name| Some((name, side(name)?)));
+    let (driving, rest): (Vec<_>, Vec<_>) = sided.partition(|(name, _)| contains(name, &DRIVES));
+    let chosen = if driving.is_empty() { rest } else { driving };
+    let of = |wanted| {
+        let names = chosen.iter().filter(|(_, side)| *side == wanted);
+        names.map(|(name, _)| (*name).clone()).collect()
+    };
+    WheelJoints {
+        left: of(Side::Left),
+        right: of(Side::Right),
+    }
+}
+
+fn contains(name: &str, parts: &[&str]) -> bool {
+    let name = name.to_lowercase();
+    parts.iter().any(|part| name.contains(part))
+}
+
+/// The side that a name tells; nothing where it tells none, or both.
+fn side(name: &str) -> Option<Side> {
+    let lower = name.to_lowercase();
+    match (lower.contains("left"), lower.contains("right")) {
+        (true, false) => return Some(Side::Left),
+        (false, true) => return Some(Side::Right),
+        (true, true) => return None,
+        (false, false) => {}
+    }
+    let words = words(name);
+    let says = |side: &[&str]| words.iter().any(|word| side.contains(&word.as_str()));
+    match (says(&LEFT), says(&RIGHT)) {
+        (true, false) => Some(Side::Left),
+        (false, true) => Some(Side::Right),
+        _ => None,
+    }
+}
+
+/// The words of a name in lower case: parted by anything but letters, and before a capital
+/// that follows a small letter (`wheelFL1` has `wheel` and `fl`).
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_small = false;
+    for letter in name.chars() {
+        if !letter.is_alphabetic() || (was_small && letter.is_uppercase()) {
+            words.push(String::new());
+        }
+        was_small = letter.is_lowercase();
+        if let (true, Some(word)) = (letter.is_alphabetic(), words.last_mut()) {
+            word.extend(letter.to_lowercase());
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn guessed(names: &str) -> (String, String) {
+        let joints = names.split(' ').map(str::to_owned).collect();
+        let WheelJoints { left, right } = guess(&joints);
+        (left.join(" "), right.join(" "))
+    }
+
+    fn pair(left: &str, right: &str) -> (String, String) {
+        (left.into(), right.into())
+    }
+
+    #[test]
+    fn names_of_robots_in_use() {
+        for (names, left, right) in [
+            // Husky and Jackal, Warthog, Rover with letters, Leo, camel case, no separator.
+            (
+                "front_left_wheel rear_left_wheel front_right_wheel rear_right_wheel",
+                "front_left_wheel rear_left_wheel",
+                "front_right_wheel rear_right_wheel",
+            ),
+            (
+                "left_wheels_joint right_wheels_joint",
+                "left_wheels_joint",
+                "right_wheels_joint",
+            ),
+            ("fl rl fr rr", "fl rl", "fr rr"),
+            (
+                "wheel_FL_joint wheel_RL_joint wheel_FR_joint wheel_RR_joint",
+                "wheel_FL_joint wheel_RL_joint",
+                "wheel_FR_joint wheel_RR_joint",
+            ),
+            (
+                "wheelL1 wheelL2 wheelR1 wheelR2",
+                "wheelL1 wheelL2",
+                "wheelR1 wheelR2",
+            ),
+            (
+                "frontleftwheel frontrightwheel",
+                "frontleftwheel",
+                "frontrightwheel",
+            ),
+            ("base/wheel_l base/wheel_r", "base/wheel_l", "base/wheel_r"),
+        ] {
+            assert_eq!(guessed(names), pair(left, right), "{names}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_drive_is_left_out() {
+        let names = "left_wheel right_wheel left_hip right_hip left_wheel_steer left_arm_wheel pan";
+        assert_eq!(guessed(names), pair("left_wheel", "right_wheel"));
+        assert_eq!(guessed("wheel_1 wheel_2 left_right_wheel"), pair("", ""));
+    }
+}

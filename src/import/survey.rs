@@ -1,0 +1,121 @@
+//! What a file of messages holds.
+
+use super::ImportError;
+use super::container::{self, Channel, Container, Ending, Progress};
+use super::message::{Decode, Joints, Kind};
+use super::wire::Encoding;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// A topic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Topic {
+    /// Its name.
+    pub name: String,
+    /// Its messages' type, as the file has it.
+    pub message_type: String,
+    /// How its messages are serialised, as the file has it.
+    pub encoding: String,
+    /// Number of messages.
+    pub messages: u64,
+    /// When the earliest and the latest message were logged \[ns\] since 1970.
+    pub logged: [i64; 2],
+    /// The joints, where it has any.
+    pub joints: BTreeSet<String>,
+}
+
+impl Topic {
+    pub(super) fn new(channel: &Channel, time: i64) -> Self {
+        Self {
+            name: channel.topic.clone(),
+            message_type: channel.message_type.clone(),
+            encoding: channel.encoding.clone(),
+            messages: 0,
+            logged: [time; 2],
+            joints: BTreeSet::new(),
+        }
+    }
+
+    /// What it carries, if an import can use it.
+    #[must_use]
+    pub fn kind(&self) -> Option<Kind> {
+        Encoding::of_name(&self.encoding)?;
+        Kind::of_type(&self.message_type)
+    }
+
+    /// From the first message to the last \[s\].
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        (self.logged[1] - self.logged[0]) as f64 * 1e-9
+    }
+
+    /// Messages per second, if there are two or more.
+    #[must_use]
+    pub fn rate(&self) -> Option<f64> {
+        let seconds = self.seconds();
+        (seconds > 0.0).then(|| (self.messages - 1) as f64 / seconds)
+    }
+}
+
+/// What a file of messages holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// The file's format.
+    pub container: Container,
+    /// Its topics in alphabetical order.
+    pub topics: Vec<Topic>,
+    /// Whether it could be read to its end.
+    pub ending: Ending,
+}
+
+impl Survey {
+    /// Number of messages in all topics.
+    #[must_use]
+    pub fn messages(&self) -> u64 {
+        self.topics.iter().map(|topic| topic.messages).sum()
+    }
+
+    /// When the first and the last message were logged \[ns\] since 1970.
+    #[must_use]
+    pub fn logged(&self) -> Option<[i64; 2]> {
+        let first = self.topics.iter().map(|topic| topic.logged[0]).min()?;
+        let last = self.topics.iter().map(|topic| topic.logged[1]).max()?;
+        Some([first, last])
+    }
+}
+
+/// Reads through a file and notes its topics.
+///
+/// # Errors
+/// A file that cannot be read or is no file of messages. One that is damaged is no error: what
+/// comes before is surveyed.
+pub fn survey(path: &Path, progress: &mut Progress) -> Result<Survey, ImportError> {
+    let container = container::container(path)?;
+    let mut topics: BTreeMap<Channel, Topic> = BTreeMap::new();
+    let ending = container::read(path, container, progress, &mut |channel, time, data| {
+        if !topics.contains_key(channel) {
+            topics.insert(channel.clone(), Topic::new(channel, time));
+        }
+        let Some(topic) = topics.get_mut(channel) else {
+            return Ok(());
+        };
+        topic.messages += 1;
+        topic.logged = [topic.logged[0].min(time), topic.logged[1].max(time)];
+        if let (Some(Kind::Joints), Some(encoding)) =
+            (topic.kind(), Encoding::of_name(&topic.encoding))
+        {
+            // One that does not decode is told when the topic is read.
+            for name in Joints::decode(encoding, data).map_or(Vec::new(), |joints| joints.names) {
+                if !topic.joints.contains(name.as_ref()) {
+                    topic.joints.insert(name.into_owned());
+                }
+            }
+        }
+        Ok(())
+    })?;
+    Ok(Survey {
+        container,
+        topics: topics.into_values().collect(),
+        ending,
+    })
+}

@@ -1,0 +1,193 @@
+//! Wheel speeds from joint states.
+
+use super::attitude::unwrap;
+use super::collect::{JointSample, WheelSample};
+use std::f64::consts::{PI, TAU};
+
+/// Times \[ns\] with values.
+pub(super) type Series = Vec<(i64, f64)>;
+
+/// Where wheel speeds come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    /// From the joints' velocities.
+    Velocity,
+    /// From the joints' positions; whether these are angles that begin anew after a turn.
+    Position { wrapped: bool },
+}
+
+/// Angular speeds of the left and the right wheels.
+#[derive(Debug, PartialEq)]
+pub(super) struct WheelSpeeds {
+    pub left: Series,
+    pub right: Series,
+    pub source: Source,
+    /// Why positions were taken although there are velocities.
+    pub dead_velocity: bool,
+}
+
+/// A wheel that turned further than this did turn \[rad\].
+const TURNED: f64 = 0.1;
+/// Between positions that are further apart than so many usual steps nothing is derived.
+const LONGEST_GAP: i64 = 10;
+/// How much more than a whole turn the range of wrapped angles may be, by rounding.
+const WRAP_TOLERANCE: f64 = 1e-3;
+
+/// The mean of each side's joints: their velocities, or, where these are missing or stay at
+/// zero while the wheels turn, the differences of their positions. `left` of the joints are on
+/// the left. `None` where a side has neither.
+pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Option<WheelSpeeds> {
+    let joints = samples.first()?.1.len();
+    let sides = [0..left, left..joints];
+    let velocities = sides.clone().map(|side| {
+        let means = samples.iter().filter_map(|(time, sample)| {
+            let side = &sample[side.clone()];
+            let mean = side.iter().map(|joint| joint.velocity).sum::<f64>() / side.len() as f64;
+            mean.is_finite().then_some((*time, mean))
+        });
+        means.collect::<Series>()
+    });
+    let has_velocity = velocities.iter().all(|side| !side.is_empty());
+    let dead_velocity = has_velocity
+        && velocities.iter().flatten().all(|(_, speed)| *speed == 0.0)
+        && (0..joints).any(|joint| span(samples, joint) > TURNED);
+    if has_velocity && !dead_velocity {
+        let [left, right] = velocities;
+        return Some(WheelSpeeds {
+            left,
+            right,
+            source: Source::Velocity,
+            dead_velocity,
+        });
+    }
+    let wrapped = (0..joints).any(|joint| is_wrapped(samples, joint));
+    let [left, right] = sides.map(|side| differences(samples, side, wrapped));
+    (!left.is_empty() && !right.is_empty()).then_some(WheelSpeeds {
+        left,
+        right,
+        source: Source::Position { wrapped },
+        dead_velocity,
+    })
+}
+
+fn positions(samples: &[(i64, WheelSample)], joint: usize) -> impl Iterator<Item = f64> {
+    let positions = samples
+        .iter()
+        .map(move |(_, sample)| sample[joint].position);
+    positions.filter(|position| position.is_finite())
+}
+
+/// Between the smallest and the largest position \[rad\].
+fn span(samples: &[(i64, WheelSample)], joint: usize) -> f64 {
+    let least = positions(samples, joint).fold(f64::INFINITY, f64::min);
+    let most = positions(samples, joint).fold(f64::NEG_INFINITY, f64::max);
+    if most > least { most - least } else { 0.0 }
+}
+
+/// Whether positions stay within a turn and jump by more than half of it.
+fn is_wrapped(samples: &[(i64, WheelSample)], joint: usize) -> bool {
+    let steps = positions(samples, joint).zip(positions(samples, joint).skip(1));
+    span(samples, joint) < TAU + WRAP_TOLERANCE
+        && steps.into_iter().any(|(a, b)| (b - a).abs() > PI)
+}
+
+/// Mean speeds between samples, at the times in the middle: exact to second order, and without
+/// delay.
+fn differences(
+    samples: &[(i64, WheelSample)],
+    side: std::ops::Range<usize>,
+    wrapped: bool,
+) -> Series {
+    let known = |sample: &&(i64, WheelSample)| {
+        let mut joints = sample.1[side.clone()].iter();
+        joints.all(|joint| joint.position.is_finite())
+    };
+    let known: Vec<&(i64, WheelSample)> = samples.iter().filter(known).collect();
+    let mut steps: Vec<i64> = known.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    steps.sort_unstable();
+    let Some(usual) = steps.get(steps.len() / 2).copied() else {
+        return Series::new();
+    };
+    let turned = |from: &JointSample, to: &JointSample| {
+        if wrapped {
+            unwrap(from.position, to.position) - from.position
+        } else {
+            to.position - from.position
+        }
+    };
+    let speeds = known.windows(2).filter_map(|pair| {
+        let ((from, before), (to, after)) = (pair[0], pair[1]);
+        let step = to - from;
+        if step / LONGEST_GAP >= usual {
+            return None;
+        }
+        let pairs = before[side.clone()].iter().zip(&after[side.clone()]);
+        let sum: f64 = pairs.map(|(from, to)| turned(from, to)).sum();
+        let speed = sum / side.len() as f64 / (step as f64 * 1e-9);
+        Some((from + step / 2, speed))
+    });
+    speeds.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+
+    fn sample(time: i64, joints: &[(f64, f64)]) -> (i64, WheelSample) {
+        let joint = |(position, velocity): &(f64, f64)| JointSample {
+            position: *position,
+            velocity: *velocity,
+        };
+        (time * MS, joints.iter().map(joint).collect())
+    }
+
+    #[test]
+    fn velocities_are_averaged_over_a_side_that_is_whole() {
+        let nan = f64::NAN;
+        let samples = [
+            sample(0, &[(nan, 1.0), (nan, 3.0), (nan, 5.0)]),
+            sample(10, &[(nan, 2.0), (nan, nan), (nan, 6.0)]),
+        ];
+        let speeds = wheel_speeds(&samples, 2).unwrap();
+        assert_eq!(speeds.source, Source::Velocity);
+        assert_eq!(speeds.left, [(0, 2.0)]);
+        assert_eq!(speeds.right, [(0, 5.0), (10 * MS, 6.0)]);
+    }
+
+    #[test]
+    fn positions_are_differentiated_and_unwrapped() {
+        // Left turns at 20 rad/s, right at -20, in angles within (-pi, pi].
+        let wrap = |angle: f64| unwrap(0.0, angle);
+        let drive = |velocity: f64| -> Vec<_> {
+            let row = |time| {
+                let angle = 20.0 * time as f64 * 1e-3;
+                sample(time, &[(wrap(angle), velocity), (wrap(-angle), velocity)])
+            };
+            (0..100).map(|index| row(10 * index)).collect()
+        };
+        for velocity in [f64::NAN, 0.0] {
+            let speeds = wheel_speeds(&drive(velocity), 1).unwrap();
+            assert_eq!(speeds.source, Source::Position { wrapped: true });
+            assert_eq!(speeds.dead_velocity, velocity == 0.0);
+            assert_eq!((speeds.left.len(), speeds.left[0].0), (99, 5 * MS));
+            for ((_, left), (_, right)) in speeds.left.iter().zip(&speeds.right) {
+                assert!((left - 20.0).abs() < 1e-9 && (right + 20.0).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_derived_across_a_gap_or_from_nothing() {
+        let times = [0, 10, 20, 30, 1000, 1010];
+        let row = |time| sample(time, &[(time as f64, f64::NAN); 2]);
+        let speeds = wheel_speeds(&times.map(row), 1).unwrap();
+        assert_eq!(speeds.source, Source::Position { wrapped: false });
+        let at: Vec<i64> = speeds.left.iter().map(|(time, _)| time / MS).collect();
+        assert_eq!(at, [5, 15, 25, 1005]);
+        let none = sample(0, &[(f64::NAN, f64::NAN); 2]);
+        assert_eq!(wheel_speeds(&[none.clone(), none], 1), None);
+        assert_eq!(wheel_speeds(&[], 1), None);
+    }
+}

@@ -1,0 +1,263 @@
+//! Numbers and texts of serialised messages: ROS 1 packs them little-endian without gaps; CDR
+//! (OMG DDSI-RTPS 10.2, XCDR version 1), which ROS 2 uses, names its byte order in a header of
+//! four bytes and aligns every number to its size, counted from the end of that header.
+
+use std::borrow::Cow;
+use std::fmt;
+
+/// How a message is serialised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Encoding {
+    /// ROS 1.
+    Ros1,
+    /// ROS 2.
+    Cdr,
+}
+
+impl Encoding {
+    /// From the name that MCAP files give it.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        match name {
+            "ros1" => Some(Self::Ros1),
+            "cdr" => Some(Self::Cdr),
+            _ => None,
+        }
+    }
+}
+
+/// Why a message cannot be decoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DecodeError {
+    /// It ends before its definition does.
+    TooShort {
+        /// Its length \[bytes\].
+        bytes: usize,
+    },
+    /// It goes on after its definition has ended.
+    TooLong {
+        /// Its length \[bytes\].
+        bytes: usize,
+        /// Where its definition ends \[bytes\].
+        expected: usize,
+    },
+    /// CDR that is not plain XCDR version 1.
+    Representation {
+        /// The identifier in its header.
+        identifier: [u8; 2],
+    },
+}
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooShort { bytes } => {
+                write!(f, "its {bytes} bytes end before the definition does")
+            }
+            Self::TooLong { bytes, expected } => {
+                write!(f, "of its {bytes} bytes the definition covers {expected}")
+            }
+            Self::Representation {
+                identifier: ZSTD_START,
+            } => f.write_str(
+                "it is compressed with zstd by itself (ros2 bag record --compression-mode message); \
+                 unpack the file with ros2 bag convert",
+            ),
+            Self::Representation {
+                identifier: [high, low],
+            } => write!(
+                f,
+                "its CDR representation {high:#04x}{low:02x} is none of 0x0000 and 0x0001"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for DecodeError {}
+
+/// How messages begin that were compressed one by one.
+const ZSTD_START: [u8; 2] = [0x28, 0xb5];
+/// CDR rounds a message up to this many bytes.
+const CDR_PADDING: usize = 8;
+
+/// A place in a message.
+pub(super) struct Wire<'a> {
+    bytes: &'a [u8],
+    place: usize,
+    encoding: Encoding,
+    big_endian: bool,
+}
+
+impl<'a> Wire<'a> {
+    pub fn new(encoding: Encoding, bytes: &'a [u8]) -> Result<Self, DecodeError> {
+        let mut wire = Self {
+            bytes,
+            place: 0,
+            encoding,
+            big_endian: false,
+        };
+        if encoding == Encoding::Cdr {
+            let [high, low, _, _] = wire.array()?;
+            if high != 0 || low > 1 {
+                let identifier = [high, low];
+                return Err(DecodeError::Representation { identifier });
+            }
+            wire.big_endian = low == 0;
+            // What follows is aligned from here on.
+            wire.bytes = &bytes[4..];
+            wire.place = 0;
+        }
+        Ok(wire)
+    }
+
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// The next bytes of a number, least significant first.
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], DecodeError> {
+        if self.encoding == Encoding::Cdr {
+            self.place = self.place.next_multiple_of(N);
+        }
+        let mut number: [u8; N] = self.array()?;
+        if self.big_endian {
+            number.reverse();
+        }
+        Ok(number)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], DecodeError> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        Ok(array)
+    }
+
+    fn take(&mut self, length: usize) -> Result<&'a [u8], DecodeError> {
+        let rest = self.bytes.get(self.place..).unwrap_or_default();
+        let taken = rest.get(..length).ok_or(DecodeError::TooShort {
+            bytes: self.bytes.len(),
+        })?;
+        self.place += length;
+        Ok(taken)
+    }
+
+    pub fn u8(&mut self) -> Result<u8, DecodeError> {
+        self.number().map(u8::from_le_bytes)
+    }
+
+    pub fn i8(&mut self) -> Result<i8, DecodeError> {
+        self.number().map(i8::from_le_bytes)
+    }
+
+    pub fn u16(&mut self) -> Result<u16, DecodeError> {
+        self.number().map(u16::from_le_bytes)
+    }
+
+    pub fn u32(&mut self) -> Result<u32, DecodeError> {
+        self.number().map(u32::from_le_bytes)
+    }
+
+    pub fn i32(&mut self) -> Result<i32, DecodeError> {
+        self.number().map(i32::from_le_bytes)
+    }
+
+    pub fn f64(&mut self) -> Result<f64, DecodeError> {
+        self.number().map(f64::from_le_bytes)
+    }
+
+    /// A fixed number of numbers.
+    pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], DecodeError> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = self.f64()?;
+        }
+        Ok(numbers)
+    }
+
+    /// A text; CDR counts the zero that ends it.
+    pub fn text(&mut self) -> Result<Cow<'a, str>, DecodeError> {
+        let length = self.u32()? as usize;
+        let mut bytes = self.take(length)?;
+        if self.encoding == Encoding::Cdr {
+            bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
+        }
+        Ok(String::from_utf8_lossy(bytes))
+    }
+
+    /// As many of something as the message says.
+    pub fn list<T>(
+        &mut self,
+        item: impl Fn(&mut Self) -> Result<T, DecodeError>,
+    ) -> Result<Vec<T>, DecodeError> {
+        let length = self.u32()?;
+        // Nothing is reserved: the length may be a lie.
+        (0..length).map(|_| item(self)).collect()
+    }
+
+    /// That nothing is left, which would mean another definition.
+    pub fn finish(self) -> Result<(), DecodeError> {
+        let (bytes, expected) = (self.bytes.len(), self.place);
+        let padded = match self.encoding {
+            Encoding::Ros1 => expected,
+            Encoding::Cdr => expected.next_multiple_of(CDR_PADDING),
+        };
+        if bytes > padded {
+            return Err(DecodeError::TooLong { bytes, expected });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cdr_aligns_and_swaps_and_ros1_does_neither() {
+        // A byte, the text "ab", a double, of the OMG's rules by hand.
+        let one = 1.0_f64;
+        let mut little = vec![0, 1, 0, 0, 7, 0, 0, 0, 3, 0, 0, 0, b'a', b'b', 0, 0];
+        little.extend([0; 4]);
+        little.truncate(4 + 16);
+        little.extend(one.to_le_bytes());
+        let mut big = vec![
+            0, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 3, b'a', b'b', 0, 0, 0, 0, 0, 0,
+        ];
+        big.extend(one.to_be_bytes());
+        let mut packed = vec![7, 2, 0, 0, 0, b'a', b'b'];
+        packed.extend(one.to_le_bytes());
+        for (encoding, bytes) in [
+            (Encoding::Cdr, little),
+            (Encoding::Cdr, big),
+            (Encoding::Ros1, packed),
+        ] {
+            let mut wire = Wire::new(encoding, &bytes).unwrap();
+            assert_eq!(wire.u8().unwrap(), 7);
+            assert_eq!(wire.text().unwrap(), "ab");
+            assert_eq!(wire.f64().unwrap(), one, "{bytes:?}");
+            wire.finish().unwrap();
+        }
+    }
+
+    #[test]
+    fn other_lengths_and_representations_are_refused() {
+        let short = Wire::new(Encoding::Ros1, &[1, 2]).unwrap().u32();
+        assert_eq!(short, Err(DecodeError::TooShort { bytes: 2 }));
+        // A list that claims to be 4 billion long.
+        let lie = Wire::new(Encoding::Ros1, &[255; 9]).unwrap().list(Wire::u8);
+        assert_eq!(lie, Err(DecodeError::TooShort { bytes: 9 }));
+        let mut long = Wire::new(Encoding::Ros1, &[1, 2]).unwrap();
+        long.u8().unwrap();
+        let expected = DecodeError::TooLong {
+            bytes: 2,
+            expected: 1,
+        };
+        assert_eq!(long.finish(), Err(expected));
+        let xcdr2 = Wire::new(Encoding::Cdr, &[0, 7, 0, 0]).err();
+        let identifier = [0, 7];
+        assert_eq!(xcdr2, Some(DecodeError::Representation { identifier }));
+        assert!(Wire::new(Encoding::Cdr, &[0]).is_err());
+        let packed = Wire::new(Encoding::Cdr, &[0x28, 0xb5, 0x2f, 0xfd]).err();
+        assert!(packed.unwrap().to_string().contains("ros2 bag convert"));
+    }
+}

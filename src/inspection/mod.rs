@@ -1,0 +1,102 @@
+//! What a recording is worth, before anything is fitted to it: rates and gaps, how far its
+//! sensors trail each other, and how much they scatter. Pure; nothing is read or drawn here.
+
+mod delay;
+mod motion;
+mod noise;
+mod resample;
+mod signals;
+mod timing;
+
+pub use delay::{Delay, Pair, Quality};
+pub use motion::{Motion, rest_spans};
+pub use noise::Noise;
+pub use resample::Interval;
+pub use signals::{Signal, heading_rate, wheel_mean};
+pub use timing::Timing;
+
+use crate::recording::{Channel, Recording, Run};
+
+/// One channel over all runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelReport {
+    /// The channel.
+    pub channel: Channel,
+    /// Its samples in time.
+    pub timing: Timing,
+    /// Scatter while all wheels stand still; `None` with too few such samples.
+    pub noise_at_rest: Option<Noise>,
+    /// Scatter while they turn, an upper bound: the motion itself is in it.
+    pub noise_in_motion: Option<Noise>,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunReport {
+    /// The run's label.
+    pub label: String,
+    /// Time of its first sample \[s\].
+    pub start: f64,
+    /// What it did.
+    pub motion: Motion,
+    /// The samples of each channel that it has.
+    pub timing: Vec<(Channel, Timing)>,
+}
+
+/// A whole recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inspection {
+    /// All runs together.
+    pub motion: Motion,
+    /// Each channel that has samples.
+    pub channels: Vec<ChannelReport>,
+    /// How far signals trail each other, from all runs together.
+    pub delays: Vec<Delay>,
+    /// Each run.
+    pub runs: Vec<RunReport>,
+}
+
+/// Looks at a recording.
+#[must_use]
+pub fn inspect(recording: &Recording) -> Inspection {
+    let runs: Vec<RunReport> = recording.runs.iter().map(inspect_run).collect();
+    let motion = runs
+        .iter()
+        .map(|run| run.motion)
+        .fold(Motion::default(), Motion::and);
+    Inspection {
+        motion,
+        channels: Channel::ALL
+            .into_iter()
+            .filter_map(|channel| inspect_channel(recording, channel))
+            .collect(),
+        delays: Pair::ALL
+            .into_iter()
+            .filter_map(|pair| Delay::of(&recording.runs, pair))
+            .collect(),
+        runs,
+    }
+}
+
+fn inspect_run(run: &Run) -> RunReport {
+    let timing = |(channel, series)| Some((channel, Timing::of([series])?));
+    RunReport {
+        label: run.label.clone(),
+        start: run.start(),
+        motion: Motion::of(run),
+        timing: run.channels().filter_map(timing).collect(),
+    }
+}
+
+fn inspect_channel(recording: &Recording, channel: Channel) -> Option<ChannelReport> {
+    let [noise_at_rest, noise_in_motion] = Noise::of(&recording.runs, channel);
+    Some(ChannelReport {
+        channel,
+        timing: Timing::of(recording.runs.iter().filter_map(|run| run.series(channel)))?,
+        noise_at_rest,
+        noise_in_motion,
+    })
+}
+
+#[cfg(test)]
+mod tests;

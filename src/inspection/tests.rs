@@ -1,0 +1,291 @@
+use super::*;
+use crate::recording::Series;
+
+/// Noise of a given standard deviation: a sum of twelve uniform numbers.
+struct Random(u64);
+
+impl Random {
+    fn normal(&mut self, deviation: f64) -> f64 {
+        let mut next = || {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as f64 / 2f64.powi(31)
+        };
+        deviation * ((0..12).map(|_| next()).sum::<f64>() - 6.0)
+    }
+}
+
+const TURN: f64 = 0.16;
+const RADIUS: f64 = 0.29;
+
+/// Right less left wheel speed, and their mean, after ten seconds of rest.
+fn wheels(time: f64) -> (f64, f64) {
+    if time < 10.0 {
+        return (0.0, 0.0);
+    }
+    let t = time - 10.0;
+    let turn =
+        4.0 * (0.9 * t).sin() * (0.17 * t).cos() + 2.0 * (2.3 * t + 1.0).sin() - 2.0 * 1f64.sin();
+    (
+        turn,
+        4.0 + 3.0 * (0.43 * t).sin() * (0.11 * t).cos() - 4.0 * (-t).exp(),
+    )
+}
+
+/// A run in which wheels trail the gyro by one delay and the pose by another, with noise on all.
+fn run(seconds: f64, late: [f64; 2], noise: [f64; 3], seed: u64) -> Run {
+    let mut random = Random(seed);
+    let fine = 0.002;
+    let mut pose = vec![[0.0; 3]];
+    for index in 0..(seconds / fine) as usize {
+        let (turn, mean) = wheels(index as f64 * fine);
+        let [x, y, heading] = pose[index];
+        let (step, angle) = (RADIUS * mean * fine, heading + 0.5 * TURN * turn * fine);
+        pose.push([
+            x + step * angle.cos(),
+            y + step * angle.sin(),
+            heading + TURN * turn * fine,
+        ]);
+    }
+    let at = |time: f64| pose[((time / fine).round().max(0.0) as usize).min(pose.len() - 1)];
+    let times =
+        |interval: f64| (0..(seconds / interval) as usize).map(move |k| k as f64 * interval);
+    let side = |sign: f64| -> Series {
+        times(0.05)
+            .map(|t| {
+                let (turn, mean) = wheels(t - late[0]);
+                (t, mean + sign * turn / 2.0)
+            })
+            .collect()
+    };
+    // One draw for x, y and heading at each time.
+    let poses: Vec<_> = times(0.1)
+        .map(|t| {
+            (
+                t,
+                at(t - late[1]),
+                [
+                    random.normal(noise[1]),
+                    random.normal(noise[1]),
+                    random.normal(noise[2]),
+                ],
+            )
+        })
+        .collect();
+    let channel = |axis: usize| -> Series {
+        poses
+            .iter()
+            .map(|(t, pose, noise)| (*t, pose[axis] + noise[axis]))
+            .collect()
+    };
+    Run::new("")
+        .with(Channel::OmegaLeft, side(-1.0))
+        .with(Channel::OmegaRight, side(1.0))
+        .with(
+            Channel::YawRate,
+            times(0.05)
+                .map(|t| (t, TURN * wheels(t).0 + random.normal(noise[0])))
+                .collect(),
+        )
+        .with(Channel::X, channel(0))
+        .with(Channel::Y, channel(1))
+        .with(Channel::Heading, channel(2))
+}
+
+fn recording(runs: Vec<Run>) -> Recording {
+    Recording {
+        runs,
+        ..Recording::default()
+    }
+}
+
+fn delay(inspection: &Inspection, of: Signal, behind: Signal) -> &Delay {
+    let found = inspection
+        .delays
+        .iter()
+        .find(|delay| delay.pair == Pair { of, behind });
+    found.expect("the pair was measured")
+}
+
+#[test]
+fn delays_are_recovered_within_two_hundredths_of_a_second() {
+    const TOLERANCE: f64 = 0.02;
+    for (wheels, pose) in [(0.0, 0.0), (0.12, 0.37), (0.2, 0.8), (-0.15, 0.05)] {
+        let run = run(100.0, [wheels, pose], [0.02, 0.02, 0.005], 3);
+        let inspection = inspect(&recording(vec![run]));
+        for (of, behind, truth) in [
+            (Signal::WheelDifference, Signal::YawRate, wheels),
+            (Signal::Heading, Signal::YawRate, pose),
+            (Signal::Heading, Signal::WheelDifference, pose - wheels),
+            (Signal::Way, Signal::WheelMean, pose - wheels),
+        ] {
+            let delay = delay(&inspection, of, behind);
+            let error = delay.seconds.value - truth;
+            assert!(
+                error.abs() < TOLERANCE,
+                "{of:?} behind {behind:?}: {:?}, not {truth}",
+                delay.seconds
+            );
+            assert_eq!(delay.quality, Quality::Clear);
+            assert!(
+                delay.seconds.low - TOLERANCE <= truth && truth <= delay.seconds.high + TOLERANCE
+            );
+            assert!(!delay.contradicts);
+        }
+        let scale = delay(&inspection, Signal::Heading, Signal::WheelDifference).scale;
+        assert!((scale.value / TURN - 1.0).abs() < 0.02, "{scale:?}");
+    }
+}
+
+#[test]
+fn short_runs_are_pooled() {
+    let long = run(150.0, [0.1, 0.37], [0.02, 0.02, 0.005], 5);
+    let piece = |index: usize| {
+        let from = 12.0 + 6.0 * index as f64;
+        long.channels()
+            .fold(Run::new(index.to_string()), |run, (channel, series)| {
+                let inside = series
+                    .samples()
+                    .filter(|(t, _)| (from..from + 6.0).contains(t));
+                run.with(
+                    channel,
+                    inside.map(|(t, value)| (t - from, value)).collect(),
+                )
+            })
+    };
+    let inspection = inspect(&recording((0..20).map(piece).collect()));
+    let found = delay(&inspection, Signal::Heading, Signal::YawRate);
+    assert!(
+        (found.seconds.value - 0.37).abs() < 0.03,
+        "{:?}",
+        found.seconds
+    );
+    assert_eq!((found.quality, found.blocks), (Quality::Clear, 20));
+    assert_eq!(inspection.runs.len(), 20);
+}
+
+#[test]
+fn interval_holds_the_truth_about_as_often_as_it_says() {
+    let truth = 0.37;
+    let holds = |seed| {
+        let run = run(60.0, [0.1, truth], [0.2, 0.05, 0.05], seed);
+        let inspection = inspect(&recording(vec![run]));
+        let seconds = delay(&inspection, Signal::Heading, Signal::YawRate).seconds;
+        seconds.low <= truth && truth <= seconds.high
+    };
+    let held = (0..40).filter(|seed| holds(*seed)).count();
+    // Of 40 with a chance of 0.9; five blocks make the intervals a little short.
+    assert!(held >= 29, "{held} of 40");
+}
+
+#[test]
+fn noise_is_recovered_at_rest_and_is_a_bound_in_motion() {
+    let sizes = [0.02, 0.03, 0.004];
+    let run = run(100.0, [0.0, 0.2], sizes, 7);
+    let inspection = inspect(&recording(vec![run]));
+    for (channel, size) in [
+        (Channel::YawRate, sizes[0]),
+        (Channel::X, sizes[1]),
+        (Channel::Heading, sizes[2]),
+    ] {
+        let report = inspection
+            .channels
+            .iter()
+            .find(|report| report.channel == channel)
+            .unwrap();
+        let (rest, motion) = (
+            report.noise_at_rest.unwrap(),
+            report.noise_in_motion.unwrap(),
+        );
+        // Some 100 differences.
+        assert!(
+            (rest.deviation.value / size - 1.0).abs() < 0.35,
+            "{channel}: {rest:?}"
+        );
+        assert!(
+            rest.deviation.low <= size && size <= rest.deviation.high,
+            "{channel}: {rest:?}"
+        );
+        assert!(motion.deviation.value > 0.9 * size, "{channel}: {motion:?}");
+    }
+}
+
+#[test]
+fn motion_and_timing_are_summed_up() {
+    let mut run = run(60.0, [0.0, 0.0], [0.0; 3], 1);
+    let gap = run
+        .series(Channel::X)
+        .unwrap()
+        .samples()
+        .filter(|(t, _)| !(20.05..22.95).contains(t))
+        .collect();
+    run = run.with(Channel::X, gap);
+    let inspection = inspect(&recording(vec![run]));
+    assert!((inspection.motion.duration - 59.95).abs() < 1e-9);
+    assert!(
+        (inspection.motion.at_rest - 10.0).abs() < 0.1,
+        "{:?}",
+        inspection.motion
+    );
+    let way: f64 = (0..60_000)
+        .map(|k| RADIUS * wheels(0.001 * f64::from(k)).1.abs() * 0.001)
+        .sum();
+    assert!(
+        (inspection.motion.distance.unwrap() - way).abs() < 0.02 * way,
+        "{way}"
+    );
+    let timing = |channel| {
+        inspection
+            .channels
+            .iter()
+            .find(|report| report.channel == channel)
+            .unwrap()
+            .timing
+    };
+    assert!((timing(Channel::YawRate).rate() - 20.0).abs() < 1e-9);
+    let x = timing(Channel::X);
+    assert!(
+        (x.longest - 3.0).abs() < 1e-9 && (x.longest_at.0 - 20.0).abs() < 1e-9,
+        "{x:?}"
+    );
+    assert!((x.in_gaps - 3.0 / 59.9).abs() < 1e-6);
+}
+
+#[test]
+fn signals_that_go_against_each_other_are_told() {
+    let good = run(100.0, [0.1, 0.3], [0.02, 0.02, 0.005], 9);
+    let gyro: Series = good
+        .series(Channel::YawRate)
+        .unwrap()
+        .samples()
+        .map(|(t, value)| (t, -value))
+        .collect();
+    let inspection = inspect(&recording(vec![good.with(Channel::YawRate, gyro)]));
+    assert!(delay(&inspection, Signal::Heading, Signal::YawRate).contradicts);
+    assert!(!delay(&inspection, Signal::Heading, Signal::WheelDifference).contradicts);
+}
+
+#[test]
+fn nothing_is_made_of_nothing() {
+    let still: Series = (0..400).map(|k| (0.05 * f64::from(k), 0.0)).collect();
+    let run = Run::new("")
+        .with(Channel::OmegaLeft, still.clone())
+        .with(Channel::OmegaRight, still.clone())
+        .with(Channel::YawRate, still);
+    let inspection = inspect(&recording(vec![run]));
+    assert!(
+        inspection
+            .delays
+            .iter()
+            .all(|delay| delay.quality == Quality::Unknown)
+    );
+    let one: Series = [(0.0, 1.0)].into_iter().collect();
+    let run = Run::new("")
+        .with(Channel::OmegaLeft, one.clone())
+        .with(Channel::OmegaRight, one);
+    let inspection = inspect(&recording(vec![run]));
+    assert!(inspection.channels.is_empty() && inspection.delays.is_empty());
+    assert_eq!(inspection.motion.distance, None);
+}

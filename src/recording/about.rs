@@ -1,0 +1,141 @@
+//! What the JSON beside a recording tells.
+
+use crate::json::{self, JsonError};
+use crate::spelling::nearest;
+use crate::terrain::Terrain;
+use crate::vehicle::Vehicle;
+use serde_json::{Map, Value};
+
+/// Vehicle, terrain, sensors and provenance of a recording; everything may be unknown.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct About {
+    /// The vehicle that drove.
+    pub vehicle: Option<Vehicle>,
+    /// The nominal terrain: what somebody took it for, not what it is.
+    pub terrain: Option<Terrain>,
+    /// Name of the nominal terrain, where it is a preset.
+    pub terrain_name: Option<String>,
+    /// What is told of each sensor, as it stands there: noise, delay, mounting.
+    pub sensors: Map<String, Value>,
+    /// Where the recording comes from.
+    pub source: String,
+    /// Licence under which it may be used.
+    pub licence: String,
+    /// Anything else worth knowing.
+    pub note: String,
+}
+
+impl About {
+    /// Reads the keys `vehicle`, `terrain` (a preset's name, or an object), `sensors`,
+    /// `source`, `licence` and `note`. Others are not looked at: they may hold what an
+    /// analysis must not know.
+    ///
+    /// # Errors
+    /// Text that is not JSON, keys that hold something else, vehicles and terrains that
+    /// their own readers refuse.
+    pub fn from_json(text: &str) -> Result<Self, JsonError> {
+        let json = json::parse(text)?;
+        let Value::Object(map) = &json else {
+            let expected = "an object with keys such as `vehicle`".into();
+            return Err(JsonError::wrong_type("the file", &json, expected));
+        };
+        let known = |key| map.get(key).filter(|value| !value.is_null());
+        let text = |key| match known(key) {
+            None => Ok(String::new()),
+            Some(Value::String(text)) => Ok(text.clone()),
+            Some(other) => Err(JsonError::wrong_type(key, other, "a text".into())),
+        };
+        let (terrain, terrain_name) = known("terrain").map(terrain).transpose()?.unzip();
+        Ok(Self {
+            vehicle: known("vehicle").map(Vehicle::from_json_value).transpose()?,
+            terrain,
+            terrain_name: terrain_name.flatten(),
+            sensors: match known("sensors") {
+                None => Map::new(),
+                Some(Value::Object(sensors)) => sensors.clone(),
+                Some(other) => {
+                    let expected = "an object with one key per sensor".into();
+                    return Err(JsonError::wrong_type("sensors", other, expected));
+                }
+            },
+            source: text("source")?,
+            licence: text("licence")?,
+            note: text("note")?,
+        })
+    }
+}
+
+fn terrain(value: &Value) -> Result<(Terrain, Option<String>), JsonError> {
+    let Value::String(name) = value else {
+        return Ok((Terrain::from_json_value(value)?, None));
+    };
+    match Terrain::preset(name) {
+        Some(terrain) => Ok((terrain, Some(name.clone()))),
+        None => {
+            let presets = Terrain::PRESETS;
+            let meant = nearest(name, presets).unwrap_or_default();
+            let expected = format!(
+                "a terrain's object or one of {} (the nearest is {meant})",
+                presets.join(", ")
+            );
+            Err(JsonError::wrong_type("terrain", value, expected))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(text: &str) -> String {
+        About::from_json(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn known_keys_are_read_and_others_left_alone() {
+        let vehicle = Vehicle::tran2007();
+        let text = format!(
+            r#"{{"vehicle": {}, "terrain": "dry_clay", "sensors": {{"pose": "lidar"}}, "source": "s",
+               "licence": "MIT", "note": "n", "terrain_as_recorded": "grass", "secret": [1]}}"#,
+            vehicle.to_json()
+        );
+        let about = About::from_json(&text).unwrap();
+        assert_eq!(about.vehicle, Some(vehicle));
+        assert_eq!(about.terrain, Terrain::preset("dry_clay"));
+        assert_eq!(about.terrain_name.as_deref(), Some("dry_clay"));
+        assert_eq!(about.sensors["pose"], "lidar");
+        let texts = [&about.source, &about.licence, &about.note];
+        assert_eq!(texts, ["s", "MIT", "n"]);
+        assert_eq!(About::from_json("{}"), Ok(About::default()));
+    }
+
+    #[test]
+    fn terrain_may_be_an_object() {
+        let soil = Terrain::preset("sandy_loam").unwrap();
+        let about = About::from_json(&format!(r#"{{"terrain": {}}}"#, soil.to_json())).unwrap();
+        assert_eq!((about.terrain, about.terrain_name), (Some(soil), None));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (text, expected) in [
+            (
+                "[]",
+                "the file: found an array of 0 values, expected an object",
+            ),
+            (
+                r#"{"note": 3}"#,
+                "note: found the number 3, expected a text",
+            ),
+            (r#"{"sensors": "gps"}"#, "sensors: found the text \"gps\""),
+            (r#"{"terrain": "dry_sadn"}"#, "(the nearest is dry_sand)"),
+            (
+                r#"{"vehicle": {"mass": 1}}"#,
+                "the vehicle has no key `yaw_inertia`",
+            ),
+            ("{", "not JSON"),
+        ] {
+            assert!(error(text).contains(expected), "{}", error(text));
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! A drive from CSV: a simulation's input, in which nothing is put right.
+
+use super::RUN;
+use super::error::{CsvError, malformed};
+use super::table::{Column, Header, Row, read_table};
+use crate::recording::{Drive, fill_gaps};
+use std::io::Read;
+
+const TIME: usize = 0;
+const OMEGA_LEFT: usize = 1;
+const OMEGA_RIGHT: usize = 2;
+/// What every recording has, at the indices above.
+const COLUMNS: [Column; 3] = [
+    required("time", "s"),
+    required("omega_left", "rad/s"),
+    required("omega_right", "rad/s"),
+];
+
+const fn required(name: &'static str, unit: &'static str) -> Column {
+    Column {
+        name,
+        unit,
+        is_required: true,
+    }
+}
+
+/// Reads the wheel speeds of one drive. `file` names it in errors.
+///
+/// # Errors
+/// The first thing that makes the text no drive, with its line and column.
+pub fn read_drive(file: &str, mut input: impl Read) -> Result<Drive, CsvError> {
+    let mut bytes = Vec::new();
+    input
+        .read_to_end(&mut bytes)
+        .map_err(|source| CsvError::Read {
+            file: file.into(),
+            source,
+        })?;
+    let mut rows = Rows::default();
+    let header = read_table(file, &bytes, &COLUMNS, |row| rows.push(row))?;
+    rows.finish(&header)
+}
+
+/// What has been read so far.
+#[derive(Default)]
+struct Rows {
+    time: Vec<f64>,
+    omega_left: Vec<Option<f64>>,
+    omega_right: Vec<Option<f64>>,
+}
+
+impl Rows {
+    fn push(&mut self, row: &Row) -> Result<(), CsvError> {
+        let time = row.required_number(TIME)?;
+        if let Some(&before) = self.time.last()
+            && time <= before
+        {
+            let hint = if row.header().has(RUN) {
+                " (a file with a column `run` holds several drives: cut out one)"
+            } else {
+                ""
+            };
+            let expected = format!("a time later than {before} s{hint}");
+            return Err(malformed(row.cell(TIME), format!("{time}"), expected));
+        }
+        self.time.push(time);
+        self.omega_left.push(row.number(OMEGA_LEFT)?);
+        self.omega_right.push(row.number(OMEGA_RIGHT)?);
+        Ok(())
+    }
+
+    fn finish(self, header: &Header) -> Result<Drive, CsvError> {
+        if self.time.is_empty() {
+            return Err(header.no_rows(TIME));
+        }
+        let column = |samples: &[Option<f64>], index: usize| {
+            fill_gaps(&self.time, samples).ok_or_else(|| header.no_numbers(index))
+        };
+        let pairs = self.omega_left.iter().zip(&self.omega_right);
+        Ok(Drive {
+            omega_left: column(&self.omega_left, OMEGA_LEFT)?,
+            omega_right: column(&self.omega_right, OMEGA_RIGHT)?,
+            filled_rows: pairs
+                .filter(|(left, right)| left.is_none() || right.is_none())
+                .count(),
+            time: self.time,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

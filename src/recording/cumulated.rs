@@ -1,0 +1,153 @@
+//! Mean rates over windows, by which sensors of different rates and noise compare: a pose is
+//! never differentiated from sample to sample, a rate is integrated first.
+
+use super::Series;
+
+/// An interval is a gap where it is longer than so many median ones, and than so many seconds.
+const GAP: (f64, f64) = (5.0, 0.6);
+
+/// A quantity that has accumulated over time: a position, an angle, or the integral of a rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cumulated {
+    time: Vec<f64>,
+    sum: Vec<f64>,
+    /// Seconds of gaps up to each sample.
+    gaps: Vec<f64>,
+}
+
+impl Cumulated {
+    /// A position or an angle, as sampled.
+    #[must_use]
+    pub fn of_position(series: &Series) -> Self {
+        let median = series.median_interval().unwrap_or(0.0);
+        let limit = (GAP.0 * median).max(GAP.1);
+        let mut total = 0.0;
+        let gaps = series.intervals().map(|interval| {
+            total += if interval > limit { interval } else { 0.0 };
+            total
+        });
+        Self {
+            gaps: std::iter::once(0.0).chain(gaps).collect(),
+            time: series.time.clone(),
+            sum: series.value.clone(),
+        }
+    }
+
+    /// The integral of a rate, linear between its samples.
+    #[must_use]
+    pub fn of_rate(series: &Series) -> Self {
+        let mut total = 0.0;
+        let pairs = series.value.windows(2).zip(series.intervals());
+        let sums = pairs.map(|(pair, interval)| {
+            total += interval * (pair[0] + pair[1]) / 2.0;
+            total
+        });
+        Self {
+            sum: std::iter::once(0.0)
+                .chain(sums)
+                .take(series.len())
+                .collect(),
+            ..Self::of_position(series)
+        }
+    }
+
+    /// First and last time \[s\].
+    #[must_use]
+    pub fn span(&self) -> Option<(f64, f64)> {
+        Some((*self.time.first()?, *self.time.last()?))
+    }
+
+    /// Sum and gaps up to a time.
+    fn at(&self, time: f64) -> Option<(f64, f64)> {
+        let after = self.time.partition_point(|sample| *sample <= time);
+        let before = after.checked_sub(1)?;
+        let Some(next) = self.time.get(after) else {
+            return (self.time[before] == time).then(|| (self.sum[before], self.gaps[before]));
+        };
+        let share = (time - self.time[before]) / (next - self.time[before]);
+        let between = |values: &[f64]| values[before] + share * (values[after] - values[before]);
+        Some((between(&self.sum), between(&self.gaps)))
+    }
+
+    /// Mean rate over a window \[1/s\]; `None` where the window leaves the samples or holds
+    /// part of a gap.
+    #[must_use]
+    pub fn mean_rate(&self, centre: f64, window: f64) -> Option<f64> {
+        let (from, gaps_before) = self.at(centre - window / 2.0)?;
+        let (to, gaps_after) = self.at(centre + window / 2.0)?;
+        (gaps_after <= gaps_before).then(|| (to - from) / window)
+    }
+
+    /// Mean rates over windows around times on a grid.
+    #[must_use]
+    pub fn mean_rates(&self, grid: Grid, window: f64) -> Vec<Option<f64>> {
+        let rate = |index| self.mean_rate(grid.time(index), window);
+        (0..grid.count).map(rate).collect()
+    }
+}
+
+/// Equidistant times.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// First time \[s\].
+    pub start: f64,
+    /// From one to the next \[s\].
+    pub step: f64,
+    /// Number of times.
+    pub count: usize,
+}
+
+/// More times than this are not looked at.
+const MOST_TIMES: f64 = 4e6;
+
+impl Grid {
+    /// From the earlier start to the later end of both, in steps of so many seconds.
+    #[must_use]
+    pub fn over(a: &Cumulated, b: &Cumulated, step: f64) -> Option<Self> {
+        let ((a_start, a_end), (b_start, b_end)) = (a.span()?, b.span()?);
+        let (start, end) = (a_start.min(b_start), a_end.max(b_end));
+        let count = ((end - start) / step).floor().min(MOST_TIMES) as usize + 1;
+        Some(Self { start, step, count })
+    }
+
+    /// A time of the grid \[s\].
+    #[must_use]
+    pub fn time(&self, index: usize) -> f64 {
+        self.start + index as f64 * self.step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_means_over_windows() {
+        let rate: Series = (0..=10)
+            .map(|k| (0.1 * f64::from(k), 2.0 * f64::from(k)))
+            .collect();
+        let sum = Cumulated::of_rate(&rate);
+        // A rate of 20 t: its mean is that at the middle.
+        for centre in [0.3, 0.55] {
+            let mean = sum.mean_rate(centre, 0.2).unwrap();
+            assert!((mean - 20.0 * centre).abs() < 1e-9, "{centre}: {mean}");
+        }
+        assert_eq!(sum.mean_rate(0.05, 0.2), None);
+        assert_eq!(sum.mean_rate(0.95, 0.2), None);
+        let position: Series = [(0.0, 1.0), (1.0, 3.0), (2.0, 3.0)].into_iter().collect();
+        assert_eq!(
+            Cumulated::of_position(&position).mean_rate(1.0, 1.0),
+            Some(1.0)
+        );
+        assert_eq!(Cumulated::of_rate(&Series::default()).span(), None);
+    }
+
+    #[test]
+    fn gaps_give_no_rate() {
+        let times = (0..20).chain(60..80).map(|k| 0.1 * f64::from(k));
+        let sum = Cumulated::of_rate(&times.map(|time| (time, 1.0)).collect());
+        assert_eq!(sum.mean_rate(1.95, 0.2), None);
+        assert_eq!(sum.mean_rate(4.0, 0.2), None);
+        assert!(sum.mean_rate(1.5, 0.5).is_some() && sum.mean_rate(7.0, 0.5).is_some());
+    }
+}

@@ -1,0 +1,101 @@
+//! Times that are not in seconds.
+
+use super::agreement::{compare, cumulated};
+use super::note;
+use crate::recording::csv::{Samples, malformed};
+use crate::recording::{Channel, CsvError, Note, NoteKind};
+
+/// A unit of time, its size \[s\].
+const UNITS: [(&str, f64); 3] = [
+    ("milliseconds", 1e-3),
+    ("microseconds", 1e-6),
+    ("nanoseconds", 1e-9),
+];
+/// Shorter median intervals than this are seconds without a doubt \[s\].
+const SHORTEST: f64 = 1.0;
+/// Longer ones cannot be seconds between samples of wheel speeds.
+const LONGEST: f64 = 5.0;
+/// Rates at which vehicles are recorded \[Hz\]; no two units both give one of them.
+const RATES: std::ops::RangeInclusive<f64> = 1.5..=600.0;
+/// How far heading and gyro may differ in what they tell of the unit.
+const FACTOR: f64 = 2.0;
+const STRONG: f64 = 0.8;
+
+/// Converts times to seconds where they are in another unit: the wheel speeds would otherwise
+/// be sampled too slowly for anything, and heading turns by another angle than the integrated
+/// yaw rate says.
+///
+/// # Errors
+/// Intervals that are too long, but of no unit.
+pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
+    let mut intervals: Vec<f64> = Vec::new();
+    for run in &samples.runs {
+        let wheels = &run.channels[Channel::OmegaLeft.index()];
+        intervals.extend(wheels.windows(2).map(|pair| pair[1].time - pair[0].time));
+    }
+    intervals.sort_by(f64::total_cmp);
+    let median = intervals.get(intervals.len() / 2).copied().unwrap_or(0.0);
+    if median < SHORTEST {
+        return Ok(None);
+    }
+    let turning = turning_unit(samples, median);
+    let by_rate = || {
+        let fits = |unit: &(&str, f64)| RATES.contains(&(1.0 / (median * unit.1)));
+        UNITS.into_iter().find(fits).filter(|_| median > LONGEST)
+    };
+    let evidence = format!("the median interval is {median}");
+    let (unit, evidence) = match (turning, by_rate()) {
+        (Some(Turning::Seconds), _) => return Ok(None),
+        (Some(Turning::Unit(name, size)), _) => {
+            let heading = "heading turns accordingly less than yaw_rate says";
+            ((name, size), format!("{evidence}, and {heading}"))
+        }
+        (None, Some(unit)) => (
+            unit,
+            format!("{evidence}, which as seconds is no recording"),
+        ),
+        (None, None) if median > LONGEST => {
+            let expected =
+                format!("a median interval of at most {LONGEST} s, or one in ms, us or ns");
+            let line = samples
+                .of(Channel::OmegaLeft)
+                .next()
+                .map_or(2, |sample| sample.line);
+            return Err(malformed(samples.time_cell(line), evidence, expected));
+        }
+        (None, None) => return Ok(None),
+    };
+    let count = intervals.len();
+    let line = samples
+        .of(Channel::OmegaLeft)
+        .next()
+        .map_or(2, |sample| sample.line);
+    for run in &mut samples.runs {
+        for sample in run.channels.iter_mut().flatten() {
+            sample.time *= unit.1;
+        }
+    }
+    let text = format!("taken as {} and converted: {evidence}", unit.0);
+    Ok(note(NoteKind::TimeUnit, None, (count, line), text))
+}
+
+enum Turning {
+    Seconds,
+    Unit(&'static str, f64),
+}
+
+/// The unit by which the heading turns as fast as the gyro says, if one does.
+fn turning_unit(samples: &Samples, interval: f64) -> Option<Turning> {
+    let heading = |run: &_| cumulated(run, Channel::Heading);
+    let gyro = |run: &_| cumulated(run, Channel::YawRate);
+    let (correlation, slope) = compare(samples, interval, heading, gyro)?.strongest();
+    let near = |size: f64| (slope / size).max(size / slope) < FACTOR;
+    if correlation < STRONG {
+        return None;
+    }
+    if near(1.0) {
+        return Some(Turning::Seconds);
+    }
+    let unit = UNITS.into_iter().find(|(_, size)| near(*size))?;
+    Some(Turning::Unit(unit.0, unit.1))
+}

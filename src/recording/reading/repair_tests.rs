@@ -1,0 +1,306 @@
+//! Files with a slip that is put right, and ones with a slip that is not.
+
+use super::*;
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Columns after the time, in the order of [`NAMES`].
+type Rows = Vec<(f64, [f64; 6])>;
+const NAMES: &str = "time,omega_left,omega_right,x,y,heading,yaw_rate";
+
+/// A drive with turns both ways, a pivot and a stretch in reverse, at 20 Hz, the pose late.
+fn drive(seconds: f64, seed: u64) -> Rows {
+    let mut random = seed;
+    let mut noise = |size: f64| {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        size * ((random >> 33) as f64 / 2f64.powi(31) - 0.5)
+    };
+    let (mut x, mut y, mut heading) = (3.0, -2.0, 0.4);
+    let phase = (seed % 7) as f64;
+    let mut late = std::collections::VecDeque::from(vec![[x, y, heading]; 6]);
+    let mut rows = Rows::new();
+    for index in 0..(20.0 * seconds) as usize {
+        let time = 0.05 * index as f64;
+        let turn = 3.0 * (0.7 * time + phase).sin() + 2.0 * (0.31 * time).cos();
+        let ahead =
+            5.0 + 4.0 * (0.2 * time + phase).sin() - if index % 600 > 450 { 8.0 } else { 0.0 };
+        let (left, right) = (ahead - turn, ahead + turn);
+        let yaw_rate = 0.16 * (right - left);
+        heading += 0.05 * yaw_rate;
+        let step = 0.05 * 0.145 * (left + right);
+        x += step * heading.cos();
+        y += step * heading.sin();
+        late.push_back([x, y, heading]);
+        let pose = late.pop_front().unwrap();
+        rows.push((
+            time,
+            [
+                left,
+                right,
+                pose[0] + noise(0.02),
+                pose[1] + noise(0.02),
+                pose[2] + noise(0.01),
+                yaw_rate + noise(0.02),
+            ],
+        ));
+    }
+    rows
+}
+
+fn text(rows: &Rows) -> String {
+    let mut text = format!("{NAMES}\n");
+    for (time, values) in rows {
+        let cells: Vec<String> = values.iter().map(f64::to_string).collect();
+        text += &format!("{time},{}\n", cells.join(","));
+    }
+    text
+}
+
+fn read(text: &str) -> Result<Recording, CsvError> {
+    let about = About {
+        vehicle: Some(crate::vehicle::Vehicle {
+            wheel_radius: 0.3,
+            ..crate::vehicle::Vehicle::tran2007()
+        }),
+        ..About::default()
+    };
+    parse_recording("drive.csv", "drive", text.as_bytes(), about)
+}
+
+/// Reads, and checks that nothing but this was done and that the drive comes out.
+fn assert_restored(good: &Rows, bad: &str, kinds: &[(NoteKind, Option<Channel>)]) {
+    let recording = read(bad).unwrap();
+    let mut found: Vec<_> = recording
+        .notes
+        .iter()
+        .map(|note| (note.kind, note.channel))
+        .collect();
+    found.sort();
+    let mut expected = kinds.to_vec();
+    expected.sort();
+    assert_eq!(found, expected, "{:#?}", recording.notes);
+    for (index, channel) in [
+        Channel::OmegaLeft,
+        Channel::OmegaRight,
+        Channel::X,
+        Channel::Y,
+        Channel::Heading,
+        Channel::YawRate,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let series = recording.runs[0].series(channel).unwrap();
+        for (time, values) in good {
+            if let Some(value) = series.at(*time) {
+                let error = (value - values[index]).abs();
+                assert!(
+                    error < 0.06,
+                    "{channel} at {time}: {value}, not {}",
+                    values[index]
+                );
+            }
+        }
+        assert!(series.len() as f64 > 0.95 * good.len() as f64);
+    }
+}
+
+fn with(rows: &Rows, change: impl Fn(&mut f64, &mut [f64; 6])) -> String {
+    let mut rows = rows.clone();
+    for (time, values) in &mut rows {
+        change(time, values);
+    }
+    text(&rows)
+}
+
+#[test]
+fn good_drive_is_left_alone() {
+    let good = drive(60.0, 1);
+    assert_restored(&good, &text(&good), &[]);
+}
+
+#[test]
+fn units_of_angles_are_seen() {
+    let good = drive(60.0, 2);
+    let unit = |channel| (NoteKind::Unit, Some(channel));
+    let bad = with(&good, |_, v| v[4] = v[4].to_degrees());
+    assert_restored(&good, &bad, &[unit(Channel::Heading)]);
+    let bad = with(&good, |_, v| v[5] = v[5].to_degrees());
+    assert_restored(&good, &bad, &[unit(Channel::YawRate)]);
+    let bad = with(&good, |_, v| {
+        [v[4], v[5]] = [v[4].to_degrees(), v[5].to_degrees()]
+    });
+    assert_restored(
+        &good,
+        &bad,
+        &[unit(Channel::Heading), unit(Channel::YawRate)],
+    );
+    let unwrapped = (NoteKind::Unwrapped, Some(Channel::Heading));
+    let bad = with(&good, |_, v| v[4] = (v[4] + PI).rem_euclid(TAU) - PI);
+    assert_restored(&good, &bad, &[unwrapped]);
+    let bad = with(&good, |_, v| v[4] = v[4].to_degrees().rem_euclid(360.0));
+    assert_restored(&good, &bad, &[unit(Channel::Heading), unwrapped]);
+}
+
+#[test]
+fn wheel_speeds_that_cannot_be_are_converted_or_refused() {
+    let good = drive(60.0, 3);
+    let bad = with(&good, |_, v| {
+        [v[0], v[1]] = [v[0].to_degrees(), v[1].to_degrees()]
+    });
+    assert_restored(&good, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
+    // One spike is left out.
+    let bad = with(&good, |t, v| v[1] = if *t == 20.0 { 400.0 } else { v[1] });
+    assert_restored(
+        &good,
+        &bad,
+        &[(NoteKind::Outlier, Some(Channel::OmegaRight))],
+    );
+    let bad = with(&good, |_, v| [v[0], v[1]] = [40.0 * v[0], 40.0 * v[1]]);
+    let error = read(&bad).unwrap_err().to_string();
+    assert!(
+        error.contains("(omega_") && error.contains("rpm or degrees per second"),
+        "{error}"
+    );
+    let bad = with(&good, |t, v| v[1] = if *t > 20.0 { 400.0 } else { v[1] });
+    let error = read(&bad).unwrap_err().to_string();
+    let expected = "line 403, column 3 (omega_right): found 400, expected a value within 200 rad/s";
+    assert!(error.contains(expected), "{error}");
+}
+
+#[test]
+fn units_of_time_are_seen() {
+    let good = drive(60.0, 4);
+    for (factor, start) in [(1e3, 0.0), (1e3, 1.7e9), (1e6, 0.0), (1e9, 0.0)] {
+        let bad = with(&good, |t, _| *t = ((*t + start) * factor).round());
+        let recording = read(&bad).unwrap();
+        let kinds: Vec<_> = recording.notes.iter().map(|note| note.kind).collect();
+        assert_eq!(kinds, [NoteKind::TimeUnit], "{:?}", recording.notes);
+        let run = &recording.runs[0];
+        assert!((run.duration() - 59.95).abs() < 1e-6 && (run.start() - start).abs() < 1e-6);
+        // The wheels alone tell as much.
+        let wheels: String = bad
+            .lines()
+            .map(|line| line.split(',').take(3).collect::<Vec<_>>().join(",") + "\n")
+            .collect();
+        assert!((read(&wheels).unwrap().runs[0].duration() - 59.95).abs() < 1e-6);
+    }
+    let bad = with(&good, |t, _| *t *= 1.7e4);
+    let error = read(&bad).unwrap_err().to_string();
+    assert!(error.contains("the median interval is 850"), "{error}");
+}
+
+#[test]
+fn swapped_columns_are_seen() {
+    let good = drive(60.0, 5);
+    let bad = with(&good, |_, v| v.swap(0, 1));
+    assert_restored(
+        &good,
+        &bad,
+        &[(NoteKind::SwappedWheels, Some(Channel::OmegaLeft))],
+    );
+    let bad = with(&good, |_, v| v.swap(2, 3));
+    assert_restored(
+        &good,
+        &bad,
+        &[(NoteKind::SwappedPosition, Some(Channel::X))],
+    );
+    let bad = with(&good, |_, v| v[5] = -v[5]);
+    assert_restored(&good, &bad, &[(NoteKind::Sign, Some(Channel::YawRate))]);
+    let bad = with(&good, |_, v| v[4] = FRAC_PI_2 - v[4]);
+    assert_restored(&good, &bad, &[(NoteKind::Sign, Some(Channel::Heading))]);
+}
+
+#[test]
+fn clocks_that_stumble_are_settled() {
+    let good = drive(60.0, 6);
+    let mut late = good.clone();
+    late.swap(100, 101);
+    late.swap(500, 502);
+    let columns = || {
+        Channel::ALL
+            .into_iter()
+            .filter(|channel| NAMES.split(',').any(|name| name == channel.name()))
+    };
+    let all = |kind| -> Vec<(NoteKind, Option<Channel>)> {
+        columns().map(|channel| (kind, Some(channel))).collect()
+    };
+    assert_restored(&good, &text(&late), &all(NoteKind::Reordered));
+    let mut twice = good.clone();
+    twice.insert(300, good[300]);
+    assert_restored(&good, &text(&twice), &all(NoteKind::Repeated));
+    // A clock set back for good: from there on, the times lie between others.
+    let bad = with(&good, |t, _| *t -= if *t > 30.0 { 0.33 } else { 0.0 });
+    let error = read(&bad).unwrap_err().to_string();
+    assert!(
+        error.contains("line 603, column 1 (time): found 29.7"),
+        "{error}"
+    );
+    // A clock that counts whole seconds.
+    let bad = with(&good, |t, _| *t = t.floor());
+    let error = read(&bad).unwrap_err().to_string();
+    assert!(
+        error.contains("for the second time with another value"),
+        "{error}"
+    );
+}
+
+#[test]
+fn runs_keep_what_they_have() {
+    let good = drive(40.0, 8);
+    let mut text = format!("run,{NAMES}\n");
+    for (index, (time, v)) in good.iter().enumerate() {
+        let (run, time) = if index < 400 {
+            ("a", *time)
+        } else {
+            ("b", *time - 20.0)
+        };
+        text += &format!(
+            "{run},{time},{},{},{},{},{},{}\n",
+            v[1], v[0], v[2], v[3], v[4], v[5]
+        );
+    }
+    let recording = read(&text).unwrap();
+    let kinds: Vec<_> = recording.notes.iter().map(|note| note.kind).collect();
+    assert_eq!(kinds, [NoteKind::SwappedWheels]);
+    assert_eq!(recording.runs.len(), 2);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn no_drive_is_repaired_that_is_right(
+        seed in 0u64..1_000_000,
+        seconds in 1.0..80.0f64,
+        sideways in -0.9..0.9f64,
+        grip in 0.1..1.0f64,
+        offset in -3.0..3.0f64,
+        keep in 1usize..6,
+    ) {
+        // Slip, a slow drift, other rates and a turned frame are no reasons to change anything.
+        let mut rows = drive(seconds, seed);
+        for (time, values) in &mut rows {
+            values[5] *= grip;
+            values[4] = values[4] * grip + offset;
+            values[2] += sideways * *time;
+        }
+        let rows: Rows = rows.into_iter().step_by(keep).collect();
+        let recording = read(&text(&rows)).unwrap();
+        prop_assert!(recording.notes.is_empty(), "{:?}", recording.notes);
+        let wheels = recording.runs[0].series(Channel::OmegaLeft).unwrap();
+        prop_assert_eq!(wheels.len(), rows.len());
+    }
+
+    #[test]
+    fn any_text_is_read_or_refused(text in "(time|omega_left|omega_right|x|run|[0-9.,\n e-]|nan){0,60}") {
+        let header = format!("time,omega_left,omega_right,x\n{text}");
+        for text in [text, header] {
+            if let Err(error) = read(&text) {
+                prop_assert!(error.to_string().starts_with("drive.csv: line "), "{}", error);
+            }
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Columns that are swapped and signs that are turned round: two sensors that agree outvote a
+//! third one that says the opposite.
+
+use super::agreement::{Agreement, compare, cumulated, wheels};
+use super::note;
+use crate::recording::csv::{RawRun, Samples};
+use crate::recording::{Channel, Cumulated, Note, NoteKind, Series, way_along};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Step of the comparisons \[s\].
+const STEP: f64 = 0.1;
+/// Slower turning than this is noise \[rad/s\].
+const SLOWEST_TURN: f64 = 0.03;
+/// Directions of travel are those of so many seconds, in which the vehicle comes this far \[m\].
+const TRAVEL: (f64, f64) = (1.0, 0.3);
+/// Fewer directions tell nothing.
+const FEWEST: usize = 50;
+/// How well directions must agree with one relation, and how badly with the other: lengths of
+/// the mean of unit vectors.
+const CLEAR: f64 = 0.9;
+const UNCLEAR: f64 = 0.5;
+/// Largest angle between the relation and what is expected of it \[rad\].
+const NEAR: f64 = 0.3;
+
+/// What two signals say of each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Vote {
+    Together,
+    Against,
+    /// Neither clearly.
+    Unclear,
+    /// One of both was not measured, or not for long enough.
+    Absent,
+}
+
+/// Two signals' vote with their correlation.
+#[derive(Debug, Clone, Copy)]
+struct Comparison {
+    vote: Vote,
+    r: f64,
+}
+
+impl Comparison {
+    fn of(found: Option<Agreement>) -> Self {
+        let vote = match found {
+            None => Vote::Absent,
+            Some(found) if found.second_deviation() < SLOWEST_TURN => Vote::Absent,
+            Some(found) if found.agrees() => Vote::Together,
+            Some(found) if found.contradicts() => Vote::Against,
+            Some(_) => Vote::Unclear,
+        };
+        Self {
+            vote,
+            r: found.map_or(0.0, |found| found.strongest().0),
+        }
+    }
+}
+
+/// Puts right what is swapped or turned round.
+pub fn settle(samples: &mut Samples) -> Vec<Note> {
+    use Vote::{Absent, Against, Together};
+    let difference = |run: &_| wheels(run, [-1.0, 1.0]);
+    let heading = |run: &_| cumulated(run, Channel::Heading);
+    let gyro = |run: &_| cumulated(run, Channel::YawRate);
+    let pose_wheels = Comparison::of(compare(samples, STEP, difference, heading));
+    let gyro_wheels = Comparison::of(compare(samples, STEP, difference, gyro));
+    let pose_gyro = Comparison::of(compare(samples, STEP, heading, gyro));
+    let is_mirrored = position(samples) == Some(Relation::Mirrored);
+    match (pose_wheels.vote, gyro_wheels.vote, pose_gyro.vote) {
+        (Against, Against, Together) => swap_wheels(samples, "yaw_rate and heading", gyro_wheels.r),
+        (Absent, Against, _) => swap_wheels(samples, "yaw_rate", gyro_wheels.r),
+        (Against, Absent, _) if !is_mirrored => swap_wheels(samples, "heading", pose_wheels.r),
+        (Together, Against, Against) => {
+            let text = format!(
+                "sign turned round: it contradicts heading (correlation {:.2}) and wheels \
+                 ({:.2}), which agree",
+                pose_gyro.r, gyro_wheels.r
+            );
+            turn_round(samples, Channel::YawRate, 0.0, text)
+        }
+        (Against, Together, Against) | (Against, Absent, _) => {
+            let text = format!(
+                "it contradicts the wheels (correlation {:.2}) and yaw_rate, if there is one",
+                pose_wheels.r
+            );
+            settle_heading(samples, is_mirrored, &text)
+        }
+        (Together, ..) | (_, _, Together) if is_mirrored => {
+            let text = "x and y taken as swapped, and swapped back: the direction of travel is a \
+                        quarter turn less the heading, which agrees with yaw rate or wheels";
+            let pair = [Channel::X, Channel::Y];
+            swap(samples, pair, NoteKind::SwappedPosition, text.into())
+        }
+        _ if is_mirrored => {
+            let text = "the direction of travel is a quarter turn less it; left as it is";
+            suspicion(samples, text.into())
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn swap_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
+    let text = format!(
+        "left and right wheel speeds taken as swapped, and swapped back: {witness} went the other \
+         way (correlation {r:.2}); turns counted clockwise would look the same"
+    );
+    let pair = [Channel::OmegaLeft, Channel::OmegaRight];
+    swap(samples, pair, NoteKind::SwappedWheels, text)
+}
+
+/// A heading that turns the wrong way round: clockwise from north, if the positions say so; only
+/// its sign, if there are none; left alone, if they say something else.
+fn settle_heading(samples: &mut Samples, is_mirrored: bool, evidence: &str) -> Vec<Note> {
+    if is_mirrored {
+        let text = format!(
+            "taken as clockwise from north and converted: {evidence}, and the direction of travel \
+             is a quarter turn less it"
+        );
+        turn_round(samples, Channel::Heading, FRAC_PI_2, text)
+    } else if samples.of(Channel::X).next().is_none() {
+        let text = format!("sign turned round: {evidence}");
+        turn_round(samples, Channel::Heading, 0.0, text)
+    } else {
+        suspicion(samples, format!("{evidence}; left as it is"))
+    }
+}
+
+fn place(samples: &Samples, channel: Channel) -> (usize, usize) {
+    let first = samples.of(channel).next().map_or(0, |sample| sample.line);
+    (samples.of(channel).count(), first)
+}
+
+fn swap(samples: &mut Samples, pair: [Channel; 2], kind: NoteKind, text: String) -> Vec<Note> {
+    let place = place(samples, pair[0]);
+    for run in &mut samples.runs {
+        run.channels.swap(pair[0].index(), pair[1].index());
+    }
+    note(kind, Some(pair[0]), place, text).into_iter().collect()
+}
+
+/// Takes each value from a constant.
+fn turn_round(samples: &mut Samples, channel: Channel, from: f64, text: String) -> Vec<Note> {
+    let place = place(samples, channel);
+    for run in &mut samples.runs {
+        for sample in &mut run.channels[channel.index()] {
+            sample.value = from - sample.value;
+        }
+    }
+    note(NoteKind::Sign, Some(channel), place, text)
+        .into_iter()
+        .collect()
+}
+
+fn suspicion(samples: &Samples, text: String) -> Vec<Note> {
+    let place = place(samples, Channel::Heading);
+    note(NoteKind::Suspicion, Some(Channel::Heading), place, text)
+        .into_iter()
+        .collect()
+}
+
+/// How the direction of travel depends on the heading, forward or in reverse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Relation {
+    /// It is the heading, or goes with it at some angle.
+    Same,
+    /// It is a quarter turn less the heading.
+    Mirrored,
+}
+
+/// The relation that the positions show, if they show one.
+fn position(samples: &Samples) -> Option<Relation> {
+    // Sums of unit vectors at twice the angles, so that reverse counts as forward.
+    let (mut same, mut mirrored) = ([0.0; 2], [0.0; 2]);
+    let mut count = 0;
+    for run in &samples.runs {
+        let (Some(x), Some(y)) = (cumulated(run, Channel::X), cumulated(run, Channel::Y)) else {
+            continue;
+        };
+        for sample in &run.channels[Channel::Heading.index()] {
+            let speed = |sum: &Cumulated| sum.mean_rate(sample.time, TRAVEL.0);
+            let (Some(east), Some(north)) = (speed(&x), speed(&y)) else {
+                continue;
+            };
+            if east.hypot(north) * TRAVEL.0 < TRAVEL.1 {
+                continue;
+            }
+            let travel = north.atan2(east);
+            for (sum, angle) in [
+                (&mut same, travel - sample.value),
+                (&mut mirrored, travel + sample.value),
+            ] {
+                sum[0] += (2.0 * angle).cos();
+                sum[1] += (2.0 * angle).sin();
+            }
+            count += 1;
+        }
+    }
+    if count < FEWEST {
+        return None;
+    }
+    let length = |sum: [f64; 2]| sum[0].hypot(sum[1]) / count as f64;
+    let off = (mirrored[1].atan2(mirrored[0]) - PI).rem_euclid(TAU);
+    if length(mirrored) >= CLEAR && length(same) <= UNCLEAR && off.min(TAU - off) <= NEAR {
+        Some(Relation::Mirrored)
+    } else {
+        (length(same) >= CLEAR && length(mirrored) <= UNCLEAR).then_some(Relation::Same)
+    }
+}
+
+/// Way along the heading \[m\].
+pub fn travel(run: &RawRun) -> Option<Cumulated> {
+    let of = |channel: Channel| -> Series {
+        let samples = run.channels[channel.index()].iter();
+        samples.map(|sample| (sample.time, sample.value)).collect()
+    };
+    let way = way_along(&of(Channel::X), &of(Channel::Y), &of(Channel::Heading));
+    (way.len() > 1).then(|| Cumulated::of_position(&way))
+}

@@ -1,0 +1,166 @@
+//! Angles and wheel speeds in other units than radians.
+
+use super::agreement::{Agreement, compare, cumulated, wheels};
+use super::limits::limit;
+use super::note;
+use crate::recording::csv::{RawRun, Samples};
+use crate::recording::{About, Channel, Note, NoteKind};
+use crate::vehicle::Vehicle;
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+const DEGREES: f64 = 180.0 / PI;
+/// Step of the comparison \[s\].
+const STEP: f64 = 0.1;
+/// How near a ratio must come to that of the units, and how strong the correlation must be.
+const NEAR: f64 = 1.15;
+const STRONG: f64 = 0.9;
+/// Yaw rate by difference of wheel speeds \[-\]: r / 2B times at most one. No vehicle's wheels
+/// have a radius of more than its track, and degrees make it 57 times as much.
+const MOST_TURN: f64 = 3.0;
+/// Jumps of a wrapped heading in degrees, smaller ones that do not count \[deg\], and the longest
+/// interval in which no vehicle turns by as much as lies between \[s\].
+const FULL_TURN: RangeInclusive<f64> = 310.0..=360.5;
+const LARGE: f64 = 50.0;
+const QUICK: f64 = 0.35;
+/// Share of the rim speed at which a vehicle may seem to move, where the unit is right.
+const EFFECTIVE: RangeInclusive<f64> = 0.7..=1.2;
+
+/// Converts headings and yaw rates from degrees, and wheel speeds that cannot be.
+pub fn convert(samples: &mut Samples, about: &About) -> Vec<Note> {
+    let mut notes = Vec::new();
+    notes.extend(wrapped_degrees(samples));
+    notes.extend(degrees(samples));
+    notes.extend(wheel_unit(samples, about.vehicle.as_ref()));
+    notes
+}
+
+fn scale(samples: &mut Samples, channel: Channel, factor: f64) -> (usize, usize) {
+    for run in &mut samples.runs {
+        for sample in &mut run.channels[channel.index()] {
+            sample.value *= factor;
+        }
+    }
+    let first = samples.of(channel).next().map_or(0, |sample| sample.line);
+    (samples.of(channel).count(), first)
+}
+
+fn from_degrees(samples: &mut Samples, channel: Channel, evidence: &str) -> Option<Note> {
+    let place = scale(samples, channel, 1.0 / DEGREES);
+    let text = format!("taken as degrees and converted: {evidence}");
+    note(NoteKind::Unit, Some(channel), place, text)
+}
+
+/// Headings that jump by 360 and stay within that.
+fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
+    let heading = Channel::Heading.index();
+    let within = |low: f64| {
+        samples
+            .of(Channel::Heading)
+            .all(|sample| (low..=low + 360.0).contains(&sample.value))
+    };
+    if !(within(-180.0) || within(0.0)) {
+        return None;
+    }
+    let jumps = |run: &RawRun| {
+        let (mut full, mut other) = (0, 0);
+        for pair in run.channels[heading].windows(2) {
+            let size = (pair[1].value - pair[0].value).abs();
+            if size > LARGE && pair[1].time - pair[0].time < QUICK {
+                full += usize::from(FULL_TURN.contains(&size));
+                other += usize::from(!FULL_TURN.contains(&size));
+            }
+        }
+        (full, other)
+    };
+    let (full, other) = samples
+        .runs
+        .iter()
+        .map(jumps)
+        .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    if full == 0 || other > 0 {
+        return None;
+    }
+    let evidence = format!("it stays within 360 and jumps by that {full} times");
+    from_degrees(samples, Channel::Heading, &evidence)
+}
+
+/// Headings and yaw rates that turn 57 times too fast for each other or for the wheels.
+fn degrees(samples: &mut Samples) -> Vec<Note> {
+    let heading = |run: &_| cumulated(run, Channel::Heading);
+    let gyro = |run: &_| cumulated(run, Channel::YawRate);
+    let difference = |run: &_| wheels(run, [-1.0, 1.0]);
+    let clear = |(correlation, slope): (f64, f64)| {
+        (correlation.abs() >= STRONG).then_some((correlation, slope.abs()))
+    };
+    let of = |agreement: Option<Agreement>| agreement.and_then(|found| clear(found.strongest()));
+    let both = of(compare(samples, STEP, heading, gyro));
+    let turn = of(compare(samples, STEP, heading, difference)).filter(|turn| turn.1 > MOST_TURN);
+    let yaw = of(compare(samples, STEP, gyro, difference)).filter(|yaw| yaw.1 > MOST_TURN);
+    let near = |ratio: f64, unit: f64| (ratio / unit).max(unit / ratio) < NEAR;
+    let (mut heading_evidence, mut gyro_evidence) = (None, None);
+    match both {
+        Some((r, ratio)) if near(ratio, DEGREES) => {
+            heading_evidence = Some(format!(
+                "it turns {ratio:.1} times as fast as yaw_rate says (correlation {r:.2})"
+            ));
+        }
+        Some((r, ratio)) if near(1.0 / ratio, DEGREES) => {
+            let fast = 1.0 / ratio;
+            gyro_evidence = Some(format!(
+                "it is {fast:.1} times as fast as heading turns (correlation {r:.2})"
+            ));
+        }
+        Some((_, ratio)) if !near(ratio, 1.0) => {}
+        _ => {
+            let text = |(r, slope): (f64, f64)| {
+                format!(
+                    "the turn is {slope:.1} per radian of wheel difference (correlation {r:.2})"
+                )
+            };
+            (heading_evidence, gyro_evidence) = (turn.map(text), yaw.map(text));
+            // Those that turn alike have one unit.
+            if both.is_some() {
+                heading_evidence = heading_evidence.or_else(|| gyro_evidence.clone());
+                gyro_evidence = gyro_evidence.or_else(|| heading_evidence.clone());
+            }
+        }
+    }
+    let mut notes = Vec::new();
+    for (channel, evidence) in [
+        (Channel::Heading, heading_evidence),
+        (Channel::YawRate, gyro_evidence),
+    ] {
+        notes.extend(evidence.and_then(|text| from_degrees(samples, channel, &text)));
+    }
+    notes
+}
+
+/// Wheel speeds beyond the limit that in another unit move the vehicle as its pose says.
+fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> {
+    let sides = [Channel::OmegaLeft, Channel::OmegaRight];
+    let beyond = |side: Channel| {
+        samples
+            .of(side)
+            .any(|sample| sample.value.abs() > limit(side))
+    };
+    let radius = vehicle?.wheel_radius;
+    if !sides.into_iter().any(beyond) {
+        return None;
+    }
+    let mean = |run: &_| wheels(run, [0.5, 0.5]);
+    let (correlation, slope) = compare(samples, STEP, super::signs::travel, mean)?.strongest();
+    let units = [("degrees per second", DEGREES), ("rpm", 30.0 / PI)];
+    let fits = |unit: &(&str, f64)| EFFECTIVE.contains(&(slope * unit.1 / radius));
+    let (name, size) = units
+        .into_iter()
+        .find(fits)
+        .filter(|_| correlation >= STRONG)?;
+    let places = sides.map(|side| scale(samples, side, 1.0 / size));
+    let text = format!(
+        "both wheel speeds taken as {name} and converted: as rad/s the vehicle would move at {:.3} \
+         of the rims' speed (correlation {correlation:.2})",
+        slope / radius
+    );
+    note(NoteKind::Unit, Some(Channel::OmegaLeft), places[0], text)
+}

@@ -1,0 +1,140 @@
+//! A file's runs, each with its own clock and pose frame.
+
+use super::{About, Channel, Drive, Note, Series, fill_gaps};
+
+/// One drive without interruption.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Run {
+    /// Value of the column `run`, empty where there is none. Several runs share one where
+    /// the clock starts anew under it.
+    pub label: String,
+    channels: [Option<Series>; Channel::ALL.len()],
+}
+
+impl Run {
+    /// A run without any sample.
+    #[must_use]
+    pub fn new(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            ..Self::default()
+        }
+    }
+
+    /// The run with these samples in a channel, in place of those it had.
+    #[must_use]
+    pub fn with(mut self, channel: Channel, series: Series) -> Self {
+        self.channels[channel.index()] = (!series.is_empty()).then_some(series);
+        self
+    }
+
+    /// Samples of a channel; `None` where there is not a single one.
+    #[must_use]
+    pub fn series(&self, channel: Channel) -> Option<&Series> {
+        self.channels[channel.index()].as_ref()
+    }
+
+    /// The channels that have samples.
+    pub fn channels(&self) -> impl Iterator<Item = (Channel, &Series)> {
+        Channel::ALL
+            .into_iter()
+            .filter_map(|channel| Some((channel, self.series(channel)?)))
+    }
+
+    /// Time of the first sample of any channel \[s\]; 0 without samples.
+    #[must_use]
+    pub fn start(&self) -> f64 {
+        let starts = self.channels().filter_map(|(_, series)| series.start());
+        starts.min_by(f64::total_cmp).unwrap_or(0.0)
+    }
+
+    /// Time of the last sample of any channel \[s\]; 0 without samples.
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        let ends = self.channels().filter_map(|(_, series)| series.end());
+        ends.max_by(f64::total_cmp).unwrap_or(0.0)
+    }
+
+    /// From the first sample to the last \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.end() - self.start()
+    }
+
+    /// Both wheel speeds at every time at which one of them was sampled, gaps filled
+    /// linearly and ends held; `None` where a side has no sample.
+    #[must_use]
+    pub fn drive(&self) -> Option<Drive> {
+        let (left, right) = (
+            self.series(Channel::OmegaLeft)?,
+            self.series(Channel::OmegaRight)?,
+        );
+        let mut time: Vec<f64> = left.time.iter().chain(&right.time).copied().collect();
+        time.sort_by(f64::total_cmp);
+        time.dedup();
+        let rows = |series: &Series| -> Vec<Option<f64>> {
+            let mut samples = series.samples().peekable();
+            let pick = |row: &f64| samples.next_if(|(at, _)| at == row).map(|(_, value)| value);
+            time.iter().map(pick).collect()
+        };
+        let (left, right) = (rows(left), rows(right));
+        let pairs = left.iter().zip(&right);
+        Some(Drive {
+            omega_left: fill_gaps(&time, &left)?,
+            omega_right: fill_gaps(&time, &right)?,
+            filled_rows: pairs.filter(|(l, r)| l.is_none() || r.is_none()).count(),
+            time,
+        })
+    }
+}
+
+/// What is in one file, and in the one beside it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// Name of the file, without folder and ending.
+    pub name: String,
+    /// The runs in the order of their first rows; at least one.
+    pub runs: Vec<Run>,
+    /// What is known of vehicle, terrain and sensors.
+    pub about: About,
+    /// What the reader did to the data.
+    pub notes: Vec<Note>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(samples: &[(f64, f64)]) -> Series {
+        samples.iter().copied().collect()
+    }
+
+    #[test]
+    fn run_reaches_from_the_first_sample_to_the_last() {
+        let run = Run::new("a")
+            .with(Channel::OmegaLeft, series(&[(1.0, 0.0), (2.0, 0.0)]))
+            .with(Channel::X, series(&[(0.5, 0.0), (1.5, 0.0)]))
+            .with(Channel::Y, Series::default());
+        assert_eq!((run.start(), run.end(), run.duration()), (0.5, 2.0, 1.5));
+        assert_eq!(run.channels().count(), 2);
+        assert_eq!(run.series(Channel::Y), None);
+        assert_eq!(run.drive(), None);
+    }
+
+    #[test]
+    fn drive_has_the_times_of_both_sides() {
+        let run = Run::new("")
+            .with(Channel::OmegaLeft, series(&[(0.0, 1.0), (1.0, 3.0)]))
+            .with(
+                Channel::OmegaRight,
+                series(&[(0.5, 5.0), (1.0, 6.0), (2.0, 8.0)]),
+            );
+        let expected = Drive {
+            time: vec![0.0, 0.5, 1.0, 2.0],
+            omega_left: vec![1.0, 2.0, 3.0, 3.0],
+            omega_right: vec![5.0, 5.0, 6.0, 8.0],
+            filled_rows: 3,
+        };
+        assert_eq!(run.drive(), Some(expected));
+    }
+}

@@ -1,0 +1,192 @@
+//! The plots of an inspection.
+
+use super::{is_wheel, title};
+use crate::inspection::{Inspection, Signal, heading_rate, wheel_mean};
+use crate::recording::{Channel, Recording, Run, Series};
+use crate::report::chart::{Chart, Line, Stroke};
+
+/// Window of rates that follow from a pose \[s\].
+const WINDOW: f64 = 0.5;
+
+/// All charts that the recording has data for.
+pub fn charts(recording: &Recording, inspection: &Inspection) -> Vec<Chart> {
+    let runs = &recording.runs;
+    let time = match (runs.len(), runs.first().map_or(0.0, Run::start)) {
+        (1, 0.0) => "time [s]".into(),
+        (1, start) => format!("time after {start} s [s]"),
+        _ => "time, runs end to end [s]".into(),
+    };
+    let over_time = |title: &str, y_label: &str, lines: Vec<Line>| Chart {
+        title: title.into(),
+        x_label: time.clone(),
+        y_label: y_label.into(),
+        lines,
+        is_map: false,
+    };
+    let channel = |channel: Channel| line(runs, channel.name(), |run| run.series(channel).cloned());
+    let radius = recording
+        .about
+        .vehicle
+        .as_ref()
+        .map(|vehicle| vehicle.wheel_radius);
+    let rims = move |run: &Run| scaled(&wheel_mean(run)?, radius?);
+    let mut charts = vec![
+        path(runs),
+        over_time(
+            "Wheel speeds",
+            "rad/s",
+            vec![channel(Channel::OmegaLeft), channel(Channel::OmegaRight)],
+        ),
+        over_time(
+            "Yaw rate",
+            "rad/s",
+            vec![
+                channel(Channel::YawRate),
+                line(runs, "rate of heading", |run| heading_rate(run, WINDOW)),
+            ],
+        ),
+        over_time(
+            "Speed",
+            "m/s",
+            vec![
+                line(runs, "along the heading", speed),
+                line(runs, "wheels' rims", rims),
+                channel(Channel::VX),
+            ],
+        ),
+        over_time("Heading", "rad", vec![channel(Channel::Heading)]),
+        correlations(inspection),
+        over_time("Intervals between samples", "s", intervals(runs)),
+    ];
+    for (title, pair) in [
+        ("Sideways velocity", [Channel::VY, Channel::VY]),
+        ("Accelerations", [Channel::AX, Channel::AY]),
+    ] {
+        let mut lines = pair.map(channel).to_vec();
+        lines.dedup();
+        charts.push(over_time(title, pair[0].unit(), lines));
+    }
+    charts
+}
+
+/// A line over the time since the first run's start, runs end to end.
+fn line(runs: &[Run], name: &str, of: impl Fn(&Run) -> Option<Series>) -> Line {
+    let mut offset = 0.0;
+    let mut parts = Vec::new();
+    for run in runs {
+        let start = run.start();
+        if let Some(series) = of(run) {
+            let points = series
+                .samples()
+                .map(|(time, value)| (offset + time - start, value));
+            parts.push(points.collect());
+        }
+        offset += run.duration();
+    }
+    Line {
+        name: name.into(),
+        parts,
+        stroke: Stroke::Line,
+    }
+}
+
+fn scaled(series: &Series, factor: f64) -> Option<Series> {
+    Some(
+        series
+            .samples()
+            .map(|(time, value)| (time, factor * value))
+            .collect(),
+    )
+}
+
+fn speed(run: &Run) -> Option<Series> {
+    let way = Signal::Way.of(run)?;
+    let times = &run.series(Channel::X)?.time;
+    let speeds = times
+        .iter()
+        .filter_map(|time| Some((*time, way.mean_rate(*time, WINDOW)?)));
+    Some(speeds.collect())
+}
+
+fn path(runs: &[Run]) -> Chart {
+    let part = |run: &Run| {
+        let (x, y) = (run.series(Channel::X)?, run.series(Channel::Y)?);
+        let points = x
+            .samples()
+            .filter_map(|(time, east)| Some((east, y.at(time)?)));
+        Some(points.collect::<Vec<_>>())
+    };
+    let parts: Vec<Vec<(f64, f64)>> = runs.iter().filter_map(part).collect();
+    let starts = parts
+        .iter()
+        .filter_map(|part| Some(vec![*part.first()?]))
+        .collect();
+    Chart {
+        title: "Path".into(),
+        x_label: "x, east [m]".into(),
+        y_label: "y, north [m]".into(),
+        lines: vec![
+            Line {
+                name: "path".into(),
+                parts,
+                stroke: Stroke::Line,
+            },
+            Line {
+                name: "start".into(),
+                parts: starts,
+                stroke: Stroke::Dots,
+            },
+        ],
+        is_map: true,
+    }
+}
+
+fn correlations(inspection: &Inspection) -> Chart {
+    let lines = inspection.delays.iter().map(|delay| Line {
+        name: title(delay),
+        parts: vec![delay.curve.clone()],
+        stroke: Stroke::Line,
+    });
+    Chart {
+        title: "Correlation over delay".into(),
+        x_label: "delay [s]".into(),
+        y_label: "correlation".into(),
+        lines: lines.collect(),
+        is_map: false,
+    }
+}
+
+/// Intervals as dots, for each kind of sensor.
+fn intervals(runs: &[Run]) -> Vec<Line> {
+    let mut lines: Vec<Line> = Vec::new();
+    for channel in Channel::ALL {
+        // One of the wheels and one of the pose stand for the others.
+        if (is_wheel(channel) && channel != Channel::OmegaLeft)
+            || matches!(
+                channel,
+                Channel::Y | Channel::Heading | Channel::VY | Channel::AY
+            )
+        {
+            continue;
+        }
+        let of = |run: &Run| -> Option<Series> {
+            let series = run.series(channel)?;
+            Some(
+                series
+                    .time
+                    .iter()
+                    .copied()
+                    .zip(series.intervals())
+                    .collect(),
+            )
+        };
+        let line = line(runs, channel.name(), of);
+        if !line.parts.is_empty() {
+            lines.push(Line {
+                stroke: Stroke::Dots,
+                ..line
+            });
+        }
+    }
+    lines
+}

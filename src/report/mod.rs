@@ -1,0 +1,5 @@
+//! Results as text, JSON and pages; only renders.
+
+pub mod chart;
+pub mod inspection;
+mod page;

@@ -1,0 +1,149 @@
+//! Looking at recordings.
+
+use super::*;
+use predicates::str::contains;
+
+/// A drive at 20 Hz whose pose, at 10 Hz, is 0.3 s late.
+fn recording() -> String {
+    let turn = |t: f64| 3.0 * (0.9 * t).sin() * (0.2 * t).cos();
+    let yaw_rate = |t: f64| if t < 0.0 { 0.0 } else { 0.16 * turn(t) };
+    let (mut x, mut y, mut heading) = (0.0, 0.0, 0.0);
+    let mut poses = vec![(x, y, heading)];
+    let mut text = String::from("time,omega_left,omega_right,x,y,heading,yaw_rate,secret\n");
+    for index in 0..1600 {
+        let t = 0.05 * f64::from(index);
+        heading += 0.05 * yaw_rate(t);
+        x += 0.05 * 1.2 * f64::cos(heading);
+        y += 0.05 * 1.2 * f64::sin(heading);
+        poses.push((x, y, heading));
+        let (a, b, c) = poses[(index as usize + 1).saturating_sub(6)];
+        let pose = if index % 2 == 0 {
+            format!("{a},{b},{c}")
+        } else {
+            ",,".into()
+        };
+        let (left, right) = (4.0 - turn(t) / 2.0, 4.0 + turn(t) / 2.0);
+        text += &format!("{t:.2},{left},{right},{pose},{},never\n", yaw_rate(t));
+    }
+    text
+}
+
+#[test]
+fn text_tells_rates_and_delays() {
+    let bench = Bench::new();
+    bench.write("field.csv", recording());
+    let text = bench.stdout("inspect field.csv");
+    assert!(text.starts_with("field: 1 run, 80.0 s, "), "{text}");
+    let line = |start: &str| text.lines().find(|line| line.starts_with(start)).unwrap();
+    assert!(line("omega_left").contains(" 20.0 "), "{text}");
+    assert!(line("heading ").contains(" 10.0 "), "{text}");
+    let cells: Vec<&str> = line("heading behind yaw_rate").split_whitespace().collect();
+    let seconds: f64 = cells[3].parse().unwrap();
+    assert!((seconds - 0.3).abs() < 0.03, "{text}");
+    assert!(
+        text.lines()
+            .all(|line| line.len() < 120 && line.trim_end() == line),
+        "{text}"
+    );
+    assert!(
+        !text.contains("secret") && !text.contains("warning"),
+        "{text}"
+    );
+}
+
+#[test]
+fn repairs_are_told_and_faults_refused() {
+    let bench = Bench::new();
+    bench.write(
+        "field.csv",
+        recording().replacen("omega_left,omega_right", "omega_right,omega_left", 1),
+    );
+    let text = bench.stdout("inspect field.csv");
+    assert!(
+        text.contains("warning: omega_left: left and right wheel speeds taken as swapped"),
+        "{text}"
+    );
+    bench.write("field.csv", "time,omega_left,omega_right\n0,1,1\n5,1,x\n");
+    let message = bench.fails("inspect field.csv", 2);
+    assert!(
+        message.starts_with("ugv: error: field.csv: line 3, column 3 (omega_right): found `x`"),
+        "{message}"
+    );
+    bench.write("field.csv", DRIVE);
+    bench.write("field.json", r#"{"terrain": "moon"}"#);
+    let message = bench.fails("inspect field.csv", 2);
+    assert!(
+        message.contains("field.json: terrain: found the text \"moon\""),
+        "{message}"
+    );
+    let message = bench.fails("inspect nowhere.csv", 2);
+    assert!(
+        message.starts_with("ugv: error: cannot read nowhere.csv: "),
+        "{message}"
+    );
+}
+
+#[test]
+fn json_and_page_are_whole() {
+    let bench = Bench::new();
+    bench.write("field.csv", recording());
+    let quiet = bench.stdout("inspect field.csv --json out.json --page out.html --quiet");
+    assert_eq!(quiet, "");
+    let json: serde_json::Value = serde_json::from_str(&bench.read("out.json")).unwrap();
+    assert_eq!(json["format"], "ugv-inspection/1");
+    let delay = &json["delays"][1];
+    assert_eq!(
+        (&delay["of"], &delay["behind"]),
+        (&"heading".into(), &"yaw_rate".into())
+    );
+    let seconds = |key: &str| delay["seconds"][key].as_f64().unwrap();
+    assert!(seconds("low") <= seconds("value") && seconds("value") <= seconds("high"));
+    let page = bench.read("out.html");
+    assert_eq!(
+        page.matches("<figure>").count(),
+        page.matches("</figure>").count()
+    );
+    assert!(page.matches("<figure>").count() >= 6);
+    assert!(
+        page.contains("prefers-color-scheme:dark")
+            && !page.contains("NaN")
+            && !page.contains("http")
+    );
+    bench
+        .ugv("inspect field.csv --json -")
+        .assert()
+        .success()
+        .stdout(contains("ugv-inspection/1"))
+        .stderr(contains("ugv: field: 1 run"));
+    assert_eq!(
+        bench.files(),
+        ["drive.csv", "field.csv", "out.html", "out.json"]
+    );
+}
+
+#[test]
+fn short_recordings_have_no_delays() {
+    let bench = Bench::new();
+    let text = bench.stdout("inspect drive.csv --page page.html");
+    assert!(
+        text.starts_with("drive: 1 run, 0.7 s") && !text.contains("behind"),
+        "{text}"
+    );
+    assert!(bench.read("page.html").contains("Wheel speeds"));
+}
+
+#[test]
+fn own_files_are_not_overwritten() {
+    let bench = Bench::new();
+    for target in [
+        "--json drive.json",
+        "--page drive.csv",
+        "--json ./drive.csv",
+    ] {
+        let message = bench.fails(&format!("inspect drive.csv {target}"), 2);
+        assert!(message.contains("is the recording's own file"), "{message}");
+    }
+    let message = bench.fails("inspect drive.csv --json same --page same", 2);
+    assert!(message.contains("lead to the same place"), "{message}");
+    assert_eq!(bench.files(), ["drive.csv"]);
+}

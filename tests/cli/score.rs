@@ -1,0 +1,220 @@
+//! `ugv score`: models judged by recordings.
+
+use super::*;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// A drive of kinematics with r = 0.23 m and a track of 2 m, pose at 10 Hz, gyro at 20 Hz.
+fn drive(seconds: f64) -> String {
+    let (mut x, mut y, mut heading) = (0.0, 0.0, 0.0);
+    let mut text = String::from("time,omega_left,omega_right,x,y,heading,yaw_rate\n");
+    for k in 0..=(seconds / 0.05) as usize {
+        let time = 0.05 * k as f64;
+        let turn: f64 = 1.2 * (0.83 * time).sin() + 0.8 * (1.37 * time + 1.0).sin();
+        let (left, right): (f64, f64) = (4.0 - turn, 4.0 + turn);
+        let yaw_rate = 0.23 * (right - left) / 2.0;
+        let pose = if k % 2 == 0 {
+            format!("{x},{y},{heading}")
+        } else {
+            ",,".into()
+        };
+        let _ = writeln!(text, "{time:.2},{left},{right},{pose},{yaw_rate}");
+        heading += 0.05 * yaw_rate;
+        x += 0.05 * 0.23 * 4.0 * heading.cos();
+        y += 0.05 * 0.23 * 4.0 * heading.sin();
+    }
+    text
+}
+
+fn json(bench: &Bench, arguments: &str) -> Value {
+    serde_json::from_str(&bench.stdout(arguments)).unwrap()
+}
+
+fn model<'a>(recording: &'a Value, name: &str) -> &'a Value {
+    let mut models = recording["models"].as_array().unwrap().iter();
+    models.find(|model| model["model"] == name).unwrap()
+}
+
+#[test]
+fn fitted_kinematics_predict_a_kinematic_world() {
+    let bench = Bench::new();
+    bench.write("world.csv", drive(60.0));
+    let score = json(&bench, "score world.csv --terrain dry_sand --json -");
+    assert_eq!(score["format"], "ugv-score/1");
+    assert_eq!(score["pooled"], Value::Null);
+    let recording = &score["recordings"][0];
+    let two = model(recording, "two_parameter");
+    let track = &two["parameters"]["track_m"];
+    assert!(
+        (track["value"].as_f64().unwrap() - 2.0).abs() < 0.02,
+        "{track}"
+    );
+    assert!(track["low"].as_f64() < track["value"].as_f64());
+    let median = |name| {
+        model(recording, name)["position_m"]["median"]["value"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!(
+        median("two_parameter") < 0.02,
+        "{}",
+        median("two_parameter")
+    );
+    assert!(median("no_slip") > 0.2, "{}", median("no_slip"));
+    for name in ["three_parameter", "nominal_soil", "given_model"] {
+        assert!(median(name).is_finite(), "{name}");
+        assert_eq!(model(recording, name)["failed"], 0, "{name}");
+    }
+    let description = model(recording, "nominal_soil")["description"]
+        .as_str()
+        .unwrap();
+    assert!(
+        description.contains("clayed_soil by default"),
+        "{description}"
+    );
+    assert_eq!(
+        model(recording, "given_model")["description"],
+        "terrain dry_sand"
+    );
+}
+
+#[test]
+fn table_tells_every_model_and_goes_with_the_file() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(40.0));
+    bench.write("b.csv", drive(50.0));
+    let table = bench.stdout("score a.csv b.csv --json score.json");
+    for word in [
+        "a: ",
+        "b: ",
+        "no_slip",
+        "two_parameter",
+        "three_parameter",
+        "nominal_soil",
+        "median [m]",
+        "latency removed: pose 0.0",
+        "All 2 recordings",
+    ] {
+        assert!(table.contains(word), "{word}: {table}");
+    }
+    assert!(!table.contains("given_model"), "{table}");
+    let score: Value = serde_json::from_str(&bench.read("score.json")).unwrap();
+    assert_eq!(score["pooled"].as_array().unwrap().len(), 4);
+    assert_eq!(bench.files(), ["a.csv", "b.csv", "drive.csv", "score.json"]);
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(40.0));
+    bench.write("b.csv", drive(31.0));
+    let with = |threads: &str| {
+        let mut command = bench.ugv("score a.csv b.csv --terrain dry_sand --json -");
+        command
+            .env("RAYON_NUM_THREADS", threads)
+            .assert()
+            .success()
+            .get_output()
+            .stdout
+            .clone()
+    };
+    assert!(with("1") == with("3"));
+}
+
+#[test]
+fn vehicle_and_terrain_beside_the_recording_are_nominal() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(30.0));
+    let vehicle = bench.stdout("vehicle");
+    bench.write(
+        "a.json",
+        format!("{{\"vehicle\": {vehicle}, \"terrain\": \"dry_clay\"}}"),
+    );
+    let score = json(&bench, "score a.csv --json -");
+    let nominal = model(&score["recordings"][0], "nominal_soil");
+    assert_eq!(nominal["description"], "the recording's vehicle, dry_clay");
+}
+
+#[test]
+fn windows_that_fail_are_counted() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(30.0));
+    let soil = bench.stdout("terrains dry_sand");
+    let mut soft: Value = serde_json::from_str(&soil).unwrap();
+    soft["frictional_modulus"] = 1e3.into();
+    bench.write("soft.json", soft.to_string());
+    let score = json(&bench, "score a.csv --terrain soft.json --json -");
+    let recording = &score["recordings"][0];
+    let given = model(recording, "given_model");
+    assert_eq!(given["failed"], recording["judged"]);
+    assert!(
+        given["first_failure"].as_str().unwrap().contains("bogged"),
+        "{given}"
+    );
+    assert_eq!(given["position_m"], Value::Null);
+    // The others are judged all the same.
+    assert_eq!(recording["counted"], recording["judged"]);
+    assert!(model(recording, "no_slip")["position_m"].is_object());
+    let table = bench.stdout("score a.csv --terrain soft.json");
+    assert!(
+        table.contains("no prediction") && table.contains("bogged"),
+        "{table}"
+    );
+}
+
+#[test]
+fn short_recordings_are_judged_without_a_fit() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(9.0));
+    let score = json(&bench, "score a.csv --json -");
+    let recording = &score["recordings"][0];
+    assert_eq!(recording["fitted"], 0);
+    let two = model(recording, "two_parameter");
+    assert!(
+        two["description"]
+            .as_str()
+            .unwrap()
+            .starts_with("not fitted"),
+        "{two}"
+    );
+    let median = &model(recording, "no_slip")["position_m"]["median"];
+    // One stretch of the drive tells no interval.
+    assert!(
+        median["value"].is_number() && median["low"].is_null(),
+        "{median}"
+    );
+}
+
+#[test]
+fn what_cannot_be_judged_is_refused() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(8.0));
+    bench.write(
+        "still.csv",
+        "time,omega_left,omega_right,x,y,heading\n0,0,0,0,0,0\n\
+        0.5,0,0,0,0,0\n1,0,0,0,0,0\n1.5,0,0,0,0,0\n2,0,0,0,0,0\n2.5,0,0,0,0,0\n",
+    );
+    for (arguments, expected) in [
+        ("score drive.csv", "drive: no sample of x, y, heading"),
+        ("score a.csv --horizon 9", "less than the horizon of 9 s"),
+        ("score a.csv --horizon 0", "horizon = 0: it must be between"),
+        (
+            "score a.csv --spacing=-1",
+            "spacing = -1: it must be between",
+        ),
+        ("score a.csv --horizon NaN", "horizon = NaN"),
+        ("score still.csv --horizon 1", "the vehicle stands still"),
+        (
+            "score still.csv --horizon 1 --heading gyro",
+            "still has no yaw_rate",
+        ),
+        ("score none.csv", "none.csv"),
+        ("score a.csv --terrain sand", "no preset terrain"),
+        ("score", "REC.csv"),
+    ] {
+        let error = bench.fails(arguments, 2);
+        assert!(error.contains(expected), "{arguments}: {error}");
+    }
+    let error = bench.fails("score a.csv --json nowhere/score.json", 1);
+    assert!(error.contains("cannot write nowhere/score.json"), "{error}");
+}

@@ -1,0 +1,264 @@
+//! One wheel under every effect of its contact against a dense sum written from the declarations'
+//! equations alone: other coordinates, another rule, no shared code.
+
+use fearless_simd::Level;
+use proptest::prelude::*;
+use ugv_terrain::contact::{
+    Detail, Regularisation, Resolution, WheelContact, WheelForces, WheelLaw, WheelMemory,
+    WheelMotion,
+};
+use ugv_terrain::effects::{Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak};
+use ugv_terrain::terrain::Terrain;
+
+const RADIUS: f64 = 0.25;
+const WIDTH: f64 = 0.246;
+/// Of the wheel's largest force: what the model's own rule may err by on such a law.
+const RELATIVE_TOLERANCE: f64 = 4e-3;
+const FORCE_TOLERANCE: f64 = 0.3;
+
+/// Rows across the width and points along the arc of the dense sum (midpoint rule).
+const ROWS: usize = 64;
+const POINTS: usize = 3000;
+
+fn soil() -> Soil<f64> {
+    Soil {
+        cohesion: 1720.0,
+        friction: 29.0_f64.to_radians().tan(),
+        modulus: 5.27e3 / WIDTH + 1_515_040.0,
+        exponent: 0.7,
+        shear_modulus: 0.025,
+    }
+}
+
+fn plain() -> WheelLaw<f64> {
+    WheelLaw {
+        soil: soil(),
+        radius: RADIUS,
+        circle: RADIUS,
+        width: WIDTH,
+        rebound: 0.0,
+        modulus_ratio: 1.0,
+        strength_ratio: 1.0,
+        viscosity: [0.0; 2],
+        peak: None,
+        slip_sinkage: None,
+        bulldozing: None,
+        multipass: None,
+        transient: false,
+    }
+}
+
+fn contact() -> WheelContact {
+    let terrain = Terrain::preset("sandy_loam").unwrap();
+    let settings = Regularisation::default();
+    WheelContact::new(&terrain, RADIUS, WIDTH, settings, Resolution::default()).unwrap()
+}
+
+/// Forces F_X, F_Y, F_Z and the moment about the vertical axis of a wheel that travels forwards.
+fn dense(
+    law: &WheelLaw<f64>,
+    m: &WheelMotion<f64>,
+    memory: &WheelMemory<f64>,
+    entry: f64,
+) -> [f64; 4] {
+    let regularisation = Regularisation::default();
+    let rim = law.radius * m.angular_speed;
+    let slip = ((rim - m.forward) / rim.abs().max(m.forward.abs())).abs();
+    let (mut k, mut n) = (law.soil.modulus, law.soil.exponent);
+    if let Some(effect) = &law.slip_sinkage {
+        k /= (1.0 + effect.sinkage_growth * slip).powf(n);
+        n += effect.exponent_growth * slip;
+    }
+    let exit = -law.rebound * entry;
+    let share = law
+        .peak
+        .map_or(0.5, |peak| (peak.a0 + peak.a1 * slip).min(0.95));
+    let peak = exit + share * (entry - exit);
+    let pressure = |theta: f64| {
+        let alike = if theta >= peak {
+            theta
+        } else {
+            entry - (theta - exit) / (peak - exit) * (entry - peak)
+        };
+        let depth = law.circle * (alike.cos() - entry.cos()).max(0.0);
+        match &law.multipass {
+            None => k * depth.powf(n),
+            Some(effect) => {
+                let before = memory.pressed;
+                let ground = before * (1.0 - 1.0 / effect.stiffness_ratio);
+                if ground + depth < before {
+                    effect.stiffness_ratio * k * before.powf(n - 1.0) * depth
+                } else {
+                    k * (ground + depth).powf(n)
+                }
+            }
+        }
+    };
+    let time = law.circle / (law.radius * m.angular_speed.abs());
+    let moved = if law.transient {
+        memory.displacement
+    } else {
+        Displacement {
+            forward: m.forward * time,
+            lateral: m.lateral * time,
+            yaw: m.yaw_rate * time,
+            rim: rim * time,
+        }
+    };
+    let step = (entry - exit) / POINTS as f64;
+    let mut sums = [0.0; 4];
+    for row in 0..ROWS {
+        let y = WIDTH * ((row as f64 + 0.5) / ROWS as f64 - 0.5);
+        for point in 0..POINTS {
+            let theta = exit + step * (point as f64 + 0.5);
+            let (sin, cos) = theta.sin_cos();
+            let sigma = pressure(theta);
+            let forward = m.forward - m.yaw_rate * y;
+            let v = [
+                forward * cos * cos - rim * cos,
+                m.lateral + m.yaw_rate * law.circle * sin,
+                forward * sin * cos - rim * sin,
+            ];
+            let jf = moved.forward - moved.yaw * y;
+            let j = [
+                jf * ((entry - theta) / 2.0 + ((2.0 * entry).sin() - (2.0 * theta).sin()) / 4.0)
+                    - moved.rim * (entry.sin() - sin),
+                moved.lateral * (entry - theta) + moved.yaw * law.circle * (cos - entry.cos()),
+                jf * ((2.0 * theta).cos() - (2.0 * entry).cos()) / 4.0
+                    + moved.rim * (entry.cos() - cos),
+            ];
+            let kx = law.soil.shear_modulus;
+            let ky = kx * law.modulus_ratio;
+            let path = ((j[0] / kx).powi(2) + (j[2] / kx).powi(2) + (j[1] / ky).powi(2)).sqrt();
+            let tau = (law.soil.cohesion + sigma * law.soil.friction) * (1.0 - (-path).exp());
+            let speed = v.iter().map(|v| v * v).sum::<f64>() + regularisation.slip_speed.powi(2);
+            let direction = v.map(|v| -v / speed.sqrt());
+            let area = law.circle * step * WIDTH / ROWS as f64;
+            let shear = [
+                direction[0],
+                direction[1] * law.strength_ratio,
+                direction[2],
+            ];
+            let force = [
+                tau * shear[0] - sigma * sin,
+                tau * shear[1],
+                tau * shear[2] + sigma * cos,
+            ];
+            for axis in 0..3 {
+                sums[axis] += force[axis] * area;
+            }
+            sums[3] += area * (law.circle * sin * tau * shear[1] - y * tau * shear[0]);
+        }
+    }
+    if let Some(effect) = &law.bulldozing {
+        let phi = law.soil.friction.atan();
+        let x = std::f64::consts::FRAC_PI_4 - phi / 2.0;
+        let (cot, d1) = (1.0 / x.tan(), 1.0 / x.tan() + (x + phi).tan());
+        let d2 = cot + cot * cot * phi.tan();
+        let blade = |h: f64| d1 * (law.soil.cohesion * h + d2 * effect.unit_weight * h * h / 2.0);
+        let fading = m
+            .forward
+            .hypot(m.lateral)
+            .hypot(regularisation.travel_speed);
+        for point in 0..POINTS {
+            let theta = exit + step * (point as f64 + 0.5);
+            let h = law.circle * (theta.cos() - entry.cos());
+            let push =
+                effect.lateral * blade(h) * (law.circle - h * theta.cos()) * step * m.lateral
+                    / fading;
+            sums[1] -= push;
+            sums[3] -= push * law.circle * theta.sin();
+        }
+        let deepest = law.circle * (1.0 - entry.cos());
+        sums[0] -= effect.frontal * WIDTH * blade(deepest) * m.forward / fading;
+    }
+    sums[0] -= law.viscosity[0] * m.forward;
+    sums[1] -= law.viscosity[1] * m.lateral;
+    sums
+}
+
+fn totals(forces: &WheelForces<f64>) -> [f64; 4] {
+    [
+        forces.thrust - forces.compaction,
+        forces.lateral,
+        forces.vertical,
+        forces.arc_moment - forces.width_moment,
+    ]
+}
+
+fn law() -> impl Strategy<Value = WheelLaw<f64>> {
+    (0..9, 0.0..1.0, 0.0..1.0).prop_map(|(which, a, b)| {
+        let mut law = plain();
+        match which {
+            0 => law.rebound = a,
+            1 => {
+                law.peak = Some(StressPeak {
+                    a0: 0.25 + 0.3 * a,
+                    a1: 0.3 * b,
+                })
+            }
+            2 => {
+                law.slip_sinkage = Some(SlipSinkage {
+                    exponent_growth: 0.5 * a,
+                    sinkage_growth: b,
+                })
+            }
+            3 => {
+                law.bulldozing = Some(Bulldozing {
+                    lateral: 2.0 * a,
+                    frontal: b,
+                    unit_weight: 17e3,
+                })
+            }
+            4 => {
+                law.multipass = Some(Multipass {
+                    memory: 1.0,
+                    stiffness_ratio: 2.0 + 20.0 * a,
+                })
+            }
+            5 => (law.modulus_ratio, law.strength_ratio) = (0.4 + a, 0.6 + b),
+            6 => law.circle = RADIUS * (1.0 + a),
+            7 => law.viscosity = [100.0 * a, 100.0 * b],
+            _ => {
+                law.rebound = 0.4 * a;
+                law.peak = Some(StressPeak { a0: 0.4, a1: 0.2 });
+                law.multipass = Some(Multipass {
+                    memory: 1.0,
+                    stiffness_ratio: 8.0,
+                });
+                law.modulus_ratio = 0.5 + b;
+            }
+        }
+        law
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 120, rng_seed: prop::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+    #[test]
+    fn forces_are_those_of_a_dense_sum(
+        law in law(),
+        forward in 0.2..3.0_f64,
+        slip in -0.6..0.6_f64,
+        lateral in -0.5..0.5_f64,
+        yaw_rate in -0.8..0.8_f64,
+        entry in 0.15..0.7_f64,
+        pressed in 0.001..0.02_f64,
+    ) {
+        let motion = WheelMotion {
+            forward,
+            lateral,
+            yaw_rate,
+            angular_speed: forward / (RADIUS * (1.0 - slip)),
+        };
+        let memory = WheelMemory { pressed, ..WheelMemory::NONE };
+        let forces = contact().altered_forces(Level::new(), &law, &motion, &memory, entry, Detail::Full);
+        let (found, expected) = (totals(&forces), dense(&law, &motion, &memory, entry));
+        let largest = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        for (a, b) in found.iter().zip(expected) {
+            let tolerance = RELATIVE_TOLERANCE * largest + FORCE_TOLERANCE;
+            prop_assert!((a - b).abs() < tolerance, "{found:?} {expected:?}");
+        }
+    }
+}

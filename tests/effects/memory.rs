@@ -1,0 +1,216 @@
+//! What the vehicle and its ground remember: held slopes, steady states, ruts.
+
+use super::common::{paper_model, speeds, symmetric_model};
+use super::model;
+use ugv_terrain::simulation::{Simulation, State};
+use ugv_terrain::terrain::Terrain;
+use ugv_terrain::vehicle::VehicleModel;
+
+/// 10 deg \[rad\].
+const TEN_DEGREES: f64 = 0.174_532_925_199_432_95;
+
+/// Positions along the slope after 25 s (the last of the motion fades within some seconds) and
+/// after 60 s with locked wheels.
+fn parked(model: VehicleModel) -> [State; 2] {
+    let mut parked = Simulation::new(model);
+    [25.0, 35.0].map(|seconds| {
+        parked.step(seconds).unwrap();
+        parked.state()
+    })
+}
+
+#[test]
+fn locked_wheels_hold_a_slope_of_ten_degrees_without_creeping() {
+    for terrain in Terrain::PRESETS {
+        for (slope, heading) in [
+            ("grade.slope_east", "uphill"),
+            ("grade.slope_north", "across"),
+        ] {
+            let effects = [(slope, TEN_DEGREES), ("transient_shear.relaxation", 1.0)];
+            let [settled, later] = parked(model(terrain, &effects));
+            let crept = (later.x - settled.x).hypot(later.y - settled.y);
+            assert!(crept < 1e-6, "{terrain} {heading}: {crept} m in 35 s");
+            assert!(
+                later.v_x.hypot(later.v_y) < 1e-7,
+                "{terrain} {heading}: {later:?}"
+            );
+            // It gives by a few shear moduli until the soil holds.
+            let given = later.x.hypot(later.y);
+            assert!(
+                given > 1e-4 && given < 0.15,
+                "{terrain} {heading}: gave {given} m"
+            );
+            // The paper's model, whose shear forgets, creeps.
+            let [settled, later] = parked(model(terrain, &[(slope, TEN_DEGREES)]));
+            let crept = (later.x - settled.x).hypot(later.y - settled.y);
+            assert!(crept > 1e-3, "{terrain} {heading}: {crept} m");
+        }
+    }
+}
+
+#[test]
+fn the_steady_state_of_the_transient_is_the_papers() {
+    for terrain in Terrain::PRESETS {
+        let steady = |model: VehicleModel| {
+            let mut drive = Simulation::new(model);
+            drive.set_wheel_speeds(speeds(5.0, 6.0)).unwrap();
+            drive.step(20.0).unwrap();
+            drive.state()
+        };
+        let paper = steady(paper_model(terrain));
+        let transient = steady(model(terrain, &[("transient_shear.relaxation", 1.0)]));
+        for (name, a, b) in [
+            ("v_x", paper.v_x, transient.v_x),
+            ("v_y", paper.v_y, transient.v_y),
+            ("yaw rate", paper.yaw_rate, transient.yaw_rate),
+        ] {
+            // What holds a wheel at rest turns the shear by some mm/s over the slip speed.
+            assert!(
+                (a - b).abs() < 5e-3 * paper.v_x,
+                "{terrain} {name}: {a} {b}"
+            );
+        }
+    }
+}
+
+#[test]
+fn forces_lag_the_motion_for_longer_with_a_longer_relaxation() {
+    let reached = |relaxation: f64| {
+        let mut drive = Simulation::new(model(
+            "sandy_loam",
+            &[("transient_shear.relaxation", relaxation)],
+        ));
+        drive.set_wheel_speeds(speeds(4.0, 4.0)).unwrap();
+        drive.step(0.15).unwrap();
+        drive.state().v_x
+    };
+    let [quick, physical, slow] = [0.3, 1.0, 4.0].map(reached);
+    assert!(
+        quick > physical && physical > slow && slow > 0.0,
+        "{quick} {physical} {slow}"
+    );
+}
+
+#[test]
+fn rows_behind_run_in_the_rut_of_the_rows_ahead() {
+    for terrain in Terrain::PRESETS {
+        let run = |memory: f64, omega: f64| {
+            let mut drive = Simulation::new(model(
+                terrain,
+                &[("multipass.memory", memory), ("com_shift.ahead", -0.17)],
+            ));
+            drive.set_wheel_speeds(speeds(omega, omega)).unwrap();
+            drive.step(10.0).unwrap();
+            drive
+        };
+        let mut remembering = run(1.0, 6.0);
+        let wrench = remembering.wrench().unwrap().clone();
+        let row = |index: usize| wrench.wheels[2 * index];
+        for index in 1..4 {
+            // Steeper ground: a shorter contact for about the same load, at least as deep a track.
+            let (before, behind) = (row(index - 1), row(index));
+            assert!(
+                behind.entry_angle < 1.02 * before.entry_angle,
+                "{terrain} row {index}"
+            );
+            assert!(
+                behind.sinkage > 0.9 * before.sinkage,
+                "{terrain} row {index}"
+            );
+        }
+        // Dry clay hardly yields: its loading is nearly as steep as its unloading.
+        let share = if terrain == "dry_clay" { 1.0 } else { 0.7 };
+        assert!(row(1).entry_angle < share * row(0).entry_angle, "{terrain}");
+        let mut forgetting = run(1e-9, 6.0);
+        let plain = forgetting.wrench().unwrap();
+        assert!(
+            wrench.rolling_resistance < share.max(0.8) * plain.rolling_resistance,
+            "{terrain}"
+        );
+        // In reverse the last row leads.
+        let mut back = run(1.0, -6.0);
+        let reverse = back.wrench().unwrap().clone();
+        for index in 0..4 {
+            let (ahead, behind) = (
+                row(index).entry_angle,
+                reverse.wheels[2 * (3 - index)].entry_angle,
+            );
+            assert!(
+                (ahead - behind).abs() < 0.02 * ahead,
+                "{terrain}: {ahead} {behind}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_rut_is_remembered_at_rest_and_left_behind_in_a_turn() {
+    let mut drive = Simulation::new(model("dry_sand", &[("multipass.memory", 1.0)]));
+    drive.set_wheel_speeds(speeds(6.0, 6.0)).unwrap();
+    drive.step(8.0).unwrap();
+    let names = drive.model().memory_names();
+    assert_eq!(names[2], "wheel[3].rut_depth");
+    drive.set_wheel_speeds(speeds(0.0, 0.0)).unwrap();
+    drive.step(3.0).unwrap();
+    let stopped = drive.memory()[2];
+    drive.step(60.0).unwrap();
+    assert!(stopped > 1e-3);
+    assert!(
+        (drive.memory()[2] - stopped).abs() < 1e-6,
+        "{stopped} {:?}",
+        drive.memory()
+    );
+    // On the spot every row slides out of the tracks.
+    drive.set_wheel_speeds(speeds(-6.0, 6.0)).unwrap();
+    drive.step(5.0).unwrap();
+    assert!(
+        drive.memory()[2] < 0.7 * stopped,
+        "{stopped} {:?}",
+        drive.memory()
+    );
+}
+
+#[test]
+fn saved_memory_is_taken_up_again() {
+    let build = || {
+        model(
+            "sandy_loam",
+            &[
+                ("multipass.memory", 1.0),
+                ("transient_shear.relaxation", 1.0),
+            ],
+        )
+    };
+    let mut drive = Simulation::new(build());
+    drive.set_wheel_speeds(speeds(5.0, 7.0)).unwrap();
+    drive.step(1.5).unwrap();
+    let saved = drive.snapshot();
+    let mut other = Simulation::new(build());
+    other.restore(&saved).unwrap();
+    drive.step(1.0).unwrap();
+    other.step(1.0).unwrap();
+    assert_eq!(drive.state(), other.state());
+    assert_eq!(drive.memory(), other.memory());
+    assert_eq!(drive.wrench().unwrap(), other.wrench().unwrap());
+}
+
+#[test]
+fn the_distance_is_remembered_where_a_profile_needs_it() {
+    use ugv_terrain::effects::{Effects, Points, SlopeProfile};
+    let mut effects = Effects::NONE;
+    let points = Points::new(vec![3.0, 3.5], vec![[0.0; 2], [0.15, 0.0]]).unwrap();
+    effects.slope_profile = Some(SlopeProfile::Distance(points));
+    let specification = super::specification("dry_clay", effects);
+    let mut drive = Simulation::new(VehicleModel::from_specification(&specification).unwrap());
+    let mut flat = Simulation::new(symmetric_model("dry_clay"));
+    for drive in [&mut drive, &mut flat] {
+        drive.set_wheel_speeds(speeds(4.0, 4.0)).unwrap();
+        drive.step(2.0).unwrap();
+    }
+    let before = drive.state().x;
+    assert!((drive.memory()[0] - before).abs() < 1e-3);
+    let level = drive.wrench().unwrap().wheels[6].load;
+    drive.step(8.0).unwrap();
+    // Uphill the rear rows carry more.
+    assert!(drive.wrench().unwrap().wheels[6].load > level + 50.0);
+}

@@ -1,0 +1,91 @@
+//! The page of all effects says what their declarations say.
+//!
+//! `UGV_BLESS=1 cargo test --test effects page` writes it anew.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use ugv_terrain::effects::{CATALOGUE, Declaration, Kind, Prior};
+
+const HEAD: &str = "\
+# Effects: the physics that the paper leaves out
+
+<!-- Written by `UGV_BLESS=1 cargo test --test effects page` from the declarations in `src/effects/`. -->
+
+Each effect is one file in `src/effects/`, of one shape, generic over the scalar: the same code is switched
+on by a file (`ugv simulate --effects FILE`), estimated by `ugv fit`, and set as an FMU's parameters. With all
+off the model is the paper's, bit for bit. An effect is on when one of its **bold** parameters differs from its
+default; the others shape it. Symbols as in the paper; i is the longitudinal slip, z and h the sinkage.
+";
+
+fn prior(prior: &Prior) -> String {
+    match prior {
+        Prior::Normal { mean, deviation } => format!("{mean} ± {deviation}"),
+        Prior::LogNormal { median, deviation } => format!("{median} ×/÷ {:.2}", deviation.exp()),
+    }
+}
+
+fn section(page: &mut String, effect: &Declaration) {
+    let Declaration {
+        name,
+        lifts,
+        equation,
+        source,
+        parameters,
+        ..
+    } = effect;
+    writeln!(page, "\n### `{name}`\n").unwrap();
+    writeln!(
+        page,
+        "- lifts: {lifts}\n- equation: `{equation}`\n- source: {source}\n"
+    )
+    .unwrap();
+    writeln!(
+        page,
+        "| parameter | unit | range | default | prior | meaning |\n|---|---|---|---|---|---|"
+    )
+    .unwrap();
+    for p in *parameters {
+        let name = if p.switches {
+            format!("**{}**", p.name)
+        } else {
+            p.name.to_owned()
+        };
+        writeln!(
+            page,
+            "| {name} | {} | {} .. {} | {} | {} | {} |",
+            p.unit,
+            p.low,
+            p.high,
+            p.default,
+            prior(&p.prior),
+            p.description
+        )
+        .unwrap();
+    }
+}
+
+#[test]
+fn the_page_says_what_the_declarations_say() {
+    let mut page = HEAD.to_owned();
+    for (kind, title) in [
+        (Kind::Physics, "Physics"),
+        (
+            Kind::Measurement,
+            "Measurement (never to be blamed on the soil)",
+        ),
+    ] {
+        writeln!(page, "\n## {title}").unwrap();
+        for effect in CATALOGUE.iter().filter(|effect| effect.kind == kind) {
+            section(&mut page, effect);
+        }
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/docs/effects.md");
+    if std::env::var_os("UGV_BLESS").is_some() {
+        std::fs::write(&path, &page).unwrap();
+    }
+    let written = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        written == page,
+        "src/docs/effects.md is out of date: UGV_BLESS=1 cargo test --test effects page"
+    );
+}

@@ -1,0 +1,11 @@
+//! Fits to recordings whose truth is known.
+
+#![cfg(feature = "cli")]
+
+mod answers;
+mod coverage;
+mod derivatives;
+mod differences;
+mod recovery;
+mod refusals;
+mod synthetic;

@@ -1,0 +1,159 @@
+//! The truth comes back.
+
+use crate::synthetic::{QUIET, Sensors, fitted, nominal, plain, record, truths};
+use ugv_terrain::fit::{Fit, Options};
+
+const FREE: [&str; 3] = ["cohesion", "friction_angle", "shear_modulus"];
+
+/// Distance of each estimate from the truth in half widths of its interval.
+fn misses(fit: &Fit, truths: &[f64]) -> Vec<f64> {
+    let each = fit.estimates.iter().zip(truths).map(|(estimate, truth)| {
+        let at = |value| estimate.parameter.coordinate(value);
+        let half = (at(estimate.high) - at(estimate.low)) / 2.0;
+        (at(estimate.value) - at(*truth)).abs() / half
+    });
+    each.collect()
+}
+
+#[test]
+fn terrains_come_back_with_all_that_sensors_do() {
+    for (seed, terrain) in (1..).zip(["dry_sand", "sandy_loam", "clayed_soil"]) {
+        let by = Sensors {
+            seed,
+            pose_latency: 0.3,
+            wheel_latency: 0.12,
+            yaw_rate_bias: 0.02,
+            coloured: [0.01, 0.003, 0.005],
+            outliers: 0.02,
+            missing: 0.1,
+            ..QUIET
+        };
+        let truth = nominal(terrain);
+        let mut begin = truth.clone();
+        begin.terrain.cohesion *= 2.0;
+        begin.terrain.friction_angle += 0.1;
+        begin.terrain.shear_modulus *= 0.5;
+        let fit = fitted(&begin, &FREE, &[record(&truth, 40.0, &by)], &plain()).unwrap();
+        assert!(fit.converged, "{terrain}");
+        let misses = misses(&fit, &truths(&fit, &truth, &by));
+        // Of a normal distribution 1.645 deviations wide intervals, 3.5 deviations: once in
+        // two thousand.
+        assert!(misses.iter().all(|m| *m < 2.1), "{terrain} {misses:?}");
+        // Latencies to a hundredth of a second.
+        for (estimate, late) in fit.estimates[3..5].iter().zip([0.3, 0.12]) {
+            assert!(
+                (estimate.value - late).abs() < 0.01,
+                "{terrain} {estimate:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn noise_is_told_from_the_data() {
+    let by = Sensors {
+        coloured: [0.03, 0.0, 0.02],
+        ..QUIET
+    };
+    let truth = nominal("sandy_loam");
+    let fit = fitted(&truth, &FREE, &[record(&truth, 60.0, &by)], &plain()).unwrap();
+    let noise = &fit.noise;
+    assert_eq!(noise.len(), 3);
+    // Student's t is narrower than the normal distribution whose samples it is fitted to, and
+    // slow noise of 60 s has some hundred independent values: a quarter.
+    for (estimate, (white, coloured)) in
+        noise
+            .iter()
+            .zip([(0.01, 0.03), (0.003, 0.0), (0.005, 0.02)])
+    {
+        let found = estimate.noise;
+        assert!((found.white / white - 0.9).abs() < 0.25, "{estimate:?}");
+        if coloured > 0.0 {
+            assert!(
+                (found.coloured / coloured - 1.0).abs() < 0.35,
+                "{estimate:?}"
+            );
+            assert!(
+                (0.25..1.0).contains(&found.correlation_time),
+                "{estimate:?}"
+            );
+        } else {
+            assert!(found.coloured < white, "{estimate:?}");
+        }
+    }
+}
+
+#[test]
+fn weights_beat_none_where_there_are_outliers() {
+    let truth = nominal("sandy_loam");
+    let mut lead = 0.0;
+    for seed in 1..=4 {
+        let by = Sensors {
+            seed,
+            outliers: 0.05,
+            ..QUIET
+        };
+        let recording = [record(&truth, 30.0, &by)];
+        let error = |robust| {
+            let options = Options { robust, ..plain() };
+            let fit = fitted(&truth, &FREE, &recording, &options).unwrap();
+            let at = fit.estimates.iter().zip(truths(&fit, &truth, &by));
+            let off = |(e, t): (&ugv_terrain::fit::Estimate, f64)| {
+                let p = &e.parameter;
+                ((p.coordinate(e.value) - p.coordinate(t)) / p.prior.deviation).powi(2)
+            };
+            at.map(off).sum::<f64>()
+        };
+        lead += (error(false) / error(true)).ln();
+    }
+    // 15-fold outliers in a twentieth of the samples triple the variance of plain means.
+    assert!(lead / 4.0 > 0.3, "{lead}");
+}
+
+#[test]
+fn two_recordings_share_the_soil_and_keep_their_sensors() {
+    let truth = nominal("sandy_loam");
+    let first = Sensors {
+        pose_latency: 0.1,
+        ..QUIET
+    };
+    let second = Sensors {
+        seed: 2,
+        pose_latency: 0.4,
+        yaw_rate_bias: -0.01,
+        ..QUIET
+    };
+    let mut recordings = [record(&truth, 20.0, &first), record(&truth, 20.0, &second)];
+    recordings[1].name = "other".into();
+    let fit = fitted(&truth, &FREE, &recordings, &plain()).unwrap();
+    assert_eq!(fit.estimates.len(), 3 + 2 * 3);
+    let value = |name: &str| {
+        let mut estimates = fit.estimates.iter();
+        estimates.find(|e| e.parameter.name == name).unwrap().value
+    };
+    assert!((value("drive.pose_latency") - 0.1).abs() < 0.01);
+    assert!((value("other.pose_latency") - 0.4).abs() < 0.01);
+    assert!((value("other.yaw_rate_bias") + 0.01).abs() < 0.002);
+    let alone = fitted(&truth, &FREE, &recordings[..1], &plain()).unwrap();
+    let width = |fit: &Fit, k: usize| fit.uncertainty.deviation(k);
+    assert!((0..3).all(|k| width(&fit, k) < width(&alone, k)));
+}
+
+#[test]
+fn threads_leave_no_trace() {
+    let truth = nominal("clayed_soil");
+    let recording = [record(&truth, 15.0, &QUIET)];
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        let options = Options {
+            starts: 2,
+            ..Options::default()
+        };
+        pool.install(|| fitted(&truth, &FREE, &recording, &options).unwrap())
+    };
+    let (one, two) = (run(1), run(2));
+    assert_eq!(one.estimates, two.estimates);
+    assert_eq!(one.noise, two.noise);
+    assert_eq!(one.starts, two.starts);
+}
