@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         String::new()
     } else {
         format!(
-            ", for co-simulation alone ({} add states)",
+            ", for co-simulation alone (states of their own: {})",
             remembering.join(", ")
         )
     };
