@@ -38,8 +38,17 @@ fn effects_bring_the_law_nearer_to_a_real_wheel() {
     let scatter = scatter(&data.trials);
     let mut last: Vec<Fit> = Vec::new();
     let mut of = |effects: &[Effect], flank: Flank| {
-        let law = Law { flank, ..Law::new(effects, &data.plates) };
-        let found = fit(&rig, &law, &fitted, scatter, &last.iter().collect::<Vec<_>>());
+        let law = Law {
+            flank,
+            ..Law::new(effects, &data.plates)
+        };
+        let found = fit(
+            &rig,
+            &law,
+            &fitted,
+            scatter,
+            &last.iter().collect::<Vec<_>>(),
+        );
         let judged = Judged::new(&rig, &found, &judged);
         last = vec![found.clone()];
         (judged, found)
@@ -53,11 +62,23 @@ fn effects_bring_the_law_nearer_to_a_real_wheel() {
 
     let gains = [
         ("slip_sinkage, sinkage", &sinking, &paper, SINKAGE, 0.40),
-        ("elastic_rebound, traction", &rebounding, &sinking, TRACTION, 0.12),
+        (
+            "elastic_rebound, traction",
+            &rebounding,
+            &sinking,
+            TRACTION,
+            0.12,
+        ),
         ("bulldozing, side force", &best, &rebounding, SIDE, 0.25),
         ("all three, traction", &best, &paper, TRACTION, 0.30),
         ("all three, side force", &best, &paper, SIDE, 0.40),
-        ("a flank as wide as it is, side force", &best, &ishigami, SIDE, 0.0),
+        (
+            "a flank as wide as it is, side force",
+            &best,
+            &ishigami,
+            SIDE,
+            0.0,
+        ),
     ];
     for (what, law, than, output, least) in gains {
         let gain = law.gain_over(than, output);
@@ -66,5 +87,8 @@ fn effects_bring_the_law_nearer_to_a_real_wheel() {
     }
     // The sand's angle of repose is 29 deg; without the effects the fit makes it 17.
     let angle = best_fit.value("friction angle phi");
-    assert!(angle.is_some_and(|angle| (20.0..40.0).contains(&angle)), "{angle:?}");
+    assert!(
+        angle.is_some_and(|angle| (20.0..40.0).contains(&angle)),
+        "{angle:?}"
+    );
 }

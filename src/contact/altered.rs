@@ -5,8 +5,7 @@ use super::quadrature::Quadrature;
 use super::wheel::OneSided;
 use super::{Detail, WheelContact, WheelForces, WheelMotion};
 use crate::effects::{
-    Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak, absolute_slip,
-    whole_slip,
+    Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak, absolute_slip, whole_slip,
 };
 use crate::scalar::Scalar;
 use fearless_simd::{Level, Simd, dispatch};

@@ -31,7 +31,12 @@ const HELD_WITHIN: f64 = 0.1;
 /// rounded off within `width` \[m/s\] of zero.
 #[inline(always)]
 pub fn absolute_slip<S: Scalar>(rim_speed: S, forward: S, width: f64) -> S {
-    let slip = (rim_speed - forward) / larger(rim_speed.rounded_abs(width), forward.rounded_abs(width), width);
+    let slip = (rim_speed - forward)
+        / larger(
+            rim_speed.rounded_abs(width),
+            forward.rounded_abs(width),
+            width,
+        );
     // Rounded off within one per cent, and zero at zero.
     slip.rounded_abs(0.01).offset(-0.01)
 }
@@ -40,10 +45,15 @@ pub fn absolute_slip<S: Scalar>(rim_speed: S, forward: S, width: f64) -> S {
 /// lateral speed V_Y \[m/s\]: [`absolute_slip`] where V_Y is zero, held from 1 on.
 #[inline(always)]
 pub fn whole_slip<S: Scalar>(rim_speed: S, forward: S, lateral: S, width: f64) -> S {
-    let travel = (forward * forward + lateral * lateral).offset(width * width).sqrt();
+    let travel = (forward * forward + lateral * lateral)
+        .offset(width * width)
+        .sqrt();
     let largest = larger(rim_speed.rounded_abs(width), travel, width);
     let (along, across) = ((rim_speed - forward) / largest, lateral / largest);
-    let slip = (along * along + across * across).offset(0.01 * 0.01).sqrt().offset(-0.01);
+    let slip = (along * along + across * across)
+        .offset(0.01 * 0.01)
+        .sqrt()
+        .offset(-0.01);
     if slip.value() <= 1.0 {
         return slip;
     }
@@ -86,7 +96,10 @@ mod tests {
     #[test]
     fn a_plate_under_the_same_pressure_sinks_by_the_factor() {
         // S = 0.5 at s = 0.6: 1.3 / 0.85 = 1.529412 times as deep.
-        let effect = SlipSinkage { exponent_growth: 0.0, sinkage_growth: 0.5 };
+        let effect = SlipSinkage {
+            exponent_growth: 0.0,
+            sinkage_growth: 0.5,
+        };
         let slipped = effect.soil(&SOIL, 0.6);
         let depth = |soil: &Soil<f64>| (20e3 / soil.modulus).powf(1.0 / soil.exponent);
         assert!((depth(&slipped) / depth(&SOIL) - 1.3 / 0.85).abs() < 1e-12);
@@ -109,7 +122,14 @@ mod tests {
         let width = 1e-6;
         let slip = |rim, forward, lateral| whole_slip(rim, forward, lateral, width);
         // Straight ahead it is the longitudinal slip, driven, braked and backwards.
-        for (rim, forward) in [(2.0, 1.0), (1.0, 2.0), (-2.0, -1.0), (0.0, 1.0), (1.0, 0.0), (0.0, 0.0)] {
+        for (rim, forward) in [
+            (2.0, 1.0),
+            (1.0, 2.0),
+            (-2.0, -1.0),
+            (0.0, 1.0),
+            (1.0, 0.0),
+            (0.0, 0.0),
+        ] {
             assert_eq!(slip(rim, forward, 0.0), absolute_slip(rim, forward, width));
         }
         // 30 deg and a rim as fast as the wheel: sqrt((1 - 0.866025)^2 + 0.25) = 0.517638.

@@ -165,9 +165,8 @@ fn dense(
         for point in 0..POINTS {
             let theta = exit + step * (point as f64 + 0.5);
             let h = law.circle * (theta.cos() - entry.cos());
-            let push =
-                effect.lateral * blade(h) * (law.circle - h * theta.cos()) * step * m.lateral
-                    / fading;
+            let blades = blade(h) * law.circle * theta.cos() * step;
+            let push = effect.lateral * blades * m.lateral / fading;
             sums[1] -= push;
             sums[3] -= push * law.circle * theta.sin();
         }

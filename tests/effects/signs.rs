@@ -222,9 +222,18 @@ fn slip_sinkage_digs_spinning_wheels_in() {
 
 #[test]
 fn wheels_that_slide_sideways_dig_in_as_well() {
-    let (on, off) = (model("dry_sand", &[("slip_sinkage.sinkage_growth", 0.8)]), paper_model("dry_sand"));
+    let (on, off) = (
+        model("dry_sand", &[("slip_sinkage.sinkage_growth", 0.8)]),
+        paper_model("dry_sand"),
+    );
     let deeper = |motion: &Motion| {
-        let sinkages = |model| wrench(model, motion).wheels.iter().map(|wheel| wheel.sinkage).sum::<f64>();
+        let sinkages = |model| {
+            wrench(model, motion)
+                .wheels
+                .iter()
+                .map(|wheel| wheel.sinkage)
+                .sum::<f64>()
+        };
         sinkages(&on) / sinkages(&off)
     };
     assert!(deeper(&SIDEWAYS) > 1.02 * deeper(&STRAIGHT));
