@@ -31,7 +31,10 @@ use ugv_terrain::contact::Detail;
 /// An effect joins the best combination while it lowers the training cost by this share.
 const WORTH: f64 = 0.05;
 /// Between them the page's text is written by this program.
-const MARKS: [&str; 2] = ["<!-- written by the example single_wheel -->", "<!-- end -->"];
+const MARKS: [&str; 2] = [
+    "<!-- written by the example single_wheel -->",
+    "<!-- end -->",
+];
 
 fn main() -> ExitCode {
     let data = match Data::read() {
@@ -74,7 +77,11 @@ struct Halves<'s> {
 impl Halves<'_> {
     fn of(&self, keep: impl Fn(&Trial) -> bool) -> Self {
         let part = |trials: &[Trial]| trials.iter().filter(|t| keep(t)).cloned().collect();
-        Halves { fitted: part(&self.fitted), judged: part(&self.judged), ..*self }
+        Halves {
+            fitted: part(&self.fitted),
+            judged: part(&self.judged),
+            ..*self
+        }
     }
 
     fn law(&self, effects: &[Effect]) -> Law {
@@ -84,7 +91,11 @@ impl Halves<'_> {
     fn line(&self, law: &Law, name: String, from: &[&Fit]) -> Line {
         let fit = fit(self.rig, law, &self.fitted, self.scatter, from);
         eprintln!("fitted {name}: cost {:.1}", fit.cost);
-        Line { judged: Judged::new(self.rig, &fit, &self.judged), name, fit }
+        Line {
+            judged: Judged::new(self.rig, &fit, &self.judged),
+            name,
+            fit,
+        }
     }
 
     /// Several laws, on all processors.
@@ -95,7 +106,8 @@ impl Halves<'_> {
             for _ in 0..workers {
                 scope.spawn(|| {
                     loop {
-                        let Some((place, (name, law))) = next.lock().expect("no panic").next() else {
+                        let Some((place, (name, law))) = next.lock().expect("no panic").next()
+                        else {
                             return;
                         };
                         let line = self.line(law, name.clone(), from);
@@ -131,7 +143,10 @@ fn study(rig: &Rig, data: &Data) -> Result<(String, String), String> {
         .chain(Effect::ALL.map(|effect| vec![effect]))
         .chain([vec![Effect::SinkageGrowth, Effect::ExponentGrowth]])
         .collect();
-    let mut table = first.lines(alone.iter().map(|effects| named(&first, effects)).collect(), &[]);
+    let mut table = first.lines(
+        alone.iter().map(|effects| named(&first, effects)).collect(),
+        &[],
+    );
     let mut trail = Vec::new();
     let mut best = table[1..=Effect::ALL.len()]
         .iter()
@@ -139,10 +154,15 @@ fn study(rig: &Rig, data: &Data) -> Result<(String, String), String> {
         .map(|line| line.fit.clone())
         .ok_or("no effects")?;
     loop {
-        let more = Effect::ALL.into_iter().filter(|effect| !best.law.effects.contains(effect));
+        let more = Effect::ALL
+            .into_iter()
+            .filter(|effect| !best.law.effects.contains(effect));
         let tried = more.map(|effect| named(&first, &[&best.law.effects[..], &[effect]].concat()));
         let tried = first.lines(tried.collect(), &[&best]);
-        let Some(next) = tried.into_iter().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost)) else {
+        let Some(next) = tried
+            .into_iter()
+            .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
+        else {
             break;
         };
         let worth = next.fit.cost < (1.0 - WORTH) * best.cost;
@@ -170,9 +190,21 @@ fn study(rig: &Rig, data: &Data) -> Result<(String, String), String> {
         forms.push((name.to_owned(), law));
     };
     form("as in the library", Growth::Library, Flank::Library);
-    form("sinkage 1 + S s, s along and across", Growth::Linear, Flank::Library);
-    form("sinkage (1 + S i)/(1 - S i/2), i along only", Growth::LyaskoAlong, Flank::Library);
-    form("sinkage 1 + S i, i along only", Growth::LinearAlong, Flank::Library);
+    form(
+        "sinkage 1 + S s, s along and across",
+        Growth::Linear,
+        Flank::Library,
+    );
+    form(
+        "sinkage (1 + S i)/(1 - S i/2), i along only",
+        Growth::LyaskoAlong,
+        Flank::Library,
+    );
+    form(
+        "sinkage 1 + S i, i along only",
+        Growth::LinearAlong,
+        Flank::Library,
+    );
     form("flank r - h cos(theta)", Growth::Library, Flank::Ishigami);
     let forms = first.lines(forms, &[&best]);
 
@@ -202,9 +234,19 @@ fn study(rig: &Rig, data: &Data) -> Result<(String, String), String> {
     let believed = Believed::from_plates(plates);
     let growths = [Effect::SinkageGrowth, Effect::ExponentGrowth].map(|effect| {
         let alone = |line: &&Line| line.fit.law.effects == [effect];
-        table.iter().find(alone).expect("every effect is fitted alone")
+        table
+            .iter()
+            .find(alone)
+            .expect("every effect is fitted alone")
     });
-    let constants = [&table[0], growths[0], growths[1], &table[best_at], &others[1], &others[3]];
+    let constants = [
+        &table[0],
+        growths[0],
+        growths[1],
+        &table[best_at],
+        &others[1],
+        &others[3],
+    ];
     let text = format!(
         "{} trials fitted, {} judged. Scatter between trials of one condition: {:.2} N traction, {:.2} N side \
          force, {:.2} mm sinkage. From the plates: n = {:.2} ± {:.2}, p(20 mm) = {:.1} kPa within {:.0} %.\n\n\
@@ -236,8 +278,14 @@ fn study(rig: &Rig, data: &Data) -> Result<(String, String), String> {
 fn update(page: &Path, text: &str) -> Result<(), String> {
     let fail = |what: &str| format!("{}: {what}", page.display());
     let old = std::fs::read_to_string(page).map_err(|error| fail(&error.to_string()))?;
-    let start = old.find(MARKS[0]).ok_or_else(|| fail("no mark to begin at"))? + MARKS[0].len();
-    let end = old[start..].find(MARKS[1]).ok_or_else(|| fail("no mark to end at"))? + start;
+    let start = old
+        .find(MARKS[0])
+        .ok_or_else(|| fail("no mark to begin at"))?
+        + MARKS[0].len();
+    let end = old[start..]
+        .find(MARKS[1])
+        .ok_or_else(|| fail("no mark to end at"))?
+        + start;
     write(page, &format!("{}\n{text}\n{}", &old[..start], &old[end..]))
 }
 

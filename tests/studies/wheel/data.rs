@@ -33,7 +33,11 @@ pub type Condition = (bool, i32, i32);
 
 impl Trial {
     pub fn condition(&self) -> Condition {
-        (self.grouser, self.beta_deg as i32, (self.slip * 10.0).round() as i32)
+        (
+            self.grouser,
+            self.beta_deg as i32,
+            (self.slip * 10.0).round() as i32,
+        )
     }
 
     /// Traction and side force \[N\], sinkage \[m\].
@@ -66,7 +70,8 @@ pub struct Plate {
 
 /// Where the measured wheel is: `UGV_DATA`, or beside the project.
 fn folder() -> PathBuf {
-    let data = std::env::var_os("UGV_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
+    let data =
+        std::env::var_os("UGV_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
     data.join("single_wheel")
 }
 
@@ -95,13 +100,20 @@ impl Data {
             };
             Ok((row.text("shape")? == "plate").then_some(plate))
         })?;
-        Ok(Self { trials, plates: plates.into_iter().flatten().collect() })
+        Ok(Self {
+            trials,
+            plates: plates.into_iter().flatten().collect(),
+        })
     }
 
     /// Whole conditions of the trials, so that no repeat of what is judged was fitted: of slip
     /// angles, slips and wheels in order every other one, like the white fields of a chessboard.
     pub fn half(&self, second: bool) -> Vec<Trial> {
-        let mut slips: Vec<i32> = self.trials.iter().map(|trial| trial.condition().2).collect();
+        let mut slips: Vec<i32> = self
+            .trials
+            .iter()
+            .map(|trial| trial.condition().2)
+            .collect();
         slips.sort_unstable();
         slips.dedup();
         let is_second = |trial: &Trial| {
@@ -109,7 +121,11 @@ impl Data {
             let place = slips.iter().position(|&other| other == slip).unwrap_or(0);
             (place + beta as usize / 15 + usize::from(grouser)) % 2 == 1
         };
-        self.trials.iter().filter(|trial| is_second(trial) == second).cloned().collect()
+        self.trials
+            .iter()
+            .filter(|trial| is_second(trial) == second)
+            .cloned()
+            .collect()
     }
 }
 
@@ -129,7 +145,10 @@ pub fn scatter(trials: &[Trial]) -> [f64; 3] {
         freedom += count - 1.0;
         for output in 0..3 {
             let mean = alike.iter().map(|values| values[output]).sum::<f64>() / count;
-            sums[output] += alike.iter().map(|values| (values[output] - mean).powi(2)).sum::<f64>();
+            sums[output] += alike
+                .iter()
+                .map(|values| (values[output] - mean).powi(2))
+                .sum::<f64>();
         }
     }
     sums.map(|sum| (sum / freedom).sqrt())
@@ -151,7 +170,8 @@ impl Row<'_> {
     fn number(&self, name: &str) -> Result<f64, String> {
         let text = self.text(name)?;
         let line = self.cells.position().map_or(0, csv::Position::line);
-        text.parse().map_err(|_| format!("{}:{line}: {name} is '{text}', not a number", self.file))
+        text.parse()
+            .map_err(|_| format!("{}:{line}: {name} is '{text}', not a number", self.file))
     }
 }
 
@@ -162,6 +182,12 @@ fn rows<T>(file: &str, read: impl Fn(&Row) -> Result<T, String>) -> Result<Vec<T
     let names = reader.headers().map_err(fail)?.clone();
     reader
         .records()
-        .map(|cells| read(&Row { names: &names, cells: cells.map_err(fail)?, file }))
+        .map(|cells| {
+            read(&Row {
+                names: &names,
+                cells: cells.map_err(fail)?,
+                file,
+            })
+        })
         .collect()
 }

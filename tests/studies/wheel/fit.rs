@@ -28,7 +28,11 @@ pub struct Fit {
 impl Fit {
     /// The value of a parameter that the law has.
     pub fn value(&self, name: &str) -> Option<f64> {
-        let place = self.law.parameters.iter().position(|parameter| parameter.name == name);
+        let place = self
+            .law
+            .parameters
+            .iter()
+            .position(|parameter| parameter.name == name);
         place.map(|place| self.values[place])
     }
 }
@@ -59,7 +63,11 @@ impl Problem<'_> {
     /// Of each trial traction, side force, sinkage and load not carried; then the priors.
     fn residuals(&self, inner: &DVector<f64>) -> DVector<f64> {
         let parameters = &self.law.parameters;
-        let values: Vec<f64> = parameters.iter().zip(inner.iter()).map(|(p, &x)| p.outer(x)).collect();
+        let values: Vec<f64> = parameters
+            .iter()
+            .zip(inner.iter())
+            .map(|(p, &x)| p.outer(x))
+            .collect();
         let mut all = Vec::with_capacity(OUTPUTS * self.trials.len() + parameters.len());
         for trial in self.trials {
             let Prediction { values, uncarried } = self.rig.predict(self.law, &values, trial);
@@ -77,10 +85,17 @@ impl Problem<'_> {
     }
 
     fn cost(residuals: &DVector<f64>) -> f64 {
-        residuals.iter().map(|r| {
-            let size = r.abs();
-            if size < HUBER { 0.5 * r * r } else { HUBER * (size - 0.5 * HUBER) }
-        }).sum()
+        residuals
+            .iter()
+            .map(|r| {
+                let size = r.abs();
+                if size < HUBER {
+                    0.5 * r * r
+                } else {
+                    HUBER * (size - 0.5 * HUBER)
+                }
+            })
+            .sum()
     }
 
     fn jacobian(&self, inner: &DVector<f64>, at: &DVector<f64>) -> DMatrix<f64> {
@@ -88,7 +103,11 @@ impl Problem<'_> {
         for (column, parameter) in self.law.parameters.iter().enumerate() {
             let [low, high] = parameter.bounds();
             let step = STEP * (high - low);
-            let step = if inner[column] + step > high { -step } else { step };
+            let step = if inner[column] + step > high {
+                -step
+            } else {
+                step
+            };
             let mut moved = inner.clone();
             moved[column] += step;
             jacobian.set_column(column, &((self.residuals(&moved) - at) / step));
@@ -112,7 +131,8 @@ impl Problem<'_> {
             let mut curvature = weighted.tr_mul(&jacobian);
             // A parameter at a bound that the cost presses on stays there.
             for (at, [low, high]) in bounds.iter().enumerate() {
-                let pressed = (inner[at] <= *low && gradient[at] > 0.0) || (inner[at] >= *high && gradient[at] < 0.0);
+                let pressed = (inner[at] <= *low && gradient[at] > 0.0)
+                    || (inner[at] >= *high && gradient[at] < 0.0);
                 if pressed {
                     curvature.row_mut(at).fill(0.0);
                     curvature.column_mut(at).fill(0.0);
@@ -131,7 +151,9 @@ impl Problem<'_> {
                         damped[(at, at)] += damping * curvature[(at, at)].max(1e-9);
                     }
                 }
-                let Some(step) = damped.lu().solve(&slope) else { break };
+                let Some(step) = damped.lu().solve(&slope) else {
+                    break;
+                };
                 let moved = DVector::from_fn(inner.len(), |at, _| {
                     (inner[at] + step[at]).clamp(bounds[at][0], bounds[at][1])
                 });
@@ -157,13 +179,17 @@ impl Problem<'_> {
         let residuals = self.residuals(inner);
         let jacobian = self.jacobian(inner, &residuals);
         let parameters = &self.law.parameters;
-        let free: Vec<usize> = (0..inner.len()).filter(|&at| {
-            let [low, high] = parameters[at].bounds();
-            let margin = 1e-3 * (high - low);
-            inner[at] > low + margin && inner[at] < high - margin
-        }).collect();
+        let free: Vec<usize> = (0..inner.len())
+            .filter(|&at| {
+                let [low, high] = parameters[at].bounds();
+                let margin = 1e-3 * (high - low);
+                inner[at] > low + margin && inner[at] < high - margin
+            })
+            .collect();
         let jacobian = jacobian.select_columns(&free);
-        let weighted = DMatrix::from_fn(jacobian.nrows(), free.len(), |row, column| weight(residuals[row]) * jacobian[(row, column)]);
+        let weighted = DMatrix::from_fn(jacobian.nrows(), free.len(), |row, column| {
+            weight(residuals[row]) * jacobian[(row, column)]
+        });
         let curvature = weighted.tr_mul(&jacobian);
         let mut conditions: Vec<_> = self.trials.iter().map(Trial::condition).collect();
         conditions.sort_unstable();
@@ -171,7 +197,12 @@ impl Problem<'_> {
         let mut scatter = DMatrix::zeros(free.len(), free.len());
         for condition in &conditions {
             let mut slope = DVector::zeros(free.len());
-            for (index, _) in self.trials.iter().enumerate().filter(|(_, t)| t.condition() == *condition) {
+            for (index, _) in self
+                .trials
+                .iter()
+                .enumerate()
+                .filter(|(_, t)| t.condition() == *condition)
+            {
                 for row in OUTPUTS * index..OUTPUTS * (index + 1) {
                     slope += weighted.row(row).transpose() * residuals[row];
                 }
@@ -201,8 +232,17 @@ fn weight(residual: f64) -> f64 {
 /// Fits a law to trials, from its own start and from other fits, of whose parameters it takes
 /// those that it has: the valleys are flat, and one start may end before the lowest place.
 pub fn fit(rig: &Rig, law: &Law, trials: &[Trial], scatter: [f64; 3], from: &[&Fit]) -> Fit {
-    let problem = Problem { rig, law, trials, scatter };
-    let own = law.parameters.iter().map(|parameter| parameter.start).collect();
+    let problem = Problem {
+        rig,
+        law,
+        trials,
+        scatter,
+    };
+    let own = law
+        .parameters
+        .iter()
+        .map(|parameter| parameter.start)
+        .collect();
     let warm = from.iter().map(|fit| {
         let known = |p: &Parameter| fit.value(&p.name).unwrap_or(p.start);
         law.parameters.iter().map(known).collect()
@@ -211,13 +251,22 @@ pub fn fit(rig: &Rig, law: &Law, trials: &[Trial], scatter: [f64; 3], from: &[&F
     let (inner, cost) = starts
         .into_iter()
         .map(|start| {
-            let inner = law.parameters.iter().zip(start).map(|(p, value)| p.inner(value));
+            let inner = law
+                .parameters
+                .iter()
+                .zip(start)
+                .map(|(p, value)| p.inner(value));
             problem.minimise(DVector::from_iterator(law.parameters.len(), inner))
         })
         .min_by(|first, second| first.1.total_cmp(&second.1))
         .expect("at least one start");
     Fit {
-        values: law.parameters.iter().zip(inner.iter()).map(|(p, &x)| p.outer(x)).collect(),
+        values: law
+            .parameters
+            .iter()
+            .zip(inner.iter())
+            .map(|(p, &x)| p.outer(x))
+            .collect(),
         intervals: problem.intervals(&inner),
         law: law.clone(),
         cost,

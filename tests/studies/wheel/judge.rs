@@ -35,14 +35,26 @@ impl Judged {
             let squared = |output: usize| (found.values[output] - measured[output]).powi(2);
             ([0, 1, 2].map(squared), measured)
         };
-        let of = |name: &Condition| trials.iter().filter(|t| t.condition() == *name).map(error).collect();
+        let of = |name: &Condition| {
+            trials
+                .iter()
+                .filter(|t| t.condition() == *name)
+                .map(error)
+                .collect()
+        };
         let conditions: Vec<Vec<_>> = names.iter().map(of).collect();
         let all: Vec<usize> = (0..conditions.len()).collect();
-        let draws: Vec<[[f64; 3]; 2]> = draws(all.len()).iter().map(|draw| scores(&conditions, draw)).collect();
+        let draws: Vec<[[f64; 3]; 2]> = draws(all.len())
+            .iter()
+            .map(|draw| scores(&conditions, draw))
+            .collect();
         let whole = scores(&conditions, &all);
         let estimate = |score: usize, output: usize| {
             let mut values: Vec<f64> = draws.iter().map(|draw| draw[score][output]).collect();
-            Estimate { value: whole[score][output], interval: middle(&mut values) }
+            Estimate {
+                value: whole[score][output],
+                interval: middle(&mut values),
+            }
         };
         Self {
             rmse: [0, 1, 2].map(|output| estimate(0, output)),
@@ -54,12 +66,16 @@ impl Judged {
     /// By what share of another's root mean square an output's is smaller, of the same trials.
     pub fn gain_over(&self, other: &Self, output: usize) -> Estimate {
         let gain = |draw: &[usize]| {
-            let [mine, theirs] = [self, other].map(|judged| scores(&judged.conditions, draw)[0][output]);
+            let [mine, theirs] =
+                [self, other].map(|judged| scores(&judged.conditions, draw)[0][output]);
             1.0 - mine / theirs
         };
         let all: Vec<usize> = (0..self.conditions.len()).collect();
         let mut values: Vec<f64> = draws(all.len()).iter().map(|draw| gain(draw)).collect();
-        Estimate { value: gain(&all), interval: middle(&mut values) }
+        Estimate {
+            value: gain(&all),
+            interval: middle(&mut values),
+        }
     }
 }
 
@@ -71,7 +87,9 @@ fn scores(conditions: &[Vec<([f64; 3], [f64; 3])>], draw: &[usize]) -> [[f64; 3]
     for output in 0..3 {
         let mean = trials().map(|(_, measured)| measured[output]).sum::<f64>() / count;
         let errors: f64 = trials().map(|(errors, _)| errors[output]).sum();
-        let spread: f64 = trials().map(|(_, measured)| (measured[output] - mean).powi(2)).sum();
+        let spread: f64 = trials()
+            .map(|(_, measured)| (measured[output] - mean).powi(2))
+            .sum();
         result[0][output] = (errors / count).sqrt();
         result[1][output] = 1.0 - errors / spread;
     }
@@ -88,7 +106,9 @@ fn draws(count: usize) -> Vec<Vec<usize>> {
         state ^= state << 17;
         (state >> 11) as usize % count
     };
-    (0..DRAWS).map(|_| (0..count).map(|_| next()).collect()).collect()
+    (0..DRAWS)
+        .map(|_| (0..count).map(|_| next()).collect())
+        .collect()
 }
 
 /// The middle 95 %.

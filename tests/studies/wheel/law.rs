@@ -20,8 +20,11 @@ pub const DEPTH: f64 = 0.020;
 /// Believed deviation of ln p(20 mm) from what plates say: a rolling wheel is no plate.
 const PRESSURE_DEVIATION: f64 = 0.3;
 /// The speeds at which a vehicle's laws are smoothed are those at which this wheel travels.
-const SMOOTHING: Regularisation =
-    Regularisation { slip_speed: 1e-6, angular_speed: 1e-4, travel_speed: 1e-5 };
+const SMOOTHING: Regularisation = Regularisation {
+    slip_speed: 1e-6,
+    angular_speed: 1e-4,
+    travel_speed: 1e-5,
+};
 /// Entry angles that are tried: from hardly any contact to a wheel buried up to its axle.
 const ENTRY: [f64; 2] = [0.02, 1.56];
 const SEARCH_STEPS: usize = 16;
@@ -73,9 +76,10 @@ impl Effect {
             Self::Bulldozing => (&Bulldozing::<f64>::DECLARATION, &["lateral", "frontal"]),
             Self::SinkageGrowth => (&SlipSinkage::<f64>::DECLARATION, &["sinkage_growth"]),
             Self::ExponentGrowth => (&SlipSinkage::<f64>::DECLARATION, &["exponent_growth"]),
-            Self::Anisotropy => {
-                (&ShearAnisotropy::<f64>::DECLARATION, &["modulus_ratio", "strength_ratio"])
-            }
+            Self::Anisotropy => (
+                &ShearAnisotropy::<f64>::DECLARATION,
+                &["modulus_ratio", "strength_ratio"],
+            ),
             Self::Peak => (&StressPeak::<f64>::DECLARATION, &["a0", "a1"]),
             Self::Rebound => (&ElasticRebound::<f64>::DECLARATION, &["share"]),
         }
@@ -146,13 +150,31 @@ impl Law {
         let mut parameters = vec![
             soil("cohesion c", "Pa", [1.0, 5e3], 300.0, true, None),
             soil("friction angle phi", "deg", [10.0, 50.0], 30.0, false, None),
-            soil("p(20 mm)", "kPa", [1.0, 300.0], pressure.0.exp(), true, Some(pressure)),
-            soil("exponent n", "1", [0.4, 2.5], believed.exponent.0, false, Some(believed.exponent)),
+            soil(
+                "p(20 mm)",
+                "kPa",
+                [1.0, 300.0],
+                pressure.0.exp(),
+                true,
+                Some(pressure),
+            ),
+            soil(
+                "exponent n",
+                "1",
+                [0.4, 2.5],
+                believed.exponent.0,
+                false,
+                Some(believed.exponent),
+            ),
             soil("shear modulus K", "mm", [0.3, 80.0], 10.0, true, None),
         ];
         for effect in effects {
             let (declaration, names) = effect.parts();
-            for part in declaration.parameters.iter().filter(|part| names.contains(&part.name)) {
+            for part in declaration
+                .parameters
+                .iter()
+                .filter(|part| names.contains(&part.name))
+            {
                 parameters.push(Parameter {
                     name: format!("{}.{}", declaration.name, part.name),
                     unit: part.unit,
@@ -178,7 +200,9 @@ impl Law {
         let both = self.has(Effect::SinkageGrowth) && self.has(Effect::ExponentGrowth);
         match names.join(" + ") {
             name if name.is_empty() => "the paper's law".into(),
-            name if both => name.replacen(", S", ", S and n1", 1).replace(" + `slip_sinkage`, n1", ""),
+            name if both => name
+                .replacen(", S", ", S and n1", 1)
+                .replace(" + `slip_sinkage`, n1", ""),
             name => name,
         }
     }
@@ -188,7 +212,10 @@ impl Law {
     }
 
     fn value(&self, values: &[f64], name: &str) -> Option<f64> {
-        let place = self.parameters.iter().position(|parameter| parameter.name == name);
+        let place = self
+            .parameters
+            .iter()
+            .position(|parameter| parameter.name == name);
         place.map(|place| values[place])
     }
 
@@ -202,15 +229,25 @@ impl Law {
             exponent,
             shear_modulus: 1e-3 * shear,
         };
-        let mut slip_sinkage = (self.has(Effect::SinkageGrowth) || self.has(Effect::ExponentGrowth))
-            .then(|| SlipSinkage {
-                exponent_growth: or("slip_sinkage.exponent_growth", 0.0),
-                sinkage_growth: or("slip_sinkage.sinkage_growth", 0.0),
-            });
+        let mut slip_sinkage = (self.has(Effect::SinkageGrowth)
+            || self.has(Effect::ExponentGrowth))
+        .then(|| SlipSinkage {
+            exponent_growth: or("slip_sinkage.exponent_growth", 0.0),
+            sinkage_growth: or("slip_sinkage.sinkage_growth", 0.0),
+        });
         if let (Some(effect), true) = (slip_sinkage, self.growth != Growth::Library) {
             let (forward, lateral) = trial.velocity();
-            let across = if self.growth == Growth::Linear { lateral } else { 0.0 };
-            let slip = whole_slip(RADIUS * trial.omega, forward, across, SMOOTHING.travel_speed);
+            let across = if self.growth == Growth::Linear {
+                lateral
+            } else {
+                0.0
+            };
+            let slip = whole_slip(
+                RADIUS * trial.omega,
+                forward,
+                across,
+                SMOOTHING.travel_speed,
+            );
             let grown = 1.0 + effect.sinkage_growth * slip;
             let deeper = match self.growth {
                 Growth::LyaskoAlong => grown / (1.0 - 0.5 * effect.sinkage_growth * slip),
@@ -235,7 +272,11 @@ impl Law {
             }),
             slip_sinkage,
             bulldozing: self.has(Effect::Bulldozing).then(|| Bulldozing {
-                lateral: if self.flank == Flank::Library { lateral } else { 0.0 },
+                lateral: if self.flank == Flank::Library {
+                    lateral
+                } else {
+                    0.0
+                },
                 frontal: or("bulldozing.frontal", 0.0),
                 unit_weight: UNIT_WEIGHT,
             }),
@@ -302,18 +343,27 @@ impl Rig {
         // Its soil is not used: every law brings its own.
         let sand = Terrain::preset("dry_sand").expect("one of the paper's terrains");
         let contact = WheelContact::new(&sand, RADIUS, WIDTH, SMOOTHING, Resolution::default());
-        Self { contact: contact.expect("a wheel on sand"), level: Level::new(), detail }
+        Self {
+            contact: contact.expect("a wheel on sand"),
+            level: Level::new(),
+            detail,
+        }
     }
 
     /// What a law says of a trial, at the entry angle that carries the measured load.
     pub fn predict(&self, law: &Law, values: &[f64], trial: &Trial) -> Prediction {
         let wheel = law.wheel(values, trial);
         let (forward, lateral) = trial.velocity();
-        let motion =
-            WheelMotion { forward, lateral, yaw_rate: 0.0, angular_speed: trial.omega };
+        let motion = WheelMotion {
+            forward,
+            lateral,
+            yaw_rate: 0.0,
+            angular_speed: trial.omega,
+        };
         let forces = |entry: f64| -> WheelForces<f64> {
             let memory = &WheelMemory::NONE;
-            self.contact.altered_forces(self.level, &wheel, &motion, memory, entry, self.detail)
+            self.contact
+                .altered_forces(self.level, &wheel, &motion, memory, entry, self.detail)
         };
         let entry = first_balance(|entry| forces(entry).vertical - trial.load);
         let found = forces(entry);

@@ -90,7 +90,10 @@ fn panel(area: &Area, rig: &Rig, row: &Line, trials: &[Trial], output: usize) ->
     for trial in trials {
         let found = rig.predict(&row.fit.law, &row.fit.values, trial).values[output] * scale;
         let point = (trial.measured()[output] * scale, found);
-        let colour = ANGLES.iter().find(|(angle, _)| *angle == trial.beta_deg).map_or(INK, |angle| angle.1);
+        let colour = ANGLES
+            .iter()
+            .find(|(angle, _)| *angle == trial.beta_deg)
+            .map_or(INK, |angle| angle.1);
         if trial.grouser {
             chart.draw_series([TriangleMarker::new(point, 5 * UNIT, colour.filled())])?;
         } else {
@@ -108,19 +111,33 @@ fn legend(area: &Area) -> Drawn {
         text(area, &name, (x + 24, 19), 15)?;
         x += 160;
     }
-    area.draw(&Circle::new((x * UNIT, 27 * UNIT), 4 * UNIT, INK.stroke_width(2 * SCALE)))?;
+    area.draw(&Circle::new(
+        (x * UNIT, 27 * UNIT),
+        4 * UNIT,
+        INK.stroke_width(2 * SCALE),
+    ))?;
     text(area, "smooth", (x + 12, 19), 15)?;
     x += 95;
-    area.draw(&TriangleMarker::new((x * UNIT, 27 * UNIT), 5 * UNIT, INK.filled()))?;
+    area.draw(&TriangleMarker::new(
+        (x * UNIT, 27 * UNIT),
+        5 * UNIT,
+        INK.filled(),
+    ))?;
     text(area, "grousers of 5 mm", (x + 12, 19), 15)?;
     x += 165;
-    area.draw(&PathElement::new(vec![(x * UNIT, 27 * UNIT), ((x + 24) * UNIT, 27 * UNIT)], INK.stroke_width(SCALE)))?;
+    area.draw(&PathElement::new(
+        vec![(x * UNIT, 27 * UNIT), ((x + 24) * UNIT, 27 * UNIT)],
+        INK.stroke_width(SCALE),
+    ))?;
     text(area, "predicted = measured", (x + 32, 19), 15)?;
     Ok(())
 }
 
 fn at(x: i32, y: i32, width: i32, height: i32) -> [(i32, i32); 2] {
-    [(x * UNIT, y * UNIT), ((x + width) * UNIT, (y + height) * UNIT)]
+    [
+        (x * UNIT, y * UNIT),
+        ((x + width) * UNIT, (y + height) * UNIT),
+    ]
 }
 
 fn text(area: &Area, text: &str, (x, y): (i32, i32), size: i32) -> Drawn {

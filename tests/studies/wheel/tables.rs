@@ -72,7 +72,13 @@ pub fn constants(lines: &[&Line]) -> String {
 
 fn constant(fit: &Fit, place: usize) -> String {
     let value = fit.values[place];
-    let digits = if value.abs() >= 100.0 { 0 } else if value.abs() >= 10.0 { 1 } else { 2 };
+    let digits = if value.abs() >= 100.0 {
+        0
+    } else if value.abs() >= 10.0 {
+        1
+    } else {
+        2
+    };
     match fit.intervals[place] {
         Some([low, high]) => format!("{value:.digits$} ({low:.digits$} to {high:.digits$})"),
         None => format!("{value:.digits$}, at its bound"),
