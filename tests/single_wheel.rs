@@ -4,6 +4,7 @@
 #[path = "studies/wheel/data.rs"]
 mod data;
 #[path = "studies/wheel/fit.rs"]
+#[allow(dead_code, reason = "the study shows more of it")]
 mod fit;
 #[path = "studies/wheel/judge.rs"]
 #[allow(dead_code, reason = "the study shows more of it")]
@@ -15,7 +16,7 @@ mod law;
 use data::{Data, scatter};
 use fit::{Fit, fit};
 use judge::Judged;
-use law::{Effect, Flank, Law, Rig};
+use law::{Effect, Law, Rig};
 use ugv_terrain::contact::Detail;
 
 const TRACTION: usize = 0;
@@ -37,11 +38,8 @@ fn effects_bring_the_law_nearer_to_a_real_wheel() {
     let (fitted, judged) = (data.half(false), data.half(true));
     let scatter = scatter(&data.trials);
     let mut last: Vec<Fit> = Vec::new();
-    let mut of = |effects: &[Effect], flank: Flank| {
-        let law = Law {
-            flank,
-            ..Law::new(effects, &data.plates)
-        };
+    let mut of = |effects: &[Effect]| {
+        let law = Law::new(effects, &data.plates);
         let found = fit(
             &rig,
             &law,
@@ -50,15 +48,13 @@ fn effects_bring_the_law_nearer_to_a_real_wheel() {
             &last.iter().collect::<Vec<_>>(),
         );
         let judged = Judged::new(&rig, &found, &judged);
-        last = vec![found.clone()];
-        (judged, found)
+        last = vec![found];
+        judged
     };
-    let (paper, _) = of(&[], Flank::Library);
-    let (sinking, _) = of(&[Effect::SinkageGrowth], Flank::Library);
-    let (rebounding, _) = of(&[Effect::SinkageGrowth, Effect::Rebound], Flank::Library);
-    let effects = [Effect::SinkageGrowth, Effect::Rebound, Effect::Bulldozing];
-    let (ishigami, _) = of(&effects, Flank::Ishigami);
-    let (best, best_fit) = of(&effects, Flank::Library);
+    let paper = of(&[]);
+    let sinking = of(&[Effect::SinkageGrowth]);
+    let rebounding = of(&[Effect::SinkageGrowth, Effect::Rebound]);
+    let best = of(&[Effect::SinkageGrowth, Effect::Rebound, Effect::Bulldozing]);
 
     let gains = [
         ("slip_sinkage, sinkage", &sinking, &paper, SINKAGE, 0.40),
@@ -72,23 +68,10 @@ fn effects_bring_the_law_nearer_to_a_real_wheel() {
         ("bulldozing, side force", &best, &rebounding, SIDE, 0.25),
         ("all three, traction", &best, &paper, TRACTION, 0.30),
         ("all three, side force", &best, &paper, SIDE, 0.40),
-        (
-            "a flank as wide as it is, side force",
-            &best,
-            &ishigami,
-            SIDE,
-            0.0,
-        ),
     ];
     for (what, law, than, output, least) in gains {
         let gain = law.gain_over(than, output);
         println!("{what}: {:.0} % nearer", 100.0 * gain.value);
         assert!(gain.value > least, "{what}: {gain:?}");
     }
-    // The sand's angle of repose is 29 deg; without the effects the fit makes it 17.
-    let angle = best_fit.value("friction angle phi");
-    assert!(
-        angle.is_some_and(|angle| (20.0..40.0).contains(&angle)),
-        "{angle:?}"
-    );
 }
