@@ -27,7 +27,7 @@ Examples:
 Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
          yaw_rate [s, m, rad]; an empty cell is a missing sample. Several recordings share soil and
          vehicle; latencies and biases are each recording's own.
-Output:  the fitted model, which `ugv simulate --vehicle FILE --terrain FILE` reads. The report holds
+Output:  the fitted model, which `ugv simulate --model FILE` reads. The report holds
          the intervals and everything else, in SI units and radians.";
 
 /// Fit soil parameters to recordings, with their intervals.
@@ -56,6 +56,15 @@ pub struct Args {
     /// [default: that of the recordings, or else clayed_soil]
     #[arg(long, value_name = "NAME|FILE.json")]
     terrain: Option<PathBuf>,
+
+    /// Vehicle, terrain and effects to begin with, as `ugv model` prints it
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
+    model: Option<PathBuf>,
+
+    /// Physics that the paper leaves out, as `ugv effects NAME` prints it; what is not fitted stays
+    /// as it is there [default: the model's]
+    #[arg(long, value_name = "FILE.json")]
+    effects: Option<PathBuf>,
 
     /// Length of a segment, each with a start of its own
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
