@@ -3,7 +3,7 @@
 use super::{Failure, tell};
 use std::fs;
 use std::path::{Path, PathBuf};
-use ugv_terrain::effects::{Effects, Kind};
+use ugv_terrain::effects::{Boundary, Effects, Kind, SlopeProfile};
 use ugv_terrain::json::JsonError;
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
@@ -54,7 +54,7 @@ impl ModelArgs {
     /// Puts the effects of `--effects` in the place of a model's.
     pub fn replace_effects(&self, effects: &mut Effects) -> Result<(), Failure> {
         if let Some(path) = &self.effects {
-            let own = read(path, Effects::from_json)?;
+            let own = load_effects(path)?;
             if let (Some(model), false) = (&self.model, *effects == Effects::NONE) {
                 tell(&format!(
                     "note: the effects of {} take the place of those in {} ({})",
@@ -89,14 +89,39 @@ pub fn names(effects: &Effects, kind: Kind) -> Option<String> {
     (!names.is_empty()).then(|| names.join(", "))
 }
 
+/// Reads a vehicle from a file.
+pub fn load_vehicle(path: &Path) -> Result<Vehicle, Failure> {
+    read(path, Vehicle::from_json)
+}
+
 /// Reads vehicle, terrain and effects from a file.
 pub fn load_model(path: &Path) -> Result<Specification, Failure> {
     read(path, Specification::from_json)
 }
 
-/// Reads a vehicle from a file.
-pub fn load_vehicle(path: &Path) -> Result<Vehicle, Failure> {
-    read(path, Vehicle::from_json)
+/// Reads effects from a file.
+pub fn load_effects(path: &Path) -> Result<Effects, Failure> {
+    read(path, Effects::from_json)
+}
+
+/// Refuses effects that depend on when a drive began, where its pieces are looked at one by one.
+pub fn check_piecewise(effects: &Effects) -> Result<(), Failure> {
+    let over_place = matches!(effects.slope_profile, None | Some(SlopeProfile::Place(_)));
+    let bounded = effects
+        .on(Kind::Physics)
+        .any(|effect| effect.name == "terrain_change");
+    if over_place && (!bounded || effects.boundary == Boundary::Place) {
+        return Ok(());
+    }
+    Err(Failure::Argument {
+        reason:
+            "effects over the time or the distance driven do not fit pieces of a drive, each with \
+                 a beginning of its own"
+                .into(),
+        hint: Some(
+            "say where on the map the slope or the boundary lies: \"over\": \"place\"".into(),
+        ),
+    })
 }
 
 /// Takes a preset by its name, or reads a terrain from a file.

@@ -116,6 +116,29 @@ fn effects_take_the_place_of_a_models_and_it_is_told() {
 }
 
 #[test]
+fn pieces_of_a_drive_take_no_effects_that_know_its_beginning() {
+    let bench = Bench::new();
+    for effects in [
+        r#"{"grade": {"profile": {"over": "time", "points": [[0, 0, 0]]}}}"#,
+        r#"{"terrain_change": {"cohesion_factor": 2, "over": "distance"}}"#,
+    ] {
+        bench.write("over.json", effects);
+        bench.write("model.json", bench.stdout("model --effects over.json"));
+        for command in ["fit", "score"] {
+            for named in ["effects over.json", "model model.json"] {
+                let message = bench.fails(&format!("{command} drive.csv --{named}"), 2);
+                assert!(
+                    message.contains("each with a beginning of its own"),
+                    "{message}"
+                );
+            }
+            let both = format!("{command} drive.csv --model model.json --terrain dry_sand");
+            assert!(bench.fails(&both, 2).contains("cannot be used with"));
+        }
+    }
+}
+
+#[test]
 fn the_picture_is_headed_by_the_model() {
     let bench = Bench::new();
     bench.write("model.json", bench.stdout("model"));

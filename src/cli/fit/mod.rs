@@ -28,7 +28,7 @@ Examples:
 Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
          yaw_rate [s, m, rad]; an empty cell is a missing sample. Several recordings share soil and
          vehicle; latencies and biases are each recording's own.
-Output:  the fitted model, which `ugv simulate --vehicle FILE --terrain FILE` reads. The report holds
+Output:  the fitted model, which `ugv simulate --model FILE` reads. The report holds
          the intervals and everything else, in SI units and radians.";
 
 /// Fit soil parameters to recordings, with their intervals.
@@ -58,9 +58,14 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE.json")]
     terrain: Option<PathBuf>,
 
-    /// Model to begin with, as `ugv model` writes it; what is not fitted stays as it is there
+    /// Vehicle, terrain and effects to begin with, as `ugv model` prints it
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
     model: Option<PathBuf>,
+
+    /// Physics that the paper leaves out, as `ugv effects NAME` prints it; what is not fitted stays
+    /// as it is there [default: the model's]
+    #[arg(long, value_name = "FILE.json")]
+    effects: Option<PathBuf>,
 
     /// Leave out the half of each recording by which `ugv score` judges
     #[arg(long)]

@@ -1,16 +1,25 @@
 //! The model to begin with.
 
 use super::Args;
-use crate::cli::model::{load_model, load_terrain, load_vehicle};
+use crate::cli::model::{check_piecewise, load_effects, load_model, load_terrain, load_vehicle};
 use crate::cli::{Failure, tell};
 use ugv_terrain::recording::Recording;
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
 /// What the arguments name, or the recordings, or else the paper.
 pub fn nominal(args: &Args, recordings: &[Recording]) -> Result<Specification, Failure> {
-    if let Some(path) = &args.model {
-        return load_model(path);
+    let mut nominal = match &args.model {
+        Some(path) => load_model(path)?,
+        None => told(args, recordings)?,
+    };
+    if let Some(path) = &args.effects {
+        nominal.effects = load_effects(path)?;
     }
+    check_piecewise(&nominal.effects)?;
+    Ok(nominal)
+}
+
+fn told(args: &Args, recordings: &[Recording]) -> Result<Specification, Failure> {
     let vehicle = match &args.vehicle {
         Some(path) => load_vehicle(path)?,
         None => recorded_vehicle(recordings, args.quiet)?,

@@ -6,7 +6,7 @@ mod json;
 mod progress;
 mod table;
 
-use super::model::{load_model, load_terrain, load_vehicle};
+use super::model::{check_piecewise, load_effects, load_model, load_terrain, load_vehicle};
 use super::output::{Output, write_stdout};
 use super::{Failure, tell};
 use contest::{Contest, Outcome, pool};
@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
+use ugv_terrain::effects::Effects;
 use ugv_terrain::identification::{
     Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
 };
@@ -32,6 +33,7 @@ Examples:
   ugv score drive.csv
   ugv score recordings/*.csv --terrain dry_sand --json score.json
   ugv score drive.csv --vehicle mine.json --terrain soil.json --horizon 3
+  ugv score drive.csv --model model.json    # as ugv fit leaves it
 
 Recordings:  time,omega_left,omega_right,x,y,heading and, better, yaw_rate; NAME.json beside NAME.csv
              may tell vehicle and terrain.
@@ -57,9 +59,13 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE.json")]
     terrain: Option<PathBuf>,
 
-    /// Model to judge beside the nominal one, as `ugv fit` and `ugv model` write it
+    /// Model to judge beside the nominal one, as `ugv fit` and `ugv model` print it
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
     model: Option<PathBuf>,
+
+    /// Effects of the model to judge, as `ugv effects NAME` prints it [default: the model's]
+    #[arg(long, value_name = "FILE.json")]
+    effects: Option<PathBuf>,
 
     /// Predict so many seconds ahead
     #[arg(long, value_name = "S", default_value_t = Cut::default().horizon)]
@@ -182,7 +188,7 @@ type Described = (String, Arc<VehicleModel>);
 struct Given {
     vehicle: Option<Vehicle>,
     terrain: Option<Terrain>,
-    model: Option<Specification>,
+    effects: Option<Effects>,
     words: String,
 }
 
@@ -192,16 +198,25 @@ impl Given {
             ("vehicle", &args.vehicle),
             ("terrain", &args.terrain),
             ("model", &args.model),
+            ("effects", &args.effects),
         ];
         let words = named
             .iter()
             .filter_map(|(key, path)| Some(format!("{key} {}", path.as_ref()?.display())));
-        Ok(Self {
+        let mut given = Self {
             vehicle: args.vehicle.as_deref().map(load_vehicle).transpose()?,
             terrain: args.terrain.as_deref().map(load_terrain).transpose()?,
-            model: args.model.as_deref().map(load_model).transpose()?,
+            effects: args.effects.as_deref().map(load_effects).transpose()?,
             words: words.collect::<Vec<_>>().join(", "),
-        })
+        };
+        if let Some(path) = &args.model {
+            let model = load_model(path)?;
+            given.vehicle = Some(model.vehicle);
+            given.terrain = Some(model.terrain);
+            given.effects.get_or_insert(model.effects);
+        }
+        check_piecewise(given.effects.as_ref().unwrap_or(&Effects::NONE))?;
+        Ok(given)
     }
 
     /// The nominal model of a recording, and the one that the arguments ask for.
@@ -224,21 +239,20 @@ impl Given {
                 Terrain::preset(TERRAIN).expect("a preset")
             }
         };
-        let model = |vehicle: &Vehicle, terrain: &Terrain| {
-            let model = VehicleModel::new(vehicle.clone(), *terrain);
+        let model = |specification: &Specification| {
+            let model = VehicleModel::from_specification(specification);
             model.map(Arc::new).map_err(Failure::Model)
         };
-        let nominal = (words, model(&vehicle, &terrain)?);
-        if let Some(specification) = &self.model {
-            let model = VehicleModel::from_specification(specification).map_err(Failure::Model)?;
-            return Ok((nominal, Some((self.words.clone(), Arc::new(model)))));
-        }
-        if self.vehicle.is_none() && self.terrain.is_none() {
+        let told = Specification::plain(vehicle, terrain);
+        let nominal = (words, model(&told)?);
+        if self.vehicle.is_none() && self.terrain.is_none() && self.effects.is_none() {
             return Ok((nominal, None));
         }
-        let vehicle = self.vehicle.as_ref().unwrap_or(&vehicle);
-        let terrain = self.terrain.as_ref().unwrap_or(&terrain);
-        let given = (self.words.clone(), model(vehicle, terrain)?);
-        Ok((nominal, Some(given)))
+        let given = Specification {
+            vehicle: self.vehicle.clone().unwrap_or(told.vehicle),
+            terrain: self.terrain.unwrap_or(told.terrain),
+            effects: self.effects.clone().unwrap_or_default(),
+        };
+        Ok((nominal, Some((self.words.clone(), model(&given)?))))
     }
 }
