@@ -59,7 +59,10 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Self::Simulation(SimulationError::NotFinite { .. }) => BAD_INPUT,
-            Self::Fit(FitError::NotFinite) | Self::Simulation(_) | Self::Write { .. } | Self::Plot(_) => FAILED,
+            Self::Fit(FitError::NotFinite)
+            | Self::Simulation(_)
+            | Self::Write { .. }
+            | Self::Plot(_) => FAILED,
             _ => BAD_INPUT,
         }
     }

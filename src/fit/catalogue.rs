@@ -102,15 +102,20 @@ pub fn all() -> impl Iterator<Item = vehicle::Parameter> {
 /// A name that no parameter has, with the nearest one.
 pub fn find(name: &str) -> Result<vehicle::Parameter, UnknownParameter> {
     let own = ["terrain.", "vehicle."];
-    let short = own.iter().find_map(|prefix| name.strip_prefix(prefix)).unwrap_or(name);
-    all().find(|parameter| parameter.name() == short).ok_or_else(|| {
-        let names: Vec<String> = all().map(vehicle::Parameter::name).collect();
-        let nearest = nearest(short, names.iter().map(String::as_str));
-        UnknownParameter {
-            name: name.into(),
-            nearest: nearest.unwrap_or_default().into(),
-        }
-    })
+    let short = own
+        .iter()
+        .find_map(|prefix| name.strip_prefix(prefix))
+        .unwrap_or(name);
+    all()
+        .find(|parameter| parameter.name() == short)
+        .ok_or_else(|| {
+            let names: Vec<String> = all().map(vehicle::Parameter::name).collect();
+            let nearest = nearest(short, names.iter().map(String::as_str));
+            UnknownParameter {
+                name: name.into(),
+                nearest: nearest.unwrap_or_default().into(),
+            }
+        })
 }
 
 /// Scale, prior and range of a parameter.
@@ -140,7 +145,9 @@ pub fn describe(parameter: vehicle::Parameter, nominal: &Specification) -> Param
 fn describe_effect(name: String, declared: &effects::ParameterDeclaration) -> Parameter {
     const FAR: f64 = 5.0;
     let (scale, median, deviation, low) = match declared.prior {
-        effects::Prior::Normal { mean, deviation } => (Scale::Linear, mean, deviation, declared.low),
+        effects::Prior::Normal { mean, deviation } => {
+            (Scale::Linear, mean, deviation, declared.low)
+        }
         effects::Prior::LogNormal { median, deviation } => {
             let least = median * (-FAR * deviation).exp();
             (Scale::Log, median, deviation, declared.low.max(least))

@@ -48,11 +48,15 @@ impl Predictor for ExactPredictor {
                 out.states.push(simulation.state().to_array());
                 out.rates.push(simulation.derivative()?);
                 let by_start = simulation.by_initial();
-                out.by_start.push(std::array::from_fn(|k| by_start.column(k).into_owned().into()));
+                out.by_start.push(std::array::from_fn(|k| {
+                    by_start.column(k).into_owned().into()
+                }));
                 let each = 0..self.free.len();
-                out.by_parameter.extend(each.map(|k| simulation.by_parameter(k)));
+                out.by_parameter
+                    .extend(each.map(|k| simulation.by_parameter(k)));
                 // A latency brings speeds earlier that a delay brings later.
-                out.by_wheel_latency.push(simulation.by_wheel_delay().map(|slope| -slope));
+                out.by_wheel_latency
+                    .push(simulation.by_wheel_delay().map(|slope| -slope));
                 Ok(())
             })?;
         } else {

@@ -157,7 +157,11 @@ fn combinations(
         uncertainty.covariance[(a, b)] / units
     });
     let eigen = scaled.symmetric_eigen();
-    let told = eigen.eigenvalues.iter().filter(|v| v.sqrt() < FIXED).count();
+    let told = eigen
+        .eigenvalues
+        .iter()
+        .filter(|v| v.sqrt() < FIXED)
+        .count();
     let worst = eigen.eigenvalues.iamax();
     let (name, mut shares) = (
         |k: usize| parameters[k].name.clone(),

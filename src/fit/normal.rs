@@ -50,8 +50,7 @@ impl Normal {
     pub fn add(&mut self, table: &[f64], places: &[usize]) {
         let columns = 1 + START + places.len();
         for row in table.chunks_exact(columns) {
-            let (residual, by_start, by_local) =
-                (row[0], &row[1..=START], &row[1 + START..]);
+            let (residual, by_start, by_local) = (row[0], &row[1..=START], &row[1 + START..]);
             self.cost += residual * residual;
             for i in 0..START {
                 self.start_gradient[i] += by_start[i] * residual;
@@ -144,7 +143,8 @@ mod tests {
     /// Three segments that see different ones of four parameters.
     fn segments() -> Vec<(Vec<f64>, Vec<usize>)> {
         let places = [vec![0, 1, 2], vec![0, 1, 3], vec![0, 1, 2]];
-        let table = |k: usize, width: usize| (0..20 * width).map(|i| number(1000 * k + i)).collect();
+        let table =
+            |k: usize, width: usize| (0..20 * width).map(|i| number(1000 * k + i)).collect();
         places
             .into_iter()
             .enumerate()
@@ -199,7 +199,10 @@ mod tests {
                 assert!((value - expected[START * k + i]).abs() < tolerance);
             }
         }
-        let log_determinant = eliminated.iter().map(Eliminated::log_determinant).sum::<f64>()
+        let log_determinant = eliminated
+            .iter()
+            .map(Eliminated::log_determinant)
+            .sum::<f64>()
             + factor.determinant().ln();
         assert!((log_determinant - matrix.determinant().ln()).abs() < 1e-9);
         let gain: f64 = eliminated.iter().map(|e| e.start_gain).sum::<f64>() + gradient.dot(&step);

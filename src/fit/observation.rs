@@ -104,13 +104,7 @@ struct Sensor<'a> {
 impl Sensor<'_> {
     /// What a sensor reports: a function of the state, whose gradient carries the
     /// trajectory's derivatives on, plus what the sensor itself adds.
-    fn report(
-        &self,
-        signal: Signal,
-        place: &Place,
-        derivatives: bool,
-        rows: &mut Vec<f64>,
-    ) -> f64 {
+    fn report(&self, signal: Signal, place: &Place, derivatives: bool, rows: &mut Vec<f64>) -> f64 {
         let rate = &self.trajectory.rates[place.index];
         let mut state = self.trajectory.states[place.index];
         for (value, rate) in state.iter_mut().zip(rate) {

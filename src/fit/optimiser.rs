@@ -176,7 +176,8 @@ fn propose<P: Predictor>(
     let taken = &next.coordinates - &point.coordinates;
     // What the linearised cost would fall by: the start's share, and that of the parameters,
     // of which damping leaves at least half.
-    let mut expected_gain = 2.0 * gradient.dot(&taken) - taken.dot(&(&matrix_of(&eliminated, &precision) * &taken));
+    let mut expected_gain =
+        2.0 * gradient.dot(&taken) - taken.dot(&(&matrix_of(&eliminated, &precision) * &taken));
     for (one, (normal, start)) in eliminated.iter().zip(normals.iter().zip(&mut next.starts)) {
         expected_gain += one.start_gain;
         for (value, step) in start.iter_mut().zip(one.start_step(normal, &taken)) {

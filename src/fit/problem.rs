@@ -149,8 +149,14 @@ impl<'a, P: Predictor> Problem<'a, P> {
         let values = self.model_values(&point.coordinates);
         let one = |(segment, start): (&Segment, &[f64; START])| {
             let sensors = self.sensor_values(segment.recording, &point.coordinates);
-            let observed =
-                observation::observe(self.predictor, segment, start, &values, &sensors, derivatives)?;
+            let observed = observation::observe(
+                self.predictor,
+                segment,
+                start,
+                &values,
+                &sensors,
+                derivatives,
+            )?;
             Ok(self.tables(segment.recording, &values, &observed, derivatives))
         };
         let pairs = self.segments.par_iter().zip(&point.starts);
@@ -178,7 +184,11 @@ impl<'a, P: Predictor> Problem<'a, P> {
                 return channel.residual.clone();
             }
             let mut table = Vec::with_capacity(columns * channel.residual.len());
-            for (residual, row) in channel.residual.iter().zip(channel.rows.chunks_exact(width)) {
+            for (residual, row) in channel
+                .residual
+                .iter()
+                .zip(channel.rows.chunks_exact(width))
+            {
                 let (start, rest) = row.split_at(START);
                 let (model, own) = rest.split_at(values.len());
                 table.push(*residual);

@@ -1,6 +1,6 @@
 //! The same fit from random starts: is there another answer?
 
-use super::estimate::{Options, Stage, reweigh};
+use super::estimate::{Options, Stage};
 use super::normal::Eliminated;
 use super::optimiser::{Stop, minimise, normals};
 use super::parameter::Parameter;
@@ -8,6 +8,7 @@ use super::predictor::Predictor;
 use super::problem::{Point, Problem, Weighing};
 use super::robust;
 use super::uncertainty::Uncertainty;
+use super::weighing::reweigh;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -116,7 +117,10 @@ pub fn search<P: Predictor>(
             continue;
         };
         polished.count = answer.count;
-        match minima.iter_mut().find(|m| close(&m.point, &polished.point, &metric)) {
+        match minima
+            .iter_mut()
+            .find(|m| close(&m.point, &polished.point, &metric))
+        {
             Some(same) => {
                 same.count += polished.count;
                 if polished.cost < same.cost {
@@ -154,9 +158,22 @@ fn verdict<P: Predictor>(
         && !close(&lowest.point, &answer.point, metric)
     {
         starts.better = Some(lowest.point.clone());
-        let nominal = std::mem::replace(&mut answer, descend(problem, lowest.point.clone(), by, options.robust).unwrap_or(Answer { point: found.clone(), cost: lowest.cost, count: 0 }));
-        if !minima.iter().any(|m| close(&m.point, &nominal.point, metric)) {
-            minima.push(Answer { count: 0, ..nominal });
+        let nominal = std::mem::replace(
+            &mut answer,
+            descend(problem, lowest.point.clone(), by, options.robust).unwrap_or(Answer {
+                point: found.clone(),
+                cost: lowest.cost,
+                count: 0,
+            }),
+        );
+        if !minima
+            .iter()
+            .any(|m| close(&m.point, &nominal.point, metric))
+        {
+            minima.push(Answer {
+                count: 0,
+                ..nominal
+            });
         }
     }
     for minimum in minima {
@@ -200,7 +217,13 @@ fn descend<P: Predictor>(
     let mut cost = f64::INFINITY;
     for _ in 0..TURNS {
         let outcome = minimise(problem, &mut point, &by, DESCENT).ok()?;
-        let penalty: f64 = by.weights.iter().flatten().flatten().map(|w| robust::penalty(*w)).sum();
+        let penalty: f64 = by
+            .weights
+            .iter()
+            .flatten()
+            .flatten()
+            .map(|w| robust::penalty(*w))
+            .sum();
         let now = outcome.cost + penalty;
         let still = outcome.converged && cost - now < 0.3;
         cost = now;
@@ -225,12 +248,18 @@ fn group<P: Predictor>(
     by: &Weighing,
 ) -> Vec<Answer> {
     answers.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let Some(metric) = answers.first().and_then(|best| metric(problem, &best.point, by)) else {
+    let Some(metric) = answers
+        .first()
+        .and_then(|best| metric(problem, &best.point, by))
+    else {
         return answers;
     };
     let mut groups: Vec<Answer> = Vec::new();
     for answer in answers {
-        match groups.iter_mut().find(|g| close(&g.point, &answer.point, &metric)) {
+        match groups
+            .iter_mut()
+            .find(|g| close(&g.point, &answer.point, &metric))
+        {
             Some(same) => same.count += 1,
             None => groups.push(answer),
         }

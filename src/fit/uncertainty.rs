@@ -128,8 +128,15 @@ fn overdispersion(
     scatter: &DMatrix<f64>,
 ) -> Option<f64> {
     let factor = (information + precision).cholesky()?;
-    let (found, expected) = (factor.solve(scatter).trace(), factor.solve(information).trace());
-    Some(if expected > 0.0 { found / expected } else { 1.0 })
+    let (found, expected) = (
+        factor.solve(scatter).trace(),
+        factor.solve(information).trace(),
+    );
+    Some(if expected > 0.0 {
+        found / expected
+    } else {
+        1.0
+    })
 }
 
 /// Weights whose information is the curvature of the objective: a sample's pull grows more
@@ -145,7 +152,11 @@ fn with_curvature<P: Predictor>(
             let group = samples.signal.group() as usize;
             let noise = &by.noise[segment.recording][group];
             let table = &tables[index].channels[channel];
-            let residual: Vec<f64> = table.iter().step_by(tables[index].columns).copied().collect();
+            let residual: Vec<f64> = table
+                .iter()
+                .step_by(tables[index].columns)
+                .copied()
+                .collect();
             let white = noise.white_part(&samples.time, &by.weights[index][channel], &residual);
             let sum = &mut sums[segment.recording][group];
             for white in white {

@@ -2,6 +2,7 @@
 
 #![cfg(feature = "cli")]
 
+mod fit;
 mod inspect;
 mod refusals;
 mod score;

@@ -18,7 +18,11 @@ fn random_starts_agree_on_an_easy_case() {
     let starts = fit.starts.unwrap();
     assert_eq!((starts.tried, starts.better), (20, None));
     // Soils on which the vehicle does not get away are part of the prior.
-    assert!(starts.agreed + starts.failed >= 19, "{starts:?}", starts = (starts.agreed, starts.failed, starts.others));
+    assert!(
+        starts.agreed + starts.failed >= 19,
+        "{starts:?}",
+        starts = (starts.agreed, starts.failed, starts.others)
+    );
     assert!(starts.agreed >= 15);
 }
 
@@ -34,7 +38,16 @@ fn moduli_that_one_wheel_width_cannot_tell_apart_are_named() {
         _ => false,
     });
     assert!(untold, "{:?}", fit.limits);
-    let combinations = |limit: &Limit| matches!(limit, Limit::Combinations { told: 0..=2, all: 3, .. });
+    let combinations = |limit: &Limit| {
+        matches!(
+            limit,
+            Limit::Combinations {
+                told: 0..=2,
+                all: 3,
+                ..
+            }
+        )
+    };
     assert!(fit.limits.iter().any(combinations), "{:?}", fit.limits);
 }
 
@@ -45,6 +58,12 @@ fn without_a_gyro_the_pose_is_the_clock() {
     let run = recording.runs.remove(0);
     recording.runs = vec![run.with(ugv_terrain::recording::Channel::YawRate, Default::default())];
     let fit = fitted(&truth, &["friction_angle"], &[recording], &plain()).unwrap();
-    let sensors: Vec<_> = fit.estimates[1..].iter().map(|e| e.parameter.name.clone()).collect();
-    assert_eq!(sensors, [format!("drive.{}", SensorParameter::WheelLatency.name())]);
+    let sensors: Vec<_> = fit.estimates[1..]
+        .iter()
+        .map(|e| e.parameter.name.clone())
+        .collect();
+    assert_eq!(
+        sensors,
+        [format!("drive.{}", SensorParameter::WheelLatency.name())]
+    );
 }

@@ -20,8 +20,11 @@ fn ninety_percent_intervals_hold_the_truth_nine_times_in_ten() {
             ..QUIET
         };
         let fit = fitted(&truth, &FREE, &[record(&truth, 40.0, &by)], &plain()).unwrap();
-        for (k, (estimate, truth)) in
-            fit.estimates.iter().zip(truths(&fit, &truth, &by)).enumerate()
+        for (k, (estimate, truth)) in fit
+            .estimates
+            .iter()
+            .zip(truths(&fit, &truth, &by))
+            .enumerate()
         {
             let inside = (estimate.low..=estimate.high).contains(&truth);
             held += usize::from(inside);

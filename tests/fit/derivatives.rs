@@ -38,7 +38,11 @@ fn rows_are_the_slopes_of_the_residuals() {
             let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
             let off: Vec<f64> = exact.iter().zip(&check).map(|(a, b)| a - b).collect();
             let largest = norm(&exact).max(1e-9);
-            assert!(norm(&off) < TOLERANCE * largest, "column {column}: {}", norm(&off) / largest);
+            assert!(
+                norm(&off) < TOLERANCE * largest,
+                "column {column}: {}",
+                norm(&off) / largest
+            );
         }
     }
     for column in 0..width {
@@ -60,7 +64,9 @@ fn rows_are_the_slopes_of_the_residuals() {
         for (channel, samples) in segment.samples.iter().enumerate() {
             // Relative to the largest slope in the column: some samples see none at all.
             let slope = |k: usize| rows[channel].rows[k * width + column];
-            let largest = (0..samples.time.len()).map(|k| slope(k).abs()).fold(1e-9, f64::max);
+            let largest = (0..samples.time.len())
+                .map(|k| slope(k).abs())
+                .fold(1e-9, f64::max);
             let mut off = 0.0;
             for k in 0..samples.time.len() {
                 let difference =
@@ -71,7 +77,11 @@ fn rows_are_the_slopes_of_the_residuals() {
             // Where wheel speeds bend, the slope by a latency jumps.
             let bends = column >= 8 && samples.signal == Signal::YawRate;
             let tolerance = if bends { 4.0 * TOLERANCE } else { TOLERANCE };
-            assert!(rms < tolerance, "column {column} {:?}: {rms}", samples.signal);
+            assert!(
+                rms < tolerance,
+                "column {column} {:?}: {rms}",
+                samples.signal
+            );
         }
     }
 }

@@ -1,16 +1,16 @@
 //! Trajectories whose derivatives are central differences of simulations.
 
+use std::sync::Arc;
 use ugv_terrain::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
 use ugv_terrain::recording::Drive;
 use ugv_terrain::simulation::{Simulation, State, WheelSpeeds};
 use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
-use std::sync::Arc;
 
 /// Steps of the differences: velocities of the start \[m/s, rad/s\], and parameters (share of
 /// the value, or of one where it is small). Large against the integrator's tolerance of 1e-4,
 /// small against what the motion's curvature would notice.
 const VELOCITY_STEP: f64 = 0.02;
-const PARAMETER_STEP: f64 = 0.01;
+const PARAMETER_STEP: f64 = 0.03;
 
 /// Predicts by [`Simulation`], once for each derivative and side.
 #[derive(Debug, Clone)]
@@ -37,7 +37,9 @@ impl DifferencePredictor {
     }
 
     fn model(&self, values: &[f64]) -> Result<Arc<VehicleModel>, PredictionError> {
-        Ok(Arc::new(VehicleModel::from_specification(&self.with(values))?))
+        Ok(Arc::new(VehicleModel::from_specification(
+            &self.with(values),
+        )?))
     }
 }
 
@@ -58,7 +60,9 @@ impl Predictor for DifferencePredictor {
             return Ok(());
         }
         self.by_start(&model, request, out)?;
-        out.by_wheel_latency = (0..request.times.len()).map(|k| by_wheel_latency(out, k)).collect();
+        out.by_wheel_latency = (0..request.times.len())
+            .map(|k| by_wheel_latency(out, k))
+            .collect();
         self.by_parameter(request, out)
     }
 }

@@ -41,7 +41,10 @@ fn terrains_come_back_with_all_that_sensors_do() {
         assert!(misses.iter().all(|m| *m < 2.1), "{terrain} {misses:?}");
         // Latencies to a hundredth of a second.
         for (estimate, late) in fit.estimates[3..5].iter().zip([0.3, 0.12]) {
-            assert!((estimate.value - late).abs() < 0.01, "{terrain} {estimate:?}");
+            assert!(
+                (estimate.value - late).abs() < 0.01,
+                "{terrain} {estimate:?}"
+            );
         }
     }
 }
@@ -59,13 +62,21 @@ fn noise_is_told_from_the_data() {
     // Student's t is narrower than the normal distribution whose samples it is fitted to, and
     // slow noise of 60 s has some hundred independent values: a quarter.
     for (estimate, (white, coloured)) in
-        noise.iter().zip([(0.01, 0.03), (0.003, 0.0), (0.005, 0.02)])
+        noise
+            .iter()
+            .zip([(0.01, 0.03), (0.003, 0.0), (0.005, 0.02)])
     {
         let found = estimate.noise;
         assert!((found.white / white - 0.9).abs() < 0.25, "{estimate:?}");
         if coloured > 0.0 {
-            assert!((found.coloured / coloured - 1.0).abs() < 0.35, "{estimate:?}");
-            assert!((0.25..1.0).contains(&found.correlation_time), "{estimate:?}");
+            assert!(
+                (found.coloured / coloured - 1.0).abs() < 0.35,
+                "{estimate:?}"
+            );
+            assert!(
+                (0.25..1.0).contains(&found.correlation_time),
+                "{estimate:?}"
+            );
         } else {
             assert!(found.coloured < white, "{estimate:?}");
         }

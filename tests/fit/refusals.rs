@@ -5,7 +5,13 @@ use ugv_terrain::fit::FitError;
 use ugv_terrain::recording::{Channel, Recording, Run, Series};
 
 fn refusal(recording: Recording) -> FitError {
-    fitted(&nominal("sandy_loam"), &["cohesion"], &[recording], &plain()).unwrap_err()
+    fitted(
+        &nominal("sandy_loam"),
+        &["cohesion"],
+        &[recording],
+        &plain(),
+    )
+    .unwrap_err()
 }
 
 fn with(recording: &Recording, keep: &[Channel], value: impl Fn(f64) -> f64) -> Recording {
@@ -24,7 +30,11 @@ fn with(recording: &Recording, keep: &[Channel], value: impl Fn(f64) -> f64) -> 
 #[test]
 fn nothing_measured_is_refused() {
     let recording = record(&nominal("sandy_loam"), 10.0, &QUIET);
-    let wheels = with(&recording, &[Channel::OmegaLeft, Channel::OmegaRight], |v| v);
+    let wheels = with(
+        &recording,
+        &[Channel::OmegaLeft, Channel::OmegaRight],
+        |v| v,
+    );
     let error = refusal(wheels);
     assert_eq!(
         error,
@@ -37,7 +47,10 @@ fn nothing_measured_is_refused() {
 #[test]
 fn rest_is_refused() {
     let recording = record(&nominal("sandy_loam"), 10.0, &QUIET);
-    assert_eq!(refusal(with(&recording, &Channel::ALL, |_| 0.0)), FitError::AtRest);
+    assert_eq!(
+        refusal(with(&recording, &Channel::ALL, |_| 0.0)),
+        FitError::AtRest
+    );
 }
 
 #[test]

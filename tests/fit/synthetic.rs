@@ -146,7 +146,9 @@ pub fn record(truth: &Specification, seconds: f64, by: &Sensors) -> Recording {
         rng: Rng::with_seed(by.seed),
     };
     let wheels = |pick: fn(&(f64, f64, f64)) -> f64| -> Series {
-        rows.iter().map(|row| (row.0 + by.wheel_latency, pick(row))).collect()
+        rows.iter()
+            .map(|row| (row.0 + by.wheel_latency, pick(row)))
+            .collect()
     };
     let late = by.pose_latency;
     let run = Run::new("")
@@ -174,7 +176,14 @@ pub fn fitted(
     let predictor = ExactPredictor::new(begin.clone(), free.clone());
     let parameters = free.iter().map(|p| describe(*p, begin)).collect();
     let values: Vec<f64> = free.iter().map(|p| p.get(begin)).collect();
-    fit(&predictor, parameters, &values, recordings, options, &|_| {})
+    fit(
+        &predictor,
+        parameters,
+        &values,
+        recordings,
+        options,
+        &|_| {},
+    )
 }
 
 /// Options without random starts.
@@ -197,5 +206,8 @@ pub fn truths(fit: &Fit, truth: &Specification, by: &Sensors) -> Vec<f64> {
             None => find(name).unwrap().get(truth),
         }
     };
-    fit.estimates.iter().map(|e| value(&e.parameter.name)).collect()
+    fit.estimates
+        .iter()
+        .map(|e| value(&e.parameter.name))
+        .collect()
 }

@@ -126,7 +126,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let started = Instant::now();
     let progress = Progress::new(args.starts, args.quiet);
     let predictor = ExactPredictor::new(nominal.clone(), wanted.model.clone());
-    let parameters = wanted.model.iter().map(|k| catalogue::describe(*k, &nominal));
+    let parameters = wanted
+        .model
+        .iter()
+        .map(|k| catalogue::describe(*k, &nominal));
     let values: Vec<f64> = wanted.model.iter().map(|k| k.get(&nominal)).collect();
     let parameters = parameters.collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0));
@@ -136,7 +139,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     })?;
     let show = |stage| progress.show(stage);
     let fitted = pool
-        .install(|| fit(&predictor, parameters, &values, &recordings, &options, &show))
+        .install(|| {
+            fit(
+                &predictor,
+                parameters,
+                &values,
+                &recordings,
+                &options,
+                &show,
+            )
+        })
         .map_err(Failure::Fit)?;
     progress.finish();
     let values: Vec<f64> = fitted.estimates[..fitted.model_parameters]
@@ -144,9 +156,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .map(|estimate| estimate.value)
         .collect();
     let model = predictor.with(&values).map_err(Failure::Model)?;
-    let to_stdout = args.output.as_deref().is_some_and(|path| path.as_os_str() == "-");
+    let to_stdout = args
+        .output
+        .as_deref()
+        .is_some_and(|path| path.as_os_str() == "-");
     write(output, || model.to_json())?;
-    write(report, || report::to_json(&fitted, &model, &recordings, &options))?;
+    write(report, || {
+        report::to_json(&fitted, &model, &recordings, &options)
+    })?;
     if !args.quiet {
         let text = summary::text(&fitted, &recordings, started.elapsed().as_secs_f64());
         if to_stdout {
@@ -166,7 +183,8 @@ fn read(paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
         });
     }
     let each = paths.iter().map(|path| read_recording(path));
-    each.collect::<Result<_, _>>().map_err(Failure::ReadRecording)
+    each.collect::<Result<_, _>>()
+        .map_err(Failure::ReadRecording)
 }
 
 fn write(output: Option<Output>, text: impl Fn() -> String) -> Result<(), Failure> {

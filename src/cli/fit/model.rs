@@ -23,16 +23,23 @@ pub fn nominal(args: &Args, recordings: &[Recording]) -> Result<Specification, F
 }
 
 fn recorded_vehicle(recordings: &[Recording], quiet: bool) -> Result<Vehicle, Failure> {
-    let mut told = recordings.iter().filter_map(|r| Some((r, r.about.vehicle.as_ref()?)));
+    let mut told = recordings
+        .iter()
+        .filter_map(|r| Some((r, r.about.vehicle.as_ref()?)));
     let Some((first, vehicle)) = told.next() else {
         if !quiet {
-            tell("note: no vehicle is told beside the recordings; taking the paper's (see --vehicle)");
+            tell(
+                "note: no vehicle is told beside the recordings; taking the paper's (see --vehicle)",
+            );
         }
         return Ok(Vehicle::tran2007());
     };
     match told.find(|(_, other)| *other != vehicle) {
         Some((other, _)) => Err(Failure::Argument {
-            reason: format!("{} and {} were driven by different vehicles", first.name, other.name),
+            reason: format!(
+                "{} and {} were driven by different vehicles",
+                first.name, other.name
+            ),
             hint: Some("fit them one by one, or say which vehicle it was with --vehicle".into()),
         }),
         None => Ok(vehicle.clone()),

@@ -24,7 +24,10 @@ impl Wanted {
         for name in if free.is_empty() { &defaults } else { free } {
             let place = catalogue::find(name).map_err(|error| Failure::Argument {
                 reason: format!("--free: {error}"),
-                hint: Some(format!("the nearest is {}; --free help lists all", error.nearest)),
+                hint: Some(format!(
+                    "the nearest is {}; --free help lists all",
+                    error.nearest
+                )),
             })?;
             if !wanted.model.contains(&place) {
                 wanted.model.push(place);
@@ -36,7 +39,9 @@ impl Wanted {
         for name in sensors {
             let sensor = SensorParameter::parse(name).map_err(|nearest| Failure::Argument {
                 reason: format!("--sensors: there is no sensor parameter `{name}`"),
-                hint: Some(format!("the nearest is {nearest}; --sensors none fits none")),
+                hint: Some(format!(
+                    "the nearest is {nearest}; --sensors none fits none"
+                )),
             })?;
             if !wanted.sensors.contains(&sensor) {
                 wanted.sensors.push(sensor);
@@ -48,17 +53,27 @@ impl Wanted {
 
 /// All names with their priors.
 pub fn print_names(nominal: &Specification) -> Result<(), Failure> {
-    let mut text = String::from("--free: soil, vehicle and effects, shared by all recordings (* by default)\n");
+    let mut text = String::from(
+        "--free: soil, vehicle and effects, shared by all recordings (* by default)\n",
+    );
     for entry in catalogue::all() {
         let parameter = catalogue::describe(entry, nominal);
-        let mark = if DEFAULT_FREE.contains(&parameter.name.as_str()) { "*" } else { " " };
+        let mark = if DEFAULT_FREE.contains(&parameter.name.as_str()) {
+            "*"
+        } else {
+            " "
+        };
         let (low, high) = parameter.prior_interval();
         let range = format!("{low:.3e} .. {high:.3e} {}", parameter.unit);
         let _ = writeln!(text, "{mark} {:30} prior {range}", parameter.name);
     }
     text += "--sensors: each recording's own (* by default)\n";
     for sensor in SensorParameter::ALL {
-        let mark = if SensorParameter::DEFAULT_FREE.contains(&sensor) { "*" } else { " " };
+        let mark = if SensorParameter::DEFAULT_FREE.contains(&sensor) {
+            "*"
+        } else {
+            " "
+        };
         let parameter = sensor.parameter("");
         let (low, high) = parameter.prior_interval();
         let _ = writeln!(

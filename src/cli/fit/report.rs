@@ -8,11 +8,18 @@ use ugv_terrain::vehicle::Specification;
 
 const FORMAT: &str = "ugv-fit/1";
 
-pub fn to_json(fitted: &Fit, model: &Specification, recordings: &[Recording], options: &Options) -> String {
+pub fn to_json(
+    fitted: &Fit,
+    model: &Specification,
+    recordings: &[Recording],
+    options: &Options,
+) -> String {
     let names: Vec<&str> = recordings.iter().map(|r| r.name.as_str()).collect();
     let count = fitted.estimates.len();
     let correlation = |a: usize| -> Vec<f64> {
-        (0..count).map(|b| fitted.uncertainty.correlation(a, b)).collect()
+        (0..count)
+            .map(|b| fitted.uncertainty.correlation(a, b))
+            .collect()
     };
     let document = json!({
         "format": FORMAT,

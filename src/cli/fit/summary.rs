@@ -30,10 +30,15 @@ pub fn text(fitted: &Fit, recordings: &[Recording], elapsed: f64) -> String {
 }
 
 fn parameters(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
-    let name = |estimate: &Estimate| {
-        short_name(&estimate.parameter.name, fitted, recordings).to_owned()
-    };
-    let width = fitted.estimates.iter().map(|e| name(e).len()).max().unwrap_or(0).max(9);
+    let name =
+        |estimate: &Estimate| short_name(&estimate.parameter.name, fitted, recordings).to_owned();
+    let width = fitted
+        .estimates
+        .iter()
+        .map(|e| name(e).len())
+        .max()
+        .unwrap_or(0)
+        .max(9);
     let _ = writeln!(
         text,
         "{:width$}  {:>9}  {:>22}  {:>22}  unit",
@@ -44,7 +49,8 @@ fn parameters(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
             text.push_str("sensors\n");
         }
         let (factor, unit) = shown(estimate.parameter.unit);
-        let range = |low: f64, high: f64| format!("{} .. {}", digits(low * factor), digits(high * factor));
+        let range =
+            |low: f64, high: f64| format!("{} .. {}", digits(low * factor), digits(high * factor));
         let (low, high) = estimate.parameter.prior_interval();
         let _ = writeln!(
             text,
@@ -83,15 +89,25 @@ fn starts(text: &mut String, found: &Starts, fitted: &Fit, recordings: &[Recordi
     let (agreed, tried) = (found.agreed, found.tried);
     let _ = match (agreed == tried, found.others.is_empty()) {
         (true, _) => writeln!(text, "all {tried} random starts lead to this answer"),
-        (false, true) => writeln!(text, "{agreed} of {tried} random starts lead to this answer"),
-        (false, false) => writeln!(text, "{agreed} of {tried} random starts lead to this answer; others:"),
+        (false, true) => writeln!(
+            text,
+            "{agreed} of {tried} random starts lead to this answer"
+        ),
+        (false, false) => writeln!(
+            text,
+            "{agreed} of {tried} random starts lead to this answer; others:"
+        ),
     };
     for other in &found.others {
-        let values = fitted.estimates.iter().zip(&other.values).map(|(estimate, value)| {
-            let (factor, unit) = shown(estimate.parameter.unit);
-            let name = short_name(&estimate.parameter.name, fitted, recordings);
-            format!("{name} {} {unit}", digits(value * factor))
-        });
+        let values = fitted
+            .estimates
+            .iter()
+            .zip(&other.values)
+            .map(|(estimate, value)| {
+                let (factor, unit) = shown(estimate.parameter.unit);
+                let name = short_name(&estimate.parameter.name, fitted, recordings);
+                format!("{name} {} {unit}", digits(value * factor))
+            });
         let verdict = if other.ruled_out() {
             "the data rule it out"
         } else {
@@ -162,7 +178,11 @@ fn digits(value: f64) -> String {
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
         return format!("{value:.2e}");
     }
-    let places = if size > 0.0 { 2 - size.log10().floor() as i32 } else { 2 };
+    let places = if size > 0.0 {
+        2 - size.log10().floor() as i32
+    } else {
+        2
+    };
     format!("{value:.*}", places.clamp(0, 5) as usize)
 }
 
