@@ -1,19 +1,18 @@
 //! The fit as a whole: motion, noise and weights in turns until none of them moves.
 
+use super::error::{FitError, SHORTEST};
 use super::identifiability::{Limit, limits};
-use super::noise::ChannelNoise;
 use super::noise_estimate;
 use super::optimiser::{Stop, minimise};
 use super::parameter::Parameter;
-use super::predictor::{PredictionError, Predictor};
+use super::predictor::Predictor;
 use super::problem::{Point, Problem, Tables, Weighing};
-use super::robust;
-use super::segment::{Cut, NoiseGroup, Signal, cut};
+use super::segment::{Cut, Signal, cut};
 use super::sensor::{SensorParameter, SensorValues};
 use super::starts::{Starts, search};
 use super::uncertainty::{Uncertainty, uncertainty};
+use super::weighing::{NoiseEstimate, first_weighing, noise_estimates, reweigh};
 use crate::recording::{Channel, Recording};
-use std::fmt;
 
 /// What to fit, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,50 +50,6 @@ pub enum Stage {
     Start(usize),
 }
 
-/// Why there is no fit.
-#[derive(Debug, Clone, PartialEq)]
-pub enum FitError {
-    /// A recording without anything to compare with.
-    NothingMeasured {
-        /// Its name.
-        recording: String,
-    },
-    /// Wheels that never turn.
-    AtRest,
-    /// Too little to fit \[s\].
-    TooShort {
-        /// Seconds with wheel speeds and samples.
-        seconds: f64,
-    },
-    /// A model that cannot drive along the wheel speeds to begin with.
-    Start(PredictionError),
-    /// Numbers that left the range of the machine.
-    NotFinite,
-}
-
-impl fmt::Display for FitError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NothingMeasured { recording } => write!(
-                f,
-                "{recording} has neither pose nor yaw rate nor velocities: nothing to compare with"
-            ),
-            Self::AtRest => f.write_str("the wheels stand still throughout: nothing to fit"),
-            Self::TooShort { seconds } => write!(
-                f,
-                "{seconds:.1} s of usable driving are too short: a fit needs {SHORTEST} s"
-            ),
-            Self::Start(error) => write!(
-                f,
-                "the fit cannot begin with this vehicle and terrain: {error}"
-            ),
-            Self::NotFinite => f.write_str("the fit's numbers are not finite"),
-        }
-    }
-}
-
-impl std::error::Error for FitError {}
-
 /// A fitted parameter; it never travels without its interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
@@ -110,23 +65,6 @@ pub struct Estimate {
     pub high: f64,
     /// Standard deviation of the coordinate over the prior's.
     pub told: f64,
-}
-
-/// The noise of a recording's channels, and what is left of them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NoiseEstimate {
-    /// Which recording.
-    pub recording: usize,
-    /// Which channels.
-    pub group: NoiseGroup,
-    /// White and coloured part.
-    pub noise: ChannelNoise,
-    /// Number of samples.
-    pub samples: usize,
-    /// Root mean square of the residuals, in the channel's unit.
-    pub rms: f64,
-    /// Share of samples that count less than a third: outliers.
-    pub outliers: f64,
 }
 
 /// A finished fit.
@@ -158,14 +96,12 @@ pub struct Fit {
     pub converged: bool,
 }
 
-/// Less driving than this cannot tell a soil from the noise \[s\].
-const SHORTEST: f64 = 3.0;
 /// Turns at most.
 const TURNS: usize = 12;
-/// A turn that lowers the cost, a chi-square, by less than this, and moves no noise by more
-/// than this factor's logarithm, is the last.
+/// A turn that comes to rest after lowering the cost, a chi-square, by less than this, and moves
+/// no noise by more than this factor's logarithm, is the last.
 const STILL: f64 = 0.5;
-const STILL_NOISE: f64 = 0.05;
+const STILL_NOISE: f64 = 0.1;
 /// Steps of a turn: few, as noise and weights are still to come. A gain of 0.05 moves no
 /// parameter by more than a quarter of its standard deviation.
 const TURN: Stop = Stop {
@@ -285,7 +221,7 @@ fn turns<P: Predictor>(
         if options.robust {
             reweigh(problem, &outcome.tables, by);
         }
-        let still = outcome.gain < STILL && change < STILL_NOISE;
+        let still = outcome.converged && outcome.gain < STILL && change < STILL_NOISE;
         if still || turn == TURNS {
             return Ok(Turned {
                 tables: outcome.tables,
@@ -391,78 +327,10 @@ fn free_sensors(
     Ok(wanted.iter().copied().filter(tells).collect())
 }
 
-fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
-    let noise = NoiseGroup::ALL.map(|group| ChannelNoise {
-        white: group.first_guess(),
-        coloured: group.first_guess(),
-        correlation_time: 1.0,
-    });
-    let ones = |segment: &super::segment::Segment| {
-        let samples = segment.samples.iter();
-        samples
-            .map(|samples| vec![1.0; samples.time.len()])
-            .collect()
-    };
-    Weighing {
-        noise: vec![noise; problem.recordings.len()],
-        weights: problem.segments.iter().map(ones).collect(),
-    }
-}
-
-/// Sets every sample's weight to what its residual asks for.
-pub(super) fn reweigh<P: Predictor>(problem: &Problem<P>, tables: &[Tables], by: &mut Weighing) {
-    let parts = problem.segments.iter().zip(tables).zip(&mut by.weights);
-    for ((segment, tables), weights) in parts {
-        let channels = segment.samples.iter().zip(&tables.channels).zip(weights);
-        for ((samples, table), weights) in channels {
-            let noise = &by.noise[segment.recording][samples.signal.group() as usize];
-            let residual: Vec<f64> = table.iter().step_by(tables.columns).copied().collect();
-            robust::update(noise, &samples.time, &residual, weights);
-        }
-    }
-}
-
 fn doubts<P: Predictor>(
     problem: &Problem<P>,
     turned: &Turned,
     state: &State,
 ) -> Result<Uncertainty, FitError> {
     uncertainty(problem, &turned.tables, &state.point, &state.by).ok_or(FitError::NotFinite)
-}
-
-fn noise_estimates<P: Predictor>(
-    problem: &Problem<P>,
-    tables: &[Tables],
-    by: &Weighing,
-) -> Vec<NoiseEstimate> {
-    let mut all = Vec::new();
-    for recording in 0..problem.recordings.len() {
-        for group in NoiseGroup::ALL {
-            let (mut samples, mut squares, mut outliers) = (0, 0.0, 0);
-            for (index, segment) in problem.segments.iter().enumerate() {
-                for (channel, data) in segment.samples.iter().enumerate() {
-                    if segment.recording != recording || data.signal.group() != group {
-                        continue;
-                    }
-                    let table = &tables[index].channels[channel];
-                    let residuals = table.iter().step_by(tables[index].columns);
-                    squares += residuals.map(|r| r * r).sum::<f64>();
-                    samples += data.time.len();
-                    let weights = by.weights[index][channel].iter();
-                    outliers += weights.filter(|weight| **weight < 1.0 / 3.0).count();
-                }
-            }
-            if samples > 0 {
-                all.push(NoiseEstimate {
-                    recording,
-                    group,
-                    noise: by.noise[recording][group as usize],
-                    samples,
-                    rms: (squares / samples as f64).sqrt(),
-                    outliers: outliers as f64 / samples as f64,
-                });
-            }
-        }
-    }
-    all
 }

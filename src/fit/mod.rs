@@ -12,6 +12,7 @@
 //! on the number of threads.
 
 pub mod catalogue;
+pub mod error;
 pub mod estimate;
 pub mod exact;
 pub mod identifiability;
@@ -28,5 +29,8 @@ pub mod segment;
 pub mod sensor;
 pub mod starts;
 pub mod uncertainty;
+pub mod weighing;
 
-pub use estimate::{Estimate, Fit, FitError, NoiseEstimate, Options, Stage, fit};
+pub use error::FitError;
+pub use estimate::{Estimate, Fit, Options, Stage, fit};
+pub use weighing::NoiseEstimate;

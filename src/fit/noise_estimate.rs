@@ -29,8 +29,8 @@ const SMALLEST: f64 = 1e-3;
 const FIRST_STEP: f64 = 0.6;
 const LAST_STEP: f64 = 0.06;
 
-/// Estimates the noise of every channel of every recording anew; returns the largest change
-/// of a standard deviation, as a logarithm.
+/// Estimates the noise of every channel of every recording anew; returns the largest change of
+/// a standard deviation or correlation time, as a logarithm.
 pub fn update<P: Predictor>(
     problem: &Problem<P>,
     tables: &[Tables],
@@ -53,11 +53,26 @@ pub fn update<P: Predictor>(
             let old = by.noise[recording][group as usize];
             let new = part.search(by);
             by.noise[recording][group as usize] = new;
-            largest = largest.max((new.total() / old.total()).ln().abs());
+            let moved = to_logarithms(&new).into_iter().zip(to_logarithms(&old));
+            // What is small beside the other part may wander.
+            let shares = [new.white, new.coloured, new.coloured].map(|part| part / new.total());
+            for ((new, old), share) in moved.zip(shares) {
+                largest = largest.max(share * (new - old).abs());
+            }
         }
     }
     largest
 }
+
+/// Directions of the search: each logarithm, slow noise that keeps its rate s_u^2 / T, and noise
+/// that changes from white to coloured.
+const DIRECTIONS: [[f64; 3]; 5] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.0, 0.5, 1.0],
+    [1.0, -0.3, 1.0],
+];
 
 /// The segments of a recording, and the channels of a group.
 struct Part<'a, 'b, P> {
@@ -101,10 +116,10 @@ impl<P: Predictor> Part<'_, '_, P> {
         let mut step = FIRST_STEP;
         while step > LAST_STEP {
             let mut moved = false;
-            for k in 0..3 {
+            for direction in DIRECTIONS {
                 for sign in [1.0, -1.0] {
-                    let mut trial = best;
-                    trial[k] += sign * step;
+                    let trial: [f64; 3] =
+                        std::array::from_fn(|k| best[k] + sign * step * direction[k]);
                     let inside = trial[0].min(trial[1]) > (SMALLEST * guess).ln()
                         && (TIME_RANGE.0.ln()..TIME_RANGE.1.ln()).contains(&trial[2]);
                     if !inside {

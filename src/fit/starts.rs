@@ -1,6 +1,6 @@
 //! The same fit from random starts: is there another answer?
 
-use super::estimate::{Options, Stage, reweigh};
+use super::estimate::{Options, Stage};
 use super::normal::Eliminated;
 use super::optimiser::{Stop, minimise, normals};
 use super::parameter::Parameter;
@@ -8,6 +8,7 @@ use super::predictor::Predictor;
 use super::problem::{Point, Problem, Weighing};
 use super::robust;
 use super::uncertainty::Uncertainty;
+use super::weighing::reweigh;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 

@@ -3,6 +3,7 @@
 #![cfg(feature = "cli")]
 
 mod effects;
+mod fit;
 mod inspect;
 mod refusals;
 mod score;

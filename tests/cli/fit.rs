@@ -1,0 +1,95 @@
+//! `ugv fit`.
+
+use crate::Bench;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// A turn at 10 Hz: wheel speeds, and a yaw rate and pose that some soil explains.
+fn recording() -> String {
+    let mut text = String::from("time,omega_left,omega_right,x,y,heading,yaw_rate\n");
+    let (mut x, mut y, mut heading) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for k in 0..120 {
+        let time = 0.1 * f64::from(k);
+        let turn = (0.4 * time).sin();
+        let (left, right) = (5.0 - turn, 5.0 + turn);
+        let yaw_rate = 0.1 * (right - left);
+        let _ = writeln!(
+            text,
+            "{time:.1},{left:.4},{right:.4},{x:.4},{y:.4},{heading:.5},{yaw_rate:.5}"
+        );
+        heading += 0.1 * yaw_rate;
+        x += 0.12 * heading.cos();
+        y += 0.12 * heading.sin();
+    }
+    text
+}
+
+#[test]
+fn model_and_report_are_written_and_the_model_drives() {
+    let bench = Bench::new();
+    bench.write("rec.csv", recording());
+    let summary = bench.stdout(
+        "fit rec.csv --free friction_angle --starts 2 --output model.json --report fit.json",
+    );
+    for expected in [
+        "friction_angle",
+        "90 % interval",
+        "random starts",
+        "residual rms",
+    ] {
+        assert!(summary.contains(expected), "{summary}");
+    }
+    let report: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
+    assert_eq!(report["format"], "ugv-fit/1");
+    let parameter = &report["parameters"][0];
+    let number = |key: &str| parameter[key].as_f64().unwrap();
+    assert_eq!(parameter["name"], "friction_angle");
+    assert!(number("low") < number("value") && number("value") < number("high"));
+    assert_eq!(report["starts"]["tried"], 2);
+    let model: Value = serde_json::from_str(&bench.read("model.json")).unwrap();
+    let degrees = model["terrain"]["friction_angle_deg"].as_f64().unwrap();
+    assert!((degrees.to_radians() - number("value")).abs() < 1e-9);
+    bench.stdout("simulate --input drive.csv --vehicle model.json --terrain model.json");
+}
+
+#[test]
+fn names_are_listed_and_typos_answered() {
+    let bench = Bench::new();
+    bench.write("rec.csv", recording());
+    let names = bench.stdout("fit --free help");
+    for expected in [
+        "* cohesion",
+        "grade.slope_east",
+        "* pose_latency",
+        "lever_arm_x",
+    ] {
+        assert!(names.contains(expected), "{names}");
+    }
+    let message = bench.fails("fit rec.csv --free cohesoin", 2);
+    assert!(message.contains("no parameter `cohesoin`"), "{message}");
+    assert!(message.contains("the nearest is cohesion"), "{message}");
+    let message = bench.fails("fit rec.csv --sensors pose_lag", 2);
+    assert!(message.contains("the nearest is pose_latency"), "{message}");
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused() {
+    let bench = Bench::new();
+    let message = bench.fails("fit", 2);
+    assert!(message.contains("no recording"), "{message}");
+    let message = bench.fails("fit drive.csv", 2);
+    assert!(message.contains("neither pose nor yaw rate"), "{message}");
+    bench.write("rec.csv", recording());
+    bench.write("other.csv", recording());
+    let vehicle = |mass: &str| {
+        let text = bench.stdout("vehicle");
+        format!("{{\"vehicle\": {}}}", text.replace("490.0", mass))
+    };
+    bench.write("rec.json", vehicle("490.0"));
+    bench.write("other.json", vehicle("500.0"));
+    let message = bench.fails("fit rec.csv other.csv", 2);
+    assert!(message.contains("different vehicles"), "{message}");
+    let message = bench.fails("fit rec.csv --segment 20", 2);
+    assert!(message.contains("3 to 8 seconds"), "{message}");
+    assert!(!bench.files().contains(&"model.json".to_owned()));
+}
