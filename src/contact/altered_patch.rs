@@ -4,6 +4,7 @@
 //! the stress is that of the front at the angle theta_1 - (theta + theta_2) (theta_1 - theta_m) /
 //! (theta_m + theta_2), which is (5) for theta_2 = 0 and theta_m = theta_1 / 2.
 
+use super::altered_arc::Arc;
 use super::patch::PatchSums;
 use super::quadrature::{MOST_ROWS, Quadrature};
 use super::rows::{Crossing, Footprint};
@@ -16,19 +17,17 @@ use fearless_simd::{Simd, f64x8, prelude::*};
 const DISPLACEMENT_FLOOR: f64 = 1e-18;
 /// Depth of a rut \[m\] far below any that matters: it keeps its stiffness finite.
 const SHALLOWEST_RUT: f64 = 1e-9;
-/// Share of the entry angle below which a split of the arc is held in derivatives.
-const EARLIEST_MOVING_TURN: f64 = 5e-3;
 /// The slip speed at which the shear of a held wheel fades, as a share of that of a rolling one.
 const HELD_SLIP_SPEED: f64 = 0.1;
 
 /// A law, prepared for the integrand.
 pub(super) struct AlteredPatch<S> {
     soil: Soil<S>,
-    footprint: Footprint,
-    circle: S,
+    pub footprint: Footprint,
+    pub circle: S,
     /// Place of the greatest stress between exit (0) and entry (1).
-    peak: S,
-    rebound: S,
+    pub peak: S,
+    pub rebound: S,
     inverse_modulus: S,
     /// (K_X / K_Y)^2.
     lateral_stretch: S,
@@ -37,14 +36,14 @@ pub(super) struct AlteredPatch<S> {
     /// steady state.
     lean: f64,
     slip_speed_squared: f64,
-    rut: Option<RutLine<S>>,
+    pub rut: Option<RutLine<S>>,
     bulldozing: Option<Bulldozing<S>>,
 }
 
 /// Pressure in a rut: elastic up to a depth below its ground, as on untouched soil beyond.
-struct RutLine<S> {
+pub(super) struct RutLine<S> {
     ground: S,
-    elastic: S,
+    pub elastic: S,
     stiffness: S,
 }
 
@@ -65,18 +64,6 @@ pub(super) struct Wedge<S> {
     pub moment: S,
     /// Force against the front \[N\].
     pub frontal: S,
-}
-
-/// The arc in the numbers that every node shares.
-struct Arc<S> {
-    exit: S,
-    middle: S,
-    entry: S,
-    half_sine_squared: S,
-    sin_entry: S,
-    cos_entry: S,
-    /// (theta_1 - theta_m) / (theta_m + theta_2).
-    rear_slope: S,
 }
 
 /// What the rows of the patch share at eight nodes of the arc.
@@ -145,22 +132,6 @@ impl<S: Scalar> AlteredPatch<S> {
             slip_speed_squared: fading * fading,
             rut,
             bulldozing: law.bulldozing,
-        }
-    }
-
-    #[inline(always)]
-    fn arc(&self, entry: S) -> Arc<S> {
-        let (half_sine, half_cosine) = entry.scale(0.5).sin_cos_small();
-        let exit = -(self.rebound * entry);
-        let middle = exit + (entry - exit) * self.peak;
-        Arc {
-            exit,
-            middle,
-            entry,
-            half_sine_squared: half_sine * half_sine,
-            sin_entry: (half_sine * half_cosine).scale(2.0),
-            cos_entry: (half_sine * half_sine).scale(-2.0).offset(1.0),
-            rear_slope: (entry - middle) / (middle - exit),
         }
     }
 
@@ -389,58 +360,5 @@ impl<S: Scalar> AlteredPatch<S> {
         sums.shear[2] += along * column.sin;
         sums.width_moment += (along * column.cos).scale(offset);
         sums.arc_moment += across * column.sin;
-    }
-
-    /// Where, behind and ahead of the greatest stress, a wheel in a rut reaches the depth beyond
-    /// which its ground is no longer elastic; `None` where it does not.
-    #[inline(always)]
-    fn rut_ends(&self, arc: &Arc<S>) -> Option<[S; 2]> {
-        let rut = self.rut.as_ref()?;
-        let below = (rut.elastic / self.circle).scale(0.5);
-        let sine_squared = arc.half_sine_squared - below;
-        let ahead = if sine_squared.value() > 0.0 {
-            // The half angle by its sine, with the derivative of the arc sine.
-            let sine = sine_squared.sqrt();
-            let (value, slope) = (sine.value(), 2.0 / (1.0 - sine.value().powi(2)).sqrt());
-            S::chain(2.0 * value.asin(), &[slope], &[sine])
-        } else {
-            arc.exit
-        };
-        let behind = arc.exit + (arc.entry - ahead) / arc.rear_slope;
-        if ahead.value() > arc.middle.value() {
-            Some([behind, ahead])
-        } else {
-            Some([arc.middle, arc.middle])
-        }
-    }
-
-    /// The ends of the pieces into which an arc is split, in order: at the greatest stress, at the
-    /// rut's ends and at the turns of the slip velocity. Those beyond the arc are to be left out.
-    #[inline(always)]
-    fn ends(&self, arc: &Arc<S>, rut: Option<[S; 2]>, behind: S, ahead: S) -> [S; 7] {
-        let [rut_behind, rut_ahead] = rut.unwrap_or([arc.exit; 2]);
-        let mut ends = [
-            arc.exit, behind, rut_behind, arc.middle, rut_ahead, ahead, arc.entry,
-        ];
-        for end in 1..ends.len() {
-            let mut place = end;
-            while place > 0 && ends[place - 1].value() > ends[place].value() {
-                ends.swap(place - 1, place);
-                place -= 1;
-            }
-        }
-        ends
-    }
-
-    /// The angle at which the slip velocity of a row changes its sign, ahead of the lowest point:
-    /// cos(theta) = r omega / V_Xi.
-    #[inline(always)]
-    fn turn(&self, motion: &AlteredMotion<S>, arc: &Arc<S>, at: f64) -> S {
-        let forward = motion.forward - motion.yaw_rate.scale(at * self.footprint.width);
-        let ratio = motion.rim_speed / forward;
-        let turn = ratio.value().clamp(-1.0, 1.0).acos();
-        let moves = turn > EARLIEST_MOVING_TURN * arc.entry.value();
-        let slope = if moves { -1.0 / turn.sin() } else { 0.0 };
-        S::chain(turn, &[slope], &[ratio])
     }
 }

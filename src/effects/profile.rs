@@ -86,7 +86,7 @@ fn check_slopes(slopes: &[[f64; 2]], expected: usize) -> Result<(), ProfileError
     match slopes
         .iter()
         .flatten()
-        .find(|slope| !(slope.abs() <= STEEPEST))
+        .find(|slope| slope.is_nan() || slope.abs() > STEEPEST)
     {
         Some(slope) => Err(ProfileError::Slope(*slope)),
         None => Ok(()),

@@ -52,16 +52,16 @@ impl Normal {
         for row in table.chunks_exact(columns) {
             let (residual, by_start, by_local) = (row[0], &row[1..=START], &row[1 + START..]);
             self.cost += residual * residual;
-            for i in 0..START {
-                self.start_gradient[i] += by_start[i] * residual;
-                for j in 0..START {
-                    self.by_start[(i, j)] += by_start[i] * by_start[j];
+            for (i, slope) in by_start.iter().enumerate() {
+                self.start_gradient[i] += slope * residual;
+                for (j, other) in by_start.iter().enumerate() {
+                    self.by_start[(i, j)] += slope * other;
                 }
             }
             for (a, &slope) in places.iter().zip(by_local) {
                 self.gradient[*a] += slope * residual;
-                for i in 0..START {
-                    self.cross[(i, *a)] += by_start[i] * slope;
+                for (i, start) in by_start.iter().enumerate() {
+                    self.cross[(i, *a)] += start * slope;
                 }
                 for (b, other) in places.iter().zip(by_local) {
                     self.by_parameters[(*a, *b)] += slope * other;

@@ -234,6 +234,18 @@ impl Point<'_> {
             effects.boundary,
             &mut rates,
         );
+        let outputs = (0..count).map(|index| {
+            chassis.outputs(
+                &situation,
+                regularisation,
+                index,
+                closed.loads[index],
+                closed.entry_angles[index],
+                &wheels[index].1,
+                &closed.forces[index],
+            )
+        });
+        let outputs: Vec<_> = outputs.collect();
         for (place, result) in results.iter_mut().enumerate() {
             let wrench = &mut result.wrench;
             wrench.a_x = totals.acceleration[0].eps[place];
@@ -243,18 +255,8 @@ impl Point<'_> {
             wrench.turning_moment = totals.turning_moment.eps[place];
             wrench.turning_resistance_moment = totals.turning_resistance_moment.eps[place];
             wrench.wheels.resize(count, WheelOutputs::default());
-            for index in 0..count {
-                let outputs = chassis.outputs(
-                    &situation,
-                    regularisation,
-                    index,
-                    closed.loads[index],
-                    closed.entry_angles[index],
-                    &wheels[index].1,
-                    &closed.forces[index],
-                );
-                wrench.wheels[index] =
-                    WheelOutputs::from_array(outputs.map(|output| output.eps[place]));
+            for (wheel, outputs) in wrench.wheels.iter_mut().zip(&outputs) {
+                *wheel = WheelOutputs::from_array(outputs.map(|output| output.eps[place]));
             }
             result.memory_rates.clear();
             result

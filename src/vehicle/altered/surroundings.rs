@@ -133,9 +133,9 @@ impl<S: Scalar> Chassis<S> {
             let velocity = [at.velocity[0], at.velocity[1] + at.yaw_rate * hitch];
             let pull = drawbar.pull(velocity, fading);
             let raised = drawbar.hitch_height - self.com_height;
-            for axis in 0..2 {
-                environment.force[axis] += pull[axis];
-                environment.load_moments[axis] += raised * pull[axis];
+            for (axis, pull) in pull.into_iter().enumerate() {
+                environment.force[axis] += pull;
+                environment.load_moments[axis] += raised * pull;
             }
             environment.yaw_moment += (hitch - self.com[0]) * pull[1] + self.com[1] * pull[0];
         }

@@ -33,8 +33,8 @@ pub fn errors(lines: &[Line]) -> String {
     );
     for Line { name, fit, judged } in lines {
         let _ = write!(text, "| {name} ");
-        for output in 0..3 {
-            let rmse = with_interval(&judged.rmse[output], SHOWN[output], DIGITS);
+        for (output, shown) in SHOWN.into_iter().enumerate() {
+            let rmse = with_interval(&judged.rmse[output], shown, DIGITS);
             let r2 = with_interval(&judged.r2[output], 1.0, DIGITS);
             let _ = write!(text, "| {rmse} | {r2} ");
         }
