@@ -143,6 +143,10 @@ fn random_calls_make_no_memory_error_and_leak_nothing() {
             format!("--show-leak-kinds={kinds}"),
             format!("--errors-for-leak-kinds={kinds}"),
         ])
+        .arg(format!(
+            "--suppressions={}",
+            support::root().join("tests/fmu_host.supp").display()
+        ))
         .arg(bench.host());
     assert_variety(&bench.run(valgrind, &["mixed"]));
 }
