@@ -2,7 +2,7 @@
 
 #![cfg(feature = "cli")]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use ugv_terrain::identification::{
     Cut, Kinematics, KinematicsForm, Latencies, PredictionError, Signals, Summary, Window, cut,
     split, summarise,
@@ -116,7 +116,7 @@ struct Found {
     two_parameter: [Summary; 2],
 }
 
-fn compute(folder: &PathBuf, row: &Row) -> Found {
+fn compute(folder: &Path, row: &Row) -> Found {
     let path = folder.join("recordings").join(format!("{}.csv", row.file));
     let recording = read_recording(&path).unwrap();
     let mut runs = Signals::of(&recording).unwrap();

@@ -13,7 +13,7 @@ effect! {
     /// the contact (a Galerkin closure with the steady profile, whose mean over the contact is
     /// J theta_1 / 2) the equation is dJ/dt = 2/(s theta_1) (V - abs(omega) J) with V = V_X, V_Y, Omega,
     /// r omega: exact in the steady state and for the mean displacement of a locked wheel, of first
-    /// order in between. Soil sheared beyond [`LONGEST`] K slides on without storing more.
+    /// order in between. Soil sheared beyond 10 K slides on without storing more.
     TransientShear: "transient_shear", Physics,
     lifts "velocities constant while a point of the rim is in contact",
     equation "dJ/dt = 2/(s theta_1) (V - abs(omega) J), j as in (14) with J for V/abs(omega)",
