@@ -60,8 +60,8 @@ impl Normal {
             }
             for (a, &slope) in places.iter().zip(by_local) {
                 self.gradient[*a] += slope * residual;
-                for i in 0..START {
-                    self.cross[(i, *a)] += by_start[i] * slope;
+                for (i, start) in by_start.iter().enumerate() {
+                    self.cross[(i, *a)] += start * slope;
                 }
                 for (b, other) in places.iter().zip(by_local) {
                     self.by_parameters[(*a, *b)] += slope * other;
