@@ -108,6 +108,12 @@ const TURN: Stop = Stop {
     steps: 6,
     gain: 0.05,
 };
+/// The first turn goes all the way: noise estimated half way down would take the misfit for slow
+/// noise, and hold the fit there.
+const FIRST_TURN: Stop = Stop {
+    steps: 40,
+    gain: 0.5,
+};
 /// Samples go to other segments when the pose proves later by more than this \[s\].
 const LATER: f64 = 0.03;
 
@@ -216,7 +222,8 @@ fn turns<P: Predictor>(
     for turn in 1.. {
         progress(Stage::Turn(turn));
         let State { point, by } = state;
-        let outcome = minimise(problem, point, by, TURN).map_err(FitError::Start)?;
+        let stop = if turn == 1 { FIRST_TURN } else { TURN };
+        let outcome = minimise(problem, point, by, stop).map_err(FitError::Start)?;
         let change = noise_estimate::update(problem, &outcome.tables, point, by);
         if options.robust {
             reweigh(problem, &outcome.tables, by);

@@ -22,6 +22,23 @@ pub struct ChannelNoise {
     pub correlation_time: f64,
 }
 
+/// What is known of the white part of a residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WhitePart {
+    /// Expected value, in the channel's unit.
+    pub mean: f64,
+    /// Variance.
+    pub variance: f64,
+}
+
+impl WhitePart {
+    /// Root of the expected square over a standard deviation.
+    #[must_use]
+    pub fn ratio(&self, deviation: f64) -> f64 {
+        (self.mean * self.mean + self.variance).sqrt() / deviation
+    }
+}
+
 /// The filter's quantities at one sample.
 #[derive(Debug, Clone, Copy)]
 struct Gain {
@@ -73,11 +90,12 @@ impl ChannelNoise {
         log_determinant
     }
 
-    /// The white part of residuals: its most likely value at each sample, w = R S^-1 r with
-    /// the white part's covariance R and the whole noise's S. The filter gives L of
-    /// S^-1 = L^T L; its adjoint runs backward (Bryson & Frazier's smoother).
+    /// The white part of residuals: at each sample its expected value w = R S^-1 r and its
+    /// variance R - R (S^-1)_ii R, with the white part's covariance R and the whole noise's S. The
+    /// filter gives L of S^-1 = L^T L; its adjoint runs backward (Bryson & Frazier's smoother; J.
+    /// Durbin & S. J. Koopman, "Time Series Analysis by State Space Methods", section 4.5).
     #[must_use]
-    pub fn white_part(&self, time: &[f64], weight: &[f64], residual: &[f64]) -> Vec<f64> {
+    pub fn white_part(&self, time: &[f64], weight: &[f64], residual: &[f64]) -> Vec<WhitePart> {
         let mut forward = Vec::with_capacity(residual.len());
         let mut expected = 0.0;
         self.gains(time, weight, |index, at| {
@@ -85,12 +103,24 @@ impl ChannelNoise {
             expected = at.decay * (expected + at.gain * innovation);
             forward.push((innovation, at));
         });
-        let mut white = vec![0.0; residual.len()];
-        let mut adjoint = 0.0;
+        let nothing = WhitePart {
+            mean: 0.0,
+            variance: 0.0,
+        };
+        let mut white = vec![nothing; residual.len()];
+        let (mut adjoint, mut precision) = (0.0, 0.0);
         for (index, (innovation, at)) in forward.into_iter().enumerate().rev() {
-            let by_residual = innovation / at.variance + at.decay * at.gain * adjoint;
+            let taken = at.decay * at.gain;
+            let by_residual = innovation / at.variance + taken * adjoint;
+            let diagonal = 1.0 / at.variance + taken * taken * precision;
             adjoint = at.decay * adjoint - by_residual;
-            white[index] = self.white.powi(2) / weight[index] * by_residual;
+            let kept = at.decay - taken;
+            precision = 1.0 / at.variance + kept * kept * precision;
+            let own = self.white.powi(2) / weight[index];
+            white[index] = WhitePart {
+                mean: own * by_residual,
+                variance: (own - own * own * diagonal).max(0.0),
+            };
         }
         white
     }
@@ -144,13 +174,16 @@ mod tests {
     #[test]
     fn white_part_is_what_the_dense_formula_gives() {
         let white = NOISE.white_part(&TIME, &WEIGHT, &RESIDUAL);
-        let solved = covariance()
-            .cholesky()
-            .unwrap()
-            .solve(&DVector::from_row_slice(&RESIDUAL));
+        let inverse = covariance().try_inverse().unwrap();
+        let solved = &inverse * DVector::from_row_slice(&RESIDUAL);
         for (index, white) in white.into_iter().enumerate() {
-            let expected = NOISE.white.powi(2) / WEIGHT[index] * solved[index];
-            assert!((white - expected).abs() < TOLERANCE, "{index}");
+            let own = NOISE.white.powi(2) / WEIGHT[index];
+            assert!(
+                (white.mean - own * solved[index]).abs() < TOLERANCE,
+                "{index}"
+            );
+            let variance = own - own * own * inverse[(index, index)];
+            assert!((white.variance - variance).abs() < TOLERANCE, "{index}");
         }
     }
 }

@@ -3,8 +3,8 @@
 //! The white part of the noise follows Student's t with [`DEGREES`] degrees of freedom, as a
 //! normal distribution whose precision varies from sample to sample (K. Lange, R. Little,
 //! J. Taylor, "Robust statistical modeling using the t distribution", JASA 84 (1989)).
-//! Weights and motion are fitted in turns; each turn lowers the same objective
-//! sum (nu + 1) ln(1 + w^2 / (nu s_w^2)) + ... .
+//! Weights and motion are fitted in turns (expectation and maximisation): a weight follows the
+//! expected square of the white part, not the square of its expected value, which is smaller.
 
 use super::noise::ChannelNoise;
 
@@ -26,8 +26,8 @@ pub fn penalty(weight: f64) -> f64 {
     at_rest(weight) - at_rest((DEGREES + 1.0) / DEGREES)
 }
 
-/// How much less a sample tells of its mean than its weight says: the mean curvature of the
-/// objective over the mean weight, (1 - x^2 lambda^2 2 / (nu + 1) ...) as psi' = lambda (1 - 2 z^2/(nu + z^2)).
+/// The slope of a sample's pull, its weighed residual: lambda (1 - 2 x^2 / (nu + x^2)). It is
+/// what a sample tells of its mean, and less than its weight.
 #[must_use]
 pub fn curvature(ratio: f64) -> f64 {
     let square = ratio * ratio;
@@ -38,7 +38,7 @@ pub fn curvature(ratio: f64) -> f64 {
 pub fn update(noise: &ChannelNoise, time: &[f64], residual: &[f64], weights: &mut [f64]) {
     let white = noise.white_part(time, weights, residual);
     for (lambda, white) in weights.iter_mut().zip(white) {
-        *lambda = weight(white / noise.white);
+        *lambda = weight(white.ratio(noise.white));
     }
 }
 

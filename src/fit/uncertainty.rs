@@ -160,7 +160,7 @@ fn with_curvature<P: Predictor>(
             let white = noise.white_part(&samples.time, &by.weights[index][channel], &residual);
             let sum = &mut sums[segment.recording][group];
             for white in white {
-                let ratio = white / noise.white;
+                let ratio = white.ratio(noise.white);
                 sum.0 += robust::curvature(ratio);
                 sum.1 += robust::weight(ratio);
             }
