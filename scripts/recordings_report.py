@@ -38,7 +38,7 @@ def value(estimate: object) -> float:
 def cell(model: dict) -> str:
     """Median and 95th percentile of both errors."""
     if not model.get("position_m"):
-        return "not fitted" if not model.get("failed") else f"{model['failed']} failed"
+        return "not fitted"
     metres, radians = model["position_m"], model["heading_rad"]
     return (
         f"{value(metres['median']):.2f} / {value(metres['p95']):.2f}, "

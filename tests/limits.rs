@@ -5,7 +5,7 @@ mod common;
 use common::{paper_model, speeds, starting_at, symmetric_model, wrench};
 use ugv_terrain::simulation::{Simulation, State};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Balance, BalanceError, Motion, Vehicle, VehicleModel};
+use ugv_terrain::vehicle::{Balance, BalanceError, Motion, Specification, Vehicle, VehicleModel};
 
 const WEIGHT: f64 = 490.0 * 9.81;
 
@@ -423,5 +423,50 @@ fn bad_parameters_are_refused_by_name() {
     for (name, soil) in soils {
         let error = VehicleModel::new(vehicle(), soil).unwrap_err();
         assert!(error.name.contains(name), "{error}");
+    }
+}
+
+/// Hard ground under the four-wheeled vehicle of some recordings, to which a soil was fitted.
+fn hard_ground() -> Specification {
+    let vehicle = Vehicle {
+        mass: 470.0,
+        yaw_inertia: 165.0,
+        wheel_radius: 0.3,
+        wheel_width: 0.25,
+        row_positions: vec![0.457, -0.457],
+        half_track: 0.568,
+        com_offset: 0.0,
+        com_height: 0.45,
+    };
+    let terrain = Terrain {
+        cohesion: 2508.0,
+        friction_angle: 13.4_f64.to_radians(),
+        cohesive_modulus: 13190.0,
+        frictional_modulus: 11_978_196.0,
+        sinkage_exponent: 0.244,
+        shear_modulus: 5e-4,
+    };
+    Specification::plain(vehicle, terrain)
+}
+
+#[test]
+fn a_wheel_that_rolls_without_slip_but_for_rounding_has_forces() {
+    // V_Xi / (r omega) = 1 + 1e-16: the slip velocity changes its sign at an angle of 1e-8 rad.
+    let motion = Motion {
+        v_x: 1.05,
+        v_y: 0.0,
+        yaw_rate: 0.264_084_507_042_253_56,
+        omega_left: 3.0,
+        omega_right: 4.0,
+    };
+    let plain = hard_ground();
+    let effects = plain
+        .effects
+        .clone()
+        .with("elastic_rebound.share", 1e-9)
+        .unwrap();
+    for specification in [plain.clone(), Specification { effects, ..plain }] {
+        let model = VehicleModel::from_specification(&specification).unwrap();
+        assert!(wrench(&model, &motion).a_y.is_finite());
     }
 }

@@ -1,6 +1,7 @@
 //! Where a contact arc that effects alter begins and ends, and where it has to be split.
 
 use super::altered_patch::{AlteredMotion, AlteredPatch};
+use super::patch::NEAREST_TURN;
 use crate::scalar::{Elementary, Scalar};
 
 /// Share of the entry angle below which a split of the arc is held in derivatives.
@@ -82,8 +83,10 @@ impl<S: Scalar> AlteredPatch<S> {
     pub(super) fn turn(&self, motion: &AlteredMotion<S>, arc: &Arc<S>, at: f64) -> S {
         let forward = motion.forward - motion.yaw_rate.scale(at * self.footprint.width);
         let ratio = motion.rim_speed / forward;
+        let entry = arc.entry.value();
         let turn = ratio.value().clamp(-1.0, 1.0).acos();
-        let moves = turn > EARLIEST_MOVING_TURN * arc.entry.value();
+        let turn = turn.clamp(NEAREST_TURN * entry, (1.0 - NEAREST_TURN) * entry);
+        let moves = turn > EARLIEST_MOVING_TURN * entry && turn < (1.0 - NEAREST_TURN) * entry;
         let slope = if moves { -1.0 / turn.sin() } else { 0.0 };
         S::chain(turn, &[slope], &[ratio])
     }

@@ -13,6 +13,9 @@ use crate::effects::{Bulldozing, Displacement, Soil};
 use crate::scalar::{Elementary, Packed, Real, Scalar};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
+/// Share of the entry angle below which a piece of the arc is left out: next to an end of the arc
+/// its nodes would find no stress there but rounding.
+const SHORTEST_PIECE: f64 = 1e-6;
 /// Square of a displacement \[m^2\] far below any that matters: it keeps its root's slope finite.
 const DISPLACEMENT_FLOOR: f64 = 1e-18;
 /// Depth of a rut \[m\] far below any that matters: it keeps its stiffness finite.
@@ -181,7 +184,7 @@ impl<S: Scalar> AlteredPatch<S> {
             let graded = straight && rut.is_none();
             for pair in ends.windows(2) {
                 let (start, end) = (pair[0].most(arc.exit), pair[1].least(arc.entry));
-                if end.value() <= start.value() {
+                if end.value() - start.value() <= SHORTEST_PIECE * entry.value() {
                     continue;
                 }
                 let ahead = start.value() >= arc.middle.value();

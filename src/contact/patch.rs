@@ -273,10 +273,13 @@ impl PatchLaw {
     ) {
         let ratio = motion.rim_speed / row.forward;
         let turn = ratio.value().clamp(-1.0, 1.0).acos();
+        // Nodes next to either end of the arc would find no stress there but rounding.
+        let entry = arc.entry.value();
+        let turn = turn.clamp(NEAREST_TURN * entry, (1.0 - NEAREST_TURN) * entry);
         let sine = turn.sin();
         // The integral does not depend on where the arc is split; next to theta = 0, where the
         // split moves infinitely fast, its derivative is left out.
-        let moves = turn > EARLIEST_MOVING_TURN * arc.entry.value();
+        let moves = turn > EARLIEST_MOVING_TURN * entry && turn < (1.0 - NEAREST_TURN) * entry;
         let slope = if moves { -1.0 / sine } else { 0.0 };
         let turn = S::chain(turn, &[slope], &[ratio]);
         let middle = arc.entry.scale(0.5);
@@ -314,6 +317,8 @@ impl PatchLaw {
     }
 }
 
+/// Share of the entry angle within which no end of the arc is split off.
+pub(super) const NEAREST_TURN: f64 = 1e-4;
 /// Share of the entry angle below which a split of the arc is held in derivatives.
 const EARLIEST_MOVING_TURN: f64 = 5e-3;
 /// A turn of the shear is sharp if it takes less than this share of the longer part beside it.
