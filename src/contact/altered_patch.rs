@@ -21,7 +21,8 @@ const DISPLACEMENT_FLOOR: f64 = 1e-18;
 /// Depth of a rut \[m\] far below any that matters: it keeps its stiffness finite.
 const SHALLOWEST_RUT: f64 = 1e-9;
 /// The slip speed at which the shear of a held wheel fades, as a share of that of a rolling one.
-const HELD_SLIP_SPEED: f64 = 0.1;
+/// The smaller, the sooner a held vehicle settles: at 0.02 within some tenths of a second.
+const HELD_SLIP_SPEED: f64 = 0.02;
 
 /// A law, prepared for the integrand.
 pub(super) struct AlteredPatch<S> {

@@ -44,7 +44,7 @@ fn soil_that_springs_back_whole_has_no_compaction_drag() {
             &straight,
         );
         assert!(
-            springy.rolling_resistance.abs() < 1e-6,
+            springy.rolling_resistance.abs() < CLOSE,
             "{terrain} {}",
             springy.rolling_resistance
         );

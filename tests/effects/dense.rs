@@ -63,10 +63,16 @@ fn dense(
 ) -> [f64; 4] {
     let regularisation = Regularisation::default();
     let rim = law.radius * m.angular_speed;
-    let slip = ((rim - m.forward) / rim.abs().max(m.forward.abs())).abs();
+    // Slips are rounded off within one per cent, and held from 1 on.
+    let rounded = |slip: f64| slip.hypot(0.01) - 0.01;
+    let slip = rounded((rim - m.forward) / rim.abs().max(m.forward.abs()));
     let (mut k, mut n) = (law.soil.modulus, law.soil.exponent);
     if let Some(effect) = &law.slip_sinkage {
         let whole = (rim - m.forward).hypot(m.lateral) / rim.abs().max(m.forward.hypot(m.lateral));
+        let whole = match rounded(whole) {
+            slip if slip <= 1.0 => slip,
+            slip => 1.1 - 0.1 * (-(slip - 1.0) / 0.1).exp(),
+        };
         let grown = effect.sinkage_growth * whole;
         k /= ((1.0 + grown) / (1.0 - grown / 2.0)).powf(n);
         n += effect.exponent_growth * whole;

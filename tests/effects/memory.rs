@@ -29,9 +29,9 @@ fn locked_wheels_hold_a_slope_of_ten_degrees_without_creeping() {
             let effects = [(slope, TEN_DEGREES), ("transient_shear.relaxation", 1.0)];
             let [settled, later] = parked(model(terrain, &effects));
             let crept = (later.x - settled.x).hypot(later.y - settled.y);
-            assert!(crept < 1e-6, "{terrain} {heading}: {crept} m in 35 s");
+            assert!(crept < 1e-5, "{terrain} {heading}: {crept} m in 35 s");
             assert!(
-                later.v_x.hypot(later.v_y) < 1e-7,
+                later.v_x.hypot(later.v_y) < 1e-6,
                 "{terrain} {heading}: {later:?}"
             );
             // It gives by a few shear moduli until the soil holds.
