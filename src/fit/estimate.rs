@@ -90,6 +90,8 @@ pub struct Fit {
     pub at_rest: f64,
     /// Seconds left out because wheel speeds or samples are missing.
     pub unusable: f64,
+    /// Seconds left out because the model cannot drive there from where the sensors see it.
+    pub undrivable: f64,
     /// Turns of motion, noise and weights.
     pub turns: usize,
     /// Whether the last turn moved nothing any more.
@@ -139,6 +141,7 @@ pub fn fit<P: Predictor>(
     let mut problem = Problem::new(predictor, model, names, sensors);
     let begin = problem.coordinates(nominal);
     let cut = take_segments(&mut problem, recordings, &begin, options)?;
+    let planned = seconds(&problem);
     let mut state = State {
         point: Point {
             starts: problem.measured_starts(),
@@ -189,9 +192,10 @@ pub fn fit<P: Predictor>(
         uncertainty: doubt,
         starts,
         segments: problem.segments.len(),
-        seconds: problem.segments.iter().map(|s| s.end - s.start).sum(),
+        seconds: seconds(&problem),
         at_rest: cut.at_rest,
         unusable: cut.unusable,
+        undrivable: planned - seconds(&problem),
         turns: turned.turns,
         converged: turned.converged,
     })
@@ -219,6 +223,7 @@ fn turns<P: Predictor>(
     progress: &(dyn Fn(Stage) + Sync),
 ) -> Result<Turned, FitError> {
     let mut cut_for = latencies(problem, state);
+    leave_out_undrivable(problem, state)?;
     for turn in 1.. {
         progress(Stage::Turn(turn));
         let State { point, by } = state;
@@ -241,9 +246,37 @@ fn turns<P: Predictor>(
         if shift.fold(0.0, f64::max) > LATER {
             cut_for = now;
             recut(problem, recordings, options, state)?;
+            leave_out_undrivable(problem, state)?;
         }
     }
     Err(FitError::NotFinite)
+}
+
+fn seconds<P: Predictor>(problem: &Problem<P>) -> f64 {
+    problem.segments.iter().map(|s| s.end - s.start).sum()
+}
+
+/// Leaves out segments that the model cannot drive from where the sensors see the vehicle: a
+/// start read off a late pose may slide in a way that no soil bears. They come back with the
+/// next cut.
+fn leave_out_undrivable<P: Predictor>(
+    problem: &mut Problem<P>,
+    state: &mut State,
+) -> Result<(), FitError> {
+    let driven = problem.evaluate_each(&state.point, true);
+    let kept: Vec<bool> = driven.iter().map(Result::is_ok).collect();
+    if let Some(Err(error)) = driven.into_iter().find(Result::is_err)
+        && 2 * kept.iter().filter(|kept| **kept).count() < kept.len()
+    {
+        return Err(FitError::Start(error));
+    }
+    let mut each = kept.iter();
+    problem.segments.retain(|_| *each.next().unwrap_or(&true));
+    let mut each = kept.iter();
+    state.point.starts.retain(|_| *each.next().unwrap_or(&true));
+    let mut each = kept.iter();
+    state.by.weights.retain(|_| *each.next().unwrap_or(&true));
+    Ok(())
 }
 
 fn latencies<P: Predictor>(problem: &Problem<P>, state: &State) -> Vec<f64> {
@@ -293,7 +326,7 @@ fn take_segments<P: Predictor>(
         .collect();
     let mut cut = cut(recordings, &sensors, options.segment);
     problem.segments = std::mem::take(&mut cut.segments);
-    let seconds: f64 = problem.segments.iter().map(|s| s.end - s.start).sum();
+    let seconds = seconds(problem);
     if seconds >= SHORTEST {
         Ok(cut)
     } else if cut.at_rest > cut.unusable + seconds {

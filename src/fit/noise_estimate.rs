@@ -25,6 +25,8 @@ const TIME_DEVIATION: f64 = 1.0;
 const TIME_RANGE: (f64, f64) = (0.03, 10.0);
 /// Smallest standard deviation, as a share of the first guess.
 const SMALLEST: f64 = 1e-3;
+/// Samples that weigh less are outliers: beyond 2.6 standard deviations.
+const OUTLIER: f64 = 0.5;
 /// Steps of the search in the logarithms: the first, and the last.
 const FIRST_STEP: f64 = 0.6;
 const LAST_STEP: f64 = 0.06;
@@ -38,6 +40,7 @@ pub fn update<P: Predictor>(
     by: &mut Weighing,
 ) -> f64 {
     let mut largest: f64 = 0.0;
+    let mut plain = with_outliers_only(by);
     for recording in 0..problem.recordings.len() {
         for group in NoiseGroup::ALL {
             let part = Part {
@@ -51,8 +54,9 @@ pub fn update<P: Predictor>(
                 continue;
             }
             let old = by.noise[recording][group as usize];
-            let new = part.search(by);
+            let new = part.search(&plain);
             by.noise[recording][group as usize] = new;
+            plain.noise[recording][group as usize] = new;
             let moved = to_logarithms(&new).into_iter().zip(to_logarithms(&old));
             // What is small beside the other part may wander.
             let shares = [new.white, new.coloured, new.coloured].map(|part| part / new.total());
@@ -62,6 +66,18 @@ pub fn update<P: Predictor>(
         }
     }
     largest
+}
+
+/// Outliers keep their small weights, everything else counts alike: weights that follow from one
+/// split into white and coloured noise would hold the search at that split.
+fn with_outliers_only(by: &Weighing) -> Weighing {
+    let mut plain = by.clone();
+    for weight in plain.weights.iter_mut().flatten().flatten() {
+        if *weight > OUTLIER {
+            *weight = 1.0;
+        }
+    }
+    plain
 }
 
 /// Directions of the search: each logarithm, slow noise that keeps its rate s_u^2 / T, and noise

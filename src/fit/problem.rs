@@ -146,6 +146,16 @@ impl<'a, P: Predictor> Problem<'a, P> {
         point: &Point,
         derivatives: bool,
     ) -> Result<Vec<Tables>, PredictionError> {
+        self.evaluate_each(point, derivatives).into_iter().collect()
+    }
+
+    /// As [`Problem::evaluate`], for each segment whether the others can be predicted or not.
+    #[must_use]
+    pub fn evaluate_each(
+        &self,
+        point: &Point,
+        derivatives: bool,
+    ) -> Vec<Result<Tables, PredictionError>> {
         let values = self.model_values(&point.coordinates);
         let one = |(segment, start): (&Segment, &[f64; START])| {
             let sensors = self.sensor_values(segment.recording, &point.coordinates);
@@ -160,8 +170,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
             Ok(self.tables(segment.recording, &values, &observed, derivatives))
         };
         let pairs = self.segments.par_iter().zip(&point.starts);
-        let all: Vec<Result<Tables, PredictionError>> = pairs.map(one).collect();
-        all.into_iter().collect()
+        pairs.map(one).collect()
     }
 
     /// Keeps the derivatives by what is free, and turns values into coordinates.

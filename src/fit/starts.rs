@@ -50,7 +50,7 @@ impl OtherMinimum {
 const SCREEN: usize = 12;
 /// Answers polished at most.
 const POLISHED: usize = 4;
-/// Answers this close in standard deviations are the same.
+/// Answers are the same where no parameter differs by more of its standard deviations.
 const SAME: f64 = 1.0;
 const DESCENT: Stop = Stop {
     steps: 12,
@@ -100,8 +100,8 @@ pub fn search<P: Predictor>(
         }
     }
     let groups = group(&screen, answers, &part);
-    let precision = problem.prior(&found.coordinates).0;
-    let metric = &doubt.information + DMatrix::from_diagonal(&precision);
+    let deviations = (0..problem.parameters.len()).map(|k| doubt.deviation(k));
+    let deviations = DVector::from_iterator(problem.parameters.len(), deviations);
     let mut minima: Vec<Answer> = Vec::new();
     for answer in groups {
         if minima.len() == POLISHED {
@@ -119,7 +119,7 @@ pub fn search<P: Predictor>(
         polished.count = answer.count;
         match minima
             .iter_mut()
-            .find(|m| close(&m.point, &polished.point, &metric))
+            .find(|m| close(&m.point, &polished.point, &deviations))
         {
             Some(same) => {
                 same.count += polished.count;
@@ -130,7 +130,7 @@ pub fn search<P: Predictor>(
             None => minima.push(polished),
         }
     }
-    verdict(problem, found, by, minima, &metric, failed, options)
+    verdict(problem, found, by, minima, &deviations, failed, options)
 }
 
 fn verdict<P: Predictor>(
@@ -138,7 +138,7 @@ fn verdict<P: Predictor>(
     found: &Point,
     by: &Weighing,
     mut minima: Vec<Answer>,
-    metric: &DMatrix<f64>,
+    deviations: &DVector<f64>,
     failed: usize,
     options: &Options,
 ) -> Starts {
@@ -155,7 +155,7 @@ fn verdict<P: Predictor>(
     minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     if let Some(lowest) = minima.first()
         && lowest.cost < answer.cost - 1.0
-        && !close(&lowest.point, &answer.point, metric)
+        && !close(&lowest.point, &answer.point, deviations)
     {
         starts.better = Some(lowest.point.clone());
         let nominal = std::mem::replace(
@@ -168,7 +168,7 @@ fn verdict<P: Predictor>(
         );
         if !minima
             .iter()
-            .any(|m| close(&m.point, &nominal.point, metric))
+            .any(|m| close(&m.point, &nominal.point, deviations))
         {
             minima.push(Answer {
                 count: 0,
@@ -177,7 +177,7 @@ fn verdict<P: Predictor>(
         }
     }
     for minimum in minima {
-        if close(&minimum.point, &answer.point, metric) {
+        if close(&minimum.point, &answer.point, deviations) {
             starts.agreed += minimum.count;
         } else {
             starts.others.push(OtherMinimum {
@@ -248,9 +248,9 @@ fn group<P: Predictor>(
     by: &Weighing,
 ) -> Vec<Answer> {
     answers.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let Some(metric) = answers
+    let Some(deviations) = answers
         .first()
-        .and_then(|best| metric(problem, &best.point, by))
+        .and_then(|best| deviations(problem, &best.point, by))
     else {
         return answers;
     };
@@ -258,7 +258,7 @@ fn group<P: Predictor>(
     for answer in answers {
         match groups
             .iter_mut()
-            .find(|g| close(&g.point, &answer.point, &metric))
+            .find(|g| close(&g.point, &answer.point, &deviations))
         {
             Some(same) => same.count += 1,
             None => groups.push(answer),
@@ -267,20 +267,21 @@ fn group<P: Predictor>(
     groups
 }
 
-fn metric<P: Predictor>(
+/// Standard deviations of the parameters.
+fn deviations<P: Predictor>(
     problem: &Problem<P>,
     point: &Point,
     by: &Weighing,
-) -> Option<DMatrix<f64>> {
+) -> Option<DVector<f64>> {
     let tables = problem.evaluate(point, true).ok()?;
     let mut matrix = DMatrix::from_diagonal(&problem.prior(&point.coordinates).0);
     for normal in normals(problem, &tables, point, by) {
         matrix += Eliminated::new(&normal, 0.0)?.matrix;
     }
-    Some(matrix)
+    Some(matrix.cholesky()?.inverse().diagonal().map(f64::sqrt))
 }
 
-fn close(a: &Point, b: &Point, metric: &DMatrix<f64>) -> bool {
-    let apart = &a.coordinates - &b.coordinates;
-    apart.dot(&(metric * &apart)) < SAME * SAME
+fn close(a: &Point, b: &Point, deviations: &DVector<f64>) -> bool {
+    let apart = (&a.coordinates - &b.coordinates).component_div(deviations);
+    apart.amax() < SAME
 }

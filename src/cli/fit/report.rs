@@ -39,6 +39,7 @@ pub fn to_json(
         "data": {
             "segments": fitted.segments, "seconds": fitted.seconds,
             "at_rest_s": fitted.at_rest, "unusable_s": fitted.unusable,
+            "undrivable_s": fitted.undrivable,
         },
         "turns": fitted.turns,
         "converged": fitted.converged,

@@ -157,6 +157,12 @@ fn warnings(fitted: &Fit) -> Vec<String> {
             fitted.unusable
         ));
     }
+    if fitted.undrivable > 0.0 {
+        warnings.push(format!(
+            "{:.0} s were left out because the model cannot drive there from where the sensors see it",
+            fitted.undrivable
+        ));
+    }
     if !fitted.converged {
         warnings.push("the fit had not come to rest after its last turn".into());
     }
