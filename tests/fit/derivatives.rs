@@ -8,9 +8,9 @@ use ugv_terrain::fit::observation::{columns, observe};
 use ugv_terrain::fit::segment::{Signal, cut};
 use ugv_terrain::fit::sensor::SensorValues;
 
-/// Root mean square relative to the column's. Differences of simulations whose steps adapt at a
-/// tolerance of 1e-4: measured up to 0.045, in the cohesion's column.
-const TOLERANCE: f64 = 0.06;
+/// Root mean square relative to the column's: differences of simulations whose steps adapt at a
+/// tolerance of 1e-4, over steps of 0.01.
+const TOLERANCE: f64 = 0.03;
 
 #[test]
 fn rows_are_the_slopes_of_the_residuals() {
@@ -76,7 +76,7 @@ fn rows_are_the_slopes_of_the_residuals() {
             let rms = (off / samples.time.len() as f64).sqrt();
             // Where wheel speeds bend, the slope by a latency jumps.
             let bends = column >= 8 && samples.signal == Signal::YawRate;
-            let tolerance = if bends { 2.0 * TOLERANCE } else { TOLERANCE };
+            let tolerance = if bends { 4.0 * TOLERANCE } else { TOLERANCE };
             assert!(
                 rms < tolerance,
                 "column {column} {:?}: {rms}",
