@@ -9,7 +9,7 @@ use ugv_terrain::fit::segment::{Signal, cut};
 use ugv_terrain::fit::sensor::SensorValues;
 
 /// Root mean square relative to the column's: differences of simulations whose steps adapt at a
-/// tolerance of 1e-4, over steps of 0.01.
+/// tolerance of 1e-4, over steps of 0.01 (parameters: 5 %).
 const TOLERANCE: f64 = 0.03;
 
 #[test]
@@ -50,7 +50,8 @@ fn rows_are_the_slopes_of_the_residuals() {
             let (mut start, mut values, mut sensors) = (start, values.clone(), sensors);
             let step = match column {
                 0..6 => 0.01,
-                6 | 7 => 0.02 * values[column - 6],
+                // The cohesion moves so little that the integrator's tolerance shows in less.
+                6 | 7 => 0.05 * values[column - 6],
                 _ => 0.004,
             };
             match column {

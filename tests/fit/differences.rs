@@ -10,7 +10,7 @@ use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
 /// the value, or of one where it is small). Large against the integrator's tolerance of 1e-4,
 /// small against what the motion's curvature would notice.
 const VELOCITY_STEP: f64 = 0.02;
-const PARAMETER_STEP: f64 = 0.01;
+const PARAMETER_STEP: f64 = 0.05;
 
 /// Predicts by [`Simulation`], once for each derivative and side.
 #[derive(Debug, Clone)]
