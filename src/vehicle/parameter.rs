@@ -189,7 +189,7 @@ mod tests {
         for parameter in Parameter::all() {
             assert_eq!(Parameter::find(&parameter.name()), Some(parameter));
             assert!(!parameter.unit().is_empty());
-            let value = parameter.get(&specification) * 1.01;
+            let value = parameter.get(&specification) * 0.99;
             parameter.set(&mut specification, value).unwrap();
             assert_eq!(parameter.get(&specification), value);
         }
