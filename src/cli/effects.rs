@@ -129,8 +129,17 @@ fn typical(declared: &ParameterDeclaration) -> f64 {
     } else {
         centre
     };
-    let digits = 10_f64.powf(1.0 - chosen.abs().log10().floor());
-    ((chosen * digits).round() / digits).clamp(declared.low, declared.high)
+    let rounded = |decimals: f64| {
+        let digits = 10_f64.powf(decimals - chosen.abs().log10().floor());
+        ((chosen * digits).round() / digits).clamp(declared.low, declared.high)
+    };
+    // Not so short that the effect is off again.
+    let short = rounded(1.0);
+    if short == declared.default {
+        rounded(2.0)
+    } else {
+        short
+    }
 }
 
 #[cfg(test)]
