@@ -38,6 +38,8 @@
 
 pub mod contact;
 pub mod declaration;
+#[cfg(feature = "cli")]
+pub mod diagnosis;
 pub mod effects;
 #[cfg(feature = "cli")]
 pub mod fit;

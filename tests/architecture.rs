@@ -24,7 +24,29 @@ const EDGES: &[(&str, &[&str])] = &[
     ("recording", &["json", "spelling", "terrain", "vehicle"]),
     ("identification", &["recording", "simulation", "vehicle"]),
     ("inspection", &["recording"]),
-    ("report", &["inspection", "recording"]),
+    (
+        "report",
+        &[
+            "diagnosis",
+            "effects",
+            "fit",
+            "inspection",
+            "recording",
+            "vehicle",
+        ],
+    ),
+    (
+        "diagnosis",
+        &[
+            "effects",
+            "fit",
+            "parameter",
+            "recording",
+            "simulation",
+            "terrain",
+            "vehicle",
+        ],
+    ),
     (
         "declaration",
         &["effects", "json", "parameter", "terrain", "vehicle"],
