@@ -11,13 +11,27 @@ use crate::vehicle::{Parameter, Specification, VehicleModel};
 pub struct ExactPredictor {
     nominal: Specification,
     free: Vec<Parameter>,
+    /// Besides, derivatives are wanted by these as they act within each of the request's gates.
+    gated: Vec<Parameter>,
 }
 
 impl ExactPredictor {
     /// A model with free parameters.
     #[must_use]
     pub fn new(nominal: Specification, free: Vec<Parameter>) -> Self {
-        Self { nominal, free }
+        Self {
+            nominal,
+            free,
+            gated: Vec::new(),
+        }
+    }
+
+    /// With derivatives by further parameters, which keep their values, as they act within each
+    /// of a request's gates.
+    #[must_use]
+    pub fn with_gated(mut self, gated: Vec<Parameter>) -> Self {
+        self.gated = gated;
+        self
     }
 
     /// The model with other values of the free parameters.
@@ -40,10 +54,19 @@ impl Predictor for ExactPredictor {
 
     fn predict(&self, request: &Request, out: &mut Trajectory) -> Result<(), PredictionError> {
         out.clear();
+        let Some(&begin) = request.times.first() else {
+            return Ok(());
+        };
         let specification = self.with(request.parameters)?;
         if request.derivatives {
-            let mut simulation = SensitiveSimulation::new(&specification, &self.free)?;
-            simulation.restart(0.0, *request.start)?;
+            let gates = request.gates.len() + 1;
+            let mut simulation = SensitiveSimulation::with_gates(
+                &specification,
+                &self.free,
+                &self.gated,
+                gates,
+            )?;
+            simulation.restart(begin, *request.start)?;
             drive(&mut simulation, request, |simulation| {
                 out.states.push(simulation.state().to_array());
                 out.rates.push(simulation.derivative()?);
@@ -51,7 +74,7 @@ impl Predictor for ExactPredictor {
                 out.by_start.push(std::array::from_fn(|k| {
                     by_start.column(k).into_owned().into()
                 }));
-                let each = 0..self.free.len();
+                let each = 0..simulation.parameter_count();
                 out.by_parameter
                     .extend(each.map(|k| simulation.by_parameter(k)));
                 // A latency brings speeds earlier that a delay brings later.
@@ -63,6 +86,7 @@ impl Predictor for ExactPredictor {
             let model = VehicleModel::from_specification(&specification)?;
             let mut simulation = Simulation::new(model);
             simulation.set_state(*request.start)?;
+            simulation.set_time(begin);
             drive(&mut simulation, request, |simulation| {
                 out.states.push(simulation.state().to_array());
                 out.rates.push(simulation.derivative()?);
@@ -77,6 +101,9 @@ impl Predictor for ExactPredictor {
 trait Driven {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
     fn advance(&mut self, seconds: f64) -> Result<(), SimulationError>;
+
+    /// The next gate opens.
+    fn open_gate(&mut self) {}
 }
 
 impl Driven for Simulation {
@@ -98,6 +125,10 @@ impl Driven for SensitiveSimulation {
     fn advance(&mut self, seconds: f64) -> Result<(), SimulationError> {
         self.step(seconds)
     }
+
+    fn open_gate(&mut self) {
+        self.next_gate();
+    }
 }
 
 /// Drives along the wheel speeds and looks at each of the times.
@@ -110,19 +141,32 @@ fn drive<D: Driven>(
         return Ok(());
     };
     let drive = request.drive;
+    let mut gates = request.gates.iter().map(|gate| gate + request.wheel_latency);
+    let mut gate = gates.next();
     let mut now = begin + request.wheel_latency;
     let mut row = drive.time.partition_point(|time| *time <= now);
     let (speeds, rates) = wheels(drive, row, now);
     simulation.wheels(speeds, rates)?;
     for time in request.times {
         let target = time + request.wheel_latency;
-        while let Some(&next) = drive.time.get(row)
-            && next <= target
-        {
+        loop {
+            let next_row = drive.time.get(row).copied().unwrap_or(f64::INFINITY);
+            let next_gate = gate.unwrap_or(f64::INFINITY);
+            let next = next_row.min(next_gate);
+            if next > target {
+                break;
+            }
             simulation.advance((next - now).max(0.0))?;
-            (now, row) = (next, row + 1);
-            let (speeds, rates) = wheels(drive, row, now);
-            simulation.wheels(speeds, rates)?;
+            now = next;
+            if next_gate <= next_row {
+                simulation.open_gate();
+                gate = gates.next();
+            }
+            if next_row <= next {
+                row += 1;
+                let (speeds, rates) = wheels(drive, row, now);
+                simulation.wheels(speeds, rates)?;
+            }
         }
         simulation.advance((target - now).max(0.0))?;
         now = target;

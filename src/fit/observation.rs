@@ -44,6 +44,23 @@ pub fn observe(
     sensors: &SensorValues,
     derivatives: bool,
 ) -> Result<Vec<Residuals>, PredictionError> {
+    observe_gated(predictor, segment, start, parameters, sensors, derivatives, &[])
+}
+
+/// As [`observe`], with the derivatives by gated parameters after those by the parameters; see
+/// [`Request::gates`].
+///
+/// # Errors
+/// As [`Predictor::predict`].
+pub fn observe_gated(
+    predictor: &impl Predictor,
+    segment: &Segment,
+    start: &[f64; 6],
+    parameters: &[f64],
+    sensors: &SensorValues,
+    derivatives: bool,
+    gates: &[f64],
+) -> Result<Vec<Residuals>, PredictionError> {
     let times = times(segment, sensors);
     let mut trajectory = Trajectory::default();
     let request = Request {
@@ -52,12 +69,13 @@ pub fn observe(
         drive: &segment.drive,
         wheel_latency: sensors[SensorParameter::WheelLatency.index()],
         times: &times,
+        gates,
         derivatives,
     };
     predictor.predict(&request, &mut trajectory)?;
     let sensor = Sensor {
         trajectory: &trajectory,
-        parameters: parameters.len(),
+        parameters: trajectory.by_parameter.len() / times.len(),
         sensors,
     };
     let compare = |samples: &Samples| {

@@ -28,12 +28,45 @@ pub struct SensitiveSimulation {
 struct Variation {
     directions: Directions,
     results: Vec<Differentiated>,
-    parameters: usize,
-    /// Derivatives of the state and what is remembered (rows) by the initial state, the
-    /// parameters, and the delay of the wheel speeds (columns).
+    columns: Columns,
+    /// Derivatives of the state and what is remembered (rows) by what [`Columns`] tells.
     by: DMatrix<f64>,
-    /// A and B where the last step ended.
+    /// A and B where the last step ended; B has the columns in use, from the delay on.
     last: Option<(DMatrix<f64>, DMatrix<f64>)>,
+}
+
+/// What the derivatives are taken by: the initial state, the delay of the wheel speeds, the
+/// parameters that act throughout, and those that act in one gate after another, gate by gate.
+#[derive(Debug, Clone, Copy)]
+struct Columns {
+    throughout: usize,
+    gated: usize,
+    gates: usize,
+    /// The gate that is open.
+    gate: usize,
+}
+
+const DELAY: usize = State::COUNT;
+
+impl Columns {
+    /// Column of a parameter's derivative in the gate that is open.
+    fn parameter(&self, index: usize) -> usize {
+        let gate = if index < self.throughout {
+            0
+        } else {
+            self.gate * self.gated
+        };
+        DELAY + 1 + gate + index
+    }
+
+    fn all(&self) -> usize {
+        DELAY + 1 + self.throughout + self.gated * self.gates
+    }
+
+    /// Number of columns that are not zero yet: all before the next gate's.
+    fn begun(&self) -> usize {
+        DELAY + 1 + self.throughout + self.gated * (self.gate + 1)
+    }
 }
 
 impl SensitiveSimulation {
@@ -45,21 +78,44 @@ impl SensitiveSimulation {
         specification: &Specification,
         parameters: &[Parameter],
     ) -> Result<Self, ParameterError> {
+        Self::with_gates(specification, parameters, &[], 1)
+    }
+
+    /// As [`SensitiveSimulation::new`], with derivatives besides by `gated` parameters as they act
+    /// in each of so many gates, stretches of time that follow one another: see
+    /// [`SensitiveSimulation::next_gate`]. Their sum is the derivative by a parameter that acts
+    /// throughout.
+    ///
+    /// # Errors
+    /// As [`SensitiveSimulation::new`].
+    pub fn with_gates(
+        specification: &Specification,
+        parameters: &[Parameter],
+        gated: &[Parameter],
+        gates: usize,
+    ) -> Result<Self, ParameterError> {
         let model = VehicleModel::alterable(specification)?;
         let (memory, placeless) = (model.memory_count(), model.is_placeless());
         let mut list = directions(memory);
-        if placeless && !parameters.iter().any(|p| p.depends_on_place()) {
+        let mut varied = parameters.iter().chain(gated);
+        if placeless && !varied.clone().any(|p| p.depends_on_place()) {
             list.retain(|direction| !Direction::POSE.contains(direction));
         }
-        list.extend(parameters.iter().map(|p| Direction::Parameter(*p)));
+        list.extend(varied.by_ref().map(|p| Direction::Parameter(*p)));
+        let columns = Columns {
+            throughout: parameters.len(),
+            gated: gated.len(),
+            gates,
+            gate: 0,
+        };
         let directions = model.directions(list);
         Ok(Self {
             simulation: Simulation::new(model),
             variation: Variation {
                 directions,
                 results: Vec::new(),
-                parameters: parameters.len(),
-                by: identity(memory, parameters.len()),
+                columns,
+                by: identity(memory, &columns),
                 last: None,
             },
         })
@@ -74,7 +130,8 @@ impl SensitiveSimulation {
         self.simulation.forget();
         self.simulation.set_time(time);
         let memory = self.simulation.memory().len();
-        self.variation.by = identity(memory, self.variation.parameters);
+        self.variation.columns.gate = 0;
+        self.variation.by = identity(memory, &self.variation.columns);
         self.variation.last = None;
         Ok(())
     }
@@ -93,6 +150,15 @@ impl SensitiveSimulation {
         // B holds the rates.
         self.variation.last = None;
         Ok(())
+    }
+
+    /// Closes the open gate and opens the next one; the last one stays open.
+    pub fn next_gate(&mut self) {
+        let columns = &mut self.variation.columns;
+        if columns.gate + 1 < columns.gates {
+            columns.gate += 1;
+            self.variation.last = None;
+        }
     }
 
     /// Drives on for `seconds`.
@@ -137,37 +203,42 @@ impl SensitiveSimulation {
     /// Derivative of the state by one of the parameters.
     #[must_use]
     pub fn by_parameter(&self, index: usize) -> [f64; State::COUNT] {
-        std::array::from_fn(|row| self.variation.by[(row, State::COUNT + index)])
+        let column = DELAY + 1 + index;
+        std::array::from_fn(|row| self.variation.by[(row, column)])
+    }
+
+    /// Number of derivatives by parameters: those that act throughout, then the gated ones, gate
+    /// by gate.
+    #[must_use]
+    pub fn parameter_count(&self) -> usize {
+        self.variation.columns.all() - DELAY - 1
     }
 
     /// Derivative of the state by a delay of the wheel speeds \[per s\].
     #[must_use]
     pub fn by_wheel_delay(&self) -> [f64; State::COUNT] {
-        let last = self.variation.by.ncols() - 1;
-        std::array::from_fn(|row| self.variation.by[(row, last)])
+        std::array::from_fn(|row| self.variation.by[(row, DELAY)])
     }
 }
 
-fn identity(memory: usize, parameters: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(
-        State::COUNT + memory,
-        State::COUNT + parameters + 1,
-        |i, j| f64::from(u8::from(i == j && j < State::COUNT)),
-    )
+fn identity(memory: usize, columns: &Columns) -> DMatrix<f64> {
+    DMatrix::from_fn(State::COUNT + memory, columns.all(), |i, j| {
+        f64::from(u8::from(i == j && j < State::COUNT))
+    })
 }
 
 impl Variation {
     /// A and B at the simulation's present state.
     fn linearise(&mut self, simulation: &Simulation) -> (DMatrix<f64>, DMatrix<f64>) {
         simulation.differentiate(&self.directions, &mut self.results);
-        let (rows, columns) = self.by.shape();
+        let rows = self.by.nrows();
         let mut a = DMatrix::zeros(rows, rows);
-        let mut b = DMatrix::zeros(rows, columns);
+        let mut b = DMatrix::zeros(rows, self.columns.begun() - DELAY);
         let kinematics = simulation.state().kinematic_jacobian().by_state;
         a.view_mut((0, 0), (State::COUNT, State::COUNT))
             .copy_from(&kinematics);
         let rates = simulation.input_rates();
-        let mut parameter = State::COUNT;
+        let mut parameter = 0;
         for (direction, result) in self.directions.list().iter().zip(&self.results) {
             let wrench = &result.wrench;
             let change = [wrench.a_x, wrench.a_y, wrench.yaw_acceleration];
@@ -180,13 +251,11 @@ impl Variation {
                 Direction::YawRate => (&mut a, 5, 1.0),
                 Direction::Memory(index) => (&mut a, State::COUNT + index, 1.0),
                 // What came later came with the speed of before.
-                Direction::WheelSpeed(side) => {
-                    (&mut b, columns - 1, -[rates.left, rates.right][side])
-                }
+                Direction::WheelSpeed(side) => (&mut b, 0, -[rates.left, rates.right][side]),
                 Direction::Time => continue,
                 Direction::Parameter(_) => {
                     parameter += 1;
-                    (&mut b, parameter - 1, 1.0)
+                    (&mut b, self.columns.parameter(parameter - 1) - DELAY, 1.0)
                 }
             };
             for (row, value) in change {
@@ -201,14 +270,19 @@ impl Variation {
         let (a1, b1) = self.linearise(simulation);
         let (a0, b0) = self.last.take().unwrap_or_else(|| (a1.clone(), b1.clone()));
         let rows = self.by.nrows();
-        let between = |from: &DMatrix<f64>, to: &DMatrix<f64>| from * (1.0 - GAMMA) + to * GAMMA;
         let identity = DMatrix::<f64>::identity(rows, rows);
-        let a = between(&a0, &a1);
-        let mut k1 = &a * &self.by + between(&b0, &b1);
+        let a = &a0 * (1.0 - GAMMA) + &a1 * GAMMA;
+        let mut by = self.by.columns_mut(0, self.columns.begun());
+        let pushed = DELAY..self.columns.begun();
+        let mut k1 = &a * &by;
+        let mut rates = k1.columns_range_mut(pushed.clone());
+        rates += &b0 * (1.0 - GAMMA) + &b1 * GAMMA;
         let solved = (&identity - &a * (GAMMA * step)).lu().solve_mut(&mut k1);
-        let mut k2 = &a1 * (&self.by + &k1 * ((1.0 - GAMMA) * step)) + &b1;
+        let mut k2 = &a1 * (&by + &k1 * ((1.0 - GAMMA) * step));
+        let mut rates = k2.columns_range_mut(pushed);
+        rates += &b1;
         let solved = (identity - &a1 * (GAMMA * step)).lu().solve_mut(&mut k2) && solved;
-        self.by += (k1 * (1.0 - GAMMA) + k2 * GAMMA) * step;
+        by += (k1 * (1.0 - GAMMA) + k2 * GAMMA) * step;
         if !solved {
             self.by.fill(f64::NAN);
         }
