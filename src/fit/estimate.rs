@@ -12,7 +12,7 @@ use super::sensor::{SensorParameter, SensorValues};
 use super::starts::{Starts, search};
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::weighing::{NoiseEstimate, first_weighing, noise_estimates, reweigh};
-use crate::recording::{Channel, Recording};
+use crate::recording::Recording;
 
 /// What to fit, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -342,28 +342,15 @@ fn free_sensors(
     recording: &Recording,
     wanted: &[SensorParameter],
 ) -> Result<Vec<SensorParameter>, FitError> {
-    let has = |channel| {
-        recording
-            .runs
-            .iter()
-            .any(|run| run.series(channel).is_some())
-    };
-    if !Signal::ALL.iter().any(|signal| has(signal.channel())) {
+    if !Signal::ALL
+        .iter()
+        .any(|signal| recording.has(signal.channel()))
+    {
         return Err(FitError::NothingMeasured {
             recording: recording.name.clone(),
         });
     }
-    let gyro = has(Channel::YawRate);
-    let pose = has(Channel::X) || has(Channel::Heading);
-    // A pose can only trail something: the gyro or velocities.
-    let clock = gyro || has(Channel::VX);
-    let tells = |sensor: &SensorParameter| match sensor {
-        SensorParameter::PoseLatency => pose && clock,
-        SensorParameter::WheelLatency => true,
-        SensorParameter::YawRateBias => gyro,
-        SensorParameter::LeverArmX | SensorParameter::LeverArmY => has(Channel::X),
-        SensorParameter::HeadingOffset => has(Channel::Heading),
-    };
+    let tells = |sensor: &SensorParameter| sensor.is_told_by(recording);
     Ok(wanted.iter().copied().filter(tells).collect())
 }
 

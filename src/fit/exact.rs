@@ -60,12 +60,8 @@ impl Predictor for ExactPredictor {
         let specification = self.with(request.parameters)?;
         if request.derivatives {
             let gates = request.gates.len() + 1;
-            let mut simulation = SensitiveSimulation::with_gates(
-                &specification,
-                &self.free,
-                &self.gated,
-                gates,
-            )?;
+            let mut simulation =
+                SensitiveSimulation::with_gates(&specification, &self.free, &self.gated, gates)?;
             simulation.restart(begin, *request.start)?;
             drive(&mut simulation, request, |simulation| {
                 out.states.push(simulation.state().to_array());
@@ -141,7 +137,10 @@ fn drive<D: Driven>(
         return Ok(());
     };
     let drive = request.drive;
-    let mut gates = request.gates.iter().map(|gate| gate + request.wheel_latency);
+    let mut gates = request
+        .gates
+        .iter()
+        .map(|gate| gate + request.wheel_latency);
     let mut gate = gates.next();
     let mut now = begin + request.wheel_latency;
     let mut row = drive.time.partition_point(|time| *time <= now);

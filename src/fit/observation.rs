@@ -44,7 +44,15 @@ pub fn observe(
     sensors: &SensorValues,
     derivatives: bool,
 ) -> Result<Vec<Residuals>, PredictionError> {
-    observe_gated(predictor, segment, start, parameters, sensors, derivatives, &[])
+    observe_gated(
+        predictor,
+        segment,
+        start,
+        parameters,
+        sensors,
+        derivatives,
+        &[],
+    )
 }
 
 /// As [`observe`], with the derivatives by gated parameters after those by the parameters; see

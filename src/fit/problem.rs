@@ -18,6 +18,9 @@ pub struct Problem<'a, P> {
     pub parameters: Vec<Parameter>,
     /// Number of the model's.
     pub model_parameters: usize,
+    /// For each recording the places of the predictor's parameters among all: the same for all
+    /// recordings, but for parameters of which each has its own.
+    model: Vec<Vec<usize>>,
     /// For each recording its free sensor parameters with their places among all.
     sensors: Vec<Vec<(SensorParameter, usize)>>,
     /// For each recording the values of those that are not free.
@@ -65,9 +68,36 @@ impl<'a, P: Predictor> Problem<'a, P> {
         recordings: Vec<String>,
         sensors: Vec<Vec<SensorParameter>>,
     ) -> Self {
+        Self::with_own(predictor, model, &[], recordings, sensors)
+    }
+
+    /// As [`Problem::new`], with a value for each recording of those of the predictor's parameters
+    /// whose places `own` lists: what is bound to the place of a drive.
+    pub fn with_own(
+        predictor: &'a P,
+        model: Vec<Parameter>,
+        own: &[usize],
+        recordings: Vec<String>,
+        sensors: Vec<Vec<SensorParameter>>,
+    ) -> Self {
         debug_assert_eq!(predictor.parameters(), model.len());
-        let model_parameters = model.len();
+        let count = model.len();
         let mut parameters = model;
+        let mut each: Vec<Vec<usize>> = vec![(0..count).collect(); recordings.len()];
+        for (name, places) in recordings.iter().zip(&mut each).skip(1) {
+            for &place in own {
+                places[place] = parameters.len();
+                let mut copy = parameters[place].clone();
+                copy.name = format!("{name}.{}", copy.name);
+                parameters.push(copy);
+            }
+        }
+        if let Some(first) = recordings.get(1).and(recordings.first()) {
+            for &place in own {
+                parameters[place].name = format!("{first}.{}", parameters[place].name);
+            }
+        }
+        let model_parameters = parameters.len();
         let mut places = Vec::new();
         for (name, free) in recordings.iter().zip(&sensors) {
             let first = parameters.len();
@@ -78,6 +108,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
             predictor,
             parameters,
             model_parameters,
+            model: each,
             sensors: places,
             held: vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
             recordings,
@@ -92,6 +123,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
             predictor: self.predictor,
             parameters: self.parameters.clone(),
             model_parameters: self.model_parameters,
+            model: self.model.clone(),
             sensors: self.sensors.clone(),
             held: self.held.clone(),
             recordings: self.recordings.clone(),
@@ -105,12 +137,11 @@ impl<'a, P: Predictor> Problem<'a, P> {
         self.segments.iter().map(|s| s.start_prior).collect()
     }
 
-    /// Values of the model's parameters, in SI units.
+    /// Values of the predictor's parameters for a recording, in SI units.
     #[must_use]
-    pub fn model_values(&self, coordinates: &DVector<f64>) -> Vec<f64> {
-        let parameters = self.parameters[..self.model_parameters].iter();
-        let value = |(p, at): (&Parameter, &f64)| p.value(*at);
-        parameters.zip(coordinates.iter()).map(value).collect()
+    pub fn model_values(&self, recording: usize, coordinates: &DVector<f64>) -> Vec<f64> {
+        let value = |place: &usize| self.parameters[*place].value(coordinates[*place]);
+        self.model[recording].iter().map(value).collect()
     }
 
     /// Values of a recording's sensor parameters.
@@ -134,7 +165,8 @@ impl<'a, P: Predictor> Problem<'a, P> {
     #[must_use]
     pub fn places(&self, recording: usize) -> Vec<usize> {
         let sensors = self.sensors[recording].iter().map(|(_, place)| *place);
-        (0..self.model_parameters).chain(sensors).collect()
+        let model = self.model[recording].iter().copied();
+        model.chain(sensors).collect()
     }
 
     /// Residuals of all segments, computed side by side.
@@ -156,18 +188,22 @@ impl<'a, P: Predictor> Problem<'a, P> {
         point: &Point,
         derivatives: bool,
     ) -> Vec<Result<Tables, PredictionError>> {
-        let values = self.model_values(&point.coordinates);
+        let recordings = 0..self.recordings.len();
+        let values: Vec<Vec<f64>> = recordings
+            .map(|recording| self.model_values(recording, &point.coordinates))
+            .collect();
         let one = |(segment, start): (&Segment, &[f64; START])| {
+            let values = &values[segment.recording];
             let sensors = self.sensor_values(segment.recording, &point.coordinates);
             let observed = observation::observe(
                 self.predictor,
                 segment,
                 start,
-                &values,
+                values,
                 &sensors,
                 derivatives,
             )?;
-            Ok(self.tables(segment.recording, &values, &observed, derivatives))
+            Ok(self.tables(segment.recording, values, &observed, derivatives))
         };
         let pairs = self.segments.par_iter().zip(&point.starts);
         pairs.map(one).collect()
@@ -202,8 +238,10 @@ impl<'a, P: Predictor> Problem<'a, P> {
                 let (model, own) = rest.split_at(values.len());
                 table.push(*residual);
                 table.extend(start);
-                let slopes = self.parameters.iter().zip(values).zip(model);
-                table.extend(slopes.map(|((p, value), slope)| p.slope(*value) * slope));
+                let slopes = self.model[recording].iter().zip(values).zip(model);
+                table.extend(
+                    slopes.map(|((p, value), slope)| self.parameters[*p].slope(*value) * slope),
+                );
                 table.extend(sensors.iter().map(|(sensor, _)| own[sensor.index()]));
             }
             table
@@ -281,8 +319,13 @@ impl<'a, P: Predictor> Problem<'a, P> {
     pub fn coordinates(&self, model: &[f64]) -> DVector<f64> {
         let medians = self.parameters.iter().map(Parameter::prior_coordinate);
         let mut coordinates = DVector::from_iterator(self.parameters.len(), medians);
-        for (at, (parameter, value)) in self.parameters.iter().zip(model).enumerate() {
-            coordinates[at] = parameter.coordinate(value.clamp(parameter.low, parameter.high));
+        for (value, place) in self
+            .model
+            .iter()
+            .flat_map(|places| model.iter().zip(places))
+        {
+            let parameter = &self.parameters[*place];
+            coordinates[*place] = parameter.coordinate(value.clamp(parameter.low, parameter.high));
         }
         coordinates
     }

@@ -1,6 +1,7 @@
 //! The sensors' parameters: what a recording says beside what the vehicle did.
 
 use super::parameter::{Parameter, Prior, Scale};
+use crate::recording::{Channel, Recording};
 use crate::spelling::nearest;
 
 /// A constant property of a recording's sensors.
@@ -64,6 +65,21 @@ impl SensorParameter {
         let names = Self::ALL.map(Self::name);
         let found = Self::ALL.into_iter().find(|p| p.name() == name);
         found.ok_or_else(|| nearest(name, names).unwrap_or_default())
+    }
+
+    /// Whether a recording has the channels that tell of it.
+    #[must_use]
+    pub fn is_told_by(self, recording: &Recording) -> bool {
+        let pose = recording.has(Channel::X) || recording.has(Channel::Heading);
+        // A pose can only trail something: the gyro or velocities.
+        let clock = recording.has(Channel::YawRate) || recording.has(Channel::VX);
+        match self {
+            Self::PoseLatency => pose && clock,
+            Self::WheelLatency => true,
+            Self::YawRateBias => recording.has(Channel::YawRate),
+            Self::LeverArmX | Self::LeverArmY => recording.has(Channel::X),
+            Self::HeadingOffset => recording.has(Channel::Heading),
+        }
     }
 
     /// The parameter to be fitted for a recording. Priors: a pose from lidar or a filter

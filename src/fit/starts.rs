@@ -183,7 +183,7 @@ fn verdict<P: Predictor>(
             starts.others.push(OtherMinimum {
                 count: minimum.count,
                 above: minimum.cost - answer.cost,
-                values: problem.model_values(&minimum.point.coordinates),
+                values: problem.model_values(0, &minimum.point.coordinates),
             });
         }
     }

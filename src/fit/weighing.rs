@@ -24,7 +24,7 @@ pub struct NoiseEstimate {
 }
 
 /// Noise as of a fair sensor and model, and every sample counting alike.
-pub(super) fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
+pub fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
     let noise = NoiseGroup::ALL.map(|group| ChannelNoise {
         white: group.first_guess(),
         coloured: group.first_guess(),
@@ -43,7 +43,7 @@ pub(super) fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
 }
 
 /// Sets every sample's weight to what its residual asks for.
-pub(super) fn reweigh<P: Predictor>(problem: &Problem<P>, tables: &[Tables], by: &mut Weighing) {
+pub fn reweigh<P: Predictor>(problem: &Problem<P>, tables: &[Tables], by: &mut Weighing) {
     let parts = problem.segments.iter().zip(tables).zip(&mut by.weights);
     for ((segment, tables), weights) in parts {
         let channels = segment.samples.iter().zip(&tables.channels).zip(weights);
@@ -56,7 +56,7 @@ pub(super) fn reweigh<P: Predictor>(problem: &Problem<P>, tables: &[Tables], by:
 }
 
 /// What is told of every recording's channels.
-pub(super) fn noise_estimates<P: Predictor>(
+pub fn noise_estimates<P: Predictor>(
     problem: &Problem<P>,
     tables: &[Tables],
     by: &Weighing,

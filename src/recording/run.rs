@@ -101,6 +101,14 @@ pub struct Recording {
     pub notes: Vec<Note>,
 }
 
+impl Recording {
+    /// Whether some run has samples of a channel.
+    #[must_use]
+    pub fn has(&self, channel: Channel) -> bool {
+        self.runs.iter().any(|run| run.series(channel).is_some())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

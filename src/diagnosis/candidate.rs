@@ -1,0 +1,218 @@
+//! What is asked about: every effect of the catalogue, with the parameters that it may take.
+//!
+//! A knob is one number of an effect, in a coordinate that is 0 away from "off" where the effect is
+//! off, with a Gaussian prior around it whose width spans what the catalogue finds plausible.
+
+use super::Subject;
+use crate::effects::{CATALOGUE, Declaration, Effects, Kind, ParameterName, Prior};
+use crate::fit::parameter::{self, Scale};
+use crate::fit::sensor::SensorParameter;
+use crate::vehicle::{Parameter, Specification};
+
+/// What a knob turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// A number of the model.
+    Model(Parameter),
+    /// A number of each recording's sensors.
+    Sensor(SensorParameter),
+}
+
+/// One number of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knob {
+    /// The effect, by its place in the catalogue.
+    pub effect: usize,
+    /// What it turns.
+    pub target: Target,
+    /// Name within the effect.
+    pub name: &'static str,
+    /// Coordinate, prior around "off" and range.
+    pub parameter: parameter::Parameter,
+    /// A value to compare with where the effect has no derivative while it is off.
+    pub secant: Option<f64>,
+    /// Whether each recording has its own: what is bound to the place of a drive.
+    pub own: bool,
+}
+
+/// Everything that is asked about.
+#[derive(Debug, Clone)]
+pub struct Candidates {
+    /// All knobs, effect by effect.
+    pub knobs: Vec<Knob>,
+    /// The effects that have knobs, in the order of the catalogue; laws for what has no name are
+    /// not among them.
+    pub subjects: Vec<Subject>,
+}
+
+/// Names of the effects that are laws without a name begin so.
+pub const LAW: &str = "residual_";
+
+/// Parameters without a derivative while their effect is off, with a value to compare with.
+const SECANTS: [(&str, f64); 3] = [
+    ("multipass.memory", 1.0),
+    ("transient_shear.relaxation", 1.0),
+    ("tyre_compliance.pressure", 60e3),
+];
+/// Shapes that are fitted along with an effect that is on.
+const SHAPES: [&str; 2] = ["payload.ahead", "payload.left"];
+/// Effects whose parameters belong to the place of a drive.
+const PLACE_BOUND: [&str; 1] = ["grade"];
+
+impl Candidates {
+    /// All effects of the catalogue, and the laws' features, where the given model lacks them.
+    #[must_use]
+    pub fn new(nominal: &Specification) -> Self {
+        let (mut knobs, mut subjects) = (Vec::new(), Vec::new());
+        for (effect, declaration) in CATALOGUE.iter().enumerate() {
+            if nominal.effects.is_on(effect) {
+                continue;
+            }
+            let first = knobs.len();
+            match declaration.kind {
+                Kind::Physics => knobs.extend(physics(effect, declaration)),
+                Kind::Measurement => knobs.extend(sensors(effect, declaration)),
+            }
+            if knobs.len() > first && !is_law(effect) {
+                subjects.push(Subject::Effect(effect));
+            }
+        }
+        Self { knobs, subjects }
+    }
+
+    /// Places of a subject's knobs; none for what is no effect.
+    pub fn of(&self, subject: Subject) -> impl Iterator<Item = usize> + '_ {
+        let knobs = self.knobs.iter().enumerate();
+        let ours = knobs.filter(move |(_, knob)| subject == Subject::Effect(knob.effect));
+        ours.map(|(place, _)| place)
+    }
+
+    /// Places of the laws' knobs.
+    pub fn laws(&self) -> impl Iterator<Item = usize> + '_ {
+        let knobs = self.knobs.iter().enumerate();
+        knobs
+            .filter(|(_, knob)| is_law(knob.effect))
+            .map(|(place, _)| place)
+    }
+}
+
+/// Whether an effect is a law for what has no name.
+#[must_use]
+pub fn is_law(effect: usize) -> bool {
+    CATALOGUE[effect].name.starts_with(LAW)
+}
+
+fn physics(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
+    // Its soils begin at a boundary that has to be found first: see `locate`.
+    if declaration.name == "terrain_change" {
+        return Vec::new();
+    }
+    let knob = |(place, declared): (usize, &'static crate::effects::ParameterDeclaration)| {
+        let name = ParameterName::at(effect, place)?;
+        let full = name.full_name();
+        if !declared.switches && !SHAPES.contains(&full.as_str()) {
+            return None;
+        }
+        let off = Effects::NONE.get(name);
+        let secant = SECANTS.iter().find(|(secant, _)| *secant == full);
+        let scale = if declared.high / declared.low.max(1e-300) > 100.0 && secant.is_some() {
+            Scale::Log
+        } else {
+            Scale::Linear
+        };
+        let deviation = match (declared.prior, scale) {
+            (Prior::Normal { mean, deviation }, _) => deviation.hypot(mean - off),
+            (Prior::LogNormal { median, deviation }, Scale::Linear) if off == 0.0 => {
+                median * deviation.exp()
+            }
+            (Prior::LogNormal { deviation, .. }, Scale::Linear) => deviation * off,
+            (Prior::LogNormal { median, .. }, Scale::Log) => (median / off).ln().abs(),
+        };
+        Some(Knob {
+            effect,
+            target: Target::Model(Parameter::Effect(name)),
+            name: declared.name,
+            parameter: parameter::Parameter {
+                name: full,
+                unit: declared.unit,
+                scale,
+                prior: parameter::Prior {
+                    median: off,
+                    deviation,
+                },
+                low: declared.low,
+                high: declared.high,
+            },
+            secant: secant.map(|(_, value)| *value),
+            own: PLACE_BOUND.contains(&declaration.name),
+        })
+    };
+    declaration
+        .parameters
+        .iter()
+        .enumerate()
+        .filter_map(knob)
+        .collect()
+}
+
+fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
+    let turned: &[(&'static str, SensorParameter)] = match declaration.name {
+        "latency" => &[
+            ("pose", SensorParameter::PoseLatency),
+            ("wheels", SensorParameter::WheelLatency),
+        ],
+        "lever_arm" => &[
+            ("ahead", SensorParameter::LeverArmX),
+            ("left", SensorParameter::LeverArmY),
+        ],
+        "yaw_rate_bias" => &[("bias", SensorParameter::YawRateBias)],
+        "heading_offset" => &[("offset", SensorParameter::HeadingOffset)],
+        _ => &[],
+    };
+    let knob = |&(name, sensor): &(&'static str, SensorParameter)| Knob {
+        effect,
+        target: Target::Sensor(sensor),
+        name,
+        parameter: sensor.parameter(""),
+        secant: None,
+        own: true,
+    };
+    turned.iter().map(knob).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::terrain::Terrain;
+    use crate::vehicle::Vehicle;
+
+    #[test]
+    fn every_effect_but_a_change_of_terrain_has_knobs_that_are_off() {
+        let nominal =
+            Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
+        let candidates = Candidates::new(&nominal);
+        for (effect, declaration) in CATALOGUE.iter().enumerate() {
+            let subject = Subject::Effect(effect);
+            let found = candidates.subjects.contains(&subject);
+            let expected = declaration.name != "terrain_change" && !is_law(effect);
+            assert_eq!(found, expected, "{}", declaration.name);
+            assert_eq!(
+                candidates.of(subject).next().is_some(),
+                expected || is_law(effect)
+            );
+        }
+        for knob in &candidates.knobs {
+            let (low, high) = knob.parameter.bounds();
+            let off = knob.parameter.prior_coordinate();
+            assert!(low <= off && off <= high, "{knob:?}");
+            assert!(knob.parameter.prior.deviation > 0.0, "{knob:?}");
+        }
+        let mut sloped = nominal.clone();
+        sloped.effects = sloped.effects.with("grade.slope_east", 0.1).unwrap();
+        assert!(
+            !Candidates::new(&sloped)
+                .subjects
+                .contains(&Subject::Effect(0))
+        );
+    }
+}

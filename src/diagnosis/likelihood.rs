@@ -1,0 +1,127 @@
+//! Step 1: how likely recordings are under a model.
+//!
+//! Multiple shooting: segments with starts of their own, the soil free under its prior, noise per
+//! channel white and AR(1) by restricted maximum likelihood, heavy tails by Student's t (see
+//! [`crate::fit`]). The evidence integrates over soil, starts and effects of the linearised problem
+//! (Laplace; D. MacKay, "Bayesian interpolation", Neural Computation 4 (1992)):
+//! -2 ln E = cost + ln det H - ln det P, with the prior's precision P and H = J^T J + P.
+
+use super::hypothesis::{Given, Solution};
+use crate::fit::noise_estimate;
+use crate::fit::normal::{Eliminated, Normal};
+use crate::fit::optimiser::{Stop, minimise, normals};
+use crate::fit::predictor::{PredictionError, Predictor};
+use crate::fit::problem::{Problem, Tables, Weighing};
+use crate::fit::weighing::reweigh;
+use nalgebra::DMatrix;
+
+/// A hypothesis fitted to the recordings.
+#[derive(Debug, Clone)]
+pub struct Tuned {
+    /// The knobs that were free besides the soil.
+    pub knobs: Vec<usize>,
+    /// Where it ended.
+    pub solution: Solution,
+    /// Half the cost and the log determinants: minus the log of the evidence.
+    pub surprise: f64,
+    /// Of it, the squares of the whitened residuals and the distances from the priors.
+    pub cost: f64,
+    /// Covariance of the unknowns' coordinates, as the problem numbers them.
+    pub covariance: DMatrix<f64>,
+    /// Residuals of each segment and their derivatives.
+    pub tables: Vec<Tables>,
+}
+
+/// Turns of motion and noise at most, and when they end.
+const TURNS: usize = 8;
+const STILL: f64 = 0.5;
+const STILL_NOISE: f64 = 0.1;
+const FIRST: Stop = Stop {
+    steps: 40,
+    gain: 0.5,
+};
+const NEXT: Stop = Stop {
+    steps: 8,
+    gain: 0.1,
+};
+
+/// Fits the soil and these knobs, the noise held.
+///
+/// # Errors
+/// A point to begin with that cannot be driven.
+pub fn tune(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    by: &Weighing,
+) -> Result<Tuned, PredictionError> {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let mut point = given.point(&problem, knobs, begin);
+    let outcome = minimise(&problem, &mut point, by, FIRST)?;
+    let (surprise, covariance) = evidence(&problem, &outcome.tables, &point, by, outcome.cost);
+    Ok(Tuned {
+        knobs: knobs.to_vec(),
+        solution: given.solution(&problem, knobs, &point, begin),
+        surprise,
+        cost: outcome.cost,
+        covariance,
+        tables: outcome.tables,
+    })
+}
+
+/// Fits the soil and these knobs with noise and weights in turns; the weighing moves along.
+///
+/// # Errors
+/// A point to begin with that cannot be driven.
+pub fn tune_with_noise(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    by: &mut Weighing,
+) -> Result<Tuned, PredictionError> {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let mut point = given.point(&problem, knobs, begin);
+    let mut stop = FIRST;
+    for _ in 0..TURNS {
+        let outcome = minimise(&problem, &mut point, by, stop)?;
+        let change = noise_estimate::update(&problem, &outcome.tables, &point, by);
+        reweigh(&problem, &outcome.tables, by);
+        if outcome.converged && outcome.gain < STILL && change < STILL_NOISE {
+            break;
+        }
+        stop = NEXT;
+    }
+    let moved = given.solution(&problem, knobs, &point, begin);
+    tune(given, knobs, &moved, by)
+}
+
+/// Minus the log of the evidence, and the covariance of the unknowns. Infinite where the numbers
+/// are not finite.
+fn evidence<P: Predictor>(
+    problem: &Problem<P>,
+    tables: &[Tables],
+    point: &crate::fit::problem::Point,
+    by: &Weighing,
+    cost: f64,
+) -> (f64, DMatrix<f64>) {
+    let count = problem.parameters.len();
+    let (precision, _) = problem.prior(&point.coordinates);
+    let prior: f64 = precision.iter().map(|p| p.ln()).sum();
+    let mut matrix = DMatrix::from_diagonal(&precision);
+    let mut starts = 0.0;
+    let eliminate = |normal: &Normal| Eliminated::new(normal, 0.0);
+    for one in normals(problem, tables, point, by).iter().map(eliminate) {
+        let Some(one) = one else {
+            return (f64::INFINITY, DMatrix::identity(count, count));
+        };
+        starts += one.log_determinant();
+        matrix += &one.matrix;
+    }
+    let Some(factor) = matrix.cholesky() else {
+        return (f64::INFINITY, DMatrix::identity(count, count));
+    };
+    let whole = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+    (0.5 * (cost + whole - prior + starts), factor.inverse())
+}
