@@ -3,8 +3,9 @@
 use super::{Boundary, Declaration, Kind, ParameterDeclaration, SlopeProfile};
 use super::{
     Bulldozing, ComShift, Drag, Drawbar, ElasticRebound, Grade, HeadingOffset, Latency,
-    LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ShearAnisotropy, SlipSinkage,
-    StressPeak, TerrainChange, TransientShear, TyreCompliance, WheelRadius, YawRateBias,
+    LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ResidualLateral,
+    ResidualLongitudinal, ResidualYaw, ShearAnisotropy, SlipSinkage, StressPeak, TerrainChange,
+    TransientShear, TyreCompliance, WheelRadius, YawRateBias,
 };
 use crate::parameter::ParameterError;
 use crate::scalar::Scalar;
@@ -62,6 +63,9 @@ catalogue! {
     lever_arm: LeverArm,
     yaw_rate_bias: YawRateBias,
     heading_offset: HeadingOffset,
+    residual_longitudinal: ResidualLongitudinal,
+    residual_lateral: ResidualLateral,
+    residual_yaw: ResidualYaw,
 }
 
 /// Number of the parameters of all effects together.

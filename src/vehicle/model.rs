@@ -2,8 +2,9 @@
 
 use super::altered::{Altered, Prepared};
 use super::{Direction, Directions};
-use super::{LoadPlane, Motion, Specification, Surroundings, Vehicle};
+use super::{LoadPlane, Motion, Parameter, Specification, Surroundings, Vehicle};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
+use crate::effects::ParameterName;
 use crate::parameter::ParameterError;
 use crate::scalar::Scalar;
 use crate::terrain::Terrain;
@@ -108,8 +109,11 @@ impl VehicleModel {
     /// Whether nothing depends on position and heading.
     pub(crate) fn is_placeless(&self) -> bool {
         self.altered().is_none_or(|altered| {
-            let effects = &altered.chassis.effects;
-            effects.grade.is_none() && effects.terrain_change.is_none()
+            let effects = &altered.specification.effects;
+            let mut placed =
+                ParameterName::all().filter(|p| Parameter::Effect(*p).depends_on_place());
+            effects.slope_profile.is_none()
+                && placed.all(|p| effects.get(p) == p.declaration().1.default)
         })
     }
 

@@ -140,6 +140,7 @@ fn a_drive_is_differentiated_by_every_effect() {
                 ("transient_shear", _) => 1.0,
                 ("multipass", _) => 0.8,
                 ("grade" | "com_shift", _) => 0.06,
+                ("residual_longitudinal" | "residual_lateral" | "residual_yaw", _) => 0.01,
                 _ => 0.3,
             };
             let name = format!("{}.{}", effect.name, parameter.name);
