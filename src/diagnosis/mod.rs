@@ -1,12 +1,37 @@
 //! What physics did the model leave out?
 
 mod candidate;
+mod error;
 mod hypothesis;
 mod likelihood;
 mod outcome;
+mod pipeline;
+mod prepare;
+mod screen;
 mod sensitivity;
+mod system;
 
+pub use error::DiagnosisError;
+pub use pipeline::probe;
 pub use outcome::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre,
     Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
 };
+
+/// How to diagnose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Length of a segment \[s\].
+    pub segment: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            segment: 5.0,
+            seed: 1,
+        }
+    }
+}

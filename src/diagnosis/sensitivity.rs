@@ -20,8 +20,8 @@ use rayon::prelude::*;
 /// Length of a gate \[s\], about.
 const GATE: f64 = 0.5;
 
-/// Which columns there are, the same for all segments: soil, knobs, sensors; and, gate by gate, the
-/// gated ones: the soil, and of the knobs those with a derivative.
+/// Which columns there are, the same for all segments: soil and knobs; and, gate by gate, the gated
+/// ones: the soil, and of the knobs those with a derivative.
 #[derive(Debug, Clone)]
 pub struct Layout {
     /// Number of the soil's columns.
@@ -39,8 +39,7 @@ pub struct Layout {
 /// Residuals of a segment with derivatives by everything.
 #[derive(Debug, Clone)]
 pub struct SegmentTable {
-    /// Rows of the residual, and derivatives by the start, the soil, the knobs and the sensors, by
-    /// channel.
+    /// Rows of the residual, and derivatives by the start, the soil and the knobs, by channel.
     pub whole: Tables,
     /// Derivatives by the gated columns, gate by gate, for the same rows.
     pub gated: Vec<Vec<f64>>,
@@ -83,7 +82,7 @@ impl Layout {
     /// Number of whole columns, the residual and the start not counted.
     #[must_use]
     pub fn whole(&self) -> usize {
-        self.soil + self.knobs + SENSORS
+        self.soil + self.knobs
     }
 
     /// Number of gated columns of one gate.
@@ -245,14 +244,13 @@ impl RecordingModel {
                 let at = |list: &[usize]| list.iter().position(|other| *other == place);
                 whole.push(
                     match (knob.target, at(&layout.gated), at(&layout.throughout)) {
-                        (Target::Sensor(_), ..) => 0.0,
+                        (Target::Sensor(sensor), ..) => sensors[sensor.index()],
                         (_, Some(column), _) => sum(layout.soil + column),
                         (_, None, Some(column)) => model[column] * slope,
                         (_, None, None) => secant(place, index),
                     },
                 );
             }
-            whole.extend(sensors);
         }
         (whole, gated)
     }

@@ -1,0 +1,53 @@
+//! Why nothing can be diagnosed.
+
+use crate::fit::predictor::PredictionError;
+use std::fmt;
+
+/// Why there is no diagnosis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DiagnosisError {
+    /// No recording at all.
+    NoRecording,
+    /// A recording without anything to compare with.
+    NothingMeasured {
+        /// Its name.
+        recording: String,
+    },
+    /// Wheels that never turn.
+    AtRest,
+    /// Too little to say anything.
+    TooShort {
+        /// Seconds with wheel speeds and samples.
+        seconds: f64,
+        /// Seconds that are needed.
+        needed: f64,
+    },
+    /// A model that cannot follow the wheel speeds to begin with.
+    Undrivable(PredictionError),
+    /// Numbers that left the range of the machine.
+    NotFinite,
+}
+
+impl fmt::Display for DiagnosisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRecording => f.write_str("no recording to diagnose"),
+            Self::NothingMeasured { recording } => write!(
+                f,
+                "{recording} has neither pose nor yaw rate nor velocities: nothing to compare with"
+            ),
+            Self::AtRest => f.write_str("the wheels stand still throughout: nothing to diagnose"),
+            Self::TooShort { seconds, needed } => write!(
+                f,
+                "{seconds:.1} s of usable driving are too short: a diagnosis needs {needed} s"
+            ),
+            Self::Undrivable(error) => write!(
+                f,
+                "the given vehicle on the given terrain cannot follow most of the recording: {error}"
+            ),
+            Self::NotFinite => f.write_str("the diagnosis' numbers are not finite"),
+        }
+    }
+}
+
+impl std::error::Error for DiagnosisError {}

@@ -1,0 +1,73 @@
+//! Recordings cut into segments that the given model can drive.
+
+use super::hypothesis::Given;
+use super::{DiagnosisError, Options};
+use crate::fit::segment::{Cut, cut};
+use crate::fit::sensor::{SensorParameter, SensorValues};
+use crate::fit::weighing::first_weighing;
+use crate::fit::problem::Weighing;
+use crate::identification::{Latencies, Signals};
+use crate::recording::Recording;
+
+/// Less driving than this is not enough to say anything \[s\].
+const SHORTEST: f64 = 10.0;
+
+/// Cuts, leaves out what cannot be driven, and weighs all samples alike.
+///
+/// # Errors
+/// Recordings that tell nothing.
+pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), DiagnosisError> {
+    let late: Vec<SensorValues> = given.recordings.iter().map(late).collect();
+    let mut found = cut(given.recordings, &late, options.segment);
+    given.segments = std::mem::take(&mut found.segments);
+    let driven: f64 = seconds(given);
+    if driven == 0.0 && found.at_rest > found.unusable {
+        return Err(DiagnosisError::AtRest);
+    }
+    let predictor = given.predictor(&[]);
+    let problem = given.problem(&predictor, &[]);
+    let point = given.point(&problem, &[], &given.begin());
+    let tried = problem.evaluate_each(&point, true);
+    let mut failed = None;
+    let mut kept = Vec::new();
+    for (segment, tried) in std::mem::take(&mut given.segments).into_iter().zip(tried) {
+        match tried {
+            Ok(_) => kept.push(segment),
+            Err(error) => {
+                found.unusable += segment.end - segment.start;
+                failed.get_or_insert(error);
+            }
+        }
+    }
+    given.segments = kept;
+    let seconds = seconds(given);
+    match failed {
+        Some(error) if seconds < 0.5 * driven => Err(DiagnosisError::Undrivable(error)),
+        _ if seconds < SHORTEST => Err(DiagnosisError::TooShort {
+            seconds,
+            needed: SHORTEST,
+        }),
+        _ => {
+            let predictor = given.predictor(&[]);
+            let weighing = first_weighing(&given.problem(&predictor, &[]));
+            Ok((found, weighing))
+        }
+    }
+}
+
+/// Seconds that the segments cover.
+#[must_use]
+pub fn seconds(given: &Given) -> f64 {
+    given.segments.iter().map(|s| s.end - s.start).sum()
+}
+
+/// How late a recording's pose is: samples go to the segment in which they were true. A pose that
+/// is told too early would lie before its segment's start; one told too late does no harm.
+fn late(recording: &Recording) -> SensorValues {
+    let mut values = [0.0; SensorParameter::ALL.len()];
+    if let Ok(runs) = Signals::of(recording) {
+        let latencies = Latencies::estimate(&runs);
+        values[SensorParameter::PoseLatency.index()] = latencies.pose.value().max(0.0);
+    }
+    values
+}
