@@ -26,7 +26,9 @@ pub fn ingredient(name: &str, size: usize, vehicle: &Vehicle, random: &mut Rando
     let effect = CATALOGUE.iter().find(|effect| effect.name == name);
     let effect = effect.unwrap_or_else(|| panic!("{name} is not in the catalogue"));
     let switches: Vec<&str> = switches(effect);
-    let on = if switches.len() == 1 || random.chance(0.35) {
+    // Ground seldom falls exactly to one side.
+    let all = if name == "grade" { 0.8 } else { 0.35 };
+    let on = if switches.len() == 1 || random.chance(all) {
         switches
     } else {
         vec![random.pick(&switches)]

@@ -103,7 +103,8 @@ pub fn ground(random: &mut Random) -> Ground {
     let (name, nominal) = if random.chance(0.6) {
         (first.to_owned(), preset(first))
     } else {
-        let second = random.pick(&Terrain::PRESETS);
+        let others = Terrain::PRESETS.map(|name| (name, f64::from(u8::from(name != first))));
+        let second = random.weighted(&others);
         let share = random.between(0.2, 0.8);
         let mixed = mix(&preset(first), &preset(second), share);
         (format!("{first}..{second} {share:.2}"), mixed)

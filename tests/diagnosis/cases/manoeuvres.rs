@@ -80,48 +80,44 @@ enum Leg {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Commands {
     pub wheels: Vec<[f64; 2]>,
+}
+
+/// No driver asks for more \[m/s\].
+const FASTEST: f64 = 3.2;
+
+/// Who drives what, and how fast.
+#[derive(Debug, Clone, Copy)]
+pub struct Driver<'a> {
+    pub vehicle: &'a Vehicle,
+    /// How much more difference between the sides it takes to turn than without slip.
+    pub oversteer: f64,
     /// Greatest mean speed that is asked for \[m/s\].
     pub top_speed: f64,
 }
 
-/// A skid-steer vehicle's driver asks for so much more difference between the sides than
-/// rolling without slip would need.
-const OVERSTEER: f64 = 1.5;
-/// No driver asks for more \[m/s\].
-const FASTEST: f64 = 3.2;
-
-/// Commands of a drive of so many seconds, at speeds up to `top_speed` \[m/s\].
-pub fn commands(
-    style: Style,
-    seconds: f64,
-    top_speed: f64,
-    vehicle: &Vehicle,
-    random: &mut Random,
-) -> Commands {
+/// Commands of a drive of so many seconds.
+pub fn commands(driver: Driver, style: Style, seconds: f64, random: &mut Random) -> Commands {
+    let top_speed = driver.top_speed;
     let count = (seconds / STEP).round() as usize + 1;
     let mut targets = Vec::with_capacity(count + 400);
     let pause = (random.between(0.3, 1.2) / STEP) as usize;
     targets.resize(pause, [0.0; 2]);
     let cruise = random.between(0.5, 0.9) * top_speed;
     let mut speed = cruise;
-    let mut driver = Driver {
-        vehicle,
-        top_speed,
-        random,
-    };
+    let mut legs = Legs { driver, random };
     if style.is_one_leg() {
         let leg = style.legs()[0].0;
-        driver.drive(leg, seconds, cruise, cruise, &mut targets);
+        legs.add(leg, seconds, cruise, cruise, &mut targets);
     }
     while targets.len() < count {
-        let leg = driver.random.weighted(style.legs());
+        let leg = legs.random.weighted(style.legs());
         let next = match (style, leg) {
             (Style::Steady, _) => cruise,
-            (_, Leg::Ramp) => driver.random.between(0.2, 1.0) * top_speed,
+            (_, Leg::Ramp) => legs.random.between(0.2, 1.0) * top_speed,
             _ => speed,
         };
-        let length = driver.random.between(2.0, 6.5);
-        driver.drive(leg, length, speed, next, &mut targets);
+        let length = legs.random.between(2.0, 6.5);
+        legs.add(leg, length, speed, next, &mut targets);
         speed = next.max(0.25 * top_speed);
     }
     targets.truncate(count);
@@ -129,31 +125,47 @@ pub fn commands(
     let lag = random.between(0.1, 0.25);
     let wheels = smooth(&targets, acceleration, lag)
         .into_iter()
-        .map(|sides| sides.map(|side| side / vehicle.wheel_radius))
+        .map(|sides| sides.map(|side| side / driver.vehicle.wheel_radius))
         .collect();
-    Commands { wheels, top_speed }
+    Commands { wheels }
 }
 
-struct Driver<'a> {
-    vehicle: &'a Vehicle,
-    top_speed: f64,
+/// A bend of so many half tracks' radius, to find out how the vehicle turns.
+pub fn trial_bend(vehicle: &Vehicle, oversteer: f64) -> (Commands, f64) {
+    const RADIUS: f64 = 7.0;
+    let speed = 0.7;
+    let yaw_rate = speed / (RADIUS * vehicle.half_track);
+    let turn = oversteer * yaw_rate * vehicle.half_track;
+    let targets = vec![[speed - turn, speed + turn]; (8.0 / STEP) as usize];
+    let wheels = smooth(&targets, 1.0, 0.2).into_iter();
+    let wheels = wheels.map(|sides| sides.map(|side| side / vehicle.wheel_radius));
+    let commands = Commands {
+        wheels: wheels.collect(),
+    };
+    (commands, yaw_rate)
+}
+
+/// Legs of a drive as they come.
+struct Legs<'a> {
+    driver: Driver<'a>,
     random: &'a mut Random,
 }
 
-impl Driver<'_> {
+impl Legs<'_> {
     /// Adds the targets of a leg: speeds \[m/s\] of both sides.
-    fn drive(&mut self, leg: Leg, length: f64, from: f64, to: f64, targets: &mut Vec<[f64; 2]>) {
-        let half = self.vehicle.half_track;
+    fn add(&mut self, leg: Leg, length: f64, from: f64, to: f64, targets: &mut Vec<[f64; 2]>) {
+        let half = self.driver.vehicle.half_track;
         let side = self.random.sign();
         let gentle = half * self.random.scaled(12.0, 40.0);
         let tight = half * self.random.scaled(2.5, 8.0);
         let period = self.random.between(3.0, 6.0);
         // Nobody takes a bend at full speed: lateral acceleration up to 1.5 m/s^2.
         let bend = |speed: f64, radius: f64| speed.min((1.5 * radius).sqrt());
-        let pivot = self.random.between(0.2, 0.45) * self.top_speed.min(1.5);
-        let back = -self.random.between(0.3, 0.6) * self.top_speed.min(1.6);
+        let pivot = self.random.between(0.2, 0.45) * self.driver.top_speed.min(1.5);
+        let back = -self.random.between(0.3, 0.6) * self.driver.top_speed.min(1.6);
         let bow = if self.random.chance(0.5) { 1.0 } else { 0.0 };
-        let difference = |speed: f64, radius: f64| OVERSTEER * side * speed * half / radius;
+        let difference =
+            |speed: f64, radius: f64| self.driver.oversteer * side * speed * half / radius;
         for k in 0..(length / STEP) as usize {
             let time = k as f64 * STEP;
             let share = time / length;

@@ -15,11 +15,12 @@ pub use family::Family;
 pub use files::write;
 
 use ground::Ground;
-use manoeuvres::{STEP, Style, commands};
+use manoeuvres::{Driver, STEP, Style, commands, trial_bend};
 use plan::{Place, Plan};
 use random::Random;
 use sensors::{Row, Sensors};
 use ugv_terrain::simulation::State;
+use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::Vehicle;
 use world::{Failure, Ingredient, Region, Track, World, effects};
 
@@ -76,7 +77,15 @@ fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
     let plan = Plan::draw(family, number, &vehicle, &mut of("plan"));
     let sensors = Sensors::draw(&mut of("sensors"));
     let mut first = of("drive");
-    let top_speed = top_speed(&vehicle, &mut first);
+    let driver = Driver {
+        vehicle: &vehicle,
+        oversteer: oversteer(&vehicle, ground.truth)?,
+        top_speed: top_speed(&vehicle, &mut first),
+    };
+    let faster = |factor: f64| Driver {
+        top_speed: factor * driver.top_speed,
+        ..driver
+    };
     let mut start = somewhere(&mut first);
     if plan.rivals == ["drawbar"] && plan.ingredients[0].name == "grade" {
         // Up the slope or down: across it nothing resembles a drawbar's pull.
@@ -91,13 +100,7 @@ fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
         terrain: ground.truth,
         ingredients: plan.ingredients.clone(),
     };
-    let wheels = commands(
-        plan.style,
-        seconds(&mut first),
-        top_speed,
-        &vehicle,
-        &mut first,
-    );
+    let wheels = commands(driver, plan.style, seconds(&mut first), &mut first);
     if plan.place != Place::Everywhere {
         let without = World {
             ingredients: plan.ingredients[1..].to_vec(),
@@ -115,17 +118,23 @@ fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
         track,
     };
     let track = world.drive(start, &wheels)?;
-    let mut drives = vec![record(track, &world, plan.style, top_speed, "noise")];
+    let mut drives = vec![record(track, &world, plan.style, driver.top_speed, "noise")];
     if let Some(style) = plan.second {
         let mut second = of("second drive");
         let back = State {
             heading: start.heading + std::f64::consts::PI,
             ..start
         };
-        let fast = top_speed * second.between(1.0, 1.3);
-        let wheels = commands(style, seconds(&mut second), fast, &vehicle, &mut second);
+        let driver = faster(second.between(1.0, 1.3));
+        let wheels = commands(driver, style, seconds(&mut second), &mut second);
         let track = world.drive(back, &wheels)?;
-        drives.push(record(track, &world, style, fast, "second noise"));
+        drives.push(record(
+            track,
+            &world,
+            style,
+            driver.top_speed,
+            "second noise",
+        ));
     }
     let mut other = of("unseen drive");
     if plan.place == Place::Seconds {
@@ -141,10 +150,10 @@ fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
         heading: other.between(-3.1, 3.1),
         ..start
     };
-    let fast = top_speed * other.between(0.8, 1.15);
-    let wheels = commands(Style::Rich, seconds(&mut other), fast, &vehicle, &mut other);
+    let driver = faster(other.between(0.8, 1.15));
+    let wheels = commands(driver, Style::Rich, seconds(&mut other), &mut other);
     let track = world.drive(beyond, &wheels)?;
-    let unseen = record(track, &world, Style::Rich, fast, "unseen noise");
+    let unseen = record(track, &world, Style::Rich, driver.top_speed, "unseen noise");
     Ok(Case {
         family,
         seed,
@@ -156,6 +165,25 @@ fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
         drives,
         unseen,
     })
+}
+
+/// What a driver learns in a few bends: how much more it takes to turn than without slip.
+fn oversteer(vehicle: &Vehicle, terrain: Terrain) -> Result<f64, Failure> {
+    const MOST: f64 = 4.0;
+    let world = World {
+        vehicle: vehicle.clone(),
+        terrain,
+        ingredients: Vec::new(),
+    };
+    let mut oversteer: f64 = 1.6;
+    for _ in 0..3 {
+        let (commands, wanted) = trial_bend(vehicle, oversteer);
+        let track = world.drive(State::default(), &commands)?;
+        let (late, end) = (track.at(track.duration() - 2.0), track.at(track.duration()));
+        let turned = (end.heading - late.heading) / 2.0;
+        oversteer = (oversteer * wanted / turned.max(0.25 * wanted)).clamp(1.0, MOST);
+    }
+    Ok(oversteer)
 }
 
 fn seconds(random: &mut Random) -> f64 {
