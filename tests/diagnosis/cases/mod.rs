@@ -1,0 +1,256 @@
+//! Cases to develop and test the diagnosis on: drives whose truth is known.
+
+mod draw;
+mod family;
+mod files;
+mod ground;
+mod law;
+mod manoeuvres;
+mod plan;
+mod random;
+mod sensors;
+mod world;
+
+pub use family::Family;
+pub use files::write;
+
+use ground::Ground;
+use manoeuvres::{Driver, STEP, Style, commands, trial_bend};
+use plan::{Place, Plan};
+use random::Random;
+use sensors::{Row, Sensors};
+use ugv_terrain::simulation::State;
+use ugv_terrain::terrain::Terrain;
+use ugv_terrain::vehicle::Vehicle;
+use world::{Failure, Ingredient, Region, Track, World, effects};
+
+/// A case: recordings, and what is behind them.
+pub struct Case {
+    family: Family,
+    /// Of the draw that could be driven.
+    seed: u64,
+    plan: Plan,
+    vehicle_name: &'static str,
+    vehicle: Vehicle,
+    ground: Ground,
+    sensors: Sensors,
+    /// What is to be diagnosed; one or two.
+    drives: Vec<Recorded>,
+    /// For the score.
+    unseen: Recorded,
+}
+
+/// A drive and its recording.
+struct Recorded {
+    style: Style,
+    top_speed: f64,
+    track: Track,
+    rows: Vec<Row>,
+    /// The truth's ingredients, as they were there.
+    ingredients: Vec<Ingredient>,
+}
+
+/// Draws that bog down are drawn anew, this often.
+const ATTEMPTS: usize = 200;
+
+/// The `number`th case of a family; the same seed gives the same case.
+///
+/// # Errors
+/// What is wrong with the last draw, where no draw can be driven.
+pub fn generate(family: Family, number: usize, seed: u64) -> Result<Case, String> {
+    let mut last = String::new();
+    let mut seeds = Random::new(seed.wrapping_add((number as u64) << 32), family.name());
+    for _ in 0..ATTEMPTS {
+        match attempt(family, number, seeds.seed()) {
+            Ok(case) => return Ok(case),
+            Err(failure) => last = failure.to_string(),
+        }
+    }
+    Err(format!("{} {number}: {last}", family.name()))
+}
+
+fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
+    let of = |purpose: &str| Random::new(seed, purpose);
+    let kind = of("kind").pick(&[0, 1, 2, 3, 4]);
+    let (vehicle_name, vehicle) = ground::vehicle(kind, &mut of("vehicle"));
+    let ground = ground::ground(&mut of("ground"));
+    let plan = Plan::draw(family, number, &vehicle, &mut of("plan"));
+    let sensors = Sensors::draw(&mut of("sensors"));
+    let mut first = of("drive");
+    let driver = Driver {
+        vehicle: &vehicle,
+        oversteer: oversteer(&vehicle, ground.truth)?,
+        top_speed: top_speed(&vehicle, &mut first),
+    };
+    let faster = |factor: f64| Driver {
+        top_speed: factor * driver.top_speed,
+        ..driver
+    };
+    let mut start = somewhere(&mut first);
+    if plan.rivals == ["drawbar"] && plan.ingredients[0].name == "grade" {
+        // Up the slope or down: across it nothing resembles a drawbar's pull.
+        start.heading = if first.chance(0.5) {
+            0.0
+        } else {
+            std::f64::consts::PI
+        };
+    }
+    let mut world = World {
+        vehicle: vehicle.clone(),
+        terrain: ground.truth,
+        ingredients: plan.ingredients.clone(),
+    };
+    let wheels = commands(driver, plan.style, seconds(&mut first), &mut first);
+    if plan.place != Place::Everywhere {
+        let without = World {
+            ingredients: plan.ingredients[1..].to_vec(),
+            ..world.clone()
+        };
+        let path = without.drive(start, &wheels)?;
+        place(&mut world.ingredients[0], plan.place, &path, &mut first);
+    }
+    let faults = effects(plan.faults.iter());
+    let record = |track, world: &World, style, top_speed, purpose: &str| Recorded {
+        rows: sensors.record(&track, &faults, &mut of(purpose)),
+        ingredients: world.ingredients.clone(),
+        style,
+        top_speed,
+        track,
+    };
+    let track = world.drive(start, &wheels)?;
+    let mut drives = vec![record(track, &world, plan.style, driver.top_speed, "noise")];
+    if let Some(style) = plan.second {
+        let mut second = of("second drive");
+        let back = State {
+            heading: start.heading + std::f64::consts::PI,
+            ..start
+        };
+        let driver = faster(second.between(1.0, 1.3));
+        let wheels = commands(driver, style, seconds(&mut second), &mut second);
+        let track = world.drive(back, &wheels)?;
+        drives.push(record(
+            track,
+            &world,
+            style,
+            driver.top_speed,
+            "second noise",
+        ));
+    }
+    let mut other = of("unseen drive");
+    if plan.place == Place::Seconds {
+        // What happened in those seconds does not happen again.
+        world.ingredients.remove(0);
+    }
+    for one in &mut world.ingredients {
+        if let Some(law) = &mut one.law {
+            law.redraw(&mut other);
+        }
+    }
+    let beyond = State {
+        heading: other.between(-3.1, 3.1),
+        ..start
+    };
+    let driver = faster(other.between(0.8, 1.15));
+    let wheels = commands(driver, Style::Rich, seconds(&mut other), &mut other);
+    let track = world.drive(beyond, &wheels)?;
+    let unseen = record(track, &world, Style::Rich, driver.top_speed, "unseen noise");
+    Ok(Case {
+        family,
+        seed,
+        plan,
+        vehicle_name,
+        vehicle,
+        ground,
+        sensors,
+        drives,
+        unseen,
+    })
+}
+
+/// What a driver learns in a few bends: how much more it takes to turn than without slip.
+fn oversteer(vehicle: &Vehicle, terrain: Terrain) -> Result<f64, Failure> {
+    const MOST: f64 = 4.0;
+    let world = World {
+        vehicle: vehicle.clone(),
+        terrain,
+        ingredients: Vec::new(),
+    };
+    let mut oversteer: f64 = 1.6;
+    for _ in 0..3 {
+        let (commands, wanted) = trial_bend(vehicle, oversteer);
+        let track = world.drive(State::default(), &commands)?;
+        let (late, end) = (track.at(track.duration() - 2.0), track.at(track.duration()));
+        let turned = (end.heading - late.heading) / 2.0;
+        oversteer = (oversteer * wanted / turned.max(0.25 * wanted)).clamp(1.0, MOST);
+    }
+    Ok(oversteer)
+}
+
+fn seconds(random: &mut Random) -> f64 {
+    (random.between(40.0, 90.0) / STEP).round() * STEP
+}
+
+fn top_speed(vehicle: &Vehicle, random: &mut Random) -> f64 {
+    let most = if vehicle.wheel_radius < 0.2 { 1.5 } else { 2.0 };
+    if random.chance(0.2) {
+        random.between(most, 1.5 * most)
+    } else {
+        random.between(0.6, most)
+    }
+}
+
+fn somewhere(random: &mut Random) -> State {
+    State {
+        x: random.between(-20.0, 20.0),
+        y: random.between(-20.0, 20.0),
+        heading: random.between(-3.1, 3.1),
+        ..State::default()
+    }
+}
+
+/// Lets an ingredient act in a part of the drive in which the vehicle moves.
+fn place(one: &mut Ingredient, place: Place, path: &Track, random: &mut Random) {
+    let moving = |time: f64| {
+        let state = path.at(time);
+        state.v_x.hypot(state.v_y) > 0.2
+    };
+    let (from, to) = (0.15 * path.duration(), 0.85 * path.duration());
+    let mut at = random.between(from, to);
+    for _ in 0..100 {
+        if moving(at - 1.0) && moving(at) && moving(at + 1.0) {
+            break;
+        }
+        at = random.between(from, to);
+    }
+    let here = path.at(at);
+    let round = |value: f64| (value * 100.0).round() / 100.0;
+    match place {
+        Place::Everywhere => {}
+        Place::Seconds => {
+            let half = random.between(2.0, 6.0);
+            let start = round((at - half).max(1.0));
+            one.region = Region::Time(start, round(start + 2.0 * half));
+        }
+        Place::Patch => {
+            one.region = Region::Disc(
+                [round(here.x), round(here.y)],
+                round(random.between(1.5, 4.0)),
+            );
+        }
+        Place::Beyond => {
+            let direction = round(here.heading + random.between(-0.6, 0.6));
+            let direction = (direction + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
+                - std::f64::consts::PI;
+            let direction = round(direction);
+            let position = here.x * direction.cos() + here.y * direction.sin();
+            for (name, value) in [
+                ("position", round(position)),
+                ("direction", direction),
+                ("transition", round(random.between(0.2, 1.0))),
+            ] {
+                one.parameters
+                    .push((format!("terrain_change.{name}"), value));
+            }
+        }
+    }
+}
