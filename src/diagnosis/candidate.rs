@@ -115,7 +115,8 @@ fn physics(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
         }
         let off = Effects::NONE.get(name);
         let secant = SECANTS.iter().find(|(secant, _)| *secant == full);
-        let scale = if declared.high / declared.low.max(1e-300) > 100.0 && secant.is_some() {
+        // A pressure is known to a factor; everything else enters as it is.
+        let scale = if off == declared.high && declared.low > 0.0 {
             Scale::Log
         } else {
             Scale::Linear

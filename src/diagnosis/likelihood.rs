@@ -11,9 +11,9 @@ use crate::fit::noise_estimate;
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::optimiser::{Stop, minimise, normals};
 use crate::fit::predictor::{PredictionError, Predictor};
-use crate::fit::problem::{Problem, Tables, Weighing};
+use crate::fit::problem::{Point, Problem, Tables, Weighing};
 use crate::fit::weighing::reweigh;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// A hypothesis fitted to the recordings.
 #[derive(Debug, Clone)]
@@ -97,12 +97,61 @@ pub fn tune_with_noise(
     tune(given, knobs, &moved, by)
 }
 
+/// A segment's normal equations by a hypothesis' unknowns, its start eliminated.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// H of the segment.
+    pub matrix: DMatrix<f64>,
+    /// g of the segment.
+    pub gradient: DVector<f64>,
+    /// Squares that the start does not take up.
+    pub cost: f64,
+    /// Log determinants of noise and start.
+    pub log_determinant: f64,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+/// The segments of a fitted hypothesis. `None` where numbers are not finite.
+#[must_use]
+pub fn blocks<P: Predictor>(
+    problem: &Problem<P>,
+    tables: &[Tables],
+    point: &Point,
+    by: &Weighing,
+) -> Option<Vec<Block>> {
+    let normals = normals(problem, tables, point, by);
+    let one = |(index, normal): (usize, &Normal)| {
+        let eliminated = Eliminated::new(normal, 0.0)?;
+        let segment = &problem.segments[index];
+        let mut block = Block {
+            matrix: eliminated.matrix.clone(),
+            gradient: eliminated.gradient.clone(),
+            cost: normal.cost - eliminated.start_gain,
+            log_determinant: eliminated.log_determinant(),
+            samples: 0,
+        };
+        for deviation in segment.start_deviation {
+            block.log_determinant += 2.0 * deviation.ln();
+        }
+        for (channel, data) in segment.samples.iter().enumerate() {
+            let noise = by.noise[segment.recording][data.signal.group() as usize];
+            let weights = &by.weights[index][channel];
+            block.log_determinant +=
+                noise.whiten(&data.time, weights, 1, &mut vec![0.0; data.time.len()]);
+            block.samples += data.time.len();
+        }
+        Some(block)
+    };
+    normals.iter().enumerate().map(one).collect()
+}
+
 /// Minus the log of the evidence, and the covariance of the unknowns. Infinite where the numbers
 /// are not finite.
 fn evidence<P: Predictor>(
     problem: &Problem<P>,
     tables: &[Tables],
-    point: &crate::fit::problem::Point,
+    point: &Point,
     by: &Weighing,
     cost: f64,
 ) -> (f64, DMatrix<f64>) {

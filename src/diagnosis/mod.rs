@@ -2,21 +2,25 @@
 
 mod candidate;
 mod error;
+mod held_out;
 mod hypothesis;
+mod law;
 mod likelihood;
+mod locate;
 mod outcome;
 mod pipeline;
 mod prepare;
 mod screen;
 mod sensitivity;
 mod system;
+mod wrench;
 
 pub use error::DiagnosisError;
-pub use pipeline::probe;
 pub use outcome::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre,
     Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
 };
+pub use pipeline::probe;
 
 /// How to diagnose.
 #[derive(Debug, Clone, PartialEq)]

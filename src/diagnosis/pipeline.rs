@@ -21,13 +21,24 @@ pub fn probe(
     let mut given = Given::new(nominal, recordings);
     let (_, mut by) = prepare(&mut given, options)?;
     let lap = |what: &str| eprintln!("{:7.2} s {what}", started.elapsed().as_secs_f64());
-    lap(&format!("prepared {} segments {} s", given.segments.len(), seconds(&given)));
+    lap(&format!(
+        "prepared {} segments {} s",
+        given.segments.len(),
+        seconds(&given)
+    ));
     let mut on: Vec<usize> = Vec::new();
-    let mut best = tune_with_noise(&given, &on, &given.begin(), &mut by).map_err(DiagnosisError::Undrivable)?;
-    lap(&format!("baseline cost {} surprise {} soil {:?}", best.cost, best.surprise, best.solution.soil));
+    let mut best = tune_with_noise(&given, &on, &given.begin(), &mut by)
+        .map_err(DiagnosisError::Undrivable)?;
+    lap(&format!(
+        "baseline cost {} surprise {} soil {:?}",
+        best.cost, best.surprise, best.solution.soil
+    ));
     for group in 0..5 {
         let n = by.noise[0][group];
-        eprintln!("   noise {:.4} {:.4} {:.2}", n.white, n.coloured, n.correlation_time);
+        eprintln!(
+            "   noise {:.4} {:.4} {:.2}",
+            n.white, n.coloured, n.correlation_time
+        );
     }
     for round in 0..4 {
         let layout = Layout::new(&given, &on);
@@ -39,12 +50,18 @@ pub fn probe(
             lap("linearised");
             for group in 0..5 {
                 let n = by.noise[0][group];
-                eprintln!("   noise {:.4} {:.4} {:.2}", n.white, n.coloured, n.correlation_time);
+                eprintln!(
+                    "   noise {:.4} {:.4} {:.2}",
+                    n.white, n.coloured, n.correlation_time
+                );
             }
             best = tune(&given, &on, &best.solution, &by).map_err(DiagnosisError::Undrivable)?;
             weigh(&given, &on, &best.tables, &mut by);
             best = tune(&given, &on, &best.solution, &by).map_err(DiagnosisError::Undrivable)?;
-            lap(&format!("retuned cost {} surprise {}", best.cost, best.surprise));
+            lap(&format!(
+                "retuned cost {} surprise {}",
+                best.cost, best.surprise
+            ));
             system = Some(s);
             let _ = pass;
         }
@@ -54,7 +71,8 @@ pub fn probe(
         drop(system);
         let system = system2;
         let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
-        let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
+        let projection =
+            Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
         let mut all = Vec::new();
         for subject in &given.candidates.subjects {
             let unknowns: Vec<usize> = given
@@ -70,7 +88,10 @@ pub fn probe(
         let list: Vec<_> = all.iter().map(|(_, p)| p.clone()).collect();
         let threshold = chance(&projection, &list, 0.95, 400, options.seed);
         eprintln!("threshold chi2 {threshold}");
-        let mut scored: Vec<_> = all.iter().map(|(s, p)| (*s, projection.score(p), p)).collect();
+        let mut scored: Vec<_> = all
+            .iter()
+            .map(|(s, p)| (*s, projection.score(p), p))
+            .collect();
         scored.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
         for (subject, score, p) in scored.iter() {
             eprintln!(
@@ -81,8 +102,18 @@ pub fn probe(
                 one_degree(score.chi_square, p.unknowns.len()),
                 score.scatter,
                 score.absorbed,
-                score.step.as_slice().iter().map(|v| (v * 1e4).round() / 1e4).collect::<Vec<_>>(),
-                score.deviation.as_slice().iter().map(|v| (v * 1e4).round() / 1e4).collect::<Vec<_>>(),
+                score
+                    .step
+                    .as_slice()
+                    .iter()
+                    .map(|v| (v * 1e4).round() / 1e4)
+                    .collect::<Vec<_>>(),
+                score
+                    .deviation
+                    .as_slice()
+                    .iter()
+                    .map(|v| (v * 1e4).round() / 1e4)
+                    .collect::<Vec<_>>(),
             );
         }
         let mut refits = Vec::new();
@@ -96,9 +127,17 @@ pub fn probe(
             given.step(&system, &mut begin, &p.unknowns, &score.step);
             match tune(&given, &knobs, &begin, &by) {
                 Ok(t) => {
-                    lap(&format!("refit {} gain {} cost {}", subject.name(), best.surprise - t.surprise, t.cost));
+                    lap(&format!(
+                        "refit {} gain {} cost {}",
+                        subject.name(),
+                        best.surprise - t.surprise,
+                        t.cost
+                    ));
                     for k in given.candidates.of(*subject) {
-                        eprintln!("      {} {}", given.candidates.knobs[k].parameter.name, t.solution.knobs[0][k]);
+                        eprintln!(
+                            "      {} {}",
+                            given.candidates.knobs[k].parameter.name, t.solution.knobs[0][k]
+                        );
                     }
                     refits.push((*subject, t));
                 }

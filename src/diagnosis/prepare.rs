@@ -2,10 +2,10 @@
 
 use super::hypothesis::Given;
 use super::{DiagnosisError, Options};
+use crate::fit::problem::Weighing;
 use crate::fit::segment::{Cut, cut};
 use crate::fit::sensor::{SensorParameter, SensorValues};
 use crate::fit::weighing::first_weighing;
-use crate::fit::problem::Weighing;
 use crate::identification::{Latencies, Signals};
 use crate::recording::Recording;
 

@@ -88,6 +88,18 @@ impl<'a> Projection<'a> {
         Self::new(system, &nuisance, &all)
     }
 
+    /// What is projected out.
+    #[must_use]
+    pub fn nuisance(&self) -> &[usize] {
+        &self.nuisance
+    }
+
+    /// The nuisance's inverse matrix, and its step to where the pulls vanish.
+    #[must_use]
+    pub fn inverse(&self) -> (DMatrix<f64>, DVector<f64>) {
+        (self.factor.inverse(), self.factor.solve(&self.pull))
+    }
+
     /// A candidate's projected equations.
     #[must_use]
     pub fn of(&self, unknowns: &[usize]) -> Projected {
@@ -107,34 +119,59 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// A candidate's one-step fit.
+    /// A candidate's one-step fit, with the scatter of its own blocks.
     #[must_use]
     pub fn score(&self, candidate: &Projected) -> Score {
-        let precision: Vec<f64> = candidate
-            .unknowns
-            .iter()
-            .map(|u| self.system.precision[*u])
-            .collect();
-        let pull: Vec<f64> = candidate.unknowns.iter().map(|u| self.system.pull[*u]).collect();
-        let free = self.inside(candidate, &precision, &pull);
-        let (step, quadratic) = solve(candidate, &precision, &pull, &free);
+        let (step, quadratic) = self.step(candidate);
         let scatter = self.scatter(candidate, &step);
-        let mut determinant = DMatrix::<f64>::identity(free.len(), free.len());
-        let mut posterior = DMatrix::zeros(step.len(), step.len());
-        for k in 0..step.len() {
-            posterior[(k, k)] = precision[k];
-        }
-        posterior += &candidate.matrix / scatter;
-        for (i, a) in free.iter().enumerate() {
-            for (j, b) in free.iter().enumerate() {
-                let scale = (precision[*a] * precision[*b]).sqrt();
-                determinant[(i, j)] += candidate.matrix[(*a, *b)] / (scatter * scale);
-            }
-        }
-        let log_determinant = determinant.determinant().max(1.0).ln();
+        self.judge(candidate, step, quadratic, scatter)
+    }
+
+    /// A candidate's one-step fit where the scatter is known.
+    #[must_use]
+    pub fn score_with(&self, candidate: &Projected, scatter: f64) -> Score {
+        let (step, quadratic) = self.step(candidate);
+        self.judge(candidate, step, quadratic, scatter)
+    }
+
+    /// The step within the range and the cost that it saves.
+    fn step(&self, candidate: &Projected) -> (DVector<f64>, f64) {
+        let precision = self.precision(candidate);
+        let unknowns = candidate.unknowns.iter();
+        let pull: Vec<f64> = unknowns.map(|u| self.system.pull[*u]).collect();
+        let free = self.inside(candidate, &precision, &pull);
+        solve(candidate, &precision, &pull, &free)
+    }
+
+    fn precision(&self, candidate: &Projected) -> Vec<f64> {
+        let unknowns = candidate.unknowns.iter();
+        unknowns.map(|u| self.system.precision[*u]).collect()
+    }
+
+    fn judge(
+        &self,
+        candidate: &Projected,
+        step: DVector<f64>,
+        quadratic: f64,
+        scatter: f64,
+    ) -> Score {
+        let precision = self.precision(candidate);
+        let count = step.len();
+        let scaled = DMatrix::from_fn(count, count, |i, j| {
+            let moves = step[i] != 0.0 && step[j] != 0.0;
+            let shared = if moves {
+                candidate.matrix[(i, j)] / (scatter * (precision[i] * precision[j]).sqrt())
+            } else {
+                0.0
+            };
+            shared + f64::from(u8::from(i == j))
+        });
+        let log_determinant = scaled.determinant().max(1.0).ln();
+        let precision = DMatrix::from_diagonal(&DVector::from_vec(precision));
+        let posterior = &candidate.matrix / scatter + precision;
         let covariance = posterior.cholesky().map(|factor| factor.inverse());
         let deviation = covariance.map_or_else(
-            || DVector::repeat(step.len(), f64::INFINITY),
+            || DVector::repeat(count, f64::INFINITY),
             |covariance| covariance.diagonal().map(f64::sqrt),
         );
         let signal = (step.transpose() * &candidate.matrix * &step)[0];
@@ -147,19 +184,9 @@ impl<'a> Projection<'a> {
             absorbed: if whole > 0.0 {
                 (1.0 - signal / whole).clamp(0.0, 1.0)
             } else {
-                self.absorbed_alone(candidate)
+                absorbed_alone(candidate)
             },
             step,
-        }
-    }
-
-    /// Share absorbed of the first unknown's signal.
-    fn absorbed_alone(&self, candidate: &Projected) -> f64 {
-        let raw = candidate.raw[(0, 0)];
-        if raw > 0.0 {
-            (1.0 - candidate.matrix[(0, 0)] / raw).clamp(0.0, 1.0)
-        } else {
-            1.0
         }
     }
 
@@ -189,8 +216,12 @@ impl<'a> Projection<'a> {
         if norm <= 0.0 {
             return 1.0;
         }
-        let together: Vec<usize> =
-            self.nuisance.iter().chain(&candidate.unknowns).copied().collect();
+        let together: Vec<usize> = self
+            .nuisance
+            .iter()
+            .chain(&candidate.unknowns)
+            .copied()
+            .collect();
         let n = self.nuisance.len();
         // The candidate's direction with the nuisance following it, and the whole step.
         let chosen = self.segments.iter().map(|k| &self.system.segments[*k]);
@@ -228,6 +259,16 @@ impl<'a> Projection<'a> {
     }
 }
 
+/// Share absorbed of the first unknown's signal.
+fn absorbed_alone(candidate: &Projected) -> f64 {
+    let raw = candidate.raw[(0, 0)];
+    if raw > 0.0 {
+        (1.0 - candidate.matrix[(0, 0)] / raw).clamp(0.0, 1.0)
+    } else {
+        1.0
+    }
+}
+
 /// The step of the free unknowns and the cost that it saves.
 fn solve(
     candidate: &Projected,
@@ -262,7 +303,10 @@ pub fn chance(
     draws: usize,
     seed: u64,
 ) -> f64 {
-    let all: Vec<usize> = candidates.iter().flat_map(|c| c.unknowns.iter().copied()).collect();
+    let all: Vec<usize> = candidates
+        .iter()
+        .flat_map(|c| c.unknowns.iter().copied())
+        .collect();
     let joint = projection.of(&all);
     // Unknowns that say nothing have no variance.
     let ridge = 1e-9 * joint.matrix.diagonal().max().max(1e-300);

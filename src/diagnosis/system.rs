@@ -126,10 +126,13 @@ fn noise(
 
 /// Columns in another order, residual and start first.
 fn arrange(tables: &Tables, columns: &[usize]) -> Tables {
-    let order: Vec<usize> = (0..=START).chain(columns.iter().map(|c| 1 + START + c)).collect();
+    let order: Vec<usize> = (0..=START)
+        .chain(columns.iter().map(|c| 1 + START + c))
+        .collect();
     let channel = |channel: &Vec<f64>| {
         let rows = channel.chunks_exact(tables.columns);
-        rows.flat_map(|row| order.iter().map(|column| row[*column])).collect()
+        rows.flat_map(|row| order.iter().map(|column| row[*column]))
+            .collect()
     };
     Tables {
         channels: tables.channels.iter().map(channel).collect(),
@@ -189,7 +192,10 @@ fn segment(
     let solved = factor.solve(&cross);
     let moved = factor.solve(&pull);
     let own = normal.view((1 + START, 1 + START), (local, local));
-    let gradient = normal.view((1 + START, 0), (local, 1)).column(0).into_owned();
+    let gradient = normal
+        .view((1 + START, 0), (local, 1))
+        .column(0)
+        .into_owned();
     log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
     let system = SegmentSystem {
         index,

@@ -62,7 +62,7 @@ impl Predictor for ExactPredictor {
             let gates = request.gates.len() + 1;
             let mut simulation =
                 SensitiveSimulation::with_gates(&specification, &self.free, &self.gated, gates)?;
-            simulation.restart(begin, *request.start)?;
+            simulation.restart(request.clock + begin, *request.start)?;
             drive(&mut simulation, request, |simulation| {
                 out.states.push(simulation.state().to_array());
                 out.rates.push(simulation.derivative()?);
@@ -82,7 +82,7 @@ impl Predictor for ExactPredictor {
             let model = VehicleModel::from_specification(&specification)?;
             let mut simulation = Simulation::new(model);
             simulation.set_state(*request.start)?;
-            simulation.set_time(begin);
+            simulation.set_time(request.clock + begin);
             drive(&mut simulation, request, |simulation| {
                 out.states.push(simulation.state().to_array());
                 out.rates.push(simulation.derivative()?);

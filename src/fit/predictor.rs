@@ -12,6 +12,8 @@ pub struct Request<'a> {
     pub parameters: &'a [f64],
     /// The state at the first of the times.
     pub start: &'a State,
+    /// What the model's clock shows at time 0 \[s\].
+    pub clock: f64,
     /// Recorded wheel speeds, linear between rows and held beyond the ends.
     pub drive: &'a Drive,
     /// The wheels at time t turn as the drive tells of t + `wheel_latency` \[s\].

@@ -131,6 +131,12 @@ impl<'a, P: Predictor> Problem<'a, P> {
         }
     }
 
+    /// What predicts.
+    #[must_use]
+    pub fn predictor(&self) -> &'a P {
+        self.predictor
+    }
+
     /// The starts as the sensors show them.
     #[must_use]
     pub fn measured_starts(&self) -> Vec<[f64; START]> {

@@ -145,6 +145,9 @@ pub struct Segment {
     pub recording: usize,
     /// Which of its runs.
     pub run: usize,
+    /// What the model's clock shows at the run's time 0 \[s\]: each run has a stretch of it of its
+    /// own, so that what is bound to a time is bound to one run.
+    pub clock: f64,
     /// When its start state holds \[s\].
     pub start: f64,
     /// When it ends \[s\].
@@ -175,6 +178,8 @@ const STANDSTILL: f64 = 0.05;
 const STILL_SECONDS: f64 = 0.1;
 /// Wheel speeds this long apart leave open what happened in between \[s\].
 const LONGEST_GAP: f64 = 1.0;
+/// Runs' stretches of the model's clock begin so far apart \[s\].
+pub const CLOCK: f64 = 1e6;
 /// Segments with less samples or shorter ones than this are not worth a free start.
 const FEWEST_SAMPLES: usize = 12;
 const SHORTEST: f64 = 2.0;
@@ -195,8 +200,11 @@ pub struct Cut {
 #[must_use]
 pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> Cut {
     let mut cut = Cut::default();
+    let mut runs = 0;
     for (index, (recording, sensors)) in recordings.iter().zip(sensors).enumerate() {
         for (run, data) in recording.runs.iter().enumerate() {
+            let clock = CLOCK * f64::from(runs);
+            runs += 1;
             let Some(drive) = data.drive().map(Arc::new) else {
                 continue;
             };
@@ -219,6 +227,7 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
                 let segment = Segment {
                     recording: index,
                     run,
+                    clock,
                     start: from,
                     end: from + step,
                     drive: drive.clone(),

@@ -1,0 +1,108 @@
+//! Step 8: physics without a name, as a law.
+//!
+//! A sparse regression of what is left over on dimensionless groups of the motion (the features of
+//! the effects `residual_longitudinal`, `residual_lateral`, `residual_yaw`), not of differentiated
+//! positions but of the predictions themselves: groups are taken one by one as long as the evidence
+//! grows by more than the choice among all groups costs. How often each is chosen when segments are
+//! drawn anew with replacement is its stability (N. Meinshausen & P. Buhlmann, "Stability
+//! selection", J. R. Stat. Soc. B 72 (2010)). The law is then refitted inside the motion.
+
+use super::Channel;
+use super::hypothesis::Given;
+use super::screen::Projection;
+use super::system::System;
+use crate::effects::CATALOGUE;
+use rayon::prelude::*;
+
+/// A law of few terms.
+#[derive(Debug, Clone)]
+pub struct Law {
+    /// Its knobs, the strongest first.
+    pub knobs: Vec<usize>,
+    /// Share of resampled data in which each was chosen.
+    pub stability: Vec<f64>,
+    /// Log Bayes factor, less the cost of the choice.
+    pub evidence: f64,
+}
+
+/// Terms at most.
+const MOST_TERMS: usize = 3;
+/// Draws of the segments.
+const DRAWS: usize = 40;
+/// A further term must raise the evidence by more than this.
+const WORTH: f64 = 3.0;
+
+/// The law that explains most beyond soil and the knobs that are on.
+#[must_use]
+pub fn law(given: &Given, system: &System, nuisance: &[usize], seed: u64) -> Option<Law> {
+    let knobs: Vec<usize> = given
+        .candidates
+        .laws()
+        .filter(|knob| system.unknowns(*knob).iter().all(|u| !nuisance.contains(u)))
+        .collect();
+    let all: Vec<usize> = (0..system.segments.len()).collect();
+    let (chosen, evidence) = select(system, nuisance, &all, &knobs, MOST_TERMS)?;
+    let mut random = fastrand::Rng::with_seed(seed);
+    let draws: Vec<Vec<usize>> = (0..DRAWS)
+        .map(|_| {
+            let mut draw: Vec<usize> = all.iter().map(|_| random.usize(0..all.len())).collect();
+            draw.sort_unstable();
+            draw
+        })
+        .collect();
+    let again = |draw: &Vec<usize>| select(system, nuisance, draw, &knobs, chosen.len());
+    let again: Vec<_> = draws.par_iter().map(again).collect();
+    let chosen_again = |knob: &usize| {
+        let found = again.iter().flatten().filter(|(set, _)| set.contains(knob));
+        found.count() as f64 / DRAWS as f64
+    };
+    Some(Law {
+        stability: chosen.iter().map(chosen_again).collect(),
+        knobs: chosen,
+        evidence,
+    })
+}
+
+/// Takes terms one by one. `None` where not even one is worth it.
+fn select(
+    system: &System,
+    nuisance: &[usize],
+    segments: &[usize],
+    knobs: &[usize],
+    most: usize,
+) -> Option<(Vec<usize>, f64)> {
+    let projection = Projection::new(system, nuisance, segments)?;
+    let (mut chosen, mut best): (Vec<usize>, f64) = (Vec::new(), 0.0);
+    while chosen.len() < most {
+        let with = |knob: &usize| {
+            let set: Vec<usize> = chosen
+                .iter()
+                .chain(std::iter::once(knob))
+                .copied()
+                .collect();
+            let unknowns: Vec<usize> = set.iter().flat_map(|k| system.unknowns(*k)).collect();
+            let score = projection.score_with(&projection.of(&unknowns), 1.0);
+            (*knob, score.evidence)
+        };
+        let left = knobs.iter().filter(|knob| !chosen.contains(knob));
+        let next = left.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let choice = ((knobs.len() - chosen.len()) as f64 / (chosen.len() + 1) as f64).ln();
+        let evidence = next.1 - choice;
+        if evidence < best + WORTH {
+            break;
+        }
+        chosen.push(next.0);
+        best = evidence;
+    }
+    (!chosen.is_empty()).then_some((chosen, best))
+}
+
+/// What a law's knob pushes.
+#[must_use]
+pub fn channel(effect: usize) -> Channel {
+    match CATALOGUE[effect].name {
+        "residual_longitudinal" => Channel::Longitudinal,
+        "residual_lateral" => Channel::Lateral,
+        _ => Channel::Yaw,
+    }
+}

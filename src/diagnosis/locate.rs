@@ -1,0 +1,350 @@
+//! Step 5: where something is missing.
+//!
+//! A box scan: every candidate, and a push that no effect explains, acting in one set of gates only:
+//! in every interval of a run, in every disc of the map. With the sums of the gates' equations each
+//! set costs the same; the one with the largest evidence is taken (a generalised likelihood ratio: D.
+//! O. Siegmund, "Sequential Analysis", 1985), less the logarithm of the number of sets
+//! that were looked at.
+
+use super::Subject;
+use super::hypothesis::Given;
+use super::screen::{Projected, Projection, Score};
+use super::system::System;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// A set of gates: where something acts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Extent {
+    /// From gate to gate (exclusive) of a run's gates in their order.
+    Time {
+        /// Recording.
+        recording: usize,
+        /// Run.
+        run: usize,
+        /// Beginning \[s\], by the run's clock.
+        start: f64,
+        /// End \[s\].
+        end: f64,
+    },
+    /// Where the vehicle is within a disc.
+    Place {
+        /// Centre, east and north, and radius \[m\].
+        disc: [f64; 3],
+    },
+}
+
+/// The best set of gates for a candidate.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// What acts.
+    pub subject: Subject,
+    /// Where.
+    pub extent: Extent,
+    /// The knobs that act, in the order of the score's step.
+    pub knobs: Vec<usize>,
+    /// The one-step fit.
+    pub score: Score,
+    /// Log Bayes factor, less the logarithm of the number of sets looked at.
+    pub evidence: f64,
+}
+
+/// Shorter intervals are not told from outliers, longer ones from the whole drive \[s\].
+const SHORTEST: f64 = 1.9;
+const LONGEST: f64 = 40.0;
+/// Radii of discs \[m\].
+const RADII: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
+
+/// One gate.
+#[derive(Debug, Clone, Copy)]
+struct Gate {
+    /// Place among the system's segments, and within the segment.
+    segment: usize,
+    gate: usize,
+    start: f64,
+    end: f64,
+    place: Option<[f64; 2]>,
+}
+
+/// Gates of a run that follow one another without a gap.
+struct Chain {
+    recording: usize,
+    run: usize,
+    gates: Vec<Gate>,
+}
+
+/// A candidate's equations gate by gate.
+struct Gated {
+    /// Columns within a gate.
+    columns: Vec<usize>,
+    unknowns: Vec<usize>,
+}
+
+/// What is scanned: knobs of a subject that act gate by gate.
+#[derive(Debug, Clone)]
+pub struct Scanned {
+    /// What acts.
+    pub subject: Subject,
+    /// Its gated knobs.
+    pub knobs: Vec<usize>,
+}
+
+/// Everything that can be scanned: effects with gated knobs, and a push.
+#[must_use]
+pub fn scanned(given: &Given, system: &System, but: &[usize]) -> Vec<Scanned> {
+    let gated = |knobs: Vec<usize>| -> Vec<usize> {
+        let all = knobs.into_iter();
+        all.filter(|knob| system.layout.gated.contains(knob) && !but.contains(knob))
+            .collect()
+    };
+    let effects = given.candidates.subjects.iter().map(|subject| Scanned {
+        subject: *subject,
+        knobs: gated(given.candidates.of(*subject).collect()),
+    });
+    let push = Scanned {
+        subject: Subject::Unknown,
+        knobs: gated(given.candidates.laws().collect()),
+    };
+    let all = effects.chain(std::iter::once(push));
+    all.filter(|one| !one.knobs.is_empty()).collect()
+}
+
+/// The best interval and the best disc of each candidate.
+#[must_use]
+pub fn locate(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    scanned: &[Scanned],
+) -> Vec<Found> {
+    let chains = chains(given, system);
+    let discs = discs(&chains);
+    let (inverse, settled) = projection.inverse();
+    let scan = |one: &Scanned| {
+        let place = |knob: &usize| {
+            let gated = system.layout.gated.iter().position(|other| other == knob);
+            gated.map(|column| system.layout.soil + column)
+        };
+        let scan = Scan {
+            system,
+            projection,
+            inverse: &inverse,
+            settled: &settled,
+            gated: Gated {
+                columns: one.knobs.iter().filter_map(place).collect(),
+                unknowns: one
+                    .knobs
+                    .iter()
+                    .filter_map(|knob| system.unknowns(*knob).first().copied())
+                    .collect(),
+            },
+        };
+        let best = [scan.intervals(&chains), scan.discs(&chains, &discs)];
+        let best = best.into_iter().flatten();
+        best.map(|(extent, score, evidence)| Found {
+            subject: one.subject,
+            extent,
+            knobs: one.knobs.clone(),
+            score,
+            evidence,
+        })
+        .collect::<Vec<_>>()
+    };
+    let each: Vec<Vec<Found>> = scanned.par_iter().map(scan).collect();
+    each.into_iter().flatten().collect()
+}
+
+/// Gates in their order, run by run.
+fn chains(given: &Given, system: &System) -> Vec<Chain> {
+    let mut chains: Vec<Chain> = Vec::new();
+    for (place, segment) in system.segments.iter().enumerate() {
+        let data = &given.segments[segment.index];
+        let follows = chains.last().is_some_and(|chain| {
+            let end = chain.gates.last().map(|gate| gate.end);
+            (chain.recording, chain.run) == (data.recording, data.run)
+                && end.is_some_and(|end| (end - segment.edges[0]).abs() < 1e-9)
+        });
+        if !follows {
+            chains.push(Chain {
+                recording: data.recording,
+                run: data.run,
+                gates: Vec::new(),
+            });
+        }
+        let run = &given.recordings[data.recording].runs[data.run];
+        let at = |channel, time| run.series(channel).and_then(|series| series.at(time));
+        let Some(chain) = chains.last_mut() else {
+            continue;
+        };
+        for (gate, edges) in segment.edges.windows(2).enumerate() {
+            let middle = 0.5 * (edges[0] + edges[1]);
+            let x = at(crate::recording::Channel::X, middle);
+            let y = at(crate::recording::Channel::Y, middle);
+            chain.gates.push(Gate {
+                segment: place,
+                gate,
+                start: edges[0],
+                end: edges[1],
+                place: x.zip(y).map(|(x, y)| [x, y]),
+            });
+        }
+    }
+    chains
+}
+
+/// Discs along the paths, none twice.
+fn discs(chains: &[Chain]) -> Vec<[f64; 3]> {
+    let mut discs: Vec<[f64; 3]> = Vec::new();
+    for radius in RADII {
+        let first = discs.len();
+        for gate in chains.iter().flat_map(|chain| &chain.gates) {
+            let Some([x, y]) = gate.place else { continue };
+            let near = |disc: &[f64; 3]| (disc[0] - x).hypot(disc[1] - y) < 0.5 * radius;
+            if !discs[first..].iter().any(near) {
+                discs.push([x, y, radius]);
+            }
+        }
+    }
+    discs
+}
+
+struct Scan<'a> {
+    system: &'a System,
+    projection: &'a Projection<'a>,
+    inverse: &'a DMatrix<f64>,
+    settled: &'a DVector<f64>,
+    gated: Gated,
+}
+
+/// Sums over a set of gates.
+#[derive(Debug, Clone)]
+struct Sums {
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+    cross: DMatrix<f64>,
+}
+
+impl Scan<'_> {
+    fn nothing(&self) -> Sums {
+        let (count, nuisance) = (self.gated.columns.len(), self.settled.len());
+        Sums {
+            matrix: DMatrix::zeros(count, count),
+            gradient: DVector::zeros(count),
+            cross: DMatrix::zeros(count, nuisance),
+        }
+    }
+
+    /// Adds a gate to a set; `before` are the set's gates of the same segment.
+    fn add(&self, sums: &mut Sums, gate: &Gate, before: impl Iterator<Item = usize> + Clone) {
+        let segment = &self.system.segments[gate.segment];
+        let layout = &self.system.layout;
+        let first = |gate: usize| layout.whole() + gate * layout.per_gate();
+        let nuisance = self
+            .system
+            .columns(segment.recording, self.projection.nuisance());
+        for (i, a) in self.gated.columns.iter().enumerate() {
+            let row = first(gate.gate) + a;
+            sums.gradient[i] += segment.gradient[row];
+            for (j, column) in nuisance.iter().enumerate() {
+                if let Some(column) = column {
+                    sums.cross[(i, j)] += segment.matrix[(row, *column)];
+                }
+            }
+            for (j, b) in self.gated.columns.iter().enumerate() {
+                sums.matrix[(i, j)] += segment.matrix[(row, first(gate.gate) + b)];
+                for other in before.clone() {
+                    let column = first(other) + b;
+                    sums.matrix[(i, j)] += segment.matrix[(row, column)]
+                        + segment.matrix
+                            [(first(other) + self.gated.columns[i], first(gate.gate) + b)];
+                }
+            }
+        }
+    }
+
+    /// The one-step fit of a set.
+    fn score(&self, sums: &Sums) -> Score {
+        let projected = Projected {
+            unknowns: self.gated.unknowns.clone(),
+            matrix: &sums.matrix - &sums.cross * self.inverse * sums.cross.transpose(),
+            gradient: &sums.gradient - &sums.cross * self.settled,
+            raw: sums.matrix.clone(),
+        };
+        self.projection.score_with(&projected, 1.0)
+    }
+
+    /// The best interval of any run.
+    fn intervals(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
+        let mut best: Option<(Extent, Score)> = None;
+        let mut looked_at = 0;
+        for chain in chains {
+            for (from, begin) in chain.gates.iter().enumerate() {
+                let mut sums = self.nothing();
+                for (to, gate) in chain.gates.iter().enumerate().skip(from) {
+                    let length = gate.end - begin.start;
+                    if length > LONGEST {
+                        break;
+                    }
+                    let before = chain.gates[from..to].iter().rev();
+                    let before = before.take_while(|other| other.segment == gate.segment);
+                    self.add(&mut sums, gate, before.map(|other| other.gate));
+                    if length < SHORTEST {
+                        continue;
+                    }
+                    looked_at += 1;
+                    let score = self.score(&sums);
+                    if best
+                        .as_ref()
+                        .is_none_or(|(_, b)| score.evidence > b.evidence)
+                    {
+                        let extent = Extent::Time {
+                            recording: chain.recording,
+                            run: chain.run,
+                            start: begin.start,
+                            end: gate.end,
+                        };
+                        best = Some((extent, score));
+                    }
+                }
+            }
+        }
+        let (extent, score) = best?;
+        let evidence = score.evidence - f64::from(looked_at).ln();
+        Some((extent, score, evidence))
+    }
+
+    /// The best disc.
+    fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Extent, Score, f64)> {
+        let mut best: Option<(Extent, Score)> = None;
+        for disc in discs {
+            let inside = |gate: &Gate| {
+                let away = gate.place.map(|[x, y]| (x - disc[0]).hypot(y - disc[1]));
+                away.is_some_and(|away| away < disc[2])
+            };
+            let mut sums = self.nothing();
+            let mut seconds = 0.0;
+            for chain in chains {
+                let set: Vec<&Gate> = chain.gates.iter().filter(|gate| inside(gate)).collect();
+                for (index, gate) in set.iter().enumerate() {
+                    let before = set[..index].iter().rev();
+                    let before = before.take_while(|other| other.segment == gate.segment);
+                    self.add(&mut sums, gate, before.map(|other| other.gate));
+                    seconds += gate.end - gate.start;
+                }
+            }
+            if seconds < SHORTEST {
+                continue;
+            }
+            let score = self.score(&sums);
+            if best
+                .as_ref()
+                .is_none_or(|(_, b)| score.evidence > b.evidence)
+            {
+                best = Some((Extent::Place { disc: *disc }, score));
+            }
+        }
+        let (extent, score) = best?;
+        let evidence = score.evidence - (discs.len() as f64).ln();
+        Some((extent, score, evidence))
+    }
+}
