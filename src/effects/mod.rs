@@ -33,6 +33,7 @@ mod terrain_change;
 mod transient_shear;
 mod tyre_compliance;
 mod wheel_radius;
+mod window;
 mod yaw_rate_bias;
 
 pub use bulldozing::Bulldozing;
@@ -63,4 +64,5 @@ pub use terrain_change::{Boundary, TerrainChange};
 pub use transient_shear::{Displacement, TransientShear};
 pub use tyre_compliance::TyreCompliance;
 pub use wheel_radius::WheelRadius;
+pub use window::{Extent, Window, WindowError};
 pub use yaw_rate_bias::YawRateBias;

@@ -4,7 +4,7 @@ use super::altered::{Altered, Prepared};
 use super::{Direction, Directions};
 use super::{LoadPlane, Motion, Parameter, Specification, Surroundings, Vehicle};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
-use crate::effects::ParameterName;
+use crate::effects::{Extent, ParameterName};
 use crate::parameter::ParameterError;
 use crate::scalar::Scalar;
 use crate::terrain::Terrain;
@@ -98,6 +98,14 @@ impl VehicleModel {
             .map_or_else(Vec::new, |altered| altered.layout.names())
     }
 
+    /// The first moment after `time` \[s\] at which effects are switched on or off, whatever the
+    /// vehicle does.
+    #[must_use]
+    pub fn next_event(&self, time: f64) -> Option<f64> {
+        let effects = &self.altered()?.specification.effects;
+        effects.window.as_ref()?.extent.next_edge(time)
+    }
+
     /// The directions to differentiate in, prepared; a model without effects has none.
     pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
         match self.altered() {
@@ -112,7 +120,12 @@ impl VehicleModel {
             let effects = &altered.specification.effects;
             let mut placed =
                 ParameterName::all().filter(|p| Parameter::Effect(*p).depends_on_place());
-            effects.slope_profile.is_none()
+            let anywhere = effects
+                .window
+                .as_ref()
+                .is_none_or(|window| matches!(window.extent, Extent::Time { .. }));
+            anywhere
+                && effects.slope_profile.is_none()
                 && placed.all(|p| effects.get(p) == p.declaration().1.default)
         })
     }
@@ -133,12 +146,6 @@ impl VehicleModel {
     ) -> Option<Prepared<'a>> {
         self.altered()
             .map(|altered| altered.prepare(motion, surroundings, &self.regularisation))
-    }
-
-    /// Mass of the vehicle with its payload \[kg\].
-    pub(super) fn mass(&self) -> f64 {
-        self.altered()
-            .map_or(self.vehicle.mass, |altered| altered.chassis.mass)
     }
 
     /// The vehicle.
@@ -176,9 +183,9 @@ impl VehicleModel {
     }
 
     /// Weight m g \[N\].
-    pub(super) fn weight(&self) -> f64 {
-        match self.altered() {
-            Some(altered) => altered.chassis.mass * super::GRAVITY,
+    pub(super) fn weight(&self, prepared: Option<&Prepared>) -> f64 {
+        match prepared {
+            Some(prepared) => prepared.chassis.mass * super::GRAVITY,
             None => self.plane.weight(),
         }
     }

@@ -3,7 +3,7 @@
 use super::loads::LoadTargets;
 use super::{Chassis, MemoryLayout};
 use crate::contact::{WheelLaw, WheelMotion};
-use crate::effects::{Boundary, Effects, Grade, ResidualMotion, SlopeGravity, Unscaled};
+use crate::effects::{Boundary, Effects, ResidualMotion, SlopeGravity, Unscaled};
 use crate::scalar::Scalar;
 use crate::vehicle::{GRAVITY, Motion};
 
@@ -94,20 +94,12 @@ impl<S: Scalar> Chassis<S> {
     /// Gravity, drag, drawbar and laws without a name; forces that change their sign fade below `fading` \[m/s\].
     pub fn environment(&self, at: &Situation<S>, effects: &Effects, fading: f64) -> Environment<S> {
         let zero = S::constant(0.0);
-        let mut slopes = self
-            .effects
-            .grade
-            .map_or([zero; 2], |grade| [grade.slope_east, grade.slope_north]);
-        if let Some(profile) = &effects.slope_profile {
-            let more = profile.slopes(at.time, at.distance, at.position);
-            slopes = [slopes[0] + more[0], slopes[1] + more[1]];
-        }
-        let gravity = if self.effects.grade.is_some() {
-            let [slope_east, slope_north] = slopes;
-            let grade = Grade {
-                slope_east,
-                slope_north,
-            };
+        let gravity = if let Some(mut grade) = self.effects.grade {
+            if let Some(profile) = &effects.slope_profile {
+                let [east, north] = profile.slopes(at.time, at.distance, at.position);
+                grade.slope_east += east;
+                grade.slope_north += north;
+            }
             grade.gravity(at.heading, GRAVITY)
         } else {
             SlopeGravity {
