@@ -13,11 +13,11 @@ use crate::recording::Recording;
 use crate::vehicle::{Parameter, Specification};
 use nalgebra::DVector;
 
-/// What is given: it does not change during a diagnosis.
-#[derive(Debug)]
+/// What is given. A hypothesis that acts somewhere only has a copy with that place in its model.
+#[derive(Debug, Clone)]
 pub struct Given<'a> {
-    /// The model that recordings disagree with.
-    pub nominal: &'a Specification,
+    /// The model that recordings disagree with; effects that are off may have their place set.
+    pub nominal: Specification,
     /// The recordings.
     pub recordings: &'a [Recording],
     /// Their names.
@@ -44,10 +44,10 @@ pub struct Solution {
 impl<'a> Given<'a> {
     /// Everything at hand, nothing cut yet.
     #[must_use]
-    pub fn new(nominal: &'a Specification, recordings: &'a [Recording]) -> Self {
+    pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
         let found = DEFAULT_FREE.iter().filter_map(|name| find(name).ok());
         Self {
-            nominal,
+            nominal: nominal.clone(),
             recordings,
             names: recordings.iter().map(|r| r.name.clone()).collect(),
             soil: found.collect(),
@@ -61,7 +61,7 @@ impl<'a> Given<'a> {
     pub fn begin(&self) -> Solution {
         let soil = self.soil_parameters();
         let at = |(free, described): (&Parameter, &parameter::Parameter)| {
-            let value = free.get(self.nominal);
+            let value = free.get(&self.nominal);
             described.coordinate(value.clamp(described.low, described.high))
         };
         let off = self.candidates.knobs.iter();
@@ -77,7 +77,13 @@ impl<'a> Given<'a> {
     #[must_use]
     pub fn soil_parameters(&self) -> Vec<parameter::Parameter> {
         let soil = self.soil.iter();
-        soil.map(|free| describe(*free, self.nominal)).collect()
+        soil.map(|free| describe(*free, &self.nominal)).collect()
+    }
+
+    /// The place of one of the soil's numbers among those that are free.
+    #[must_use]
+    pub fn place_of_soil(&self, name: &str) -> Option<usize> {
+        self.soil.iter().position(|free| free.name() == name)
     }
 
     /// Of these knobs the places of those that turn the model.

@@ -7,11 +7,14 @@
 //! that were looked at.
 
 use super::Subject;
+use super::candidate::TERRAIN_CHANGE;
 use super::hypothesis::Given;
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
+use crate::effects::CATALOGUE;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// A set of gates: where something acts.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +34,13 @@ pub enum Extent {
     Place {
         /// Centre, east and north, and radius \[m\].
         disc: [f64; 3],
+    },
+    /// Beyond a line on the map.
+    Beyond {
+        /// Direction across the line \[rad\], counter-clockwise from east.
+        direction: f64,
+        /// The line's distance from the origin in that direction \[m\].
+        position: f64,
     },
 }
 
@@ -54,6 +64,9 @@ const SHORTEST: f64 = 1.9;
 const LONGEST: f64 = 40.0;
 /// Radii of discs \[m\].
 const RADII: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
+/// Directions of lines, and places of each.
+const DIRECTIONS: usize = 12;
+const POSITIONS: usize = 24;
 
 /// One gate.
 #[derive(Debug, Clone, Copy)]
@@ -75,8 +88,8 @@ struct Chain {
 
 /// A candidate's equations gate by gate.
 struct Gated {
-    /// Columns within a gate.
-    columns: Vec<usize>,
+    /// Columns within a gate, each with a factor.
+    columns: Vec<(usize, f64)>,
     unknowns: Vec<usize>,
 }
 
@@ -87,26 +100,69 @@ pub struct Scanned {
     pub subject: Subject,
     /// Its gated knobs.
     pub knobs: Vec<usize>,
+    /// For each knob the gated column that it acts by, and a factor.
+    columns: Vec<(usize, f64)>,
 }
 
-/// Everything that can be scanned: effects with gated knobs, and a push.
+impl Scanned {
+    fn new(system: &System, subject: Subject, knobs: &[usize]) -> Option<Self> {
+        let gated = |knob: &usize| system.layout.gated.iter().position(|other| other == knob);
+        let (knobs, columns): (Vec<_>, Vec<_>) = knobs
+            .iter()
+            .filter_map(|knob| Some((*knob, (system.layout.soil + gated(knob)?, 1.0))))
+            .unzip();
+        (!knobs.is_empty()).then_some(Self {
+            subject,
+            knobs,
+            columns,
+        })
+    }
+
+    /// A change of the soil: its factors act as the soil's numbers do.
+    fn soil(given: &Given, soil: &[f64]) -> Option<Self> {
+        let effect = CATALOGUE.iter().position(|e| e.name == TERRAIN_CHANGE)?;
+        let angle = soil[given.place_of_soil("friction_angle")?];
+        // d phi = d(tan phi) cos^2 phi.
+        let by_friction = angle.sin() * angle.cos();
+        let (mut knobs, mut columns) = (Vec::new(), Vec::new());
+        for knob in given.candidates.of(Subject::Effect(effect)) {
+            let (number, factor) = match given.candidates.knobs[knob].name {
+                "cohesion_factor" => ("cohesion", 1.0),
+                "friction_factor" => ("friction_angle", by_friction),
+                "stiffness_factor" => ("frictional_modulus", 1.0),
+                _ => ("shear_modulus", 1.0),
+            };
+            columns.push((given.place_of_soil(number)?, factor));
+            knobs.push(knob);
+        }
+        Some(Self {
+            subject: Subject::Effect(effect),
+            knobs,
+            columns,
+        })
+    }
+}
+
+/// Everything that can be scanned at a soil's coordinates: effects with gated knobs that are not on
+/// yet, a change of the soil, and a push.
 #[must_use]
-pub fn scanned(given: &Given, system: &System, but: &[usize]) -> Vec<Scanned> {
-    let gated = |knobs: Vec<usize>| -> Vec<usize> {
+pub fn scanned(given: &Given, system: &System, soil: &[f64], on: &[usize]) -> Vec<Scanned> {
+    let off = |knobs: Vec<usize>| -> Vec<usize> {
         let all = knobs.into_iter();
-        all.filter(|knob| system.layout.gated.contains(knob) && !but.contains(knob))
-            .collect()
+        all.filter(|knob| !on.contains(knob)).collect()
     };
-    let effects = given.candidates.subjects.iter().map(|subject| Scanned {
-        subject: *subject,
-        knobs: gated(given.candidates.of(*subject).collect()),
+    let subjects = given.candidates.subjects.iter();
+    let effects = subjects.filter_map(|subject| {
+        let knobs = off(given.candidates.of(*subject).collect());
+        Scanned::new(system, *subject, &knobs)
     });
-    let push = Scanned {
-        subject: Subject::Unknown,
-        knobs: gated(given.candidates.laws().collect()),
-    };
-    let all = effects.chain(std::iter::once(push));
-    all.filter(|one| !one.knobs.is_empty()).collect()
+    let push = Scanned::new(
+        system,
+        Subject::Unknown,
+        &off(given.candidates.laws().collect()),
+    );
+    let change = Scanned::soil(given, soil).filter(|s| !s.knobs.iter().any(|k| on.contains(k)));
+    effects.chain(push).chain(change).collect()
 }
 
 /// The best interval and the best disc of each candidate.
@@ -121,25 +177,23 @@ pub fn locate(
     let discs = discs(&chains);
     let (inverse, settled) = projection.inverse();
     let scan = |one: &Scanned| {
-        let place = |knob: &usize| {
-            let gated = system.layout.gated.iter().position(|other| other == knob);
-            gated.map(|column| system.layout.soil + column)
-        };
+        let knobs = one.knobs.iter();
+        let unknowns = knobs.filter_map(|knob| system.unknowns(*knob).first().copied());
         let scan = Scan {
             system,
             projection,
             inverse: &inverse,
             settled: &settled,
             gated: Gated {
-                columns: one.knobs.iter().filter_map(place).collect(),
-                unknowns: one
-                    .knobs
-                    .iter()
-                    .filter_map(|knob| system.unknowns(*knob).first().copied())
-                    .collect(),
+                columns: one.columns.clone(),
+                unknowns: unknowns.collect(),
             },
         };
-        let best = [scan.intervals(&chains), scan.discs(&chains, &discs)];
+        let best = [
+            scan.intervals(&chains),
+            scan.discs(&chains, &discs),
+            scan.boundary(&chains).filter(|_| is_change(one.subject)),
+        ];
         let best = best.into_iter().flatten();
         best.map(|(extent, score, evidence)| Found {
             subject: one.subject,
@@ -242,22 +296,22 @@ impl Scan<'_> {
         let nuisance = self
             .system
             .columns(segment.recording, self.projection.nuisance());
-        for (i, a) in self.gated.columns.iter().enumerate() {
+        for (i, (a, factor)) in self.gated.columns.iter().enumerate() {
             let row = first(gate.gate) + a;
-            sums.gradient[i] += segment.gradient[row];
+            sums.gradient[i] += factor * segment.gradient[row];
             for (j, column) in nuisance.iter().enumerate() {
                 if let Some(column) = column {
-                    sums.cross[(i, j)] += segment.matrix[(row, *column)];
+                    sums.cross[(i, j)] += factor * segment.matrix[(row, *column)];
                 }
             }
-            for (j, b) in self.gated.columns.iter().enumerate() {
-                sums.matrix[(i, j)] += segment.matrix[(row, first(gate.gate) + b)];
+            for (j, (b, other_factor)) in self.gated.columns.iter().enumerate() {
+                let column = first(gate.gate) + b;
+                let mut sum = segment.matrix[(row, column)];
                 for other in before.clone() {
-                    let column = first(other) + b;
-                    sums.matrix[(i, j)] += segment.matrix[(row, column)]
-                        + segment.matrix
-                            [(first(other) + self.gated.columns[i], first(gate.gate) + b)];
+                    sum += segment.matrix[(row, first(other) + b)];
+                    sum += segment.matrix[(first(other) + a, column)];
                 }
+                sums.matrix[(i, j)] += factor * other_factor * sum;
             }
         }
     }
@@ -347,4 +401,51 @@ impl Scan<'_> {
         let evidence = score.evidence - (discs.len() as f64).ln();
         Some((extent, score, evidence))
     }
+
+    /// The best line across the map.
+    fn boundary(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
+        let mut best: Option<(Extent, Score)> = None;
+        let mut looked_at = 0;
+        for direction in (0..DIRECTIONS).map(|k| PI * k as f64 / DIRECTIONS as f64) {
+            let (sin, cos) = direction.sin_cos();
+            let along = |gate: &Gate| gate.place.map(|[x, y]| x * cos + y * sin);
+            let gates = chains.iter().flat_map(|chain| &chain.gates);
+            let mut places: Vec<f64> = gates.filter_map(along).collect();
+            places.sort_by(f64::total_cmp);
+            for k in 1..POSITIONS {
+                let Some(position) = places.get(k * places.len() / POSITIONS) else {
+                    continue;
+                };
+                let mut sums = self.nothing();
+                for chain in chains {
+                    let beyond = |gate: &&Gate| along(gate).is_some_and(|at| at > *position);
+                    let set: Vec<&Gate> = chain.gates.iter().filter(beyond).collect();
+                    for (index, gate) in set.iter().enumerate() {
+                        let before = set[..index].iter().rev();
+                        let before = before.take_while(|other| other.segment == gate.segment);
+                        self.add(&mut sums, gate, before.map(|other| other.gate));
+                    }
+                }
+                looked_at += 1;
+                let score = self.score(&sums);
+                if best
+                    .as_ref()
+                    .is_none_or(|(_, b)| score.evidence > b.evidence)
+                {
+                    let extent = Extent::Beyond {
+                        direction,
+                        position: *position,
+                    };
+                    best = Some((extent, score));
+                }
+            }
+        }
+        let (extent, score) = best?;
+        let evidence = score.evidence - f64::from(looked_at).ln();
+        Some((extent, score, evidence))
+    }
+}
+
+fn is_change(subject: Subject) -> bool {
+    subject.name() == TERRAIN_CHANGE
 }

@@ -7,6 +7,7 @@ mod hypothesis;
 mod law;
 mod likelihood;
 mod locate;
+mod naming;
 mod outcome;
 mod pipeline;
 mod prepare;

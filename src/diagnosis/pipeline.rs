@@ -43,7 +43,7 @@ pub fn probe(
     for round in 0..4 {
         let layout = Layout::new(&given, &on);
         let mut system = None;
-        for pass in 0..2 {
+        for pass in 0..1 {
             let tables = sensitivities(&given, &layout, &best.solution);
             lap("sensitivities");
             let s = linearise(&given, &layout, &tables, &best.solution, &mut by, true);
@@ -73,33 +73,22 @@ pub fn probe(
         let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
         let projection =
             Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
-        let mut all = Vec::new();
-        for subject in &given.candidates.subjects {
-            let unknowns: Vec<usize> = given
-                .candidates
-                .of(*subject)
-                .flat_map(|k| system.unknowns(k))
-                .collect();
-            if unknowns.is_empty() || given.candidates.of(*subject).any(|k| on.contains(&k)) {
-                continue;
-            }
-            all.push((*subject, projection.of(&unknowns)));
-        }
-        let list: Vec<_> = all.iter().map(|(_, p)| p.clone()).collect();
+        let all = super::naming::screened(&given, &system, &projection, &on);
+        let list: Vec<_> = all.iter().map(|s| s.projected.clone()).collect();
         let threshold = chance(&projection, &list, 0.95, 400, options.seed);
         eprintln!("threshold chi2 {threshold}");
-        let mut scored: Vec<_> = all
-            .iter()
-            .map(|(s, p)| (*s, projection.score(p), p))
-            .collect();
-        scored.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
-        for (subject, score, p) in scored.iter() {
+        let wander = super::wrench::wandering(&given, &system);
+        lap(&format!("wandering {wander:?}"));
+        let mut sorted: Vec<_> = all.iter().collect();
+        sorted.sort_by(|a, b| b.score.evidence.total_cmp(&a.score.evidence));
+        for s in sorted.iter().take(8) {
+            let score = &s.score;
             eprintln!(
                 "   {:20} ev {:9.2} chi {:9.2} ({:8.2}) phi {:6.2} absorbed {:.3} step {:?} +- {:?}",
-                subject.name(),
+                s.subject.name(),
                 score.evidence,
                 score.chi_square,
-                one_degree(score.chi_square, p.unknowns.len()),
+                one_degree(score.chi_square, s.projected.unknowns.len()),
                 score.scatter,
                 score.absorbed,
                 score
@@ -116,43 +105,66 @@ pub fn probe(
                     .collect::<Vec<_>>(),
             );
         }
-        let mut refits = Vec::new();
-        for (subject, score, p) in scored.iter().take(4) {
-            if score.evidence < 1.0 {
-                continue;
-            }
-            let mut knobs = on.clone();
-            knobs.extend(given.candidates.of(*subject));
-            let mut begin = best.solution.clone();
-            given.step(&system, &mut begin, &p.unknowns, &score.step);
-            match tune(&given, &knobs, &begin, &by) {
-                Ok(t) => {
-                    lap(&format!(
-                        "refit {} gain {} cost {}",
-                        subject.name(),
-                        best.surprise - t.surprise,
-                        t.cost
-                    ));
-                    for k in given.candidates.of(*subject) {
-                        eprintln!(
-                            "      {} {}",
-                            given.candidates.knobs[k].parameter.name, t.solution.knobs[0][k]
-                        );
-                    }
-                    refits.push((*subject, t));
+        let proposals = super::naming::proposals(
+            &given,
+            &system,
+            &projection,
+            &all,
+            &on,
+            &best.solution.soil,
+            options.seed,
+        );
+        lap("proposals");
+        for p in proposals.iter().take(10) {
+            eprintln!(
+                "   proposal {:20} {:8.2} looking {:.2} {:?} {:?}",
+                p.subject.name(),
+                p.evidence,
+                p.looking,
+                p.extent,
+                p.knobs
+                    .iter()
+                    .map(|k| given.candidates.knobs[*k].parameter.name.clone())
+                    .collect::<Vec<_>>()
+            );
+        }
+        let base = super::held_out::scores(&given, &best, &by);
+        let mut fitted = Vec::new();
+        for p in super::naming::shortlist(&proposals) {
+            if let Some(n) = super::naming::fit(&given, p, &best, &by) {
+                let gain = n
+                    .scores
+                    .as_ref()
+                    .zip(base.as_ref())
+                    .map(|(a, b)| a.gain_over(b));
+                lap(&format!(
+                    "fit {} {:?} gain {:.2} held out {:?}",
+                    p.subject.name(),
+                    p.extent,
+                    n.gain,
+                    gain
+                ));
+                for k in &p.knobs {
+                    eprintln!(
+                        "      {} {:.4} (linear {:?})",
+                        given.candidates.knobs[*k].parameter.name,
+                        n.tuned.solution.knobs[0][*k],
+                        p.steps.iter().find(|s| s.0 == *k).map(|s| s.1[0])
+                    );
                 }
-                Err(e) => eprintln!("   {} failed {e}", subject.name()),
+                fitted.push(n);
+            } else {
+                lap(&format!("fit {} failed", p.subject.name()));
             }
         }
-        refits.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
-        match refits.into_iter().next() {
-            Some((subject, t)) if best.surprise - t.surprise > 4.0 => {
-                eprintln!("round {round}: take {}", subject.name());
-                on = t.knobs.clone();
-                best = t;
-            }
-            _ => break,
-        }
+        fitted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let Some(first) = fitted.into_iter().next().filter(|n| n.gain > 4.0) else {
+            break;
+        };
+        eprintln!("round {round}: take {}", first.proposal.subject.name());
+        on = first.tuned.knobs.clone();
+        given = first.given;
+        best = first.tuned;
     }
     Ok(())
 }

@@ -1,0 +1,319 @@
+//! Step 6: what it is called.
+//!
+//! The best few candidates of the screen, of the box scan and of the laws are fitted in full, each
+//! beside what was found before; the one with the largest evidence is taken where that outweighs
+//! chance and predicts better what it was not fitted to (blocked cross-validation, see
+//! `held_out`). Then everything is looked at anew with it inside (step 7, `adequacy`).
+
+use super::Subject;
+use super::candidate::is_law;
+use super::held_out::{Scores, scores};
+use super::hypothesis::{Given, Solution};
+use super::law::{Law, law};
+use super::likelihood::{Tuned, tune};
+use super::locate::{Extent, Found, locate, scanned};
+use super::screen::{Projected, Projection, Score};
+use super::system::System;
+use crate::effects::{self, ParameterName, Window};
+use crate::fit::problem::Weighing;
+use crate::fit::segment::CLOCK;
+use nalgebra::DVector;
+
+/// Something that may be missing, before it is fitted in full.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// What.
+    pub subject: Subject,
+    /// The knobs that it turns.
+    pub knobs: Vec<usize>,
+    /// Where it acts, if not everywhere.
+    pub extent: Option<Extent>,
+    /// Steps of its knobs by the linearised problem.
+    pub steps: Vec<(usize, DVector<f64>)>,
+    /// Log Bayes factor by the linearised problem, less what looking in many places costs.
+    pub evidence: f64,
+    /// Of it, what looking costs.
+    pub looking: f64,
+    /// Stability of a law's terms.
+    pub stability: Vec<f64>,
+}
+
+/// A proposal fitted in full beside what was found before.
+#[derive(Debug, Clone)]
+pub struct Named<'a> {
+    /// What was proposed.
+    pub proposal: Proposal,
+    /// The given model with the place where it acts.
+    pub given: Given<'a>,
+    /// The fit.
+    pub tuned: Tuned,
+    /// How it predicts what it was not fitted to.
+    pub scores: Option<Scores>,
+    /// Log Bayes factor against the hypothesis without it.
+    pub gain: f64,
+}
+
+/// A screened candidate.
+#[derive(Debug, Clone)]
+pub struct Screened {
+    /// What.
+    pub subject: Subject,
+    /// Its projected equations.
+    pub projected: Projected,
+    /// Its one-step fit.
+    pub score: Score,
+}
+
+/// Proposals worth a full fit: at most so many, none that is so much worse than the best.
+const FITTED: usize = 5;
+const FAR_BEHIND: f64 = 25.0;
+/// Less evidence than this is not worth a fit.
+const FAINT: f64 = 0.5;
+/// Local proposals of one subject are fitted only where they beat it acting throughout by this.
+const BETTER_LOCAL: f64 = 3.0;
+
+/// Screens every candidate that is not on.
+#[must_use]
+pub fn screened(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    on: &[usize],
+) -> Vec<Screened> {
+    let subjects = given.candidates.subjects.iter();
+    subjects
+        .filter_map(|subject| {
+            let knobs = given.candidates.of(*subject);
+            let knobs: Vec<usize> = knobs.filter(|knob| !on.contains(knob)).collect();
+            let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+            if unknowns.is_empty() {
+                return None;
+            }
+            let projected = projection.of(&unknowns);
+            let score = projection.score(&projected);
+            Some(Screened {
+                subject: *subject,
+                projected,
+                score,
+            })
+        })
+        .collect()
+}
+
+/// Everything that may be missing, the most likely first.
+#[must_use]
+pub fn proposals(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    screened: &[Screened],
+    on: &[usize],
+    soil: &[f64],
+    seed: u64,
+) -> Vec<Proposal> {
+    let mut all: Vec<Proposal> = screened
+        .iter()
+        .map(|one| Proposal {
+            subject: one.subject,
+            knobs: given.candidates.of(one.subject).collect(),
+            extent: None,
+            steps: steps(given, system, one),
+            evidence: one.score.evidence,
+            looking: 0.0,
+            stability: Vec::new(),
+        })
+        .collect();
+    if given.nominal.effects.window.is_none() {
+        let throughout = |subject: Subject| {
+            let same = screened.iter().find(|one| one.subject == subject);
+            same.map_or(0.0, |one| one.score.evidence.max(0.0))
+        };
+        let found = locate(given, system, projection, &scanned(given, system, soil, on));
+        let better = found
+            .into_iter()
+            .filter(|f| f.evidence > throughout(f.subject) + BETTER_LOCAL);
+        all.extend(better.map(local));
+    }
+    if let Some(law) = law(given, system, projection.nuisance(), seed) {
+        all.push(unnamed(system, projection, law));
+    }
+    all.retain(|proposal| proposal.evidence > FAINT);
+    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    all
+}
+
+/// The unknowns of a screened candidate as steps of knobs.
+fn steps(given: &Given, system: &System, one: &Screened) -> Vec<(usize, DVector<f64>)> {
+    let at = |unknown: usize| {
+        let place = one.projected.unknowns.iter().position(|u| *u == unknown);
+        place.map_or(0.0, |place| one.score.step[place])
+    };
+    let knobs = given.candidates.of(one.subject);
+    knobs
+        .map(|knob| {
+            let column = system.layout.soil + knob;
+            let each = system
+                .places
+                .iter()
+                .map(|places| places[column].map_or(0.0, at));
+            (knob, DVector::from_vec(each.collect()))
+        })
+        .collect()
+}
+
+fn local(found: Found) -> Proposal {
+    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    Proposal {
+        subject: found.subject,
+        steps: found
+            .knobs
+            .iter()
+            .zip(found.score.step.iter())
+            .map(each)
+            .collect(),
+        knobs: found.knobs,
+        looking: found.score.evidence - found.evidence,
+        evidence: found.evidence,
+        extent: Some(found.extent),
+        stability: Vec::new(),
+    }
+}
+
+fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
+    let unknowns: Vec<usize> = law.knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let score = projection.score_with(&projection.of(&unknowns), 1.0);
+    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    Proposal {
+        subject: Subject::Unknown,
+        steps: law.knobs.iter().zip(score.step.iter()).map(each).collect(),
+        knobs: law.knobs,
+        extent: None,
+        looking: score.evidence - law.evidence,
+        evidence: law.evidence,
+        stability: law.stability,
+    }
+}
+
+/// Of the proposals those that are fitted in full: the best few, and the best that is no law and
+/// acts throughout.
+#[must_use]
+pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
+    let best = proposals.first().map_or(0.0, |p| p.evidence);
+    let mut list: Vec<&Proposal> = Vec::new();
+    for proposal in proposals {
+        let twins = list
+            .iter()
+            .filter(|other| other.subject == proposal.subject)
+            .count();
+        if list.len() < FITTED && twins < 2 && proposal.evidence > best - FAR_BEHIND {
+            list.push(proposal);
+        }
+    }
+    list
+}
+
+/// Fits a proposal in full beside what is on. `None` where the model cannot drive with it.
+#[must_use]
+pub fn fit<'a>(
+    given: &Given<'a>,
+    proposal: &Proposal,
+    before: &Tuned,
+    by: &Weighing,
+) -> Option<Named<'a>> {
+    let given = placed(given, proposal)?;
+    let mut knobs = before.knobs.clone();
+    knobs.extend(&proposal.knobs);
+    let begin = begin(&given, proposal, &before.solution);
+    let tuned = tune(&given, &knobs, &begin, by)
+        .or_else(|_| tune(&given, &knobs, &before.solution, by))
+        .ok()?;
+    Some(Named {
+        gain: before.surprise - tuned.surprise - proposal.looking,
+        scores: scores(&given, &tuned, by),
+        proposal: proposal.clone(),
+        given,
+        tuned,
+    })
+}
+
+fn begin(given: &Given, proposal: &Proposal, before: &Solution) -> Solution {
+    let mut begin = before.clone();
+    for (knob, steps) in &proposal.steps {
+        let parameter = &given.candidates.knobs[*knob].parameter;
+        let (low, high) = parameter.bounds();
+        for (recording, knobs) in begin.knobs.iter_mut().enumerate() {
+            let step = steps
+                .get(recording)
+                .or(steps.get(0))
+                .copied()
+                .unwrap_or(0.0);
+            knobs[*knob] = (knobs[*knob] + step).clamp(low, high);
+        }
+    }
+    begin
+}
+
+/// The given model with the place where a proposal acts.
+fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
+    let mut given = given.clone();
+    let Some(extent) = &proposal.extent else {
+        return Some(given);
+    };
+    let mut effects: Vec<usize> = proposal
+        .knobs
+        .iter()
+        .map(|knob| given.candidates.knobs[*knob].effect)
+        .collect();
+    effects.sort_unstable();
+    effects.dedup();
+    let model = &mut given.nominal.effects;
+    let extent = match *extent {
+        Extent::Beyond {
+            direction,
+            position,
+        } => {
+            let name = |name: &str| ParameterName::find(&format!("terrain_change.{name}"));
+            model.set(name("direction")?, direction).ok()?;
+            model.set(name("position")?, position).ok()?;
+            return Some(given);
+        }
+        Extent::Time {
+            recording,
+            run,
+            start,
+            end,
+        } => {
+            let runs = |recording: usize| given.recordings[recording].runs.len();
+            let before: usize = (0..recording).map(runs).sum::<usize>() + run;
+            let clock = CLOCK * before as f64;
+            effects::Extent::Time {
+                start: clock + start,
+                end: clock + end,
+            }
+        }
+        Extent::Place {
+            disc: [x, y, radius],
+        } => effects::Extent::Place { x, y, radius },
+    };
+    if effects.iter().any(|effect| is_change(*effect)) {
+        // The other soil fills the window.
+        model
+            .set(ParameterName::find("terrain_change.position")?, -1e6)
+            .ok()?;
+    }
+    model.window = Some(Window { effects, extent });
+    Some(given)
+}
+
+fn is_change(effect: usize) -> bool {
+    effects::CATALOGUE[effect].name == super::candidate::TERRAIN_CHANGE
+}
+
+impl Proposal {
+    /// Whether it is a law or push without a name.
+    #[must_use]
+    pub fn is_unnamed(&self, given: &Given) -> bool {
+        let mut knobs = self.knobs.iter();
+        knobs.all(|knob| is_law(given.candidates.knobs[*knob].effect))
+    }
+}
