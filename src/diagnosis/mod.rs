@@ -1,5 +1,6 @@
 //! What physics did the model leave out?
 
+mod ambiguity;
 mod candidate;
 mod error;
 mod held_out;
@@ -9,11 +10,15 @@ mod likelihood;
 mod locate;
 mod naming;
 mod outcome;
-mod pipeline;
 mod prepare;
+mod progress;
+mod regime;
 mod screen;
+mod search;
 mod sensitivity;
 mod system;
+mod traces;
+mod verdict;
 mod wrench;
 
 pub use error::DiagnosisError;
@@ -21,7 +26,7 @@ pub use outcome::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre,
     Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
 };
-pub use pipeline::probe;
+pub use progress::Progress;
 
 /// How to diagnose.
 #[derive(Debug, Clone, PartialEq)]

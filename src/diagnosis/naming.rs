@@ -6,7 +6,6 @@
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `adequacy`).
 
 use super::Subject;
-use super::candidate::is_law;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
 use super::law::{Law, law};
@@ -64,9 +63,8 @@ pub struct Screened {
     pub score: Score,
 }
 
-/// Proposals worth a full fit: at most so many, none that is so much worse than the best.
-const FITTED: usize = 5;
-const FAR_BEHIND: f64 = 25.0;
+/// Proposals that are further behind half of the best are not worth a full fit.
+const FAR_BEHIND: f64 = 10.0;
 /// Less evidence than this is not worth a fit.
 const FAINT: f64 = 0.5;
 /// Local proposals of one subject are fitted only where they beat it acting throughout by this.
@@ -118,15 +116,17 @@ pub fn proposals(
             knobs: given.candidates.of(one.subject).collect(),
             extent: None,
             steps: steps(given, system, one),
-            evidence: one.score.evidence,
+            // What a scatter of its own says is for the reader: laws and local effects have none.
+            evidence: projection.score_with(&one.projected, 1.0).evidence,
             looking: 0.0,
             stability: Vec::new(),
         })
         .collect();
+    let throughout = all.clone();
     if given.nominal.effects.window.is_none() {
         let throughout = |subject: Subject| {
-            let same = screened.iter().find(|one| one.subject == subject);
-            same.map_or(0.0, |one| one.score.evidence.max(0.0))
+            let same = throughout.iter().find(|one| one.subject == subject);
+            same.map_or(0.0, |one| one.evidence.max(0.0))
         };
         let found = locate(given, system, projection, &scanned(given, system, soil, on));
         let better = found
@@ -194,20 +194,21 @@ fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
     }
 }
 
-/// Of the proposals those that are fitted in full: the best few, and the best that is no law and
-/// acts throughout.
+/// Of the proposals those that are fitted in full: the best few of each kind.
 #[must_use]
 pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
-    let best = proposals.first().map_or(0.0, |p| p.evidence);
     let mut list: Vec<&Proposal> = Vec::new();
-    for proposal in proposals {
-        let twins = list
-            .iter()
-            .filter(|other| other.subject == proposal.subject)
-            .count();
-        if list.len() < FITTED && twins < 2 && proposal.evidence > best - FAR_BEHIND {
-            list.push(proposal);
+    for (kind, most) in [(Kind::Throughout, 4), (Kind::Local, 3), (Kind::Law, 1)] {
+        let of_kind = proposals.iter().filter(|p| p.kind() == kind);
+        let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
+        let mut taken: Vec<&Proposal> = Vec::new();
+        for proposal in of_kind.filter(|p| p.evidence > 0.5 * best - FAR_BEHIND) {
+            let known = taken.iter().any(|other| other.subject == proposal.subject);
+            if taken.len() < most && !known {
+                taken.push(proposal);
+            }
         }
+        list.extend(taken);
     }
     list
 }
@@ -309,11 +310,43 @@ fn is_change(effect: usize) -> bool {
     effects::CATALOGUE[effect].name == super::candidate::TERRAIN_CHANGE
 }
 
+/// What sort of proposal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// An effect that acts throughout.
+    Throughout,
+    /// Something that acts in one place or for some time.
+    Local,
+    /// A law without a name.
+    Law,
+}
+
+/// What each term of a law costs besides the choice: it can be bent to look like many an effect.
+const TERM: f64 = 2.0;
+/// What acting somewhere only costs besides the choice of the place.
+const LOCAL: f64 = 1.0;
+
 impl Proposal {
-    /// Whether it is a law or push without a name.
+    /// What sort it is.
     #[must_use]
-    pub fn is_unnamed(&self, given: &Given) -> bool {
-        let mut knobs = self.knobs.iter();
-        knobs.all(|knob| is_law(given.candidates.knobs[*knob].effect))
+    pub fn kind(&self) -> Kind {
+        match (&self.extent, self.subject) {
+            // A boundary on the map is a change of terrain's own place.
+            (Some(Extent::Beyond { .. }), _) => Kind::Throughout,
+            (Some(_), _) => Kind::Local,
+            (None, Subject::Unknown) => Kind::Law,
+            (None, _) => Kind::Throughout,
+        }
+    }
+
+    /// Logarithm of its prior beside that of an effect of the catalogue.
+    #[must_use]
+    pub fn log_prior(&self) -> f64 {
+        match self.kind() {
+            Kind::Throughout => 0.0,
+            Kind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
+            Kind::Local => -LOCAL,
+            Kind::Law => -TERM * self.knobs.len() as f64,
+        }
     }
 }

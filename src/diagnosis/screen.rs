@@ -58,6 +58,8 @@ pub struct Score {
 
 /// Scatter counts for as much as so many blocks that are as expected.
 const EXPECTED_BLOCKS: f64 = 8.0;
+/// Keeps correlations of look-alikes positive definite.
+const RIDGE: f64 = 1e-6;
 /// Tails that are smaller are not told apart any more.
 const SMALLEST_TAIL: f64 = 1e-280;
 
@@ -100,6 +102,19 @@ impl<'a> Projection<'a> {
         (self.factor.inverse(), self.factor.solve(&self.pull))
     }
 
+    /// How the nuisance follows a step of other unknowns.
+    #[must_use]
+    pub fn following(&self, unknowns: &[usize], step: &DVector<f64>) -> DVector<f64> {
+        let together: Vec<usize> = self.nuisance.iter().chain(unknowns).copied().collect();
+        let chosen = self.segments.iter().map(|k| &self.system.segments[*k]);
+        let (matrix, _) = self.system.sum(&together, chosen);
+        let cross = matrix.view(
+            (0, self.nuisance.len()),
+            (self.nuisance.len(), unknowns.len()),
+        );
+        -self.factor.solve(&(cross * step))
+    }
+
     /// A candidate's projected equations.
     #[must_use]
     pub fn of(&self, unknowns: &[usize]) -> Projected {
@@ -136,16 +151,19 @@ impl<'a> Projection<'a> {
 
     /// The step within the range and the cost that it saves.
     fn step(&self, candidate: &Projected) -> (DVector<f64>, f64) {
-        let precision = self.precision(candidate);
+        let precision = self.precisions(&candidate.unknowns);
         let unknowns = candidate.unknowns.iter();
         let pull: Vec<f64> = unknowns.map(|u| self.system.pull[*u]).collect();
         let free = self.inside(candidate, &precision, &pull);
         solve(candidate, &precision, &pull, &free)
     }
 
-    fn precision(&self, candidate: &Projected) -> Vec<f64> {
-        let unknowns = candidate.unknowns.iter();
-        unknowns.map(|u| self.system.precision[*u]).collect()
+    /// Precisions of unknowns' priors.
+    #[must_use]
+    pub fn precisions(&self, unknowns: &[usize]) -> Vec<f64> {
+        let each = unknowns.iter();
+        each.map(|unknown| self.system.precision[*unknown])
+            .collect()
     }
 
     fn judge(
@@ -155,7 +173,7 @@ impl<'a> Projection<'a> {
         quadratic: f64,
         scatter: f64,
     ) -> Score {
-        let precision = self.precision(candidate);
+        let precision = self.precisions(&candidate.unknowns);
         let count = step.len();
         let scaled = DMatrix::from_fn(count, count, |i, j| {
             let moves = step[i] != 0.0 && step[j] != 0.0;
@@ -308,10 +326,23 @@ pub fn chance(
         .flat_map(|c| c.unknowns.iter().copied())
         .collect();
     let joint = projection.of(&all);
-    // Unknowns that say nothing have no variance.
-    let ridge = 1e-9 * joint.matrix.diagonal().max().max(1e-300);
-    let loaded = &joint.matrix + DMatrix::identity(all.len(), all.len()) * ridge;
-    let Some(factor) = loaded.cholesky() else {
+    // In units of each unknown's own information; those that say nothing have no variance.
+    let unit: Vec<f64> = joint
+        .matrix
+        .diagonal()
+        .iter()
+        .map(|v| v.max(0.0).sqrt())
+        .collect();
+    let correlation = DMatrix::from_fn(all.len(), all.len(), |i, j| {
+        let scale = unit[i] * unit[j];
+        let off = if scale > 0.0 {
+            joint.matrix[(i, j)] / scale
+        } else {
+            0.0
+        };
+        if i == j { 1.0 + RIDGE } else { off }
+    });
+    let Some(factor) = correlation.cholesky() else {
         return f64::INFINITY;
     };
     let lower = factor.l();
@@ -330,7 +361,10 @@ pub fn chance(
     let mut largest: Vec<f64> = (0..draws)
         .map(|_| {
             let noise = DVector::from_fn(all.len(), |_, _| normal(&mut random));
-            let pulls = &lower * noise;
+            let mut pulls = &lower * noise;
+            for (pull, unit) in pulls.iter_mut().zip(&unit) {
+                *pull *= unit;
+            }
             let (mut first, mut largest) = (0, 0.0_f64);
             for (count, solver) in &solvers {
                 let pull = pulls.rows(first, *count).into_owned();

@@ -29,7 +29,8 @@ pub struct Wandering {
 }
 
 /// Gated columns of the three pushes within a gate.
-fn columns(given: &Given, system: &System) -> Option<[usize; COUNT]> {
+#[must_use]
+pub fn pushes(given: &Given, system: &System) -> Option<[usize; COUNT]> {
     let mut found = given.candidates.laws().filter_map(|knob| {
         let gated = system
             .layout
@@ -79,7 +80,7 @@ fn process(size: [f64; COUNT], gates: usize, step: f64) -> DMatrix<f64> {
 /// How large a wrench that comes and goes explains what is left over, and how well.
 #[must_use]
 pub fn wandering(given: &Given, system: &System) -> Option<Wandering> {
-    let columns = columns(given, system)?;
+    let columns = pushes(given, system)?;
     let each: Vec<_> = system
         .segments
         .iter()
@@ -130,7 +131,7 @@ pub fn smooth(
     run: usize,
     size: [f64; COUNT],
 ) -> Option<WrenchTrace> {
-    let columns = columns(given, system)?;
+    let columns = pushes(given, system)?;
     let own = |segment: &&SegmentSystem| {
         let data = &given.segments[segment.index];
         (data.recording, data.run) == (recording, run)

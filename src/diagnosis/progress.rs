@@ -1,0 +1,48 @@
+//! How far a diagnosis has come.
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+/// Tells of every step that begins, and keeps how long each took.
+pub struct Progress<'a> {
+    tell: &'a (dyn Fn(&'static str) + Sync),
+    steps: Mutex<Vec<(&'static str, Instant)>>,
+}
+
+impl<'a> Progress<'a> {
+    /// Tells of steps by `tell`.
+    #[must_use]
+    pub fn new(tell: &'a (dyn Fn(&'static str) + Sync)) -> Self {
+        Self {
+            tell,
+            steps: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// The next step begins.
+    pub(crate) fn step(&self, name: &'static str) {
+        (self.tell)(name);
+        if let Ok(mut steps) = self.steps.lock() {
+            steps.push((name, Instant::now()));
+        }
+    }
+
+    /// Seconds that every step took, those of one name together, in the order of their first turns.
+    #[must_use]
+    pub fn seconds(&self) -> Vec<(&'static str, f64)> {
+        let Ok(steps) = self.steps.lock() else {
+            return Vec::new();
+        };
+        let ends = steps.iter().skip(1).map(|(_, begin)| *begin);
+        let ends = ends.chain(std::iter::once(Instant::now()));
+        let mut all: Vec<(&'static str, f64)> = Vec::new();
+        for ((name, begin), end) in steps.iter().zip(ends) {
+            let seconds = (end - *begin).as_secs_f64();
+            match all.iter_mut().find(|(other, _)| other == name) {
+                Some((_, sum)) => *sum += seconds,
+                None => all.push((name, seconds)),
+            }
+        }
+        all
+    }
+}
