@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::{paper_model, speeds, starting_at, symmetric_model, wrench};
+use common::{motions, paper_model, power_lost, speeds, starting_at, symmetric_model, wrench};
 use proptest::prelude::*;
 use ugv_terrain::simulation::{Simulation, State};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Motion, Vehicle, VehicleModel, Wrench};
+use ugv_terrain::vehicle::Motion;
 
 /// Newton's method leaves some 1e-7 of a wheel's force of 1000 N.
 const FORCE_TOLERANCE: f64 = 1e-2;
@@ -19,36 +19,11 @@ fn motion() -> impl Strategy<Value = Motion> {
     let speed = prop_oneof![-50.0..50.0, -1.0..1.0, Just(0.0)];
     let velocity = prop_oneof![-10.0..10.0, -0.02..0.02, Just(0.0)];
     let yaw_rate = prop_oneof![-4.0..4.0, -0.05..0.05, Just(0.0)];
-    (velocity.clone(), velocity, yaw_rate, speed.clone(), speed).prop_map(
-        |(v_x, v_y, yaw_rate, omega_left, omega_right)| Motion {
-            v_x,
-            v_y,
-            yaw_rate,
-            omega_left,
-            omega_right,
-        },
-    )
+    motions(velocity.clone(), velocity, yaw_rate, speed)
 }
 
 fn close(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * a.abs().max(1.0)
-}
-
-/// Power that the soil takes up \[W\]: what the axles are driven with, less what the forces
-/// on the vehicle do.
-fn power_lost(model: &VehicleModel, motion: &Motion, wrench: &Wrench) -> f64 {
-    let Vehicle {
-        mass, yaw_inertia, ..
-    } = model.vehicle();
-    let driven: f64 = wrench
-        .wheels
-        .iter()
-        .zip([motion.omega_left, motion.omega_right].into_iter().cycle())
-        .map(|(wheel, speed)| wheel.drive_torque * speed)
-        .sum();
-    let moment = yaw_inertia * wrench.yaw_acceleration;
-    let moved = mass * (wrench.a_x * motion.v_x + wrench.a_y * motion.v_y);
-    driven - moved - moment * motion.yaw_rate
 }
 
 proptest! {
@@ -119,7 +94,7 @@ proptest! {
     #[test]
     fn power_lost_to_the_soil_is_never_negative(terrain in terrain(), motion in motion()) {
         let model = paper_model(terrain);
-        let power = power_lost(&model, &motion, &wrench(&model, &motion));
+        let power = power_lost(model.vehicle(), &motion, &wrench(&model, &motion));
         let speed = motion.to_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         prop_assert!(power >= -FORCE_TOLERANCE * speed, "{power} W");
     }

@@ -5,9 +5,9 @@
 //! (theta_m + theta_2), which is (5) for theta_2 = 0 and theta_m = theta_1 / 2.
 
 use super::altered_arc::Arc;
-use super::patch::PatchSums;
 use super::quadrature::{MOST_ROWS, Quadrature};
 use super::rows::{Crossing, Footprint};
+use super::sums::PatchSums;
 use super::{Regularisation, WheelLaw};
 use crate::effects::{Bulldozing, Displacement, Soil};
 use crate::scalar::{Elementary, Packed, Real, Scalar};
@@ -86,13 +86,6 @@ struct Column<P> {
     weight: P,
 }
 
-struct Accumulator<P> {
-    shear: [P; 3],
-    width_moment: P,
-    arc_moment: P,
-    tangential: P,
-}
-
 impl<S: Scalar> AlteredPatch<S> {
     #[inline(always)]
     pub fn new(
@@ -150,24 +143,13 @@ impl<S: Scalar> AlteredPatch<S> {
     ) -> (PatchSums<S>, Option<Wedge<S>>) {
         let arc = self.arc(entry);
         let zero = S::constant(0.0).splat(simd);
-        let mut sums = Accumulator {
-            shear: [zero; 3],
-            width_moment: zero,
-            arc_moment: zero,
-            tangential: zero,
-        };
-        let mut normal = [zero; 2];
+        let mut sums = PatchSums::new(zero);
         // Integrals of h cos(theta) and h^2 cos(theta) over the arc, and with sin(theta).
         let mut buried = [zero; 4];
         let mut room = [(0.0, 0.0); MOST_ROWS];
-        let crossing = Crossing {
-            forward: motion.forward.value(),
-            lateral: motion.lateral.value(),
-            yaw_rate: motion.yaw_rate.value(),
-            rim_speed: motion.rim_speed.value(),
-            sin_entry: arc.sin_entry.value(),
-            cos_entry: arc.cos_entry.value(),
-        };
+        let rim = motion.rim_speed;
+        let travel = [motion.forward, motion.lateral, motion.yaw_rate];
+        let crossing = Crossing::new(travel, rim, [arc.sin_entry, arc.cos_entry]);
         let width = self.footprint.width_nodes(rule, &crossing, &mut room);
         let reversed = self.footprint.reversed_rows(width, &crossing);
         // First the rows whose slip velocity keeps its sign, then each of the others on its own
@@ -202,8 +184,8 @@ impl<S: Scalar> AlteredPatch<S> {
                     let weight = length.scale_lanes(f64x8::simd_from(simd, nodes.weight));
                     let column = self.column(simd, motion, &arc, angle, front, weight);
                     if straight {
-                        normal[0] += column.stress * column.sin;
-                        normal[1] += column.stress * column.cos;
+                        sums.normal[0] += column.stress * column.sin;
+                        sums.normal[1] += column.stress * column.cos;
                         let depth = column.rise;
                         let strip = depth * column.cos * column.weight;
                         buried[0] += strip;
@@ -223,14 +205,7 @@ impl<S: Scalar> AlteredPatch<S> {
             let sums = buried.map(|sum| sum.sum());
             self.wedge(effect, &arc, sums)
         });
-        let sums = PatchSums {
-            shear: sums.shear.map(|sum| sum.sum()),
-            normal: normal.map(|sum| sum.sum()),
-            width_moment: sums.width_moment.sum(),
-            arc_moment: sums.arc_moment.sum(),
-            tangential: sums.tangential.sum(),
-        };
-        (sums, wedge)
+        (sums.sum::<V>(), wedge)
     }
 
     /// Forces on the wheel's flank from the integrals of h/R cos(theta) and (h/R)^2 cos(theta)
@@ -325,7 +300,7 @@ impl<S: Scalar> AlteredPatch<S> {
     fn accumulate<V: Simd>(
         &self,
         simd: V,
-        sums: &mut Accumulator<S::Packed<V>>,
+        sums: &mut PatchSums<S::Packed<V>>,
         motion: &AlteredMotion<S>,
         column: &Column<S::Packed<V>>,
         at: f64,

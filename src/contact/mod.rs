@@ -10,6 +10,7 @@ mod altered_patch;
 mod patch;
 mod quadrature;
 mod rows;
+mod sums;
 mod wheel;
 
 pub use altered::{WheelLaw, WheelMemory};

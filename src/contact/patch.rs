@@ -2,6 +2,7 @@
 
 use super::quadrature::{MOST_ROWS, Nodes, Quadrature};
 use super::rows::{Crossing, Footprint, Row};
+use super::sums::PatchSums;
 use crate::scalar::{Packed, Real, Scalar};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
@@ -35,21 +36,6 @@ pub(super) struct PatchMotion<S> {
     pub rim_speed: S,
     /// 1 / abs(omega), bounded \[s\]: contact time for each radian of the arc.
     pub time_per_angle: S,
-}
-
-/// Sums over the patch, per metre of radius and width (dA = r b dtheta d(y/b)).
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PatchSums<S> {
-    /// Shear along X, Y, Z.
-    pub shear: [S; 3],
-    /// Normal stress against X, and along Z.
-    pub normal: [S; 2],
-    /// y tau_X.
-    pub width_moment: S,
-    /// sin theta tau_Y.
-    pub arc_moment: S,
-    /// Shear along (cos theta, sin theta), the tangent of the rim.
-    pub tangential: S,
 }
 
 /// What the rows of the patch share at eight nodes of the arc.
@@ -86,13 +72,6 @@ pub(super) struct Arc<S> {
     pub cos_entry: S,
 }
 
-struct Accumulator<P> {
-    shear: [P; 3],
-    width_moment: P,
-    arc_moment: P,
-    tangential: P,
-}
-
 impl PatchLaw {
     /// Integrates the stresses over the patch with the entry angle `entry`.
     #[inline(always)]
@@ -113,22 +92,11 @@ impl PatchLaw {
             cos_entry: (half_sine * half_sine).scale(-2.0).offset(1.0),
         };
         let zero = S::constant(0.0).splat(simd);
-        let mut sums = Accumulator {
-            shear: [zero; 3],
-            width_moment: zero,
-            arc_moment: zero,
-            tangential: zero,
-        };
-        let mut normal = [zero; 2];
+        let mut sums = PatchSums::new(zero);
         let mut room = [(0.0, 0.0); MOST_ROWS];
-        let crossing = Crossing {
-            forward: motion.forward.value(),
-            lateral: motion.lateral.value(),
-            yaw_rate: motion.yaw_rate.value(),
-            rim_speed: motion.rim_speed.value(),
-            sin_entry: arc.sin_entry.value(),
-            cos_entry: arc.cos_entry.value(),
-        };
+        let rim = motion.rim_speed;
+        let travel = [motion.forward, motion.lateral, motion.yaw_rate];
+        let crossing = Crossing::new(travel, rim, [arc.sin_entry, arc.cos_entry]);
         let width = self.footprint.width_nodes(rule, &crossing, &mut room);
         let reversed = self.footprint.reversed_rows(width, &crossing);
         for nodes in &rule.arc {
@@ -138,8 +106,8 @@ impl PatchLaw {
             let weight = packed_entry.scale_lanes(weight);
             let front = f64x8::simd_from(simd, nodes.front);
             let column = self.column(simd, motion, &arc, angle, front, weight);
-            normal[0] += column.stress * column.sin;
-            normal[1] += column.stress * column.cos;
+            sums.normal[0] += column.stress * column.sin;
+            sums.normal[1] += column.stress * column.cos;
             let rows = self.footprint.rows(width, motion).enumerate();
             let straight = rows.filter(|(index, _)| reversed & (1 << index) == 0);
             self.accumulate(
@@ -157,17 +125,7 @@ impl PatchLaw {
                 }
             }
         }
-        PatchSums {
-            shear: [
-                sums.shear[0].sum(),
-                sums.shear[1].sum(),
-                sums.shear[2].sum(),
-            ],
-            normal: [normal[0].sum(), normal[1].sum()],
-            width_moment: sums.width_moment.sum(),
-            arc_moment: sums.arc_moment.sum(),
-            tangential: sums.tangential.sum(),
-        }
+        sums.sum::<V>()
     }
 
     /// Prepares eight nodes of the arc; `front` is 1 for those in the front half, else 0.
@@ -220,7 +178,7 @@ impl PatchLaw {
     fn accumulate<V: Simd, S: Scalar>(
         &self,
         simd: V,
-        sums: &mut Accumulator<S::Packed<V>>,
+        sums: &mut PatchSums<S::Packed<V>>,
         motion: &PatchMotion<S>,
         column: &Column<S::Packed<V>>,
         rows: impl Iterator<Item = Row<S>>,
@@ -265,7 +223,7 @@ impl PatchLaw {
     fn accumulate_reversed<V: Simd, S: Scalar>(
         &self,
         simd: V,
-        sums: &mut Accumulator<S::Packed<V>>,
+        sums: &mut PatchSums<S::Packed<V>>,
         rule: &Quadrature,
         motion: &PatchMotion<S>,
         arc: &Arc<S>,

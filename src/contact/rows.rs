@@ -39,6 +39,23 @@ pub(super) struct Crossing {
     pub cos_entry: f64,
 }
 
+impl Crossing {
+    /// Of V_X, V_Y, Omega, the rim speed, and sine and cosine of the entry angle.
+    #[inline(always)]
+    pub(super) fn new<S: Scalar>(travel: [S; 3], rim_speed: S, entry: [S; 2]) -> Self {
+        let [forward, lateral, yaw_rate] = travel.map(S::value);
+        let [sin_entry, cos_entry] = entry.map(S::value);
+        Self {
+            forward,
+            lateral,
+            yaw_rate,
+            rim_speed: rim_speed.value(),
+            sin_entry,
+            cos_entry,
+        }
+    }
+}
+
 impl Footprint {
     #[inline(always)]
     pub(super) fn rows<S: Scalar>(

@@ -1,8 +1,9 @@
 //! Forces on one wheel, in any direction of travel and rotation.
 
-use super::patch::{PatchLaw, PatchMotion, PatchSums, small_angle_support};
+use super::patch::{PatchLaw, PatchMotion, small_angle_support};
 use super::quadrature::{Quadrature, Resolution};
 use super::rows::Footprint;
+use super::sums::PatchSums;
 use crate::parameter::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::terrain::Terrain;

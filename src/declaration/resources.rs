@@ -140,8 +140,9 @@ mod tests {
             cohesion: 321.0,
             ..configuration.terrains[0]
         });
-        let profile = r#"{"grade": {"profile": {"over": "time", "points": [[0, 0.1, 0]]}}}"#;
-        configuration.effects = Effects::from_json(profile).unwrap();
+        let effects = r#"{"grade": {"profile": {"over": "time", "points": [[0, 0.1, 0]]}},
+            "window": {"effects": ["grade"], "place": {"x": 1, "y": 0, "radius": 2.5}}}"#;
+        configuration.effects = Effects::from_json(effects).unwrap();
         configuration
     }
 

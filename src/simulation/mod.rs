@@ -12,8 +12,8 @@ pub use rosenbrock::Counters;
 pub use sensitivity::SensitiveSimulation;
 pub use state::{State, WheelSpeeds};
 
-use crate::vehicle::{Balance, BalanceError, Motion, Surroundings, Trend, VehicleModel, Wrench};
-use crate::vehicle::{Differentiated, Directions};
+use crate::vehicle::{Balance, BalanceError, Motion, Trend, VehicleModel, Wrench};
+use crate::vehicle::{Differentiated, Directions, Prepared};
 use jacobian::Work;
 use nalgebra::{SMatrix, SVector};
 use std::fmt;
@@ -320,20 +320,20 @@ impl Evaluation {
     ) -> Result<(), SimulationError> {
         self.valid = false;
         self.motion = motion;
-        let surroundings = state.surroundings(time, memory);
+        let prepared = model.prepare(&motion, &state.surroundings(time, memory));
         model
-            .solve_at(&motion, &surroundings, &mut self.balance)
+            .solve_prepared(&motion, prepared.as_ref(), &mut self.balance)
             .map_err(|source| SimulationError::Balance { time, source })?;
-        self.finish(model, state, &surroundings);
+        self.finish(model, state, prepared.as_ref());
         self.valid = true;
         Ok(())
     }
 
     /// What follows from the balance.
-    fn finish(&mut self, model: &VehicleModel, state: &State, surroundings: &Surroundings) {
+    fn finish(&mut self, model: &VehicleModel, state: &State, prepared: Option<&Prepared>) {
         let (motion, balance) = (&self.motion, &self.balance);
-        balance.wrench_at(model, motion, surroundings, &mut self.wrench);
-        balance.memory_rates(model, motion, surroundings, &mut self.memory_rates);
+        balance.wrench_of(model, motion, prepared, &mut self.wrench);
+        balance.memory_rates(model, prepared, &mut self.memory_rates);
         self.derivative = state.derivative(&self.wrench).into();
     }
 

@@ -28,7 +28,8 @@ impl Simulation {
         self.visit(&mut |number| *number = numbers.next().copied().unwrap_or_default());
         self.now.wrench.wheels.fill_with(Default::default);
         let surroundings = self.state.surroundings(self.time, &self.memory);
-        self.now.finish(&self.model, &self.state, &surroundings);
+        let prepared = self.model.prepare(&self.now.motion, &surroundings);
+        self.now.finish(&self.model, &self.state, prepared.as_ref());
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 
 use super::newton::{BalanceError, ENTRY_ANGLE_RANGE, MAX_LOG_STEP};
 use super::trend::Trend;
-use super::{Motion, Surroundings, VehicleModel, Wrench};
+use super::{Motion, Prepared, Surroundings, VehicleModel, Wrench};
 use crate::contact::WheelForces;
 
 /// Entry angles and accelerations at which all wheels are in balance.
@@ -102,7 +102,19 @@ impl Balance {
         surroundings: &Surroundings,
         wrench: &mut Wrench,
     ) {
-        if let Some(prepared) = model.prepare(motion, surroundings) {
+        let prepared = model.prepare(motion, surroundings);
+        self.wrench_of(model, motion, prepared.as_ref(), wrench);
+    }
+
+    /// As [`Balance::wrench_at`], where effects are prepared already.
+    pub(crate) fn wrench_of(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        prepared: Option<&Prepared>,
+        wrench: &mut Wrench,
+    ) {
+        if let Some(prepared) = prepared {
             return prepared.wrench(self, model.regularisation(), wrench);
         }
         wrench.sum(model, &self.forces);
@@ -121,14 +133,10 @@ impl Balance {
     pub(crate) fn memory_rates(
         &self,
         model: &VehicleModel,
-        motion: &Motion,
-        surroundings: &Surroundings,
+        prepared: Option<&Prepared>,
         rates: &mut Vec<f64>,
     ) {
-        if rates.is_empty() {
-            return;
-        }
-        if let Some(prepared) = model.prepare(motion, surroundings) {
+        if let (Some(prepared), false) = (prepared, rates.is_empty()) {
             prepared.memory_rates(self, model.regularisation(), rates);
         }
     }

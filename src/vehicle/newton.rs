@@ -87,7 +87,16 @@ impl VehicleModel {
         balance: &mut Balance,
     ) -> Result<(), BalanceError> {
         let prepared = self.prepare(motion, surroundings);
-        let prepared = prepared.as_ref();
+        self.solve_prepared(motion, prepared.as_ref(), balance)
+    }
+
+    /// As [`VehicleModel::solve_at`], where effects are prepared already.
+    pub(crate) fn solve_prepared(
+        &self,
+        motion: &Motion,
+        prepared: Option<&Prepared>,
+        balance: &mut Balance,
+    ) -> Result<(), BalanceError> {
         if !motion.to_array().iter().all(|v| v.is_finite()) {
             return Err(BalanceError::NotFinite(*motion));
         }

@@ -121,6 +121,7 @@ fn pieces_of_a_drive_take_no_effects_that_know_its_beginning() {
     for effects in [
         r#"{"grade": {"profile": {"over": "time", "points": [[0, 0, 0]]}}}"#,
         r#"{"terrain_change": {"cohesion_factor": 2, "over": "distance"}}"#,
+        r#"{"drag": {"coefficient": 9}, "window": {"effects": ["drag"], "time": [1, 2]}}"#,
     ] {
         bench.write("over.json", effects);
         bench.write("model.json", bench.stdout("model --effects over.json"));
@@ -136,6 +137,49 @@ fn pieces_of_a_drive_take_no_effects_that_know_its_beginning() {
             assert!(bench.fails(&both, 2).contains("cannot be used with"));
         }
     }
+}
+
+#[test]
+fn a_window_tells_when_effects_act_from_the_first_row_on() {
+    let bench = Bench::new();
+    let text = bench.read("drive.csv");
+    let times = text.lines().skip(1);
+    let times = times.map(|row| row.split(',').next().unwrap().parse::<f64>().unwrap());
+    let times: Vec<f64> = times.collect();
+    let (first, last) = (times[0], times[times.len() - 1]);
+    let half = 0.5 * (last - first);
+    let driven = |window: &str| {
+        let window = format!(r#", "window": {{"effects": ["drawbar"], {window}}}"#);
+        let text = format!(r#"{{"drawbar": {{"force": 900}}{window}}}"#);
+        bench.write("effects.json", text);
+        bench.stdout("simulate --input drive.csv --effects effects.json")
+    };
+    let plain = bench.stdout("simulate --input drive.csv");
+    let rows = |text: &str| -> Vec<Vec<f64>> {
+        let rows = text.lines().skip(1).map(|row| {
+            let cells = row.split(',').map(|cell| cell.parse().unwrap());
+            cells.collect()
+        });
+        rows.collect()
+    };
+    let found = rows(&driven(&format!(r#""time": [{half}, 1e6]"#)));
+    let plain = rows(&plain);
+    assert_eq!(found.len(), plain.len());
+    for (found, plain) in found.iter().zip(&plain) {
+        let apart = found
+            .iter()
+            .zip(plain)
+            .fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
+        if found[0] < first + half {
+            // Through the code that effects alter: other rules of quadrature.
+            assert!(apart < 1.0, "{apart} at {}", found[0]);
+        } else {
+            assert!(apart > 10.0, "{apart} at {}", found[0]);
+        }
+    }
+    let nowhere = rows(&driven(r#""place": {"x": 900, "y": 0, "radius": 1}"#));
+    let end = |rows: &[Vec<f64>]| rows[rows.len() - 1][3];
+    assert!((end(&nowhere) - end(&plain)).abs() < 1e-3);
 }
 
 #[test]
@@ -170,6 +214,11 @@ fn what_is_wrong_with_effects_or_a_model_is_named() {
             "effects",
             r#"{"grade": {"slope_east": "steep"}}"#.into(),
             "grade.slope_east: found the text \"steep\", expected a number [rad]",
+        ),
+        (
+            "effects",
+            r#"{"window": {"effects": ["grade"], "time": [1, 2]}}"#.into(),
+            "window: grade is off: set its parameters beside the window, or leave it out",
         ),
         (
             "effects",

@@ -1,6 +1,7 @@
 //! What several tests share: the paper's vehicle on its terrains, wheel-speed tables.
 #![allow(dead_code, reason = "not every test uses everything")]
 
+use proptest::prelude::*;
 use ugv_terrain::simulation::{Simulation, State, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Balance, Motion, Vehicle, VehicleModel, Wrench};
@@ -72,4 +73,36 @@ pub fn starting_at(model: VehicleModel, state: State) -> Simulation {
     let mut simulation = Simulation::new(model);
     simulation.set_state(state).unwrap();
     simulation
+}
+
+/// Random motions: V_X, V_Y, Omega, and both wheel speeds alike.
+pub fn motions(
+    v_x: impl Strategy<Value = f64>,
+    v_y: impl Strategy<Value = f64>,
+    yaw_rate: impl Strategy<Value = f64>,
+    omega: impl Strategy<Value = f64> + Clone,
+) -> impl Strategy<Value = Motion> {
+    (v_x, v_y, yaw_rate, omega.clone(), omega).prop_map(
+        |(v_x, v_y, yaw_rate, omega_left, omega_right)| Motion {
+            v_x,
+            v_y,
+            yaw_rate,
+            omega_left,
+            omega_right,
+        },
+    )
+}
+
+/// Power that the soil takes up \[W\]: what the axles are driven with, less what the forces
+/// on the vehicle do.
+pub fn power_lost(vehicle: &Vehicle, motion: &Motion, wrench: &Wrench) -> f64 {
+    let driven: f64 = wrench
+        .wheels
+        .iter()
+        .zip([motion.omega_left, motion.omega_right].into_iter().cycle())
+        .map(|(wheel, speed)| wheel.drive_torque * speed)
+        .sum();
+    let moment = vehicle.yaw_inertia * wrench.yaw_acceleration;
+    let moved = vehicle.mass * (wrench.a_x * motion.v_x + wrench.a_y * motion.v_y);
+    driven - moved - moment * motion.yaw_rate
 }

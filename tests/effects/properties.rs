@@ -1,25 +1,18 @@
 //! Mirror images, lost power, finite numbers, for random effects and motions.
 
+use super::common::{motions, power_lost};
 use super::specification;
 use proptest::prelude::*;
 use ugv_terrain::effects::{CATALOGUE, Effects, Kind, ParameterName};
 use ugv_terrain::simulation::{Simulation, SimulationError, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Balance, BalanceError, Motion, VehicleModel, Wrench};
+use ugv_terrain::vehicle::{Balance, BalanceError, Motion, Vehicle, VehicleModel, Wrench};
 
 /// Error of the quadrature [N], [N m].
 const FORCE_TOLERANCE: f64 = 3.0;
 
 fn motion() -> impl Strategy<Value = Motion> {
-    (-3.0..3.0, -0.5..0.5, -1.0..1.0, -12.0..12.0, -12.0..12.0).prop_map(
-        |(v_x, v_y, yaw_rate, omega_left, omega_right)| Motion {
-            v_x,
-            v_y,
-            yaw_rate,
-            omega_left,
-            omega_right,
-        },
-    )
+    motions(-3.0..3.0, -0.5..0.5, -1.0..1.0, -12.0..12.0)
 }
 
 /// One effect, its parameters anywhere in moderate ranges.
@@ -106,17 +99,6 @@ fn wrench(model: &VehicleModel, motion: &Motion) -> Option<Wrench> {
     Some(wrench)
 }
 
-fn power_lost(wrench: &Wrench, motion: &Motion) -> f64 {
-    let driven: f64 = wrench
-        .wheels
-        .iter()
-        .zip([motion.omega_left, motion.omega_right].into_iter().cycle())
-        .map(|(wheel, speed)| wheel.drive_torque * speed)
-        .sum();
-    let moved = 490.0 * (wrench.a_x * motion.v_x + wrench.a_y * motion.v_y);
-    driven - moved - 309.43 * wrench.yaw_acceleration * motion.yaw_rate
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, rng_seed: prop::test_runner::RngSeed::Fixed(20261121), ..ProptestConfig::default() })]
 
@@ -154,7 +136,7 @@ proptest! {
     ) {
         let found = wrench(&model(terrain, effects), &motion);
         prop_assume!(found.is_some());
-        let power = power_lost(&found.unwrap(), &motion);
+        let power = power_lost(&Vehicle::tran2007(), &motion, &found.unwrap());
         let speed = motion.to_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         prop_assert!(power >= -FORCE_TOLERANCE * speed, "{power} W");
     }

@@ -284,6 +284,21 @@ fn nothing_depends_on_what_is_off_there() {
 }
 
 #[test]
+fn an_effect_that_is_off_is_differentiated_within_its_window_alone() {
+    let force = [Parameter::find("drawbar.force").unwrap()];
+    let by_force = |value: f64, extent: Extent| {
+        let some = with(&[("drawbar.force", value)]);
+        let some = specification("sandy_loam", windowed(&some, &["drawbar"], extent));
+        sensitive(&some, &force).by_parameter(0)
+    };
+    let [short, long] = [0.9, 1.4].map(|end| Extent::Time { start: 0.4, end });
+    let (off, nearly) = (by_force(0.0, short), by_force(1e-6, short));
+    compare("off", off, nearly);
+    // Twice as long it holds the vehicle back by more.
+    assert!(off[0] < 0.0 && by_force(0.0, long)[0] < 1.3 * off[0]);
+}
+
+#[test]
 fn what_is_remembered_goes_on_outside() {
     let on = with(&[
         ("transient_shear.relaxation", 1.0),

@@ -11,6 +11,18 @@ pub(crate) struct LoadTargets<S> {
     pub moments: [S; 2],
 }
 
+impl<S: Scalar> LoadTargets<S> {
+    /// The moments \[N m\] that act already, less those of the ground's specific force s \[m/s^2\] at the
+    /// leverage m h \[kg m\] below the centre of mass.
+    #[inline(always)]
+    pub fn new(normal: S, moments: [S; 2], leverage: S, specific: [S; 2]) -> Self {
+        Self {
+            normal,
+            moments: [0, 1].map(|axis| moments[axis] - leverage * specific[axis]),
+        }
+    }
+}
+
 /// Writes the loads of the plane (27) through wheels at these places from the centre of mass.
 ///
 /// As [`super::super::LoadPlane::distribute`]: a wheel that would have to be pulled down carries

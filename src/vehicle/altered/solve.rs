@@ -1,6 +1,6 @@
 //! The balance of a vehicle whose motion effects alter.
 
-use super::loads::spread_loads;
+use super::loads::{LoadTargets, spread_loads};
 use super::{Chassis, Environment, MemoryLayout, Situation, Surroundings};
 use crate::contact::{Detail, Regularisation, WheelContact, WheelForces, WheelMemory};
 use crate::parameter::ParameterError;
@@ -168,15 +168,12 @@ impl Prepared<'_> {
         let lift = Dual::<f64, 2>::constant;
         let count = loads.len();
         let places: Vec<_> = (0..count).map(|i| chassis.arm(i).map(lift)).collect();
-        let targets = chassis.load_targets(&self.environment, [0.0; 2]);
-        let leverage = chassis.mass * chassis.com_height;
-        let targets = super::loads::LoadTargets {
-            normal: lift(targets.normal),
-            moments: [0, 1].map(|axis| {
-                let force = Dual::variable(specific[axis], axis);
-                lift(targets.moments[axis]) - force * lift(leverage)
-            }),
-        };
+        let targets = LoadTargets::new(
+            lift(chassis.mass * self.environment.gravity.normal),
+            self.environment.load_moments.map(lift),
+            lift(chassis.mass * chassis.com_height),
+            [0, 1].map(|axis| Dual::variable(specific[axis], axis)),
+        );
         let mut duals = vec![lift(0.0); count];
         let lifted = spread_loads(&places, &targets, &mut duals);
         for (load, dual) in loads.iter_mut().zip(duals) {

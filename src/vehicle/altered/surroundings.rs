@@ -173,10 +173,11 @@ impl<S: Scalar> Chassis<S> {
     /// What the loads have to balance when the ground exerts the specific force s \[m/s^2\].
     #[inline(always)]
     pub fn load_targets(&self, environment: &Environment<S>, specific: [S; 2]) -> LoadTargets<S> {
-        let leverage = self.mass * self.com_height;
-        LoadTargets {
-            normal: self.mass * environment.gravity.normal,
-            moments: [0, 1].map(|axis| environment.load_moments[axis] - leverage * specific[axis]),
-        }
+        LoadTargets::new(
+            self.mass * environment.gravity.normal,
+            environment.load_moments,
+            self.mass * self.com_height,
+            specific,
+        )
     }
 }
