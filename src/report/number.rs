@@ -18,7 +18,9 @@ pub fn digits(value: f64, count: usize) -> String {
 
 fn exponent(rounded: &str) -> i32 {
     let exponent = rounded.rsplit('e').next();
-    exponent.and_then(|digits| digits.parse().ok()).unwrap_or_default()
+    exponent
+        .and_then(|digits| digits.parse().ok())
+        .unwrap_or_default()
 }
 
 /// Factor and unit in which a value is shown: angles in degrees.
@@ -39,7 +41,9 @@ pub fn with_unit(value: f64, unit: &str) -> String {
         return "-".into();
     }
     let (factor, unit) = shown(unit);
-    format!("{} {unit}", digits(value * factor, 2)).trim_end().into()
+    format!("{} {unit}", digits(value * factor, 2))
+        .trim_end()
+        .into()
 }
 
 /// A value with the ends of its interval, with as many digits as the interval is worth.

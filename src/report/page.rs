@@ -20,7 +20,9 @@ pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String
         Some(name) if name.ends_with(' ') => " class=\"words\"",
         _ => "",
     };
-    let mut html = String::from("<div class=\"wide\"><table><tr>");
+    // With few columns a phone has room for all.
+    let few = if header.len() < 6 { " few" } else { "" };
+    let mut html = format!("<div class=\"wide{few}\"><table><tr>");
     for (column, name) in header.iter().enumerate() {
         html += &format!("<th{}>{}</th>", class(column), escape(name.trim_end()));
     }

@@ -9,6 +9,8 @@ const TOP: f64 = 4.0;
 const BOTTOM: f64 = 34.0;
 /// Room of the values' texts, right of the longest bar.
 const TEXT: f64 = 62.0;
+/// Most intervals between ticks: labels leave less room.
+const TICKS: f64 = 3.0;
 /// Width of a letter of a label.
 const LETTER: f64 = 5.9;
 
@@ -66,8 +68,7 @@ impl Bars {
         let full = if full > 0.0 { full } else { 1.0 };
         let at = |value: f64| left + (value / full).clamp(0.0, 1.0) * (right - left);
         let mut html = opening(&self.title, bottom + BOTTOM);
-        // Narrow plots have room for fewer numbers.
-        for (value, text) in ticks(&(0.0..=full)).into_iter().step_by(2) {
+        for (value, text) in ticks(&(0.0..=full), TICKS) {
             let _ = write!(
                 html,
                 "<path class=\"grid\" d=\"M{0:.1} {TOP}V{bottom}\"/><text x=\"{0:.1}\" y=\"{1:.1}\" \
@@ -78,7 +79,11 @@ impl Bars {
         }
         for (row, bar) in self.bars.iter().enumerate() {
             let top = TOP + ROW * row as f64;
-            let end = if bar.value.is_finite() { at(bar.value) } else { left };
+            let end = if bar.value.is_finite() {
+                at(bar.value)
+            } else {
+                left
+            };
             let class = match bar.tint {
                 Tint::First => "b0",
                 Tint::Second => "b1",

@@ -13,8 +13,8 @@ const BOTTOM: f64 = 34.0;
 /// Width of the vertical axis' name, and of a digit.
 const NAME: f64 = 20.0;
 const DIGIT: f64 = 6.2;
-/// Ticks per axis, about.
-const TICKS: f64 = 5.0;
+/// Most intervals between ticks.
+const TICKS: f64 = 6.0;
 
 /// Where values are on the picture.
 pub struct Frame {
@@ -35,7 +35,7 @@ impl Frame {
         is_map: bool,
     ) -> Self {
         // A map's scale, and with it the ticks, depends on the margin: room for six digits.
-        let longest = |y| ticks(y).iter().map(|tick| tick.1.len()).max();
+        let longest = |y| ticks(y, TICKS).iter().map(|tick| tick.1.len()).max();
         let digits = longest(&y).unwrap_or(0).max(if is_map { 5 } else { 3 });
         let left = NAME + DIGIT * digits as f64;
         let mut frame = Self { size, left, x, y };
@@ -87,7 +87,7 @@ impl Frame {
     /// Grid, ticks and names.
     pub fn axes(&self, svg: &mut String, x_label: &str, y_label: &str) {
         let (left, right, bottom) = (self.left, self.edge(), self.bottom());
-        for tick in ticks(&self.x) {
+        for tick in ticks(&self.x, TICKS) {
             let at = self.right(tick.0);
             let _ = write!(
                 svg,
@@ -97,7 +97,7 @@ impl Frame {
                 tick.1
             );
         }
-        for tick in ticks(&self.y) {
+        for tick in ticks(&self.y, TICKS) {
             let at = self.down(tick.0);
             let _ = write!(
                 svg,
@@ -120,14 +120,14 @@ impl Frame {
     }
 }
 
-/// Round values within a range, with their texts.
-pub fn ticks(range: &RangeInclusive<f64>) -> Vec<(f64, String)> {
+/// Round values within a range, so many intervals at most, with their texts.
+pub fn ticks(range: &RangeInclusive<f64>, most: f64) -> Vec<(f64, String)> {
     let length = range.end() - range.start();
-    let power = 10f64.powf((length / TICKS).log10().floor());
+    let power = 10f64.powf((length / most).log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0]
         .map(|factor| factor * power)
         .into_iter()
-        .find(|step| length / step <= TICKS)
+        .find(|step| length / step <= most)
         .unwrap_or(length);
     let decimals = (-(step * 1.001).log10().floor()).max(0.0) as usize;
     let first = (range.start() / step).ceil() as i64;
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn ticks_are_round() {
         let texts = |range| {
-            ticks(&range)
+            ticks(&range, TICKS)
                 .into_iter()
                 .map(|tick| tick.1)
                 .collect::<Vec<_>>()

@@ -102,7 +102,7 @@ impl Chart {
         let mut legend = Legend::default();
         for (name, mark) in &self.marks {
             frame.mark(&mut html, mark);
-            legend.add(name, mark.class().into());
+            legend.add(2, name, mark.class().into());
         }
         frame.axes(&mut html, &self.x_label, &self.y_label);
         let mut coloured: Vec<&str> = Vec::new();
@@ -115,13 +115,13 @@ impl Chart {
                 coloured.push(&line.name);
             }
             frame.line(&mut html, line, place);
-            let swatch = match line.stroke {
-                Stroke::Line | Stroke::Dots => format!("s{place}"),
-                Stroke::Step(step) => format!("m{step}"),
-                Stroke::Halo => "halo".into(),
-                Stroke::Points => "points".into(),
+            let (rank, swatch) = match line.stroke {
+                Stroke::Line | Stroke::Dots => (0, format!("s{place}")),
+                Stroke::Step(step) => (0, format!("m{step}")),
+                Stroke::Halo => (1, "halo".into()),
+                Stroke::Points => (1, "points".into()),
             };
-            legend.add(&line.name, swatch);
+            legend.add(rank, &line.name, swatch);
         }
         html += "</svg>";
         html + &legend.html() + "</figure>\n"
@@ -166,19 +166,20 @@ fn opening(title: &str, height: f64) -> String {
     )
 }
 
-/// Names with their swatches, each once.
+/// Names with their swatches, each once: lines, what marks parts of them, what lies beneath.
 #[derive(Default)]
-struct Legend(Vec<(String, String)>);
+struct Legend(Vec<(usize, String, String)>);
 
 impl Legend {
-    fn add(&mut self, name: &str, swatch: String) {
-        if !name.is_empty() && self.0.iter().all(|entry| entry.0 != name) {
-            self.0.push((name.into(), swatch));
+    fn add(&mut self, rank: usize, name: &str, swatch: String) {
+        if !name.is_empty() && self.0.iter().all(|entry| entry.1 != name) {
+            self.0.push((rank, name.into(), swatch));
         }
     }
 
-    fn html(&self) -> String {
-        let entries = self.0.iter().map(|(name, swatch)| {
+    fn html(mut self) -> String {
+        self.0.sort_by_key(|entry| entry.0);
+        let entries = self.0.iter().map(|(_, name, swatch)| {
             format!("<span><i class=\"{swatch}\"></i>{}</span> ", escape(name))
         });
         let entries: String = entries.collect();
@@ -236,11 +237,15 @@ impl Frame {
                 let points: Vec<_> = points.iter().filter(finite).step_by(stride).collect();
                 let upper = points.iter().map(|p| (p.0, p.2));
                 let lower = points.iter().rev().map(|p| (p.0, p.1));
-                let corners = upper.chain(lower).map(|(x, y)| {
-                    format!("{:.1} {:.1}", self.right(x), self.down(y))
-                });
+                let corners = upper
+                    .chain(lower)
+                    .map(|(x, y)| format!("{:.1} {:.1}", self.right(x), self.down(y)));
                 let corners: Vec<String> = corners.collect();
-                writeln!(svg, "<path class=\"{class}\" d=\"M{}Z\"/>", corners.join("L"))
+                writeln!(
+                    svg,
+                    "<path class=\"{class}\" d=\"M{}Z\"/>",
+                    corners.join("L")
+                )
             }
             Mark::Circle((x, y), radius) => writeln!(
                 svg,
@@ -330,11 +335,21 @@ mod tests {
         chart.marks = vec![
             ("found", Mark::Span(-5.0, 1.0)),
             ("found", Mark::Span(2.0, f64::INFINITY)),
-            ("band", Mark::Band(vec![(0.0, -4.0, 1.0), (1.0, f64::NAN, 0.0), (3.0, 1.0, 9.0)])),
+            (
+                "band",
+                Mark::Band(vec![
+                    (0.0, -4.0, 1.0),
+                    (1.0, f64::NAN, 0.0),
+                    (3.0, 1.0, 9.0),
+                ]),
+            ),
             ("", Mark::Zero),
         ];
         let figure = chart.figure();
-        assert!(!figure.contains("NaN") && !figure.contains("inf"), "{figure}");
+        assert!(
+            !figure.contains("NaN") && !figure.contains("inf"),
+            "{figure}"
+        );
         assert_eq!(figure.matches("class=\"span\" x=").count(), 2);
         assert_eq!(figure.matches("</i>found</span>").count(), 1);
         // The gap leaves a lone point behind it and a line after it.

@@ -53,7 +53,13 @@ mod tests {
 
     #[test]
     fn gaps_part() {
-        let points = [(f64::NAN, 0.0), (1.0, 1.0), (2.0, f64::INFINITY), (3.0, 1.0), (4.0, 1.0)];
+        let points = [
+            (f64::NAN, 0.0),
+            (1.0, 1.0),
+            (2.0, f64::INFINITY),
+            (3.0, 1.0),
+            (4.0, 1.0),
+        ];
         let lengths: Vec<usize> = connected(&points).map(<[_]>::len).collect();
         assert_eq!(lengths, [1, 2]);
     }

@@ -13,7 +13,10 @@ const SYMBOLS: [(&str, &str); 6] = [
     ("u", "speed ahead over sqrt(g B)"),
     ("w", "speed to the left over sqrt(g B)"),
     ("q", "yaw rate times sqrt(B / g)"),
-    ("p", "rims' speed over the ground (in turns that of their difference) over sqrt(g B)"),
+    (
+        "p",
+        "rims' speed over the ground (in turns that of their difference) over sqrt(g B)",
+    ),
     ("s", "sign, fading towards standstill"),
     ("psi", "heading, counter-clockwise from east"),
 ];
@@ -50,7 +53,9 @@ pub fn equations(law: &[Term]) -> Vec<String> {
 
 /// An equation as one writes it by hand.
 pub fn handwritten(equation: &str) -> String {
-    let mut text = equation.replace(" - ", " \u{2212} ").replace("= -", "= \u{2212}");
+    let mut text = equation
+        .replace(" - ", " \u{2212} ")
+        .replace("= -", "= \u{2212}");
     while let Some(start) = text.find("abs(") {
         let inside = start + "abs(".len();
         let Some(length) = text[inside..].find(')') else {
@@ -69,7 +74,10 @@ pub fn symbols(law: &[Term], diagnosis: &Diagnosis) -> String {
     let speed = (GRAVITY * vehicle.half_track).sqrt();
     let mut told = vec![
         format!("m g = {weight:.0} N, the weight"),
-        format!("B = {:.2} m, half the track; sqrt(g B) = {speed:.2} m/s", vehicle.half_track),
+        format!(
+            "B = {:.2} m, half the track; sqrt(g B) = {speed:.2} m/s",
+            vehicle.half_track
+        ),
     ];
     let groups: Vec<&str> = law.iter().map(|term| &term.group[..]).collect();
     let groups = groups.join(" ");

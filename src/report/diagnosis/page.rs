@@ -26,7 +26,8 @@ pub fn page(diagnosis: &Diagnosis) -> String {
     }
     body += &account(diagnosis);
     let title = format!("Diagnosis of {}", words::list(&diagnosis.recordings, "and"));
-    page::page(&title, &body)
+    // Numbers stay with their percent signs.
+    page::page(&title, &body.replace(" %", "&nbsp;%"))
 }
 
 fn paragraph(text: &str) -> String {
@@ -49,23 +50,38 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     html += &paragraph(&diagnosis.statement);
     let mut facts: Vec<(&str, String)> = vec![("How sure", words::sureness(diagnosis))];
     for finding in &diagnosis.findings {
-        let values = finding
-            .parameters
-            .iter()
-            .map(|found| format!("{} {}", words::parameter(found, diagnosis), words::value(found)));
-        facts.push(("How much", values.collect::<Vec<_>>().join(", ")));
+        let named = |text: String| match diagnosis.findings.len() {
+            1 => text,
+            _ if text.is_empty() => text,
+            _ => format!("{}: {text}", words::name(finding.subject)),
+        };
+        let values = finding.parameters.iter().map(|found| {
+            format!(
+                "{} {}",
+                words::parameter(found, diagnosis),
+                words::value(found)
+            )
+        });
+        facts.push(("How much", named(values.collect::<Vec<_>>().join(", "))));
         for equation in law::equations(&finding.law) {
             facts.push(("Law", law::handwritten(&equation)));
         }
         if let Some(first) = finding.places.first() {
-            let label = if finding.local { "Acts only at" } else { "Shows most at" };
+            let label = if finding.local {
+                "Acts only at"
+            } else {
+                "Shows most at"
+            };
             let more = match finding.places.len() - 1 {
                 0 => String::new(),
                 more => format!("; {more} more below"),
             };
-            facts.push((label, words::place(first, diagnosis) + &more));
+            facts.push((label, named(words::place(first, diagnosis) + &more)));
         }
-        facts.push(("May as well be", words::alike(finding, diagnosis).join(", ")));
+        facts.push((
+            "May as well be",
+            named(words::alike(finding, diagnosis).join(", ")),
+        ));
     }
     if let Some(held_out) = &diagnosis.held_out {
         facts.push(("On unseen data", words::improvement(held_out, diagnosis)));
@@ -116,13 +132,23 @@ fn details(finding: &Finding, diagnosis: &Diagnosis) -> String {
             "<p class=\"soft\">{}.</p>\n",
             escape(&law::symbols(&finding.law, diagnosis))
         );
-        let header = ["pushes", "group ", "coefficient (90 % interval)", "chosen in", "in the model file "];
+        let header = [
+            "pushes",
+            "group ",
+            "coefficient (90 % interval)",
+            "chosen in",
+            "in the model file ",
+        ];
         html += &page::table(&header, finding.law.iter().map(law::cells));
         html += "<p class=\"soft\">Chosen in: share of the resampled data in which the term was \
                  selected. A law says how it acts, not what it is.</p>\n";
     }
     if !finding.places.is_empty() {
-        let label = if finding.local { "Acts only at:" } else { "Shows most at:" };
+        let label = if finding.local {
+            "Acts only at:"
+        } else {
+            "Shows most at:"
+        };
         html += &format!("<p>{label}</p>\n<ul>\n");
         for place in &finding.places {
             html += &format!("<li>{}</li>\n", escape(&words::place(place, diagnosis)));
@@ -136,7 +162,10 @@ fn next(diagnosis: &Diagnosis) -> String {
     let Some(next) = &diagnosis.next else {
         return String::new();
     };
-    let mut html = format!("<h2>Drive next: {}</h2>\n", escape(&next.name.replace('_', " ")));
+    let mut html = format!(
+        "<h2>Drive next: {}</h2>\n",
+        escape(&next.name.replace('_', " "))
+    );
     html += &paragraph(&next.description);
     html + "<div class=\"plots\">\n" + &tables::manoeuvres(next) + "</div>\n"
 }
@@ -145,7 +174,8 @@ fn held_out(diagnosis: &Diagnosis) -> String {
     let Some(held_out) = &diagnosis.held_out else {
         return String::new();
     };
-    let mut html = String::from("<h2>Errors on data that were not fitted</h2>\n<div class=\"plots\">\n");
+    let mut html =
+        String::from("<h2>Errors on data that were not fitted</h2>\n<div class=\"plots\">\n");
     html += &tables::error_bars(held_out, diagnosis);
     html += "</div>\n";
     html += &tables::errors(held_out, diagnosis);
@@ -184,8 +214,7 @@ fn asked(diagnosis: &Diagnosis) -> String {
     html += &tables::probabilities(diagnosis);
     html += "</div>\n";
     html += &tables::candidates(diagnosis);
-    html
-        + "<p class=\"soft\">Taken up by re-tuning: share of the candidate's signal that other soil \
+    html + "<p class=\"soft\">Taken up by re-tuning: share of the candidate's signal that other soil \
            parameters imitate; only the rest can be seen. Signal over chance: over 1 is more than \
            chance alone gives the largest of all candidates. Would show from: smallest value of the \
            parameter that these recordings would have shown. Held-out gain: of the log score per \

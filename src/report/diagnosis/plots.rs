@@ -10,7 +10,7 @@ const MOST_RUNS: usize = 4;
 /// Points of a map's path, about.
 const MAP_POINTS: usize = 900;
 /// Height of a map, that of two charts with what lies between them.
-const MAP_HEIGHT: f64 = 400.0;
+const MAP_HEIGHT: f64 = 470.0;
 /// A stretch that covers more of a run marks nothing.
 const WHOLE: f64 = 0.95;
 /// A gap of so many intervals between points interrupts a path.
@@ -22,7 +22,10 @@ pub fn chosen(diagnosis: &Diagnosis) -> Vec<&RunTrace> {
     let key = |run: &RunTrace| {
         let finite = run.mismatch.iter().filter(|value| value.is_finite());
         let (count, sum) = finite.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v * v));
-        (places(run, diagnosis).next().is_some(), sum / f64::max(count, 1.0))
+        (
+            places(run, diagnosis).next().is_some(),
+            sum / f64::max(count, 1.0),
+        )
     };
     runs.sort_by(|a, b| {
         let (a, b) = (key(a.1), key(b.1));
@@ -77,7 +80,11 @@ fn spans(run: &RunTrace, diagnosis: &Diagnosis) -> Vec<(&'static str, f64, f64)>
     places(run, diagnosis)
         .filter(|(place, _)| place.end - place.start < WHOLE * (end - start))
         .map(|(place, local)| {
-            let name = if local { "where it acts" } else { "where it shows most" };
+            let name = if local {
+                "where it acts"
+            } else {
+                "where it shows most"
+            };
             (name, place.start, place.end)
         })
         .collect()
@@ -191,12 +198,19 @@ fn marks(spans: &[(&'static str, f64, f64)]) -> Vec<(&'static str, Mark)> {
 
 fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: bool) -> Chart {
     let (factor, unit) = shown(trace.unit);
+    let channel = trace.channel.replace('_', " ");
     let line = |name: &str, values: &[f64]| Line {
         name: name.into(),
-        parts: vec![trace.time.iter().copied().zip(values.iter().map(|v| v * factor)).collect()],
+        parts: vec![
+            trace
+                .time
+                .iter()
+                .copied()
+                .zip(values.iter().map(|v| v * factor))
+                .collect(),
+        ],
         stroke: Stroke::Line,
     };
-    // The longer legend first: the re-tuned model lies beneath.
     let mut lines = vec![line("re-tuned", &trace.before)];
     if found {
         lines.push(line("with what was found", &trace.after));
@@ -205,9 +219,9 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
         lines,
         marks: marks(spans),
         ..Chart::new(
-            format!("{}: measured less predicted", trace.channel),
+            format!("{channel}: measured less predicted"),
             "time [s]",
-            format!("{} [{unit}]", trace.channel),
+            format!("{channel} [{unit}]"),
         )
     }
 }

@@ -14,7 +14,13 @@ const MOST_BARS: usize = 8;
 fn ranked(diagnosis: &Diagnosis) -> Vec<&Candidate> {
     let mut ranked: Vec<&Candidate> = diagnosis.candidates.iter().collect();
     // NaN last; a stable sort keeps the given order where all is alike.
-    let key = |value: f64| if value.is_nan() { f64::NEG_INFINITY } else { value };
+    let key = |value: f64| {
+        if value.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            value
+        }
+    };
     ranked.sort_by(|a, b| {
         key(b.probability)
             .total_cmp(&key(a.probability))
@@ -71,10 +77,10 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
         "probability",
         "taken up by re-tuning",
         "signal over chance",
+        "of ",
         "estimate",
         "would show from",
         "held-out gain",
-        "parameter ",
         "looks like ",
     ];
     let finite = |value: f64, text: String| if value.is_finite() { text } else { "-".into() };
@@ -90,7 +96,11 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
             words::name(candidate.subject).into(),
             percent(candidate.probability),
             percent(candidate.absorbed),
-            finite(candidate.significance, format!("{:.2}", candidate.significance)),
+            finite(
+                candidate.significance,
+                format!("{:.2}", candidate.significance),
+            ),
+            candidate.parameter.into(),
             with_unit(candidate.estimate, unit),
             if candidate.smallest_detectable.is_finite() {
                 with_unit(candidate.smallest_detectable, unit)
@@ -101,7 +111,6 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
                 let [gain, ..] = with_interval(gain, gain - error, gain + error);
                 format!("{gain} \u{b1} {}", digits(error, 1))
             }),
-            if is_effect { candidate.parameter.into() } else { String::new() },
             alike.collect::<Vec<_>>().join(", "),
         ]
     });
@@ -122,12 +131,15 @@ pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = words::models(held_out, diagnosis);
     let charts = MEASURES.iter().map(|(name, unit, of)| {
         let (factor, shown) = shown(unit);
-        let bars = models.iter().enumerate().map(|(place, (model, errors))| Bar {
-            label: (*model).into(),
-            value: of(errors) * factor,
-            text: with_unit(of(errors), unit),
-            tint: if place == 2 { Tint::First } else { Tint::Plain },
-        });
+        let bars = models
+            .iter()
+            .enumerate()
+            .map(|(place, (model, errors))| Bar {
+                label: (*model).into(),
+                value: of(errors) * factor,
+                text: with_unit(of(errors), unit),
+                tint: if place == 2 { Tint::First } else { Tint::Plain },
+            });
         let bars: Vec<Bar> = bars.collect();
         if bars.iter().all(|bar| !bar.value.is_finite()) {
             return String::new();
@@ -161,14 +173,22 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
         row.extend(models.iter().map(|(_, errors)| with_unit(of(errors), unit)));
         if found {
             let left = of(&held_out.augmented) / of(&held_out.retuned);
-            row.push(if left.is_finite() { format!("{:.0} %", 100.0 * left) } else { "-".into() });
+            row.push(if left.is_finite() {
+                format!("{:.0} %", 100.0 * left)
+            } else {
+                "-".into()
+            });
         }
         rows.push(row);
     }
     let mut row = vec!["log score per sample, higher is better".to_owned()];
     row.extend(models.iter().map(|(_, errors)| {
         let score = errors.log_score;
-        if score.is_finite() { format!("{score:.2}") } else { "-".into() }
+        if score.is_finite() {
+            format!("{score:.2}")
+        } else {
+            "-".into()
+        }
     }));
     if found {
         row.push(String::new());
@@ -189,7 +209,8 @@ pub fn soil(diagnosis: &Diagnosis) -> String {
         let parameter = &retuned.parameter;
         let (factor, unit) = shown(parameter.unit);
         let cells = |estimate: &Estimate| {
-            let [value, low, high] = [estimate.value, estimate.low, estimate.high].map(|v| v * factor);
+            let [value, low, high] =
+                [estimate.value, estimate.low, estimate.high].map(|v| v * factor);
             let [value, low, high] = with_interval(value, low, high);
             [value, format!("{low} .. {high}")]
         };
@@ -217,7 +238,11 @@ pub fn manoeuvres(next: &Manoeuvre) -> String {
         label: name.replace('_', " "),
         value: *separation,
         text: digits(*separation, 2),
-        tint: if *name == next.name { Tint::First } else { Tint::Plain },
+        tint: if *name == next.name {
+            Tint::First
+        } else {
+            Tint::Plain
+        },
     });
     let [one, other] = next.separates.map(words::name);
     Bars {

@@ -32,7 +32,10 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     if let Some(held_out) = &diagnosis.held_out {
         let told = words::improvement(held_out, diagnosis);
         if !told.is_empty() {
-            lines.add("unseen data", &format!("{told} ({:.0} s ahead)", held_out.horizon));
+            lines.add(
+                "unseen data",
+                &format!("{told} ({:.0} s ahead)", held_out.horizon),
+            );
         }
     }
     if let Some(next) = &diagnosis.next {
@@ -53,15 +56,22 @@ pub fn text(diagnosis: &Diagnosis) -> String {
 }
 
 fn tell(lines: &mut Lines, finding: &Finding, diagnosis: &Diagnosis) {
-    let parameters = finding
-        .parameters
-        .iter()
-        .map(|found| format!("{} {}", words::parameter(found, diagnosis), words::value(found)));
+    let parameters = finding.parameters.iter().map(|found| {
+        format!(
+            "{} {}",
+            words::parameter(found, diagnosis),
+            words::value(found)
+        )
+    });
     let parameters: Vec<String> = parameters.collect();
     if !parameters.is_empty() {
         lines.add(
             "what",
-            &format!("{}: {}", words::name(finding.subject), parameters.join(", ")),
+            &format!(
+                "{}: {}",
+                words::name(finding.subject),
+                parameters.join(", ")
+            ),
         );
     }
     for equation in law::equations(&finding.law) {
@@ -86,14 +96,22 @@ fn some(all: &[String], most: usize, between: &str) -> String {
 /// A sentence with its full stop.
 fn sentence(text: &str) -> String {
     let text = text.trim();
-    let stop = if text.ends_with(['.', '!', '?']) { "" } else { "." };
+    let stop = if text.ends_with(['.', '!', '?']) {
+        ""
+    } else {
+        "."
+    };
     format!("{text}{stop}")
 }
 
 fn took(diagnosis: &Diagnosis) -> String {
     let account = &diagnosis.account;
     let total: f64 = account.steps.iter().map(|step| step.1).sum();
-    let mut text = format!("{} s over {:.0} s of driving", digits(total, 2), account.seconds);
+    let mut text = format!(
+        "{} s over {:.0} s of driving",
+        digits(total, 2),
+        account.seconds
+    );
     if account.left_out >= 0.5 {
         text += &format!(", {:.0} s left out", account.left_out);
     }
@@ -145,7 +163,11 @@ mod tests {
         assert!(lengths[0] + INDENT <= WIDTH && lengths[0] + INDENT > WIDTH - 5);
         assert!(lengths[1..].iter().all(|length| *length <= WIDTH));
         assert_eq!(text.split_whitespace().count(), 60);
-        assert!(text.lines().skip(1).all(|line| line.starts_with(&" ".repeat(INDENT))));
+        assert!(
+            text.lines()
+                .skip(1)
+                .all(|line| line.starts_with(&" ".repeat(INDENT)))
+        );
         assert_eq!(wrapped(&"x".repeat(120), 0).lines().count(), 1);
     }
 

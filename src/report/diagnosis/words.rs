@@ -17,9 +17,15 @@ const PHRASES: [(&str, &str); 21] = [
     ("elastic_rebound", "soil that springs back behind the wheel"),
     ("stress_peak", "pressure that peaks elsewhere"),
     ("tyre_compliance", "tyres that flatten"),
-    ("shear_anisotropy", "soil that shears differently along and across the wheel"),
+    (
+        "shear_anisotropy",
+        "soil that shears differently along and across the wheel",
+    ),
     ("transient_shear", "shear that builds up over a distance"),
-    ("rate_dependent_soil", "soil that resists in proportion to the speed"),
+    (
+        "rate_dependent_soil",
+        "soil that resists in proportion to the speed",
+    ),
     ("drag", "drag that grows with the square of the speed"),
     ("drawbar", "a towed load"),
     ("payload", "an added load"),
@@ -74,8 +80,12 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
                 .cloned()
                 .collect();
             match phrases(&named) {
-                also if also.is_empty() => "Something is missing that the catalogue does not have".into(),
-                also => format!("The model lacks {also}, and something that the catalogue does not have"),
+                also if also.is_empty() => {
+                    "Something is missing that the catalogue does not have".into()
+                }
+                also => format!(
+                    "The model lacks {also}, and something that the catalogue does not have"
+                ),
             }
         }
         (Verdict::Ambiguous, [first, ..]) => {
@@ -90,7 +100,9 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
             format!("The sensors, not the soil: {}", phrases(findings))
         }
         (Verdict::MissingPhysics, [_, ..]) => format!("The model lacks {}", phrases(findings)),
-        (Verdict::Ambiguous, []) => "The model lacks something: these recordings do not tell what".into(),
+        (Verdict::Ambiguous, []) => {
+            "The model lacks something: these recordings do not tell what".into()
+        }
         (Verdict::Sensor, []) => "The sensors are at fault, not the soil".into(),
         (Verdict::MissingPhysics, []) => "The model lacks something".into(),
     }
@@ -120,7 +132,11 @@ pub fn sureness(diagnosis: &Diagnosis) -> String {
         .filter(|candidate| candidate.probability >= 0.005)
         .max_by(|a, b| a.probability.total_cmp(&b.probability));
     if let Some(next) = next {
-        told.push(format!("next {} {}", name(next.subject), percent(next.probability)));
+        told.push(format!(
+            "next {} {}",
+            name(next.subject),
+            percent(next.probability)
+        ));
     }
     told.join(", ")
 }
@@ -184,9 +200,7 @@ pub fn place(place: &Interval, diagnosis: &Diagnosis) -> String {
         place.end
     );
     if let Some([east, north, radius]) = place.patch {
-        text += &format!(
-            ", within {radius:.1} m of {east:.1} m east, {north:.1} m north"
-        );
+        text += &format!(", within {radius:.1} m of {east:.1} m east, {north:.1} m north");
     }
     text += &format!(", {}", channel(place.channel));
     if !place.regime.is_empty() {
