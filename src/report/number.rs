@@ -54,7 +54,14 @@ pub fn with_interval(value: f64, low: f64, high: f64) -> [String; 3] {
     let largest = all.into_iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let usual = half.is_finite() && half > 0.0 && (1e-4..1e6).contains(&largest);
     if !usual {
-        return all.map(|value| digits(value, 3));
+        let known = |value: f64| !value.is_nan();
+        return all.map(|value| {
+            if known(value) {
+                digits(value, 3)
+            } else {
+                "-".into()
+            }
+        });
     }
     // Two digits of the half width, but no more than six of the value.
     let magnitude = exponent(&format!("{half:.1e}"));
@@ -117,7 +124,8 @@ mod tests {
             ((1234.5, 1100.0, 1400.0), ["1234", "1100", "1400"]),
             ((2.5e7, 1e7, 4e7), ["2.50e7", "1.00e7", "4.00e7"]),
             ((0.5, 0.5, 0.5), ["0.500", "0.500", "0.500"]),
-            ((f64::NAN, f64::NAN, f64::NAN), ["NaN", "NaN", "NaN"]),
+            ((0.5, 0.1, f64::INFINITY), ["0.500", "0.100", "inf"]),
+            ((f64::NAN, f64::NAN, f64::NAN), ["-", "-", "-"]),
         ] {
             assert_eq!(with_interval(value, low, high), expected);
         }

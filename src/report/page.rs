@@ -30,7 +30,12 @@ pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String
     for row in rows {
         html += "<tr>";
         for (column, cell) in row.iter().enumerate() {
-            html += &format!("<td{}>{}</td>", class(column), escape(cell));
+            // Units stay with their numbers.
+            let mut cell = escape(cell);
+            if cell.len() < 12 && class(column).is_empty() {
+                cell = cell.replace(' ', "&nbsp;");
+            }
+            html += &format!("<td{}>{cell}</td>", class(column));
         }
         html += "</tr>\n";
     }

@@ -153,7 +153,11 @@ fn text_of_other_verdicts_says_what_is_open() {
         "{ambiguous}"
     );
     assert!(
-        ambiguous.contains("opposite_pass: drive 20 m"),
+        ambiguous.contains("96 % that it is one of these: multipass 48 %"),
+        "{ambiguous}"
+    );
+    assert!(
+        ambiguous.contains("opposite_pass: Drive 20 m"),
         "{ambiguous}"
     );
     let nothing = of(Verdict::NothingMissing);
@@ -212,6 +216,47 @@ fn pages_are_whole() {
 }
 
 #[test]
+fn what_is_not_known_is_not_told_as_a_number() {
+    let mut diagnosis = sample(Verdict::UnknownPhysics);
+    let nan = f64::NAN;
+    diagnosis.account.threshold = nan;
+    diagnosis.account.overdispersion = nan;
+    diagnosis.account.steps.clear();
+    if let Some(held_out) = &mut diagnosis.held_out {
+        held_out.augmented.position = nan;
+        held_out.nominal.log_score = nan;
+    }
+    for term in &mut diagnosis.findings[0].law {
+        term.coefficient.low = nan;
+        term.coefficient.high = nan;
+        term.stability = nan;
+    }
+    for (retuned, augmented) in &mut diagnosis.soil {
+        (retuned.low, augmented.told, augmented.value) = (nan, nan, nan);
+    }
+    for candidate in &mut diagnosis.candidates {
+        (candidate.significance, candidate.absorbed) = (nan, nan);
+        candidate.held_out_gain = Some((nan, nan));
+    }
+    diagnosis.runs[0].mismatch.fill(nan);
+    diagnosis.runs[1].path.clear();
+    diagnosis.runs[2].time.clear();
+    diagnosis.runs[4].residuals[0].before.fill(nan);
+    diagnosis.findings[0].probability = nan;
+    for told in [text(&diagnosis), page(&diagnosis)] {
+        assert!(!told.contains("NaN"), "{told}");
+    }
+    assert_eq!(parsed(&diagnosis)["account"]["threshold"], Value::Null);
+    diagnosis.runs.clear();
+    diagnosis.candidates.clear();
+    diagnosis.findings.clear();
+    for verdict in VERDICTS {
+        diagnosis.verdict = verdict;
+        assert!(!text(&diagnosis).is_empty() && !page(&diagnosis).contains("<h2>Found"));
+    }
+}
+
+#[test]
 fn the_map_marks_what_was_found() {
     let page = page(&sample(Verdict::MissingPhysics));
     for part in [
@@ -240,5 +285,5 @@ fn of_many_runs_the_worst_are_plotted() {
         2 * 4
     );
     assert!(page.contains("<h3>drive3 run 4</h3>"), "it has a place");
-    assert!(page.contains("2 more runs are not plotted"));
+    assert!(page.contains("the worst; 2 more are not"));
 }

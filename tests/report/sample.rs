@@ -378,7 +378,7 @@ fn next(verdict: Verdict) -> Option<Manoeuvre> {
     Some(Manoeuvre {
         name: "opposite_pass",
         description:
-            "drive 20 m straight at 1 m/s, turn on the spot, and come back beside the track".into(),
+            "Drive 20 m straight at 1 m/s, turn on the spot, and come back beside the track.".into(),
         separates,
         separation: 6.3,
         compared: vec![

@@ -60,7 +60,7 @@ impl Bars {
         }
         let longest = self.bars.iter().map(|bar| bar.label.chars().count()).max();
         let left = 10.0 + LETTER * longest.unwrap_or(0) as f64;
-        let right = SIZE.0 - if self.full.is_some() { 40.0 } else { TEXT };
+        let right = SIZE.0 - TEXT;
         let bottom = TOP + ROW * self.bars.len() as f64;
         let values = self.bars.iter().map(|bar| bar.value);
         let most = values.filter(|value| value.is_finite()).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use super::words;
 use crate::diagnosis::{Channel, Diagnosis, Term};
-use crate::report::number::with_interval;
+use crate::report::number::{percent, with_interval};
 use crate::vehicle::GRAVITY;
 
 /// The channels that a law may push.
@@ -96,7 +96,7 @@ pub fn cells(term: &Term) -> Vec<String> {
         words::channel(term.channel).into(),
         handwritten(&term.group),
         words::value(&term.coefficient),
-        format!("{:.0} %", 100.0 * term.stability),
+        percent(term.stability),
         term.parameter.clone(),
     ]
 }

@@ -4,7 +4,7 @@ use super::{law, plots, tables, words};
 use crate::diagnosis::{Diagnosis, Finding, Subject, Verdict};
 use crate::effects::CATALOGUE;
 use crate::report::chart::escape;
-use crate::report::number::percent;
+use crate::report::number::{percent, with_unit};
 use crate::report::page;
 
 /// A finished diagnosis as a self-contained HTML page.
@@ -82,6 +82,11 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             "May as well be",
             named(words::alike(finding, diagnosis).join(", ")),
         ));
+    }
+    if diagnosis.verdict == Verdict::NothingMissing {
+        let (shown, hidden) = words::detectable(diagnosis);
+        facts.push(("Would show from", shown.join(", ")));
+        facts.push(("Never shows", hidden.join(", ")));
     }
     if let Some(held_out) = &diagnosis.held_out {
         facts.push(("On unseen data", words::improvement(held_out, diagnosis)));
@@ -230,14 +235,14 @@ fn account(diagnosis: &Diagnosis) -> String {
     }
     html += &format!(
         "<p>{} segments over {:.0} s of driving; {:.0} s were left out (rest, gaps, what the model \
-         cannot drive). The segments' pulls scatter {:.2} times as much as the noise explains. The \
-         screen's threshold, from simulated recordings with nothing missing, is {:.2}. Seed {}, ugv \
+         cannot drive). The segments' pulls scatter {} times as much as the noise explains. The \
+         screen's threshold, from simulated recordings with nothing missing, is {}. Seed {}, ugv \
          {}.</p>\n",
         account.segments,
         account.seconds,
         account.left_out,
-        account.overdispersion,
-        account.threshold,
+        with_unit(account.overdispersion, "1"),
+        with_unit(account.threshold, "1"),
         account.seed,
         env!("CARGO_PKG_VERSION")
     );

@@ -253,12 +253,14 @@ fn wrenches(trace: &WrenchTrace, spans: &[(&'static str, f64, f64)]) -> Vec<Char
     axes.into_iter().enumerate().map(chart).collect()
 }
 
-/// How many runs are left to the table.
+/// How many runs are not plotted.
 pub fn note(diagnosis: &Diagnosis) -> String {
     match diagnosis.runs.len().saturating_sub(MOST_RUNS) {
         0 => String::new(),
-        1 => "<p>One more run is not plotted; the model misses less there.</p>\n".into(),
-        more => format!("<p>{more} more runs are not plotted; the model misses less there.</p>\n"),
+        1 => "<p>Plotted are the runs with a place that was found, and the worst; one more is not.</p>\n".into(),
+        more => format!(
+            "<p>Plotted are the runs with a place that was found, and the worst; {more} more are not.</p>\n"
+        ),
     }
 }
 

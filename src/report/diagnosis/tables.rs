@@ -9,6 +9,8 @@ use crate::report::page::table;
 
 /// More candidates are in the table alone.
 const MOST_BARS: usize = 8;
+/// Less likely ones are, too.
+const LIKELY: f64 = 0.005;
 
 /// The candidates, the likeliest first.
 fn ranked(diagnosis: &Diagnosis) -> Vec<&Candidate> {
@@ -39,7 +41,8 @@ pub fn probabilities(diagnosis: &Diagnosis) -> String {
     };
     // Nothing and unknown are always among them.
     let shown = ranked.iter().enumerate().filter(|(place, candidate)| {
-        *place < MOST_BARS || !matches!(candidate.subject, Subject::Effect(_))
+        let likely = *place < MOST_BARS && candidate.probability >= LIKELY;
+        likely || !matches!(candidate.subject, Subject::Effect(_))
     });
     let mut bars: Vec<Bar> = shown
         .map(|(_, candidate)| Bar {
@@ -108,8 +111,8 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
                 never.into()
             },
             candidate.held_out_gain.map_or("-".into(), |(gain, error)| {
-                let [gain, ..] = with_interval(gain, gain - error, gain + error);
-                format!("{gain} \u{b1} {}", digits(error, 1))
+                let [told, ..] = with_interval(gain, gain - error, gain + error);
+                finite(gain + error, format!("{told} \u{b1} {}", digits(error, 2)))
             }),
             alike.collect::<Vec<_>>().join(", "),
         ]
@@ -226,7 +229,7 @@ pub fn soil(diagnosis: &Diagnosis) -> String {
         } else {
             retuned
         };
-        row.push(format!("{:.0} %", 100.0 * last.told));
+        row.push(percent(last.told));
         row
     });
     table(&header, rows)

@@ -47,7 +47,10 @@ pub fn name(subject: Subject) -> &'static str {
 
 /// A subject in plain words, with its name.
 pub fn phrase(subject: Subject) -> String {
-    let name = name(subject);
+    let name = match subject {
+        Subject::Unknown => "something that the catalogue does not have",
+        _ => name(subject),
+    };
     let found = PHRASES.iter().find(|(known, _)| *known == name);
     found.map_or_else(|| name.into(), |(_, words)| format!("{words} ({name})"))
 }
@@ -110,6 +113,9 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
 
 /// How sure: the findings' probabilities and the runner-up's.
 pub fn sureness(diagnosis: &Diagnosis) -> String {
+    if let Some(together) = together(diagnosis) {
+        return together;
+    }
     let several = diagnosis.findings.len() > 1;
     let told = diagnosis.findings.iter().map(|finding| {
         if several {
@@ -139,6 +145,33 @@ pub fn sureness(diagnosis: &Diagnosis) -> String {
         ));
     }
     told.join(", ")
+}
+
+/// How sure it is that it is one of a set, and which.
+fn together(diagnosis: &Diagnosis) -> Option<String> {
+    let [finding] = &diagnosis.findings[..] else {
+        return None;
+    };
+    if finding.ambiguous_with.is_empty() {
+        return None;
+    }
+    let others = finding.ambiguous_with.iter().filter_map(|other| {
+        let asked = diagnosis.candidates.iter().find(|c| c.subject == *other)?;
+        Some((*other, asked.probability))
+    });
+    let all: Vec<(Subject, f64)> = [(finding.subject, finding.probability)]
+        .into_iter()
+        .chain(others)
+        .collect();
+    let sum: f64 = all.iter().map(|(_, probability)| probability).sum();
+    let each = all
+        .iter()
+        .map(|(subject, probability)| format!("{} {}", name(*subject), percent(*probability)));
+    Some(format!(
+        "{} that it is one of these: {}",
+        percent(sum),
+        each.collect::<Vec<_>>().join(", ")
+    ))
 }
 
 /// A value with its interval and unit: "1.78 deg (1.55 .. 2.01)".
