@@ -3,7 +3,11 @@
 /// A number with so many significant digits, without an exponent where it is a usual size.
 #[must_use]
 pub fn digits(value: f64, count: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
+    if value == 0.0 {
+        // Without the sign that an empty sum has.
+        return "0".into();
+    }
+    if !value.is_finite() {
         return format!("{value}");
     }
     // Rounding may make one digit more: 9.9996 is 10.0.
@@ -54,13 +58,9 @@ pub fn with_interval(value: f64, low: f64, high: f64) -> [String; 3] {
     let largest = all.into_iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let usual = half.is_finite() && half > 0.0 && (1e-4..1e6).contains(&largest);
     if !usual {
-        let known = |value: f64| !value.is_nan();
-        return all.map(|value| {
-            if known(value) {
-                digits(value, 3)
-            } else {
-                "-".into()
-            }
+        return all.map(|value| match value {
+            value if value.is_nan() => "-".into(),
+            value => digits(value, 3),
         });
     }
     // Two digits of the half width, but no more than six of the value.
@@ -68,6 +68,9 @@ pub fn with_interval(value: f64, low: f64, high: f64) -> [String; 3] {
     let most = 5 - exponent(&format!("{largest:.0e}"));
     let decimals = (1 - magnitude).clamp(0, most.max(0)) as usize;
     all.map(|value| {
+        if value.is_nan() {
+            return "-".into();
+        }
         let text = format!("{value:.decimals$}");
         // -0 says nothing that 0 does not.
         match text.strip_prefix('-') {
@@ -96,6 +99,7 @@ mod tests {
     fn digits_are_those_that_count() {
         for (value, expected) in [
             (0.0, "0"),
+            (-0.0, "0"),
             (0.012345, "0.0123"),
             (1.0, "1.00"),
             (9.9996, "10.0"),
@@ -118,13 +122,14 @@ mod tests {
     #[test]
     fn intervals_tell_the_digits() {
         for ((value, low, high), expected) in [
-            ((1.776, 1.547, 2.005), ["1.78", "1.55", "2.01"]),
+            ((1.776, 1.547, 2.006), ["1.78", "1.55", "2.01"]),
             ((-0.001, -0.04, 0.03), ["-0.001", "-0.040", "0.030"]),
             ((-0.0001, -0.04, 0.03), ["0.000", "-0.040", "0.030"]),
             ((1234.5, 1100.0, 1400.0), ["1234", "1100", "1400"]),
             ((2.5e7, 1e7, 4e7), ["2.50e7", "1.00e7", "4.00e7"]),
             ((0.5, 0.5, 0.5), ["0.500", "0.500", "0.500"]),
             ((0.5, 0.1, f64::INFINITY), ["0.500", "0.100", "inf"]),
+            ((f64::NAN, 1.0, 2.0), ["-", "1.00", "2.00"]),
             ((f64::NAN, f64::NAN, f64::NAN), ["-", "-", "-"]),
         ] {
             assert_eq!(with_interval(value, low, high), expected);

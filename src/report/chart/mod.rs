@@ -273,7 +273,7 @@ impl Frame {
             for (index, &(x, y)) in thinned(part, stride).iter().enumerate() {
                 let (right, down) = (self.right(x), self.down(y));
                 let _ = match index {
-                    _ if dots => write!(path, "M{right:.1} {down:.1}h0"),
+                    _ if dots || part.len() == 1 => write!(path, "M{right:.1} {down:.1}h0"),
                     0 => write!(path, "M{right:.1} {down:.1}"),
                     _ => write!(path, "L{right:.1} {down:.1}"),
                 };
@@ -352,9 +352,12 @@ mod tests {
         );
         assert_eq!(figure.matches("class=\"span\" x=").count(), 2);
         assert_eq!(figure.matches("</i>found</span>").count(), 1);
-        // The gap leaves a lone point behind it and a line after it.
-        assert!(figure.contains("class=\"line s0\" d=\"M"));
+        // The gap leaves a lone point before it, shown as a dot, and a line after it.
+        let path = figure.split("class=\"line s0\" d=\"").nth(1).unwrap();
+        let path = path.split('"').next().unwrap();
+        let count = |letter| path.matches(letter).count();
+        assert_eq!((count('M'), count('L'), count('h')), (2, 1, 1));
         // Bands widen the axis.
-        assert!(figure.contains(">8</text>"), "{figure}");
+        assert!(figure.contains(">5</text>"), "{figure}");
     }
 }

@@ -4,7 +4,7 @@ use super::{law, plots, tables, words};
 use crate::diagnosis::{Diagnosis, Finding, Subject, Verdict};
 use crate::effects::CATALOGUE;
 use crate::report::chart::escape;
-use crate::report::number::{percent, with_unit};
+use crate::report::number::percent;
 use crate::report::page;
 
 /// A finished diagnosis as a self-contained HTML page.
@@ -235,14 +235,23 @@ fn account(diagnosis: &Diagnosis) -> String {
     }
     html += &format!(
         "<p>{} segments over {:.0} s of driving; {:.0} s were left out (rest, gaps, what the model \
-         cannot drive). The segments' pulls scatter {} times as much as the noise explains. The \
-         screen's threshold, from simulated recordings with nothing missing, is {}. Seed {}, ugv \
-         {}.</p>\n",
-        account.segments,
-        account.seconds,
-        account.left_out,
-        with_unit(account.overdispersion, "1"),
-        with_unit(account.threshold, "1"),
+         cannot drive).",
+        account.segments, account.seconds, account.left_out,
+    );
+    if account.overdispersion.is_finite() {
+        html += &format!(
+            " The segments' pulls scatter {:.2} times as much as the noise explains.",
+            account.overdispersion
+        );
+    }
+    if account.threshold.is_finite() {
+        html += &format!(
+            " The screen's threshold, from simulated recordings with nothing missing, is {:.2}.",
+            account.threshold
+        );
+    }
+    html += &format!(
+        " Seed {}, ugv {}.</p>\n",
         account.seed,
         env!("CARGO_PKG_VERSION")
     );
