@@ -19,13 +19,16 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
 python3 -c 'import ensurepip, venv' 2>/dev/null ||
     fail "Python's venv module is missing; install it (Debian: apt-get install python3-venv)"
 
+command -v "${UGV_CHROMIUM:-chromium}" chromium-browser google-chrome >/dev/null ||
+    echo "setup: no chromium found: the tests of the report's pages will be skipped (Debian: apt-get install chromium)"
+
 stamp="$(python3 -V) $PWD $(sha256sum <"$requirements")"
 if [[ "$(cat "$venv/stamp" 2>/dev/null)" == "$stamp" ]]; then
     echo "setup: $venv is up to date"
     exit 0
 fi
 
-echo "setup: installing $requirements into $venv (about 1.3 GB, half a minute)"
+echo "setup: installing $requirements into $venv (about 1.4 GB, half a minute)"
 rm -rf "$venv"
 python3 -m venv "$venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary=:all: -r "$requirements" ||

@@ -1,5 +1,7 @@
 //! Results as text, JSON and pages; only renders.
 
 pub mod chart;
+pub mod diagnosis;
 pub mod inspection;
+mod number;
 mod page;

@@ -11,25 +11,7 @@ pub use text::text;
 
 use crate::inspection::{Delay, Noise, Quality};
 use crate::recording::Channel;
-
-/// A number with so many significant digits, without an exponent where it is a usual size.
-fn digits(value: f64, count: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    // Rounding may make one digit more: 9.9996 is 10.0.
-    let rounded = format!("{value:.*e}", count - 1);
-    let exponent = rounded
-        .rsplit('e')
-        .next()
-        .and_then(|digits| digits.parse().ok());
-    let magnitude: i32 = exponent.unwrap_or_default();
-    if !(-4..6).contains(&magnitude) {
-        return rounded;
-    }
-    let decimals = (count as i32 - 1 - magnitude).max(0) as usize;
-    format!("{value:.decimals$}")
-}
+use crate::report::number::digits;
 
 /// A noise in a few digits: of values that are held or quantised so coarsely that over half of
 /// them lie on the line between their neighbours there is nothing to tell.
@@ -94,20 +76,5 @@ mod tests {
     fn zero_has_no_sign() {
         assert_eq!(seconds(-0.004, 2), "0.00");
         assert_eq!(seconds(-0.006, 2), "-0.01");
-    }
-
-    #[test]
-    fn digits_are_those_that_count() {
-        for (value, expected) in [
-            (0.0, "0"),
-            (0.012345, "0.0123"),
-            (1.0, "1.00"),
-            (9.9996, "10.0"),
-            (-123.4, "-123"),
-            (12345.6, "12346"),
-            (1.2345e-7, "1.23e-7"),
-        ] {
-            assert_eq!(digits(value, 3), expected);
-        }
     }
 }

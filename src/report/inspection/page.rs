@@ -1,9 +1,10 @@
 //! As a page with plots.
 
-use super::{digits, noise, plots, remark, seconds, title};
+use super::{noise, plots, remark, seconds, title};
 use crate::inspection::{Inspection, Quality, RunReport};
 use crate::recording::Recording;
 use crate::report::chart::escape;
+use crate::report::number::digits;
 use crate::report::page;
 
 /// The inspection of a recording as a self-contained HTML page.

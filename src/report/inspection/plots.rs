@@ -17,11 +17,8 @@ pub fn charts(recording: &Recording, inspection: &Inspection) -> Vec<Chart> {
         _ => "time, runs end to end [s]".into(),
     };
     let over_time = |title: &str, y_label: &str, lines: Vec<Line>| Chart {
-        title: title.into(),
-        x_label: time.clone(),
-        y_label: y_label.into(),
         lines,
-        is_map: false,
+        ..Chart::new(title, time.clone(), y_label)
     };
     let channel = |channel: Channel| line(runs, channel.name(), |run| run.series(channel).cloned());
     let radius = recording
@@ -122,9 +119,6 @@ fn path(runs: &[Run]) -> Chart {
         .filter_map(|part| Some(vec![*part.first()?]))
         .collect();
     Chart {
-        title: "Path".into(),
-        x_label: "x, east [m]".into(),
-        y_label: "y, north [m]".into(),
         lines: vec![
             Line {
                 name: "path".into(),
@@ -134,10 +128,11 @@ fn path(runs: &[Run]) -> Chart {
             Line {
                 name: "start".into(),
                 parts: starts,
-                stroke: Stroke::Dots,
+                stroke: Stroke::Points,
             },
         ],
         is_map: true,
+        ..Chart::new("Path", "x, east [m]", "y, north [m]")
     }
 }
 
@@ -148,11 +143,8 @@ fn correlations(inspection: &Inspection) -> Chart {
         stroke: Stroke::Line,
     });
     Chart {
-        title: "Correlation over delay".into(),
-        x_label: "delay [s]".into(),
-        y_label: "correlation".into(),
         lines: lines.collect(),
-        is_map: false,
+        ..Chart::new("Correlation over delay", "delay [s]", "correlation")
     }
 }
 

@@ -1,8 +1,9 @@
 //! As text, to be read in ten seconds.
 
-use super::{digits, noise, remark, seconds, title};
+use super::{noise, remark, seconds, title};
 use crate::inspection::{Inspection, Quality};
 use crate::recording::Recording;
+use crate::report::number::digits;
 use std::fmt::Write;
 
 /// The inspection of a recording in a few aligned lines.

@@ -1,0 +1,194 @@
+//! As JSON (format `ugv-diagnosis/1`), in SI units and radians; numbers that are none are null.
+//!
+//! Nothing here depends on the machine: one seed gives the same bytes.
+
+use super::words;
+use crate::diagnosis::{
+    Candidate, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject, Term,
+};
+use crate::fit::{Estimate, NoiseEstimate};
+use serde_json::{Map, Value, json as object};
+
+/// A finished diagnosis.
+#[must_use]
+pub fn json(diagnosis: &Diagnosis) -> String {
+    let account = &diagnosis.account;
+    let noise = |estimate: &NoiseEstimate| noise(estimate, diagnosis);
+    let all = object!({
+        "format": "ugv-diagnosis/1",
+        "verdict": diagnosis.verdict.name(),
+        "statement": diagnosis.statement,
+        "recordings": diagnosis.recordings,
+        "findings": diagnosis.findings.iter().map(|f| finding(f, diagnosis)).collect::<Vec<_>>(),
+        "candidates": diagnosis.candidates.iter().map(candidate).collect::<Vec<_>>(),
+        "fit": {
+            "held_out": diagnosis.held_out.as_ref().map(held_out),
+            "soil": diagnosis.soil.iter().map(soil).collect::<Vec<_>>(),
+        },
+        "next_manoeuvre": diagnosis.next.as_ref().map(manoeuvre),
+        "account": {
+            "seed": account.seed,
+            "segments": account.segments,
+            "seconds": account.seconds,
+            "seconds_left_out": account.left_out,
+            "noise": account.noise.iter().map(noise).collect::<Vec<_>>(),
+            "overdispersion": account.overdispersion,
+            "threshold": account.threshold,
+            // How long they took is not of the recordings, but of the machine.
+            "steps": account.steps.iter().map(|step| step.0).collect::<Vec<_>>(),
+            "notes": account.notes,
+        },
+    });
+    // Values of this kind always have a text.
+    serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+}
+
+fn kind(subject: Subject) -> Option<&'static str> {
+    match subject {
+        Subject::Nothing => None,
+        _ if subject.is_sensor() => Some("sensor"),
+        _ => Some("physics"),
+    }
+}
+
+fn finding(finding: &Finding, diagnosis: &Diagnosis) -> Value {
+    let parameters: Map<String, Value> = finding
+        .parameters
+        .iter()
+        .map(|found| (words::parameter(found, diagnosis), quantity(found)))
+        .collect();
+    object!({
+        "effect": finding.subject.name(),
+        "kind": kind(finding.subject),
+        "probability": finding.probability,
+        "ambiguous_with": finding.ambiguous_with.iter().map(|s| s.name()).collect::<Vec<_>>(),
+        "parameters": parameters,
+        "where": finding.places.iter().map(place).collect::<Vec<_>>(),
+        "local": finding.local,
+        "law": finding.law.iter().map(term).collect::<Vec<_>>(),
+        "statement": finding.statement,
+    })
+}
+
+fn quantity(quantity: &Quantity) -> Value {
+    object!({
+        "value": quantity.value,
+        "low": quantity.low,
+        "high": quantity.high,
+        "unit": quantity.unit,
+    })
+}
+
+fn place(place: &Interval) -> Value {
+    let mut value = object!({
+        "recording": place.recording,
+        "run": place.run,
+        "start": place.start,
+        "end": place.end,
+        "channel": place.channel.name(),
+        "regime": place.regime,
+    });
+    if let Some([east, north, radius]) = place.patch {
+        value["patch"] = object!({ "east": east, "north": north, "radius": radius });
+    }
+    value
+}
+
+fn term(term: &Term) -> Value {
+    object!({
+        "channel": term.channel.name(),
+        "parameter": term.parameter,
+        "group": term.group,
+        "coefficient": quantity(&term.coefficient),
+        "stability": term.stability,
+    })
+}
+
+fn candidate(candidate: &Candidate) -> Value {
+    let alike = candidate
+        .alike
+        .iter()
+        .map(|(subject, cosine)| object!({ "effect": subject.name(), "cosine": cosine }));
+    let is_effect = matches!(candidate.subject, Subject::Effect(_));
+    object!({
+        "effect": candidate.subject.name(),
+        "kind": kind(candidate.subject),
+        "probability": candidate.probability,
+        "absorbed_by_retuning": candidate.absorbed,
+        "significance": candidate.significance,
+        "smallest_detectable": candidate.smallest_detectable,
+        "parameter": is_effect.then_some(candidate.parameter),
+        "unit": is_effect.then_some(candidate.unit),
+        "estimate": candidate.estimate,
+        "held_out_gain": candidate.held_out_gain.map(|(gain, error)| {
+            object!({ "value": gain, "standard_error": error })
+        }),
+        "alike": alike.collect::<Vec<_>>(),
+    })
+}
+
+fn held_out(held_out: &HeldOut) -> Value {
+    object!({
+        "nominal": errors(&held_out.nominal),
+        "retuned": errors(&held_out.retuned),
+        "augmented": errors(&held_out.augmented),
+        "horizon": held_out.horizon,
+        "stretches": held_out.stretches,
+    })
+}
+
+fn errors(errors: &Errors) -> Value {
+    object!({
+        "position_rmse_m": errors.position,
+        "heading_rmse_rad": errors.heading,
+        "yaw_rate_rmse_rad_s": errors.yaw_rate,
+        "log_score": errors.log_score,
+    })
+}
+
+fn soil((retuned, augmented): &(Estimate, Estimate)) -> Value {
+    let fitted = |estimate: &Estimate| {
+        object!({
+            "value": estimate.value,
+            "low": estimate.low,
+            "high": estimate.high,
+            "width_over_prior": estimate.told,
+        })
+    };
+    object!({
+        "parameter": retuned.parameter.name,
+        "unit": retuned.parameter.unit,
+        "nominal": retuned.nominal,
+        "retuned": fitted(retuned),
+        "augmented": fitted(augmented),
+    })
+}
+
+fn manoeuvre(manoeuvre: &Manoeuvre) -> Value {
+    let compared = manoeuvre
+        .compared
+        .iter()
+        .map(|(name, separation)| object!({ "name": name, "separation": separation }));
+    object!({
+        "name": manoeuvre.name,
+        "description": manoeuvre.description,
+        "separates": manoeuvre.separates.map(Subject::name),
+        "separation": manoeuvre.separation,
+        "compared": compared.collect::<Vec<_>>(),
+    })
+}
+
+fn noise(estimate: &NoiseEstimate, diagnosis: &Diagnosis) -> Value {
+    let (channel, unit) = estimate.group.describe();
+    object!({
+        "recording": diagnosis.recordings.get(estimate.recording),
+        "channel": channel,
+        "unit": unit,
+        "white": estimate.noise.white,
+        "coloured": estimate.noise.coloured,
+        "correlation_time": estimate.noise.correlation_time,
+        "samples": estimate.samples,
+        "rms": estimate.rms,
+        "outliers": estimate.outliers,
+    })
+}

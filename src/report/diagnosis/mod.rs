@@ -1,0 +1,13 @@
+//! What `ugv diagnose` found, as text, JSON and a page.
+
+mod json;
+mod law;
+mod page;
+mod plots;
+mod tables;
+mod text;
+mod words;
+
+pub use json::json;
+pub use page::page;
+pub use text::text;

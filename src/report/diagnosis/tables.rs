@@ -1,0 +1,299 @@
+//! The tables of a diagnosis, and its charts of bars.
+
+use super::words;
+use crate::diagnosis::{Candidate, Diagnosis, Errors, HeldOut, Manoeuvre, Subject};
+use crate::fit::Estimate;
+use crate::report::chart::{Bar, Bars, Tint};
+use crate::report::number::{digits, percent, shown, with_interval, with_unit};
+use crate::report::page::table;
+
+/// More candidates are in the table alone.
+const MOST_BARS: usize = 8;
+/// Less likely ones are, too.
+const LIKELY: f64 = 0.005;
+
+/// The candidates, the likeliest first.
+fn ranked(diagnosis: &Diagnosis) -> Vec<&Candidate> {
+    let mut ranked: Vec<&Candidate> = diagnosis.candidates.iter().collect();
+    // NaN last; a stable sort keeps the given order where all is alike.
+    let key = |value: f64| {
+        if value.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            value
+        }
+    };
+    ranked.sort_by(|a, b| {
+        key(b.probability)
+            .total_cmp(&key(a.probability))
+            .then(key(b.significance.abs()).total_cmp(&key(a.significance.abs())))
+    });
+    ranked
+}
+
+/// The probabilities as bars.
+pub fn probabilities(diagnosis: &Diagnosis) -> String {
+    let ranked = ranked(diagnosis);
+    let tint = |subject: Subject| match subject {
+        Subject::Effect(_) if subject.is_sensor() => Tint::Second,
+        Subject::Effect(_) => Tint::First,
+        Subject::Unknown | Subject::Nothing => Tint::Plain,
+    };
+    // Nothing and unknown are always among them.
+    let shown = ranked.iter().enumerate().filter(|(place, candidate)| {
+        let likely = *place < MOST_BARS && candidate.probability >= LIKELY;
+        likely || !matches!(candidate.subject, Subject::Effect(_))
+    });
+    let mut bars: Vec<Bar> = shown
+        .map(|(_, candidate)| Bar {
+            label: words::name(candidate.subject).into(),
+            value: candidate.probability,
+            text: percent(candidate.probability),
+            tint: tint(candidate.subject),
+        })
+        .collect();
+    let left: f64 = 1.0 - bars.iter().map(|bar| bar.value).sum::<f64>();
+    let others = ranked.len() - bars.len();
+    if others > 0 {
+        bars.push(Bar {
+            label: format!("{others} others"),
+            value: left.max(0.0),
+            text: percent(left.max(0.0)),
+            tint: Tint::Plain,
+        });
+    }
+    let chart = Bars {
+        title: "What is missing?".into(),
+        x_label: "probability".into(),
+        bars,
+        full: Some(1.0),
+    };
+    let legend = "<p class=\"legend\"><span><i class=\"s0\"></i>physics</span> \
+                  <span><i class=\"s1\"></i>sensors</span></p></figure>";
+    chart.figure().replacen("</figure>", legend, 1)
+}
+
+/// Everything that was asked about.
+pub fn candidates(diagnosis: &Diagnosis) -> String {
+    let header = [
+        "candidate",
+        "probability",
+        "taken up by re-tuning",
+        "signal over chance",
+        "of ",
+        "estimate",
+        "would show from",
+        "held-out gain",
+        "looks like ",
+    ];
+    let finite = |value: f64, text: String| if value.is_finite() { text } else { "-".into() };
+    let rows = ranked(diagnosis).into_iter().map(|candidate| {
+        let is_effect = matches!(candidate.subject, Subject::Effect(_));
+        let unit = candidate.unit;
+        let never = if is_effect { "never" } else { "-" };
+        let alike = candidate
+            .alike
+            .iter()
+            .map(|(other, cosine)| format!("{} {cosine:.2}", words::name(*other)));
+        vec![
+            words::name(candidate.subject).into(),
+            percent(candidate.probability),
+            percent(candidate.absorbed),
+            finite(
+                candidate.significance,
+                format!("{:.2}", candidate.significance),
+            ),
+            candidate.parameter.into(),
+            with_unit(candidate.estimate, unit),
+            if candidate.smallest_detectable.is_finite() {
+                with_unit(candidate.smallest_detectable, unit)
+            } else {
+                never.into()
+            },
+            candidate.held_out_gain.map_or("-".into(), |(gain, error)| {
+                let [told, ..] = with_interval(gain, gain - error, gain + error);
+                finite(gain + error, format!("{told} \u{b1} {}", digits(error, 2)))
+            }),
+            alike.collect::<Vec<_>>().join(", "),
+        ]
+    });
+    table(&header, rows)
+}
+
+/// What a measure of errors is of a model.
+type Measure = (&'static str, &'static str, fn(&Errors) -> f64);
+
+const MEASURES: [Measure; 3] = [
+    ("position", "m", |errors| errors.position),
+    ("heading", "rad", |errors| errors.heading),
+    ("yaw rate", "rad/s", |errors| errors.yaw_rate),
+];
+
+/// Held-out errors as bars.
+pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
+    let models = words::models(held_out, diagnosis);
+    let charts = MEASURES.iter().map(|(name, unit, of)| {
+        let (factor, shown) = shown(unit);
+        let bars = models
+            .iter()
+            .enumerate()
+            .map(|(place, (model, errors))| Bar {
+                label: (*model).into(),
+                value: of(errors) * factor,
+                text: with_unit(of(errors), unit),
+                tint: if place == 2 { Tint::First } else { Tint::Plain },
+            });
+        let bars: Vec<Bar> = bars.collect();
+        if bars.iter().all(|bar| !bar.value.is_finite()) {
+            return String::new();
+        }
+        let chart = Bars {
+            title: format!("Error of {name}"),
+            x_label: format!("root mean square [{shown}]"),
+            bars,
+            full: None,
+        };
+        chart.figure()
+    });
+    charts.collect()
+}
+
+/// Held-out errors as a table, with what is left of the re-tuned model's.
+pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
+    let models = words::models(held_out, diagnosis);
+    let mut header = vec!["on data not fitted"];
+    header.extend(models.iter().map(|model| model.0));
+    let found = models.len() > 2;
+    if found {
+        header.push("left of the re-tuned error");
+    }
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (name, unit, of) in MEASURES {
+        if !of(&held_out.retuned).is_finite() {
+            continue;
+        }
+        let mut row = vec![format!("error of {name}, rms")];
+        row.extend(models.iter().map(|(_, errors)| with_unit(of(errors), unit)));
+        if found {
+            let left = of(&held_out.augmented) / of(&held_out.retuned);
+            row.push(if left.is_finite() {
+                format!("{:.0} %", 100.0 * left)
+            } else {
+                "-".into()
+            });
+        }
+        rows.push(row);
+    }
+    let mut row = vec!["log score per sample, higher is better".to_owned()];
+    row.extend(models.iter().map(|(_, errors)| {
+        let score = errors.log_score;
+        if score.is_finite() {
+            format!("{score:.2}")
+        } else {
+            "-".into()
+        }
+    }));
+    if found {
+        row.push(String::new());
+    }
+    rows.push(row);
+    table(&header, rows.into_iter())
+}
+
+/// The soil as given, re-tuned and with what was found.
+pub fn soil(diagnosis: &Diagnosis) -> String {
+    let found = !diagnosis.findings.is_empty();
+    let mut header = vec!["soil", "unit ", "as given", "re-tuned", "90 % interval"];
+    if found {
+        header.extend(["with what was found", "90 % interval"]);
+    }
+    header.push("left of the prior's width");
+    let rows = diagnosis.soil.iter().map(|(retuned, augmented)| {
+        let parameter = &retuned.parameter;
+        let (factor, unit) = shown(parameter.unit);
+        let cells = |estimate: &Estimate| {
+            let [value, low, high] =
+                [estimate.value, estimate.low, estimate.high].map(|v| v * factor);
+            let [value, low, high] = with_interval(value, low, high);
+            [value, format!("{low} .. {high}")]
+        };
+        let mut row = vec![
+            parameter.name.replace('_', " "),
+            unit.to_owned(),
+            digits(retuned.nominal * factor, 3),
+        ];
+        row.extend(cells(retuned));
+        let last = if found {
+            row.extend(cells(augmented));
+            augmented
+        } else {
+            retuned
+        };
+        row.push(percent(last.told));
+        row
+    });
+    table(&header, rows)
+}
+
+/// How well the manoeuvres that were compared would separate.
+pub fn manoeuvres(next: &Manoeuvre) -> String {
+    let bars = next.compared.iter().map(|(name, separation)| Bar {
+        label: name.replace('_', " "),
+        value: *separation,
+        text: digits(*separation, 2),
+        tint: if *name == next.name {
+            Tint::First
+        } else {
+            Tint::Plain
+        },
+    });
+    let [one, other] = next.separates.map(words::name);
+    Bars {
+        title: format!("How well manoeuvres part {one} from {other}"),
+        x_label: "expected separation [standard deviations]".into(),
+        bars: bars.collect(),
+        full: None,
+    }
+    .figure()
+}
+
+/// Noise of every channel.
+pub fn noise(diagnosis: &Diagnosis) -> String {
+    let header = [
+        "channel",
+        "recording ",
+        "white",
+        "coloured",
+        "correlated over",
+        "residuals, rms",
+        "outliers",
+        "samples",
+    ];
+    let rows = diagnosis.account.noise.iter().map(|estimate| {
+        let (channel, unit) = estimate.group.describe();
+        let recording = diagnosis.recordings.get(estimate.recording);
+        vec![
+            channel.into(),
+            recording.cloned().unwrap_or_default(),
+            with_unit(estimate.noise.white, unit),
+            with_unit(estimate.noise.coloured, unit),
+            with_unit(estimate.noise.correlation_time, "s"),
+            with_unit(estimate.rms, unit),
+            format!("{:.1} %", 100.0 * estimate.outliers),
+            estimate.samples.to_string(),
+        ]
+    });
+    table(&header, rows)
+}
+
+/// Seconds of every step.
+pub fn steps(diagnosis: &Diagnosis) -> String {
+    let steps = &diagnosis.account.steps;
+    let total: f64 = steps.iter().map(|step| step.1).sum();
+    let rows = steps
+        .iter()
+        .map(|(name, seconds)| (*name, *seconds))
+        .chain([("together", total)])
+        .map(|(name, seconds)| vec![name.to_owned(), with_unit(seconds, "s")]);
+    table(&["step", "took"], rows)
+}

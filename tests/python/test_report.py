@@ -1,0 +1,80 @@
+"""The pages of `ugv diagnose` in a real browser; those that `cargo test --test report` left, and
+those that UGV_REPORT_PAGES names (separated by colons)."""
+
+import os
+import tempfile
+import unittest
+from pathlib import Path
+
+from page_check import browser, check_page, find_chromium
+
+ROOT = Path(__file__).resolve().parents[2]
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+VERDICTS = (
+    "ambiguous",
+    "insufficient_data",
+    "missing_physics",
+    "nothing_missing",
+    "sensor",
+    "unknown_physics",
+)
+CHROMIUM = find_chromium()
+
+# A page with everything that the check must see.
+BAD = """<!doctype html><html><body style="margin:0;background:#fff">
+<p style="width:900px;color:#ddd">too wide and too pale</p>
+<svg viewBox="0 0 360 200" aria-label="empty" style="width:100%">
+<text x="-30" y="20">cut off</text><text x="100" y="100">one</text><text x="104" y="100">other</text>
+<path class="line" d="M10 10h0"/></svg>
+<img src="missing.png"><script>undefined_name()</script></body></html>"""
+
+
+@unittest.skipUnless(CHROMIUM, "no chromium found: apt-get install chromium, or set UGV_CHROMIUM")
+class Pages(unittest.TestCase):
+    """Every page, at every width, light and dark, and on paper."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.browser = cls.enterClassContext(browser(CHROMIUM))
+
+    def assert_well(self, path: Path) -> None:
+        """Nothing is wrong with a page."""
+        problems = check_page(self.browser, path)
+        self.assertFalse(problems, "\n".join([str(path), *problems]))
+
+    def test_every_verdict_is_well_set(self) -> None:
+        for verdict in VERDICTS:
+            path = TARGET / "tmp" / "report" / f"{verdict}.html"
+            self.assertTrue(path.is_file(), f"{path} is missing; run cargo test --test report")
+            with self.subTest(verdict):
+                self.assert_well(path)
+
+    def test_named_pages_are_well_set(self) -> None:
+        named = os.environ.get("UGV_REPORT_PAGES")
+        if not named:
+            self.skipTest("UGV_REPORT_PAGES names no pages")
+        for path in map(Path, named.split(":")):
+            with self.subTest(path.name):
+                self.assert_well(path)
+
+    def test_the_check_sees_what_is_wrong(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "bad.html"
+            path.write_text(BAD)
+            problems = "\n".join(check_page(self.browser, path))
+        for part in (
+            "900 px wide in 360 px",
+            "sticks out",
+            "contrast",
+            "empty: nothing is drawn",
+            'text "cut off" is cut off',
+            'texts "one" and "other" overlap',
+            "undefined_name",
+            "missing.png",
+            "dark: the background's lightness is 1.00",
+        ):
+            self.assertIn(part, problems)
+
+
+if __name__ == "__main__":
+    unittest.main()
