@@ -155,10 +155,10 @@ fn effect(one: &Ingredient) -> Value {
         let own = law.parameters.iter();
         parameters.extend(own.map(|(name, value)| ((*name).to_owned(), (*value).into())));
     }
-    let switches: Vec<&str> = known.map_or(Vec::new(), |effect| {
+    let switches = known.map_or(Map::new(), |effect| {
         let on = effect.parameters.iter().filter(|p| p.switches);
-        on.map(|p| p.name)
-            .filter(|name| parameters.contains_key(*name))
+        on.filter(|p| parameters.contains_key(p.name))
+            .map(|p| (p.name.to_owned(), p.default.into()))
             .collect()
     });
     let region = match one.region {
@@ -173,7 +173,7 @@ fn effect(one: &Ingredient) -> Value {
         "kind": kind,
         "size": one.size,
         "parameters": parameters,
-        "switches": switches,
+        "off": switches,
         "where": region,
     })
 }
