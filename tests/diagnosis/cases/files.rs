@@ -105,6 +105,7 @@ fn truth(case: &Case, name: &str) -> Value {
             "style": drive.style.name(),
             "seconds": drive.track.duration(),
             "top_speed": drive.top_speed,
+            "signal": { "raw": drive.signal.raw, "left": drive.signal.left },
             "acts": visits.collect::<Vec<_>>(),
         });
         (file.to_owned(), value)

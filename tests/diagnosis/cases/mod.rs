@@ -9,6 +9,7 @@ mod manoeuvres;
 mod plan;
 mod random;
 mod sensors;
+mod signal;
 mod world;
 
 pub use family::Family;
@@ -19,6 +20,7 @@ use manoeuvres::{Driver, STEP, Style, commands, trial_bend};
 use plan::{Place, Plan};
 use random::Random;
 use sensors::{Row, Sensors};
+use signal::{Signal, signal};
 use ugv_terrain::simulation::State;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::Vehicle;
@@ -46,6 +48,7 @@ struct Recorded {
     top_speed: f64,
     track: Track,
     rows: Vec<Row>,
+    signal: Signal,
     /// The truth's ingredients, as they were there.
     ingredients: Vec<Ingredient>,
 }
@@ -112,6 +115,7 @@ fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
     let faults = effects(plan.faults.iter());
     let record = |track, world: &World, style, top_speed, purpose: &str| Recorded {
         rows: sensors.record(&track, &faults, &mut of(purpose)),
+        signal: signal(&vehicle, ground.truth, &track, &sensors, &faults),
         ingredients: world.ingredients.clone(),
         style,
         top_speed,
