@@ -5,7 +5,7 @@
     scripts/score_diagnosis.py CASES RESULTS --run target/release/ugv --jobs 2
 
 --run diagnoses the cases that have no result yet; without it only the table is printed. Columns:
-nothing .. none   how often each verdict was given (none: no result)
+noth .. none      how often each verdict was given (none: no result)
 detect            share of cases that are told that something is missing
 first, set, two   truth named first; first or in the set that it is said to be ambiguous with; among the first two
 p(truth)          mean probability of the truth
@@ -13,6 +13,7 @@ IoU               overlap of the located seconds with the true ones, median
 error, cover      of the parameters, median relative to the effect's strength; share within the 90 % interval
 held-out          position error of the augmented model over the re-tuned one's, as diagnosed, median
 unseen            position error of model.json over the nominal one's on the unseen drive, median
+right             share of cases with an answer that the truth allows; the others are listed below
 """
 
 import argparse
@@ -31,11 +32,8 @@ NOTHING = {"nothing_missing", "nothing missing", "nothing"}
 
 
 def load(path: Path) -> dict | None:
-    """A JSON file; None where it is missing or broken."""
-    try:
-        return json.loads(path.read_text())
-    except (OSError, ValueError):
-        return None
+    """A JSON file; None where it is missing."""
+    return json.loads(path.read_text()) if path.exists() else None
 
 
 def diagnose(tool: str, cases: Path, results: Path, name: str, limit: float) -> str | None:
@@ -50,36 +48,28 @@ def diagnose(tool: str, cases: Path, results: Path, name: str, limit: float) -> 
         status, said = done.returncode, done.stderr
     except subprocess.TimeoutExpired:
         status, said = "timeout", ""
-    seconds = round(time.monotonic() - begin, 2)
-    record = {"status": status, "seconds": seconds, "stderr": said[-2000:]}
-    (out / "run.json").write_text(json.dumps(record, indent=1) + "\n")
+    record = {"status": status, "seconds": round(time.monotonic() - begin, 2), "stderr": said[-2000:]}
+    (out / "run.json").write_text(json.dumps(record))
     if status == 0 and (out / "model.json").exists():
-        score(tool, cases / name / "unseen.csv", out)
-    return None if status == 0 else f"{name}: status {status}: {said.strip().splitlines()[-1:] or ''}"
-
-
-def score(tool: str, unseen: Path, out: Path) -> None:
-    """Position errors of the model and of the nominal one, to unseen.json."""
-    command = [tool, "score", str(unseen), "--model", str(out / "model.json"), "--json", str(out / "unseen.json")]
-    subprocess.run([*command, "--quiet"], capture_output=True, check=False)
+        command = [tool, "score", cases / name / "unseen.csv", "--model", out / "model.json"]
+        subprocess.run([*command, "--json", out / "unseen.json", "--quiet"], capture_output=True, check=False)
+    last = (said.strip().splitlines() or [""])[-1]
+    return None if status == 0 else f"{name}: status {status}: {last}"
 
 
 def run(tool: str, cases: Path, results: Path, names: list[str], jobs: int, limit: float) -> None:
     """Diagnoses what has no result yet."""
-    open_ = [name for name in names if not (results / name / "run.json").exists()]
-    begin, show = time.monotonic(), sys.stderr.isatty()
+    todo = [name for name in names if not (results / name / "run.json").exists()]
+    begin = time.monotonic()
     with ThreadPoolExecutor(jobs) as pool:
-        futures = [pool.submit(diagnose, tool, cases, results, name, limit) for name in open_]
+        futures = [pool.submit(diagnose, tool, cases, results, name, limit) for name in todo]
         for count, future in enumerate(as_completed(futures), 1):
             if trouble := future.result():
-                print(("\r\033[K" if show else "") + trouble, file=sys.stderr)
+                print(f"\r\033[K{trouble}", file=sys.stderr)
             passed = time.monotonic() - begin
-            left = passed / count * (len(open_) - count)
-            line = f"{count}/{len(open_)} cases, {passed:.0f} s, {left:.0f} s to go"
-            if show or count % 20 == 0 or count == len(open_):
-                print(("\r\033[K" if show else "") + line, end="" if show else "\n", file=sys.stderr, flush=True)
-    if show and open_:
-        print(file=sys.stderr)
+            left = passed / count * (len(todo) - count)
+            end = "\n" if count == len(todo) else ""
+            print(f"\r\033[K{count}/{len(todo)} cases, {passed:.0f} s, {left:.0f} s to go", end=end, file=sys.stderr)
 
 
 def overlap(found: list, true: list) -> float:
@@ -95,15 +85,11 @@ def overlap(found: list, true: list) -> float:
 
 def parameters(truth: dict, finding: dict) -> list[tuple[float, bool]]:
     """Error relative to the effect's strength, and whether the interval holds the truth, for each of its switches."""
-    off = truth["off"]
-    strength = max((abs(truth["parameters"][name] - value) for name, value in off.items()), default=0)
-    pairs = []
-    for name in off:
-        told = (finding.get("parameters") or {}).get(name)
-        if told and strength:
-            true = truth["parameters"][name]
-            pairs.append((abs(told["value"] - true) / strength, told["low"] <= true <= told["high"]))
-    return pairs
+    true, told = truth["parameters"], finding.get("parameters") or {}
+    strength = max((min(abs(true[name] - off), abs(true[name])) for name, off in truth["off"].items()), default=0)
+    names = [name for name in truth["off"] if name in told and strength]
+    return [(abs(told[name]["value"] - true[name]) / strength, told[name]["low"] <= true[name] <= told[name]["high"])
+            for name in names]
 
 
 def ratio(above: object, below: object) -> float | None:
@@ -122,10 +108,8 @@ class Case:
         findings = said.get("findings") or []
         ranked = sorted(said.get("candidates") or [], key=lambda c: -(c.get("probability") or 0))
         told = [f["effect"] for f in findings] + [c["effect"] for c in ranked]
-        told = ["nothing_missing" if name in NOTHING else name for name in dict.fromkeys(told)]
-        if self.verdict in SILENT:
-            told = ["nothing_missing"] + [name for name in told if name != "nothing_missing"]
-        self.told = told
+        silent = ["nothing_missing"] if self.verdict in SILENT else []
+        self.told = told = silent + [name for name in dict.fromkeys(told) if name not in NOTHING]
         self.group = set(told[:1]).union(*(f.get("ambiguous_with") or [] for f in findings[:1]))
         self.first = told[:1] != [] and told[0] in self.names
         self.set = bool(self.group & set(self.names))
@@ -136,15 +120,16 @@ class Case:
         self.p = min(1.0, sum(p.get(name, 0) for name in self.names)) if ranked else None
         top = max(p, key=p.get) if ranked else None
         self.claim = (p[top], top in self.names) if ranked else None
-        self.locate(findings, said)
+        self.locate(findings)
         held = (said.get("fit") or {}).get("held_out") or {}
-        error = {key: (held.get(key) or {}).get("position_rmse_m") for key in ("retuned", "augmented")}
-        self.held_out = ratio(error["augmented"], error["retuned"])
+        error = [(held.get(key) or {}).get("position_rmse_m") for key in ("augmented", "retuned")]
+        self.held_out = ratio(*error)
         self.unseen = self.on_unseen(load(out / "unseen.json"))
         self.seconds = (load(out / "run.json") or {}).get("seconds")
-        self.snr = ((truth["drives"]["drive"].get("signal") or {}).get("left"))
+        self.signal = truth["signal_left"]
+        self.kind = truth["variant"] if self.family == "lookalike" else " + ".join(e["effect"] for e in effects)
 
-    def locate(self, findings: list, said: dict) -> None:
+    def locate(self, findings: list) -> None:
         """Overlap of the interval, and the parameters' errors."""
         self.overlap, self.errors = None, []
         right = {f["effect"]: f for f in findings if f["effect"] in self.names}
@@ -156,29 +141,33 @@ class Case:
             if effect["effect"] in right:
                 self.errors += parameters(effect, right[effect["effect"]])
 
-    def on_unseen(self, scores: dict | None) -> float | None:
+    @staticmethod
+    def on_unseen(scores: dict | None) -> float | None:
+        """Position error of the model over the nominal one's."""
         models = {m["model"]: m for r in (scores or {}).get("recordings", [])[:1] for m in r["models"]}
-        error = {key: ((models.get(key) or {}).get("position_m") or {}).get("rmse", {}).get("value")
-                 for key in ("given_model", "nominal_soil")}
-        return ratio(error["given_model"], error["nominal_soil"])
+        return ratio(*(((models.get(key) or {}).get("position_m") or {}).get("rmse", {}).get("value")
+                       for key in ("given_model", "nominal_soil")))
 
     @property
     def right(self) -> bool:
         """Whether the answer is one that the truth allows."""
         if self.verdict not in self.truth["expected"]:
             return False
+        if "two recordings" in self.truth["variant"]:
+            return self.first and len(self.group) == 1
         return self.verdict in {"nothing_missing", "insufficient_data", "unknown_physics"} or self.set
 
     def line(self) -> str:
+        """What was told of it, and what would have been right."""
         truth = ", ".join(f"{e['effect']} ({e['size']})" for e in self.truth["effects"]) or "nothing"
         told = ", ".join(self.told[:2]) + (f" of {sorted(self.group)}" if len(self.group) > 1 else "")
-        snr = "" if self.snr is None else f", signal {self.snr:.1f}"
         p = "" if self.p is None else f", p(truth) {self.p:.2f}"
-        return f"  {self.name} {self.family} {self.truth['variant']}: {truth}{snr}; told {self.verdict}: {told}{p}"
+        where = f"{self.name} {self.family} {self.truth['variant']}".strip()
+        return f"  {where}: {truth}, signal {self.signal:.1f}; told {self.verdict}: {told}{p}"
 
 
 def share(values: list) -> str:
-    return f"{100 * sum(values) / len(values):.0f}%" if values else "-"
+    return f"{100 * sum(values) / len(values):.0f} %" if values else "-"
 
 
 def middle(values: list) -> str:
@@ -195,39 +184,41 @@ def row(label: str, cases: list[Case]) -> str:
              share([c.two for c in cases]), f"{statistics.mean(p):.2f}" if p else "-",
              middle([c.overlap for c in cases]), middle([e for e, _ in errors]), share([c for _, c in errors]),
              middle([c.held_out for c in cases]), middle([c.unseen for c in cases]), share([c.right for c in cases])]
-    return f"{label:<28}{len(cases):>4}{verdicts} " + "".join(f"{cell:>9}" for cell in cells)
+    return f"{label[:40]:<41}{len(cases):>4}{verdicts} " + "".join(f"{cell:>9}" for cell in cells)
 
 
 def calibration(cases: list[Case]) -> float:
     """Mean distance of the first answer's probability from how often it is right, in ten bins."""
     claims = [case.claim for case in cases if case.claim]
     bins = [[c for c in claims if min(9, int(10 * c[0])) == k] for k in range(10)]
-    gaps = [abs(sum(p for p, _ in b) - sum(right for _, right in b)) for b in bins]
-    return sum(gaps) / max(1, len(claims))
+    return sum(abs(sum(p - right for p, right in b)) for b in bins) / max(1, len(claims))
 
 
 def report(cases: list[Case]) -> None:
-    short = ["noth", "phys", "sens", "ambi", "unkn", "insu", "none"]
     heads = ["detect", "first", "set", "two", "p(truth)", "IoU", "error", "cover", "held-out", "unseen", "right"]
-    print(f"{'':<28}{'n':>4}" + "".join(f"{s:>5}" for s in short) + " " + "".join(f"{h:>9}" for h in heads))
+    print(f"{'':<41}{'n':>4}" + "".join(f"{s:>5}" for s in [v[:4] for v in VERDICTS] + ["none"]) + " " + "".join(f"{h:>9}" for h in heads))
     for family in dict.fromkeys(case.family for case in cases):
         own = [case for case in cases if case.family == family]
         print(row(family, own))
-        kinds = dict.fromkeys((c.truth["variant"] if family == "lookalike" else " + ".join(
-            e["effect"] for e in c.truth["effects"])) for c in own)
-        for kind in sorted(kinds) if len(kinds) > 1 else []:
-            label = (lambda c: c.truth["variant"]) if family == "lookalike" else (
-                lambda c: " + ".join(e["effect"] for e in c.truth["effects"]))
-            print(row("  " + (kind or "nothing")[:26], [c for c in own if label(c) == kind]))
+        kinds = sorted({case.kind for case in own})
+        for kind in kinds if len(kinds) > 1 else []:
+            print(row("  " + (kind or "nothing"), [case for case in own if case.kind == kind]))
     print(row("all", cases))
-    nothing = [case for case in cases if case.family == "nothing" and case.verdict != "none"]
-    print(f"\nfalse alarms {share([c.detected for c in nothing])} of {len(nothing)}")
-    strong = [case for case in cases if (case.snr or 0) >= 8]
-    print(f"detection where the signal left is 8 or more {share([c.detected for c in strong])} of {len(strong)}")
-    print(f"calibration error {calibration(cases):.3f}")
-    alike = [case for case in cases if case.family == "lookalike" and case.detected]
-    sizes = [len(case.group) for case in alike]
-    print(f"look-alikes: size of the set {statistics.mean(sizes) if sizes else 0:.1f}")
+    told = [case for case in cases if case.verdict != "none"]
+    nothing = [case for case in told if case.family == "nothing"]
+    print(f"\nfalse alarms: {share([c.detected for c in nothing])} of {len(nothing)}")
+    plain = [case for case in told if case.signal >= 8 and case.family not in {"nothing", "poor"}]
+    print(f"detection where the signal left is 8 or more: {share([c.detected for c in plain])} of {len(plain)}")
+    named = [case for case in plain if case.family in {"single", "sensor", "local", "terrain_change"} and "unknown" not in case.names]
+    print(f"of these named first / first two: {share([c.first for c in named])} / {share([c.two for c in named])} of {len(named)}")
+    print(f"calibration error: {calibration(told):.3f}")
+    alike = [case for case in told if case.family == "lookalike" and case.detected]
+    print(f"look-alikes: size of the set {statistics.mean([len(c.group) for c in alike] or [0]):.1f}; truth in it "
+          f"{share([c.set for c in alike])}; resolved with a second recording "
+          f"{share([c.right for c in alike if 'two' in c.kind])}")
+    outside = [case for case in told if "unknown" in case.names]
+    wrong = [case.verdict in {"missing_physics", "sensor"} and not case.first for case in outside]
+    print(f"outside of the catalogue, wrongly named: {share(wrong)} of {len(outside)}")
     seconds = sorted(case.seconds for case in cases if case.seconds)
     if seconds:
         print(f"seconds: median {statistics.median(seconds):.1f}, longest {seconds[-1]:.1f}")
@@ -249,7 +240,7 @@ def main() -> None:
     truths = [load(path) for path in sorted(args.cases.glob("*.truth.json"))]
     truths = [truth for truth in truths if truth and args.family in (None, truth["family"])]
     if not truths:
-        sys.exit(f"{args.cases}: no *.truth.json")
+        sys.exit(f"{args.cases}: no such *.truth.json")
     if args.run:
         run(args.run, args.cases, args.results, [truth["case"] for truth in truths], args.jobs, args.limit)
     report([Case(truth, args.results / truth["case"]) for truth in truths])
