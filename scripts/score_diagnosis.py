@@ -27,8 +27,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 VERDICTS = ["nothing_missing", "missing_physics", "sensor", "ambiguous", "unknown_physics", "insufficient_data"]
-SILENT = {"nothing_missing", "insufficient_data"}
-NOTHING = {"nothing_missing", "nothing missing", "nothing"}
+SILENT, NOTHING = {"nothing_missing", "insufficient_data"}, {"nothing_missing", "nothing missing", "nothing"}
 
 
 def load(path: Path) -> dict | None:

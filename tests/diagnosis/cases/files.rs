@@ -119,7 +119,7 @@ fn truth(case: &Case, name: &str) -> Value {
         "seed": case.seed,
         "expected": case.expected(),
         "signal_left": case.signal_left(),
-        "effects": effects.map(|one| effect(one)).collect::<Vec<_>>(),
+        "effects": effects.map(effect).collect::<Vec<_>>(),
         "rivals": plan.rivals,
         "vehicle": case.vehicle_name,
         "ground": case.ground.name,
