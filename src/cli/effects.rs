@@ -19,7 +19,10 @@ needs only what differs. In a file, grade may also hold slopes along the drive, 
 with [at, slope_east, slope_north] over \"time\" [s, from the first row on] or \"distance\" [m], or
   {\"over\": \"place\", \"x\": [...], \"y\": [...], \"slopes\": [[[slope_east, slope_north], ...], ...]}
 with a list for each x of a pair for each y; terrain_change tells by \"over\" (time, distance or place)
-what its position is measured over, place where nothing is said.";
+what its position is measured over, place where nothing is said. Effects that act for a while [s, from
+the first row on] or somewhere [m] stand beside a window with hard edges, outside of which they are off:
+  \"drawbar\": {\"force\": 300}, \"window\": {\"effects\": [\"drawbar\"], \"time\": [12.4, 21]}
+  or in the place of \"time\" \"place\": {\"x\": 5, \"y\": 0, \"radius\": 2} (the reference point's).";
 
 /// List the physics that the paper leaves out, or print effects as JSON.
 ///

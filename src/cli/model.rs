@@ -3,7 +3,7 @@
 use super::{Failure, tell};
 use std::fs;
 use std::path::{Path, PathBuf};
-use ugv_terrain::effects::{Boundary, Effects, Kind, SlopeProfile};
+use ugv_terrain::effects::{Boundary, Effects, Extent, Kind, SlopeProfile};
 use ugv_terrain::json::JsonError;
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
@@ -107,10 +107,12 @@ pub fn load_effects(path: &Path) -> Result<Effects, Failure> {
 /// Refuses effects that depend on when a drive began, where its pieces are looked at one by one.
 pub fn check_piecewise(effects: &Effects) -> Result<(), Failure> {
     let over_place = matches!(effects.slope_profile, None | Some(SlopeProfile::Place(_)));
+    let window = effects.window.as_ref();
+    let anytime = window.is_none_or(|window| matches!(window.extent, Extent::Place { .. }));
     let bounded = effects
         .on(Kind::Physics)
         .any(|effect| effect.name == "terrain_change");
-    if over_place && (!bounded || effects.boundary == Boundary::Place) {
+    if over_place && anytime && (!bounded || effects.boundary == Boundary::Place) {
         return Ok(());
     }
     Err(Failure::Argument {
@@ -119,7 +121,9 @@ pub fn check_piecewise(effects: &Effects) -> Result<(), Failure> {
                  a beginning of its own"
                 .into(),
         hint: Some(
-            "say where on the map the slope or the boundary lies: \"over\": \"place\"".into(),
+            "say where on the map the slope or the boundary lies: \"over\": \"place\"; a window's \
+             \"place\" may stand for its \"time\""
+                .into(),
         ),
     })
 }

@@ -1,10 +1,11 @@
 //! All effects, and which of them are on.
 
-use super::{Boundary, Declaration, Kind, ParameterDeclaration, SlopeProfile};
+use super::{Boundary, Declaration, Kind, ParameterDeclaration, SlopeProfile, Window};
 use super::{
     Bulldozing, ComShift, Drag, Drawbar, ElasticRebound, Grade, HeadingOffset, Latency,
-    LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ShearAnisotropy, SlipSinkage,
-    StressPeak, TerrainChange, TransientShear, TyreCompliance, WheelRadius, YawRateBias,
+    LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ResidualLateral,
+    ResidualLongitudinal, ResidualYaw, ShearAnisotropy, SlipSinkage, StressPeak, TerrainChange,
+    TransientShear, TyreCompliance, WheelRadius, YawRateBias,
 };
 use crate::parameter::ParameterError;
 use crate::scalar::Scalar;
@@ -62,6 +63,9 @@ catalogue! {
     lever_arm: LeverArm,
     yaw_rate_bias: YawRateBias,
     heading_offset: HeadingOffset,
+    residual_longitudinal: ResidualLongitudinal,
+    residual_lateral: ResidualLateral,
+    residual_yaw: ResidualYaw,
 }
 
 /// Number of the parameters of all effects together.
@@ -108,17 +112,23 @@ impl ParameterName {
         self.0
     }
 
+    /// The place of its effect in the catalogue.
+    #[must_use]
+    pub fn effect(self) -> usize {
+        let mut next = 0;
+        let ends = CATALOGUE.iter().map(|effect| {
+            next += effect.parameters.len();
+            next
+        });
+        ends.take_while(|end| *end <= self.0).count()
+    }
+
     /// Its effect and what is declared of it.
     #[must_use]
     pub fn declaration(self) -> (&'static Declaration, &'static ParameterDeclaration) {
-        let mut rest = self.0;
-        for effect in CATALOGUE {
-            match effect.parameters.get(rest) {
-                Some(parameter) => return (effect, parameter),
-                None => rest -= effect.parameters.len(),
-            }
-        }
-        unreachable!("a place is below the count of all parameters")
+        let effect = self.effect();
+        let declaration = CATALOGUE[effect];
+        (declaration, &declaration.parameters[self.0 - first(effect)])
     }
 
     /// `effect.parameter`.
@@ -137,6 +147,8 @@ pub struct Effects {
     pub boundary: Boundary,
     /// Slopes along the drive, added to those of `grade`.
     pub slope_profile: Option<SlopeProfile>,
+    /// Outside of it some effects are off.
+    pub window: Option<Window>,
 }
 
 impl Default for Effects {
@@ -163,6 +175,7 @@ impl Effects {
             values,
             boundary: Boundary::Place,
             slope_profile: None,
+            window: None,
         }
     };
 
@@ -222,6 +235,33 @@ impl Effects {
             .map(|(_, declaration)| *declaration)
     }
 
+    /// Whether an effect of the catalogue is off outside of a window.
+    #[must_use]
+    pub fn is_windowed(&self, effect: usize) -> bool {
+        let window = self.window.as_ref();
+        window.is_some_and(|window| window.effects.contains(&effect))
+    }
+
+    /// What is left outside of the window, if there is one.
+    #[must_use]
+    pub fn outside(&self) -> Option<Self> {
+        self.window.as_ref()?;
+        let mut left = Self {
+            window: None,
+            ..self.clone()
+        };
+        for parameter in ParameterName::all().filter(|p| self.is_windowed(p.effect())) {
+            let (effect, declared) = parameter.declaration();
+            if declared.switches {
+                left.values[parameter.0] = declared.default;
+            }
+            if effect.name == Grade::<f64>::DECLARATION.name {
+                left.slope_profile = None;
+            }
+        }
+        Some(left)
+    }
+
     /// Whether all physics is off: the paper's model. (What sensors add is no matter of the
     /// model's.)
     #[must_use]
@@ -265,6 +305,7 @@ impl Effects {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Extent, Points};
     use super::*;
     use std::collections::HashSet;
 
@@ -310,6 +351,34 @@ mod tests {
         assert_eq!(active.grade, None);
         let biased = Effects::NONE.with("yaw_rate_bias.bias", 0.01).unwrap();
         assert!(biased.is_paper() && !biased.is_on(0));
+    }
+
+    #[test]
+    fn outside_of_a_window_its_effects_are_off() {
+        let both = Effects::NONE
+            .with("drawbar.force", 100.0)
+            .and_then(|e| e.with("drawbar.hitch_height", 0.9))
+            .and_then(|e| e.with("drag.coefficient", 3.0))
+            .unwrap();
+        assert_eq!(both.outside(), None);
+        let profile = Points::new(vec![0.0], vec![[0.1, 0.0]]).unwrap();
+        let place = |name: &str| CATALOGUE.iter().position(|effect| effect.name == name);
+        let effects = ["drawbar", "grade"].map(|name| place(name).unwrap());
+        let windowed = Effects {
+            slope_profile: Some(SlopeProfile::Time(profile)),
+            window: Some(Window {
+                effects: effects.to_vec(),
+                extent: Extent::Time {
+                    start: 1.0,
+                    end: 2.0,
+                },
+            }),
+            ..both.clone()
+        };
+        let left = both.with("drawbar.force", 0.0).unwrap();
+        assert_eq!(windowed.outside(), Some(left));
+        assert!(effects.iter().all(|effect| windowed.is_windowed(*effect)));
+        assert!(!windowed.is_windowed(place("drag").unwrap()));
     }
 
     #[test]

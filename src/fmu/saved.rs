@@ -106,10 +106,9 @@ impl Instance {
 /// Whether two configurations differ in nothing but what can be set.
 fn same_fixtures(one: &Configuration, other: &Configuration) -> bool {
     let effects = [&one.effects, &other.effects];
-    let [one_profile, other_profile] = effects.map(|effects| &effects.slope_profile);
-    one.rows() == other.rows()
-        && effects[0].boundary == effects[1].boundary
-        && one_profile == other_profile
+    let [one_fixed, other_fixed] =
+        effects.map(|effects| (effects.boundary, &effects.slope_profile, &effects.window));
+    one.rows() == other.rows() && one_fixed == other_fixed
 }
 
 /// FNV-1a: tells bytes that were damaged or cut short, not ones that were forged.

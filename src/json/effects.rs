@@ -2,6 +2,7 @@
 
 use super::JsonError;
 use super::object;
+use super::window::{self, WINDOW};
 use crate::effects::{
     Boundary, CATALOGUE, Declaration, Effects, Grid, ParameterName, Points, SlopeProfile,
 };
@@ -25,7 +26,8 @@ const BOUNDARIES: [(&str, Boundary); 3] = [
 impl Effects {
     /// Reads effects from JSON: an object whose keys are names of effects, each holding an object
     /// with parameters (what is missing has its default); `grade` may hold a `profile`, and
-    /// `terrain_change` tells by `over` what its boundary is measured over.
+    /// `terrain_change` tells by `over` what its boundary is measured over; beside the effects a
+    /// `window` may tell when or where some of them act.
     ///
     /// # Errors
     /// Text that is not JSON, unknown effects or parameters, and values out of range.
@@ -50,11 +52,17 @@ impl Effects {
                 check_format(value, EFFECTS_FORMAT)?;
                 continue;
             }
-            let known = || CATALOGUE.iter().map(|effect| effect.name);
+            if key == WINDOW {
+                continue;
+            }
+            let known = || CATALOGUE.iter().map(|effect| effect.name).chain([WINDOW]);
             let Some(effect) = CATALOGUE.iter().find(|effect| effect.name == key) else {
                 return Err(unknown("set of effects", key, known()));
             };
             effects.read_effect(effect, value)?;
+        }
+        if let Some(value) = map.get(WINDOW) {
+            effects.window = Some(window::read(value, &effects)?);
         }
         Ok(effects)
     }
@@ -141,6 +149,7 @@ impl Effects {
             }
             map.insert(effect.name.into(), parameters.into());
         }
+        map.extend(window::write(self).map(|window| (WINDOW.into(), window)));
         map.into()
     }
 }
@@ -166,7 +175,11 @@ pub(super) fn check_format(value: &Value, expected: &'static str) -> Result<(), 
     ))
 }
 
-fn unknown(what: &'static str, key: &str, known: impl Iterator<Item = &'static str>) -> JsonError {
+pub(super) fn unknown(
+    what: &'static str,
+    key: &str,
+    known: impl Iterator<Item = &'static str>,
+) -> JsonError {
     JsonError::UnknownKey {
         what,
         key: key.into(),

@@ -1,6 +1,6 @@
 //! What can be wrong with a vehicle's or a terrain's JSON.
 
-use crate::effects::ProfileError;
+use crate::effects::{ProfileError, WindowError};
 use crate::parameter::ParameterError;
 use serde_json::Value;
 use std::fmt;
@@ -62,6 +62,24 @@ pub enum JsonError {
         place: String,
         /// What is wrong with it.
         source: ProfileError,
+    },
+    /// A name that is no effect's.
+    UnknownEffect {
+        /// Where it stands.
+        place: String,
+        /// The name.
+        name: String,
+        /// The effect that is spelled most like it.
+        nearest: &'static str,
+    },
+    /// Two keys in the object of a third, of which one is wanted.
+    Either(&'static str, [&'static str; 2]),
+    /// A window that makes no sense.
+    Window {
+        /// Where it stands.
+        place: &'static str,
+        /// What is wrong with it.
+        source: WindowError,
     },
     /// A value outside its range.
     OutOfRange(ParameterError),
@@ -139,6 +157,19 @@ impl fmt::Display for JsonError {
             }
             Self::InTerrain { name, source } => write!(f, "{name}: {source}"),
             Self::Profile { place, source } => write!(f, "{place}: {source}"),
+            Self::UnknownEffect {
+                place,
+                name,
+                nearest,
+            } => write!(
+                f,
+                "{place}: no effect is called `{name}`; the nearest is `{nearest}`"
+            ),
+            Self::Either(place, [one, other]) => write!(
+                f,
+                "{place}: found both `{one}` and `{other}`, expected one of them"
+            ),
+            Self::Window { place, source } => write!(f, "{place}: {source}"),
             Self::OutOfRange(error) => error.fmt(f),
         }
     }
@@ -149,6 +180,7 @@ impl std::error::Error for JsonError {
         match self {
             Self::InTerrain { source, .. } => Some(source),
             Self::Profile { source, .. } => Some(source),
+            Self::Window { source, .. } => Some(source),
             _ => None,
         }
     }

@@ -10,6 +10,7 @@ mod object;
 mod specification;
 mod terrain;
 mod vehicle;
+mod window;
 
 pub use effects::EFFECTS_FORMAT;
 pub use error::JsonError;

@@ -283,8 +283,15 @@ impl Simulation {
         }
         self.now.balance.copy_from(&self.anchor);
         let (time, motion) = (self.time, self.state.motion(self.inputs));
-        self.now
-            .solve(&self.model, &self.state, motion, time, &self.memory)
+        let (model, state, memory) = (&self.model, &self.state, &self.memory);
+        let solved = self.now.solve(model, state, motion, time, memory);
+        if let Err(SimulationError::Balance { source, .. }) = &solved
+            && matches!(source, BalanceError::NotConverged(_))
+        {
+            // Wheel speeds that jump may lead too far from the last balance: then from scratch.
+            return self.now.solve(model, state, motion, time, memory);
+        }
+        solved
     }
 }
 

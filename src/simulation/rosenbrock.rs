@@ -110,7 +110,7 @@ impl Simulation {
     }
 
     /// As [`Simulation::step`], with a visit after each step that the integrator takes, of the
-    /// simulation and the step's length \[s\].
+    /// simulation and the step's length \[s\], and another of no length behind each event.
     pub(super) fn step_with(
         &mut self,
         seconds: f64,
@@ -122,7 +122,10 @@ impl Simulation {
         let (start, speeds) = (self.time, self.inputs);
         let mut done = 0.0;
         while done < seconds {
-            let rest = seconds - done;
+            let due = self.model.next_event(self.time);
+            let event = due.filter(|event| *event <= start + seconds);
+            let goal = event.map_or(seconds, |event| (event - start).clamp(done, seconds));
+            let rest = goal - done;
             let wanted = self.integrator.next_step;
             // Rather two even steps than a long one and a stub.
             let step = if rest <= wanted * 1.05 {
@@ -133,16 +136,31 @@ impl Simulation {
                 wanted
             };
             let last = step == rest;
-            let reached = if last { seconds } else { done + step };
+            let reached = if last { goal } else { done + step };
             let end_speeds = speeds.after(self.input_rates, reached);
-            if self.try_step(step, end_speeds, start + reached)? {
+            let passed = event.filter(|_| last);
+            // Up to the event holds what held before it.
+            let end_time = passed.map_or(start + reached, f64::next_down);
+            if self.try_step(step, end_speeds, end_time)? {
                 done = reached;
-                self.time = start + reached;
+                self.time = end_time;
                 self.inputs = end_speeds;
                 visit(self, step)?;
+                if let Some(event) = passed {
+                    self.pass(event)?;
+                    visit(self, 0.0)?;
+                }
             }
         }
         Ok(())
+    }
+
+    /// Goes on behind an event, where other effects are on.
+    fn pass(&mut self, event: f64) -> Result<(), SimulationError> {
+        self.time = event;
+        self.now.valid = false;
+        self.integrator.jacobian_age = JACOBIAN_STEPS;
+        self.evaluate()
     }
 
     /// Takes one step if its error is tolerable, and chooses the next step's size.

@@ -145,7 +145,7 @@ impl Linearisation {
     fn by_load(&self, model: &VehicleModel, index: usize) -> [f64; FORCE_COUNT] {
         let slope = self.entry_slope(index);
         if self.shares[index] < 1.0 {
-            let lightest = model.lightest_load();
+            let lightest = model.lightest_load(None);
             self.wheels[index]
                 .to_array()
                 .map(|force| force.re / lightest)

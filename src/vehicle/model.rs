@@ -2,8 +2,9 @@
 
 use super::altered::{Altered, Prepared};
 use super::{Direction, Directions};
-use super::{LoadPlane, Motion, Specification, Surroundings, Vehicle};
+use super::{LoadPlane, Motion, Parameter, Specification, Surroundings, Vehicle};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
+use crate::effects::{Extent, ParameterName};
 use crate::parameter::ParameterError;
 use crate::scalar::Scalar;
 use crate::terrain::Terrain;
@@ -97,6 +98,14 @@ impl VehicleModel {
             .map_or_else(Vec::new, |altered| altered.layout.names())
     }
 
+    /// The first moment after `time` \[s\] at which effects are switched on or off, whatever the
+    /// vehicle does.
+    #[must_use]
+    pub fn next_event(&self, time: f64) -> Option<f64> {
+        let effects = &self.altered()?.specification.effects;
+        effects.window.as_ref()?.extent.next_edge(time)
+    }
+
     /// The directions to differentiate in, prepared; a model without effects has none.
     pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
         match self.altered() {
@@ -108,8 +117,16 @@ impl VehicleModel {
     /// Whether nothing depends on position and heading.
     pub(crate) fn is_placeless(&self) -> bool {
         self.altered().is_none_or(|altered| {
-            let effects = &altered.chassis.effects;
-            effects.grade.is_none() && effects.terrain_change.is_none()
+            let effects = &altered.specification.effects;
+            let mut placed =
+                ParameterName::all().filter(|p| Parameter::Effect(*p).depends_on_place());
+            let anywhere = effects
+                .window
+                .as_ref()
+                .is_none_or(|window| matches!(window.extent, Extent::Time { .. }));
+            anywhere
+                && effects.slope_profile.is_none()
+                && placed.all(|p| effects.get(p) == p.declaration().1.default)
         })
     }
 
@@ -129,12 +146,6 @@ impl VehicleModel {
     ) -> Option<Prepared<'a>> {
         self.altered()
             .map(|altered| altered.prepare(motion, surroundings, &self.regularisation))
-    }
-
-    /// Mass of the vehicle with its payload \[kg\].
-    pub(super) fn mass(&self) -> f64 {
-        self.altered()
-            .map_or(self.vehicle.mass, |altered| altered.chassis.mass)
     }
 
     /// The vehicle.
@@ -172,9 +183,9 @@ impl VehicleModel {
     }
 
     /// Weight m g \[N\].
-    pub(super) fn weight(&self) -> f64 {
-        match self.altered() {
-            Some(altered) => altered.chassis.mass * super::GRAVITY,
+    pub(super) fn weight(&self, prepared: Option<&Prepared>) -> f64 {
+        match prepared {
+            Some(prepared) => prepared.chassis.mass * super::GRAVITY,
             None => self.plane.weight(),
         }
     }

@@ -97,7 +97,7 @@ impl VehicleModel {
         let mut last = [0.0; 2];
         for iteration in 0..MAX_ITERATIONS {
             self.evaluate(motion, prepared, balance, detail);
-            let step = self.acceleration_step(balance);
+            let step = self.acceleration_step(prepared, balance);
             if !step.iter().all(|v| v.is_finite()) {
                 balance.reset();
                 return Err(BalanceError::NotFinite(*motion));
@@ -115,7 +115,7 @@ impl VehicleModel {
             balance.acceleration[0] += damping * step[0];
             balance.acceleration[1] += damping * step[1];
             balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
-            let longest = balance.advance(self.lightest_load());
+            let longest = balance.advance(self.lightest_load(prepared));
             let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
             match detail {
                 Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
@@ -134,8 +134,8 @@ impl VehicleModel {
     /// Load \[N\] below which a wheel's forces fade in proportion to it, a thousandth of the
     /// mean load. (A wheel on cohesive soil has forces that grow infinitely fast with the
     /// first newtons; with them no balance would be found where a wheel lifts.)
-    pub(super) fn lightest_load(&self) -> f64 {
-        1e-3 * self.weight() / self.vehicle().wheel_count() as f64
+    pub(super) fn lightest_load(&self, prepared: Option<&Prepared>) -> f64 {
+        1e-3 * self.weight(prepared) / self.vehicle().wheel_count() as f64
     }
 
     /// Evaluates every wheel's forces and their slope by its entry angle.
@@ -172,7 +172,7 @@ impl VehicleModel {
         detail: Detail,
     ) {
         balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
-        let lightest = self.lightest_load();
+        let lightest = self.lightest_load(prepared);
         for index in 0..balance.wheels.len() {
             let load = balance.loads[index][0];
             let target = load.max(lightest);
@@ -222,8 +222,8 @@ impl VehicleModel {
     }
 
     /// Newton's step of a_X and a_Y, all entry angles following their loads.
-    fn acceleration_step(&self, balance: &Balance) -> [f64; 2] {
-        let mass = self.mass();
+    fn acceleration_step(&self, prepared: Option<&Prepared>, balance: &Balance) -> [f64; 2] {
+        let mass = prepared.map_or(self.vehicle().mass, |at| at.chassis.mass);
         let [a_x, a_y] = balance.acceleration;
         let mut residual = [-mass * a_x, -mass * a_y];
         let mut matrix = [[mass, 0.0], [0.0, mass]];
@@ -244,7 +244,7 @@ impl VehicleModel {
             let missing = wheel.load - wheel.share * force.vertical;
             // A light wheel's forces fade with its load instead.
             let by_load = if wheel.share < 1.0 {
-                let lightest = self.lightest_load();
+                let lightest = self.lightest_load(prepared);
                 [force_x / lightest, force.lateral / lightest]
             } else {
                 by_vertical

@@ -1,7 +1,10 @@
 //! What a model is made of, and each of its numbers by name.
 
 use super::Vehicle;
-use crate::effects::{Effects, Grade, Kind, ParameterName, TerrainChange};
+use crate::effects::{
+    Effects, Grade, Kind, ParameterName, ResidualLateral, ResidualLongitudinal, ResidualYaw,
+    TerrainChange,
+};
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
 
@@ -133,16 +136,20 @@ impl Parameter {
 
     /// Whether forces that it scales depend on position or heading.
     pub(crate) fn depends_on_place(self) -> bool {
-        match self {
-            Self::Effect(parameter) => {
-                let place_bound = [
-                    Grade::<f64>::DECLARATION.name,
-                    TerrainChange::<f64>::DECLARATION.name,
-                ];
-                place_bound.contains(&parameter.declaration().0.name)
-            }
-            _ => false,
-        }
+        let Self::Effect(parameter) = self else {
+            return false;
+        };
+        let (effect, declared) = parameter.declaration();
+        let of_one = |names: &[&str]| names.contains(&effect.name);
+        // Of a law without a name only what points somewhere on the map.
+        of_one(&[
+            Grade::<f64>::DECLARATION.name,
+            TerrainChange::<f64>::DECLARATION.name,
+        ]) || of_one(&[
+            ResidualLongitudinal::<f64>::DECLARATION.name,
+            ResidualLateral::<f64>::DECLARATION.name,
+            ResidualYaw::<f64>::DECLARATION.name,
+        ]) && ["east", "north"].contains(&declared.name)
     }
 
     /// Whether it belongs to an effect that changes how the vehicle moves (or to vehicle or soil),
@@ -196,5 +203,18 @@ mod tests {
         assert_eq!(Parameter::find("cohesio"), None);
         assert!(Parameter::find("mass").unwrap().is_physics());
         assert!(!Parameter::find("latency.pose").unwrap().is_physics());
+    }
+
+    #[test]
+    fn what_points_somewhere_on_the_map_depends_on_the_place() {
+        let placed = |name: &str| Parameter::find(name).unwrap().depends_on_place();
+        for name in ["grade.slope_east", "terrain_change.position"] {
+            assert!(placed(name), "{name}");
+        }
+        for law in ["residual_longitudinal", "residual_lateral", "residual_yaw"] {
+            assert!(placed(&format!("{law}.east")) && placed(&format!("{law}.north")));
+            assert!(!placed(&format!("{law}.constant")));
+        }
+        assert!(!placed("mass") && !placed("drawbar.force"));
     }
 }

@@ -187,3 +187,72 @@ fn equal_factors_on_both_radii_are_a_vehicle_with_such_wheels() {
         assert!((worn.wheels[3].sinkage - small.wheels[3].sinkage).abs() < 1e-5);
     }
 }
+
+#[test]
+fn laws_without_a_name_push_with_their_share_of_the_weight() {
+    // No lever of the centre of mass: the ground's forces stay what they are.
+    let motion = Motion {
+        v_x: 1.5,
+        v_y: 0.2,
+        yaw_rate: -0.4,
+        omega_left: 8.0,
+        omega_right: 6.4,
+    };
+    let found = |name: &str, value: f64| {
+        let with = wrench(&model(low(), "sandy_loam", &[(name, value)]), &motion);
+        let without = wrench(&model(low(), "sandy_loam", &[(name, 1e-12)]), &motion);
+        [
+            with.a_x - without.a_x,
+            with.a_y - without.a_y,
+            with.yaw_acceleration - without.yaw_acceleration,
+        ]
+    };
+    // Scaled by sqrt(9.81 x 0.61) = 2.446242 m/s: u = 0.613185, w = 0.081758, q = -0.099745; the
+    // rims' 0.25 m x 8.0 and 6.4 rad/s: (1.8 - 1.5) / 2.446242 = 0.122637. Of the weight a share
+    // of 0.03 accelerates by 0.2943 m/s^2; of m g B by 490 x 9.81 x 0.61 / 309.43 x 0.03
+    // = 0.284286 rad/s^2.
+    for (name, axis, expected) in [
+        ("residual_longitudinal.constant", 0, 0.2943),
+        ("residual_longitudinal.speed_squared", 0, 0.2943 * 0.375996),
+        ("residual_longitudinal.slip", 0, 0.2943 * 0.122637),
+        ("residual_longitudinal.east", 0, 0.2943),
+        ("residual_lateral.sideways", 1, 0.2943 * 0.081758),
+        ("residual_lateral.north", 1, 0.2943),
+        ("residual_yaw.turning", 2, 0.284286 * -0.099745),
+        ("residual_yaw.speed_sideways", 2, 0.284286 * 0.050133),
+    ] {
+        let changes = found(name, 0.03);
+        for (index, change) in changes.into_iter().enumerate() {
+            let expected = if index == axis { expected } else { 0.0 };
+            assert!(
+                (change - expected).abs() < 1e-5,
+                "{name}: {changes:?} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_push_towards_the_east_is_felt_wherever_the_vehicle_heads() {
+    // Both components of one force, heading 100 deg on dry clay: ahead cos 100 deg, to the left
+    // -sin 100 deg.
+    use ugv_terrain::simulation::{Simulation, State};
+    let heading = 100.0_f64.to_radians();
+    let state = State {
+        heading,
+        v_x: 1.0,
+        ..State::default()
+    };
+    let pushed = |value: f64| {
+        let both = [
+            ("residual_longitudinal.east", value),
+            ("residual_lateral.east", value),
+        ];
+        let mut drive = Simulation::new(model(low(), "dry_clay", &both));
+        drive.set_state(state).unwrap();
+        drive.wrench().unwrap().clone()
+    };
+    let (with, without) = (pushed(0.02), pushed(1e-12));
+    assert!((with.a_x - without.a_x - 0.1962 * heading.cos()).abs() < 1e-5);
+    assert!((with.a_y - without.a_y + 0.1962 * heading.sin()).abs() < 1e-5);
+}

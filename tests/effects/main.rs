@@ -11,6 +11,7 @@ mod memory;
 mod page;
 mod properties;
 mod signs;
+mod window;
 
 use ugv_terrain::effects::Effects;
 use ugv_terrain::terrain::Terrain;

@@ -15,6 +15,15 @@ Each effect is one file in `src/effects/`, of one shape, generic over the scalar
 on by a file (`ugv simulate --effects FILE`), estimated by `ugv fit`, and set as an FMU's parameters. With all
 off the model is the paper's, bit for bit. An effect is on when one of its **bold** parameters differs from its
 default; the others shape it. Symbols as in the paper; i is the longitudinal slip, z and h the sinkage.
+
+In a file `grade` may also hold slopes along the drive, linear in between:
+`\"profile\": {\"over\": \"time\" or \"distance\", \"points\": [[at, slope_east, slope_north], ...]}` or
+`{\"over\": \"place\", \"x\": [...], \"y\": [...], \"slopes\": [[[slope_east, slope_north], ...], ...]}`.
+Beside the effects a `window` with hard edges may tell when [s] or where [m] some of them act:
+`\"window\": {\"effects\": [\"drawbar\"], \"time\": [12.4, 21]}` (from the start on, before the end) or
+`{\"effects\": [\"drawbar\"], \"place\": {\"x\": 5, \"y\": 0, \"radius\": 2}}` (while the reference point is in the disc).
+Outside they are off; what they make the vehicle and its ground remember goes on being remembered.
+The laws `residual_*` have no name: they say how physics that is not in this list acts, not what it is.
 ";
 
 fn prior(prior: &Prior) -> String {

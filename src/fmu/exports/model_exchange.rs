@@ -41,7 +41,8 @@ pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Sta
     }
 }
 
-/// Handles an event: the model has none of its own, so nothing changes.
+/// Handles an event: effects that act for a while begin or end by themselves, and the next such moment
+/// is told.
 ///
 /// # Safety
 /// A live component; `event_info` can be written.
@@ -56,14 +57,16 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(
             component,
             Call::NewDiscreteStates,
             "fmi2NewDiscreteStates",
-            |_| {
+            |instance| {
+                let time = instance.core.time;
+                let next = instance.core.simulation()?.model().next_event(time);
                 *out(event_info)? = fmi2EventInfo {
                     newDiscreteStatesNeeded: 0,
                     terminateSimulation: 0,
                     nominalsOfContinuousStatesChanged: 0,
                     valuesOfContinuousStatesChanged: 0,
-                    nextEventTimeDefined: 0,
-                    nextEventTime: 0.0,
+                    nextEventTimeDefined: fmi2Boolean::from(next.is_some()),
+                    nextEventTime: next.unwrap_or_default(),
                 };
                 Ok(())
             },

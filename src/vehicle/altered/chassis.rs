@@ -128,6 +128,13 @@ impl<S: Scalar> Chassis<S> {
         }
     }
 
+    /// Remembers what another chassis does, whether or not it is felt here.
+    pub fn remembering_like(mut self, other: &Self) -> Self {
+        self.effects.transient_shear = other.effects.transient_shear;
+        self.effects.multipass = other.effects.multipass;
+        self
+    }
+
     /// A wheel's place ahead and to the left of the centre of mass.
     #[inline(always)]
     pub fn arm(&self, index: usize) -> [S; 2] {

@@ -5,12 +5,14 @@
 //! residuals are differentiated by dual numbers, then the step that restores the balance is added.
 
 use super::loads::spread_loads;
-use super::solve::Altered;
+use super::solve::{Altered, Prepared};
 use super::{Chassis, Environment, Situation, Surroundings};
 use crate::contact::{Detail, FORCE_COUNT, WheelForces, WheelMemory};
 use crate::scalar::{Dual, Scalar};
 use crate::vehicle::newton::solve_2x2;
-use crate::vehicle::{Balance, Motion, Parameter, VehicleModel, WheelOutputs, Wrench};
+use crate::vehicle::{
+    Balance, Motion, Parameter, Specification, VehicleModel, WheelOutputs, Wrench,
+};
 
 /// Directions are taken so many at a time.
 const CHUNK: usize = 4;
@@ -59,25 +61,27 @@ pub(crate) struct Differentiated {
 pub(crate) struct Directions {
     list: Vec<Direction>,
     chassis: Vec<Chassis<Lane>>,
+    /// The same outside of the effects' window, where they have one.
+    outside: Vec<Chassis<Lane>>,
 }
 
 impl Directions {
     pub fn new(altered: &Altered, list: Vec<Direction>) -> Self {
-        let constant: Chassis<Lane> = altered.chassis.lift(&altered.specification);
-        let chassis = list.chunks(CHUNK).map(|chunk| {
-            if !chunk.iter().any(|d| matches!(d, Direction::Parameter(_))) {
-                return constant.clone();
-            }
-            Chassis::new(&altered.specification, |parameter| {
-                let place = chunk
-                    .iter()
-                    .position(|d| *d == Direction::Parameter(parameter))?;
-                let value = parameter.get(&altered.specification);
-                Some(Dual::variable(value, place))
-            })
+        let chassis = differentiated(&altered.chassis, &altered.specification, &list, |_| true);
+        let effects = &altered.specification.effects;
+        // What is off there has no derivatives either.
+        let felt = |parameter| match parameter {
+            Parameter::Effect(name) => !effects.is_windowed(name.effect()),
+            _ => true,
+        };
+        let outside = altered.outside.iter().flat_map(|outside| {
+            let own = differentiated(&outside.chassis, &outside.specification, &list, felt);
+            let pairs = own.into_iter().zip(&chassis);
+            pairs.map(|(own, inside)| own.remembering_like(inside))
         });
         Self {
-            chassis: chassis.collect(),
+            outside: outside.collect(),
+            chassis,
             list,
         }
     }
@@ -106,10 +110,36 @@ impl Directions {
         };
         let slopes = at.slopes();
         let chunks = self.list.chunks(CHUNK).zip(results.chunks_mut(CHUNK));
-        for ((list, results), chassis) in chunks.zip(&self.chassis) {
+        let chassis = match altered.outside_at(surroundings) {
+            Some(_) => &self.outside,
+            None => &self.chassis,
+        };
+        for ((list, results), chassis) in chunks.zip(chassis) {
             at.chunk(list, chassis, &slopes, results);
         }
     }
+}
+
+/// The chassis for each chunk of directions, differentiated by those that are `felt` parameters.
+fn differentiated(
+    chassis: &Chassis<f64>,
+    specification: &Specification,
+    list: &[Direction],
+    felt: impl Fn(Parameter) -> bool,
+) -> Vec<Chassis<Lane>> {
+    let constant: Chassis<Lane> = chassis.lift(specification);
+    let chunks = list.chunks(CHUNK).map(|chunk| {
+        if !chunk.iter().any(|d| matches!(d, Direction::Parameter(_))) {
+            return constant.clone();
+        }
+        Chassis::new(specification, |parameter| {
+            let mut directions = chunk.iter();
+            let place = directions.position(|d| *d == Direction::Parameter(parameter))?;
+            let value = parameter.get(specification);
+            felt(parameter).then(|| Dual::variable(value, place))
+        })
+    });
+    chunks.collect()
 }
 
 /// Where is differentiated.
@@ -124,9 +154,7 @@ struct Point<'a> {
 impl Point<'_> {
     /// Slopes of each wheel's forces by its entry angle, with the forces themselves.
     fn slopes(&self) -> Vec<WheelForces<Dual<f64, 1>>> {
-        let prepared =
-            self.altered
-                .prepare(self.motion, self.surroundings, self.model.regularisation());
+        let prepared = self.prepared();
         let wheel = |(index, wheel): (usize, &crate::vehicle::balance::BalancedWheel)| {
             if wheel.load <= 0.0 {
                 return WheelForces::zero();
@@ -136,6 +164,12 @@ impl Point<'_> {
             prepared.wheel(level, contact, index, wheel.entry_angle, Detail::Full)
         };
         self.balance.wheels.iter().enumerate().map(wheel).collect()
+    }
+
+    fn prepared(&self) -> Prepared<'_> {
+        let regularisation = self.model.regularisation();
+        self.altered
+            .prepare(self.motion, self.surroundings, regularisation)
     }
 
     fn situation(&self, list: &[Direction]) -> Situation<Lane> {
@@ -281,7 +315,7 @@ impl Point<'_> {
         let mut loads = vec![Lane::constant(0.0); count];
         spread_loads(&places, &targets, &mut loads);
         let mass = chassis.mass.re;
-        let lightest = self.model.lightest_load();
+        let lightest = self.model.lightest_load(Some(&self.prepared()));
         let mut entry_angles: Vec<_> = self
             .balance
             .wheels

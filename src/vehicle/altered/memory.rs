@@ -1,8 +1,8 @@
 //! What a vehicle and its ground remember: states besides position and velocity.
 
 use super::{Chassis, Situation};
-use crate::contact::{Regularisation, WheelMemory};
-use crate::effects::{Boundary, Displacement, Effects, SlopeProfile};
+use crate::contact::{Regularisation, WheelLaw, WheelMemory};
+use crate::effects::{Boundary, Displacement, Effects, Multipass, SlopeProfile};
 use crate::scalar::{Elementary, Scalar};
 use crate::vehicle::Specification;
 
@@ -146,7 +146,7 @@ impl MemoryLayout {
                 );
                 rates.extend([rate.forward, rate.lateral, rate.yaw, rate.rim]);
             }
-            if let (true, Some(effect)) = (self.rut, &law.multipass) {
+            if let (true, Some(effect)) = (self.rut, &chassis.effects.multipass) {
                 // Which row goes ahead depends on where the wheel travels to.
                 let onward =
                     (motion.forward.scale(1.0 / regularisation.travel_speed)).smooth_step();
@@ -178,7 +178,7 @@ impl MemoryLayout {
                     let arriving = match ahead {
                         Some(row) => {
                             let (entry, before) = &wheels[row];
-                            let depth = depth(&law, *entry, before);
+                            let depth = depth(&law, effect, *entry, before);
                             effect.arriving(depth, apart, aside, S::constant(law.width))
                         }
                         None => S::constant(0.0),
@@ -192,11 +192,13 @@ impl MemoryLayout {
 }
 
 /// Depth of a wheel's lowest point below the untouched surface \[m\].
-fn depth<S: Scalar>(law: &crate::contact::WheelLaw<S>, entry: S, memory: &WheelMemory<S>) -> S {
+fn depth<S: Scalar>(
+    law: &WheelLaw<S>,
+    effect: &Multipass<S>,
+    entry: S,
+    memory: &WheelMemory<S>,
+) -> S {
     let (sine, _) = entry.scale(0.5).sin_cos_small();
     let below = law.circle * (sine * sine).scale(2.0);
-    match &law.multipass {
-        Some(effect) => below + effect.rut(memory.pressed).ground,
-        None => below,
-    }
+    below + effect.rut(memory.pressed).ground
 }

@@ -14,12 +14,23 @@ pub(crate) struct Altered {
     pub specification: Specification,
     pub chassis: Chassis<f64>,
     pub layout: MemoryLayout,
+    /// The same outside of the effects' window, where they have one.
+    pub outside: Option<Outside>,
+}
+
+/// A specification and its chassis outside of the effects' window.
+#[derive(Debug, Clone)]
+pub(crate) struct Outside {
+    pub specification: Specification,
+    pub chassis: Chassis<f64>,
 }
 
 /// What holds throughout one solution.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Prepared<'a> {
     pub altered: &'a Altered,
+    /// The one that holds at this time and place.
+    pub chassis: &'a Chassis<f64>,
     pub situation: Situation<f64>,
     pub environment: Environment<f64>,
     pub memory: &'a [f64],
@@ -42,7 +53,19 @@ impl Altered {
     /// A soil that the effects leave without stiffness.
     pub fn new(specification: &Specification) -> Result<Self, ParameterError> {
         let chassis = Chassis::new(specification, |_| None);
-        for wheel in &chassis.wheels {
+        let outside = specification.effects.outside().map(|effects| {
+            let specification = Specification {
+                effects,
+                ..specification.clone()
+            };
+            let own = Chassis::new(&specification, |_| None);
+            Outside {
+                chassis: own.remembering_like(&chassis),
+                specification,
+            }
+        });
+        let other = outside.iter().flat_map(|outside| &outside.chassis.wheels);
+        for wheel in chassis.wheels.iter().chain(other) {
             crate::parameter::Bounds::open_low("sinkage modulus", "N/m^(n+2)", 0.0, 1e16)
                 .check(wheel.law.soil.modulus)?;
         }
@@ -50,7 +73,17 @@ impl Altered {
             specification: specification.clone(),
             chassis,
             layout: MemoryLayout::new(specification),
+            outside,
         })
+    }
+
+    /// The chassis outside of the effects' window, if the vehicle is there.
+    pub fn outside_at(&self, surroundings: &Surroundings) -> Option<&Outside> {
+        let window = self.specification.effects.window.as_ref()?;
+        let inside = window
+            .extent
+            .holds(surroundings.time, surroundings.position);
+        self.outside.as_ref().filter(|_| !inside)
     }
 
     pub fn prepare<'a>(
@@ -61,12 +94,14 @@ impl Altered {
     ) -> Prepared<'a> {
         let situation = Situation::new(motion, surroundings, &self.layout);
         let fading = regularisation.travel_speed;
+        let outside = self.outside_at(surroundings);
+        let chassis = outside.map_or(&self.chassis, |outside| &outside.chassis);
+        let effects = &self.specification.effects;
         Prepared {
             altered: self,
+            chassis,
             situation,
-            environment: self
-                .chassis
-                .environment(&situation, &self.specification.effects, fading),
+            environment: chassis.environment(&situation, effects, fading),
             memory: surroundings.memory,
         }
     }
@@ -75,9 +110,7 @@ impl Altered {
 impl Prepared<'_> {
     /// Fills a wrench with what a balance means here.
     pub fn wrench(&self, balance: &Balance, regularisation: &Regularisation, wrench: &mut Wrench) {
-        let Altered {
-            chassis, layout, ..
-        } = self.altered;
+        let (chassis, layout) = (self.chassis, &self.altered.layout);
         let situation = &self.situation;
         let totals = chassis.totals(&self.environment, situation.yaw_rate, &balance.forces);
         [wrench.a_x, wrench.a_y] = totals.acceleration;
@@ -109,9 +142,9 @@ impl Prepared<'_> {
         rates: &mut Vec<f64>,
     ) {
         let Altered {
-            chassis,
             layout,
             specification,
+            ..
         } = self.altered;
         let wheels = balance.wheels.iter().enumerate();
         let wheels: Vec<_> = wheels
@@ -119,7 +152,7 @@ impl Prepared<'_> {
             .collect();
         let boundary = specification.effects.boundary;
         layout.rates(
-            chassis,
+            self.chassis,
             &self.situation,
             regularisation,
             &wheels,
@@ -131,7 +164,7 @@ impl Prepared<'_> {
     /// Writes each wheel's load and its derivatives by the ground's specific force; whether one is
     /// lifted.
     pub fn distribute(&self, specific: [f64; 2], loads: &mut [[f64; 3]]) -> bool {
-        let chassis = &self.altered.chassis;
+        let chassis = self.chassis;
         let lift = Dual::<f64, 2>::constant;
         let count = loads.len();
         let places: Vec<_> = (0..count).map(|i| chassis.arm(i).map(lift)).collect();
@@ -162,10 +195,11 @@ impl Prepared<'_> {
         detail: Detail,
     ) -> WheelForces<Dual<f64, 1>> {
         let Altered {
-            chassis,
             layout,
             specification,
+            ..
         } = self.altered;
+        let chassis = self.chassis;
         let law = chassis.law(&self.situation, specification.effects.boundary, index);
         let motion = chassis.wheel_motion(&self.situation, index);
         let lift = Dual::constant;

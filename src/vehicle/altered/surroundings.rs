@@ -3,7 +3,7 @@
 use super::loads::LoadTargets;
 use super::{Chassis, MemoryLayout};
 use crate::contact::{WheelLaw, WheelMotion};
-use crate::effects::{Boundary, Effects, Grade, SlopeGravity};
+use crate::effects::{Boundary, Effects, ResidualMotion, SlopeGravity, Unscaled};
 use crate::scalar::Scalar;
 use crate::vehicle::{GRAVITY, Motion};
 
@@ -37,7 +37,7 @@ pub(crate) struct Situation<S> {
 pub(crate) struct Environment<S> {
     /// Gravity on the slope.
     pub gravity: SlopeGravity<S>,
-    /// Force of drag and drawbar along X and Y \[N\].
+    /// Force of drag, drawbar and laws without a name along X and Y \[N\].
     pub force: [S; 2],
     /// Their yaw moment about the centre of mass \[N m\].
     pub yaw_moment: S,
@@ -91,23 +91,15 @@ impl<S: Scalar> Chassis<S> {
         law
     }
 
-    /// Gravity, drag and drawbar; forces that change their sign fade below `fading` \[m/s\].
+    /// Gravity, drag, drawbar and laws without a name; forces that change their sign fade below `fading` \[m/s\].
     pub fn environment(&self, at: &Situation<S>, effects: &Effects, fading: f64) -> Environment<S> {
         let zero = S::constant(0.0);
-        let mut slopes = self
-            .effects
-            .grade
-            .map_or([zero; 2], |grade| [grade.slope_east, grade.slope_north]);
-        if let Some(profile) = &effects.slope_profile {
-            let more = profile.slopes(at.time, at.distance, at.position);
-            slopes = [slopes[0] + more[0], slopes[1] + more[1]];
-        }
-        let gravity = if self.effects.grade.is_some() {
-            let [slope_east, slope_north] = slopes;
-            let grade = Grade {
-                slope_east,
-                slope_north,
-            };
+        let gravity = if let Some(mut grade) = self.effects.grade {
+            if let Some(profile) = &effects.slope_profile {
+                let [east, north] = profile.slopes(at.time, at.distance, at.position);
+                grade.slope_east += east;
+                grade.slope_north += north;
+            }
             grade.gravity(at.heading, GRAVITY)
         } else {
             SlopeGravity {
@@ -139,7 +131,43 @@ impl<S: Scalar> Chassis<S> {
             }
             environment.yaw_moment += (hitch - self.com[0]) * pull[1] + self.com[1] * pull[0];
         }
+        self.add_residuals(at, fading, &mut environment);
         environment
+    }
+
+    /// Laws without a name: forces and a moment at the centre of mass.
+    fn add_residuals(&self, at: &Situation<S>, fading: f64, environment: &mut Environment<S>) {
+        let effects = &self.effects;
+        let (ahead, aside, around) = (
+            &effects.residual_longitudinal,
+            &effects.residual_lateral,
+            &effects.residual_yaw,
+        );
+        if ahead.is_none() && aside.is_none() && around.is_none() {
+            return;
+        }
+        let [left, right] = [&self.wheels[0], &self.wheels[1]];
+        let unscaled = Unscaled {
+            velocity: at.velocity,
+            yaw_rate: at.yaw_rate,
+            rims: [
+                left.law.radius * at.wheel_speeds[0],
+                right.law.radius * at.wheel_speeds[1],
+            ],
+            half_track: (left.place[1] - right.place[1]).scale(0.5),
+            heading: at.heading,
+        };
+        let motion = ResidualMotion::new(&unscaled, GRAVITY, fading);
+        let weight = self.mass.scale(GRAVITY);
+        if let Some(law) = ahead {
+            environment.force[0] += weight * law.share(&motion);
+        }
+        if let Some(law) = aside {
+            environment.force[1] += weight * law.share(&motion);
+        }
+        if let Some(law) = around {
+            environment.yaw_moment += weight * unscaled.half_track * law.share(&motion);
+        }
     }
 
     /// What the loads have to balance when the ground exerts the specific force s \[m/s^2\].

@@ -1,0 +1,100 @@
+//! A yaw moment that nobody has a name for.
+
+use super::declaration::effect;
+use super::residual_motion::{ResidualMotion, weighted};
+use crate::scalar::Scalar;
+
+effect! {
+    /// A yaw moment about the centre of mass: a sum of features of the motion.
+    ///
+    /// It says how unknown physics acts, not what it is.
+    ResidualYaw: "residual_yaw", Physics,
+    lifts "nothing turns the vehicle but what the model names",
+    equation "M_Z += m g B (constant + speed u + speed_squared u|u| + direction s(Omega B) + turning q + turning_squared q|q| + speed_turning |u| q + sideways w + speed_sideways u w + slip p + east cos psi + north sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_R - omega_L) / 2 - Omega B) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x)",
+    source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
+    {
+        constant ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A steady moment to the left";
+        speed ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the speed";
+        speed_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the speed";
+        direction ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the direction of the turn, as dry friction (negative)";
+        turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the yaw rate";
+        turning_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the yaw rate";
+        speed_turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the yaw rate times the speed's size";
+        sideways ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the lateral speed";
+        speed_sideways ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the speed times the lateral speed, as a wing's moment";
+        slip ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the rims' difference in speed that does not turn the vehicle";
+        east ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the cosine of the heading";
+        north ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the sine of the heading";
+    }
+}
+
+impl<S: Scalar> ResidualYaw<S> {
+    /// What the coefficients multiply, in the order of the declaration.
+    pub fn features(at: &ResidualMotion<S>) -> [S; 12] {
+        let (u, w, q) = (at.ahead, at.aside, at.turn);
+        let [north, east] = at.heading;
+        [
+            S::constant(1.0),
+            u,
+            u * at.size(u),
+            at.sign(q),
+            q,
+            q * at.size(q),
+            at.size(u) * q,
+            w,
+            u * w,
+            at.turn_slip,
+            east,
+            north,
+        ]
+    }
+
+    /// Moment to the left as a share of m g B.
+    pub fn share(&self, at: &ResidualMotion<S>) -> S {
+        let coefficients = [
+            self.constant,
+            self.speed,
+            self.speed_squared,
+            self.direction,
+            self.turning,
+            self.turning_squared,
+            self.speed_turning,
+            self.sideways,
+            self.speed_sideways,
+            self.slip,
+            self.east,
+            self.north,
+        ];
+        weighted(coefficients, Self::features(at))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::residual_motion::tests::{compare, example};
+    use super::*;
+
+    #[test]
+    fn features_are_what_they_are_by_hand() {
+        // u = 0.61319, w = 0.08176, q = -0.09974, p = 0.01799, psi = 30 deg.
+        compare(
+            ResidualYaw::features(&example()),
+            [
+                1.0, 0.61319, 0.37600, -1.0, -0.09974, -0.00995, -0.06116, 0.08176, 0.05013,
+                0.01799, 0.86603, 0.5,
+            ],
+        );
+    }
+
+    #[test]
+    fn each_coefficient_weighs_its_own_feature() {
+        let at = example();
+        let features = ResidualYaw::features(&at);
+        for (index, feature) in features.into_iter().enumerate() {
+            let mut coefficients = [0.0; 12];
+            coefficients[index] = -0.2;
+            let share = ResidualYaw::from_slice(&coefficients).share(&at);
+            assert!((share + 0.2 * feature).abs() < 1e-15, "{index}");
+        }
+    }
+}
