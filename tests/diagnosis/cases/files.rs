@@ -105,6 +105,7 @@ fn truth(case: &Case, name: &str) -> Value {
             "style": drive.style.name(),
             "seconds": drive.track.duration(),
             "top_speed": drive.top_speed,
+            "signal": { "raw": drive.signal.raw, "left": drive.signal.left },
             "acts": visits.collect::<Vec<_>>(),
         });
         (file.to_owned(), value)
@@ -116,8 +117,9 @@ fn truth(case: &Case, name: &str) -> Value {
         "family": case.family.name(),
         "variant": plan.variant,
         "seed": case.seed,
-        "expected": plan.expected,
-        "effects": effects.map(|one| effect(one)).collect::<Vec<_>>(),
+        "expected": case.expected(),
+        "signal_left": case.signal_left(),
+        "effects": effects.map(effect).collect::<Vec<_>>(),
         "rivals": plan.rivals,
         "vehicle": case.vehicle_name,
         "ground": case.ground.name,
@@ -155,10 +157,10 @@ fn effect(one: &Ingredient) -> Value {
         let own = law.parameters.iter();
         parameters.extend(own.map(|(name, value)| ((*name).to_owned(), (*value).into())));
     }
-    let switches: Vec<&str> = known.map_or(Vec::new(), |effect| {
+    let switches = known.map_or(Map::new(), |effect| {
         let on = effect.parameters.iter().filter(|p| p.switches);
-        on.map(|p| p.name)
-            .filter(|name| parameters.contains_key(*name))
+        on.filter(|p| parameters.contains_key(p.name))
+            .map(|p| (p.name.to_owned(), p.default.into()))
             .collect()
     });
     let region = match one.region {
@@ -173,7 +175,7 @@ fn effect(one: &Ingredient) -> Value {
         "kind": kind,
         "size": one.size,
         "parameters": parameters,
-        "switches": switches,
+        "off": switches,
         "where": region,
     })
 }

@@ -36,24 +36,31 @@ impl Style {
         }
     }
 
-    fn legs(self) -> &'static [(Leg, f64)] {
+    /// The legs, each as often as it comes up in one round.
+    fn legs(self) -> &'static [Leg] {
         match self {
             Self::Rich => &[
-                (Leg::Straight, 3.0),
-                (Leg::Ramp, 3.0),
-                (Leg::Stop, 1.0),
-                (Leg::Gentle, 3.0),
-                (Leg::Tight, 3.0),
-                (Leg::Slalom, 1.5),
-                (Leg::Spiral, 1.0),
-                (Leg::Pivot, 1.0),
-                (Leg::Reverse, 1.2),
+                Leg::Straight,
+                Leg::Straight,
+                Leg::Ramp,
+                Leg::Ramp,
+                Leg::Ramp,
+                Leg::Stop,
+                Leg::Gentle,
+                Leg::Gentle,
+                Leg::Tight,
+                Leg::Tight,
+                Leg::Tight,
+                Leg::Slalom,
+                Leg::Spiral,
+                Leg::Pivot,
+                Leg::Reverse,
             ],
-            Self::Straight => &[(Leg::Straight, 1.0)],
-            Self::GentleCurve => &[(Leg::Gentle, 1.0)],
-            Self::Steady => &[(Leg::Straight, 2.0), (Leg::Gentle, 3.0), (Leg::Tight, 2.0)],
-            Self::StraightVaried => &[(Leg::Straight, 1.0), (Leg::Ramp, 2.0), (Leg::Stop, 0.5)],
-            Self::Gentle => &[(Leg::Straight, 1.0), (Leg::Ramp, 1.5), (Leg::Gentle, 3.0)],
+            Self::Straight => &[Leg::Straight],
+            Self::GentleCurve => &[Leg::Gentle],
+            Self::Steady => &[Leg::Straight, Leg::Gentle, Leg::Tight],
+            Self::StraightVaried => &[Leg::Straight, Leg::Ramp, Leg::Ramp, Leg::Ramp, Leg::Stop],
+            Self::Gentle => &[Leg::Straight, Leg::Ramp, Leg::Gentle, Leg::Gentle],
         }
     }
 
@@ -104,16 +111,25 @@ pub fn commands(driver: Driver, style: Style, seconds: f64, random: &mut Random)
     targets.resize(pause, [0.0; 2]);
     let cruise = random.between(0.5, 0.9) * top_speed;
     let mut speed = cruise;
-    let mut legs = Legs { driver, random };
+    let mut legs = Legs {
+        driver,
+        random,
+        is_one_leg: style.is_one_leg(),
+    };
     if style.is_one_leg() {
-        let leg = style.legs()[0].0;
+        let leg = style.legs()[0];
         legs.add(leg, seconds, cruise, cruise, &mut targets);
     }
+    let mut round = Vec::new();
     while targets.len() < count {
-        let leg = legs.random.weighted(style.legs());
+        if round.is_empty() {
+            round = style.legs().to_vec();
+            legs.random.shuffle(&mut round);
+        }
+        let leg = round.pop().expect("a round has legs");
         let next = match (style, leg) {
             (Style::Steady, _) => cruise,
-            (_, Leg::Ramp) => legs.random.between(0.2, 1.0) * top_speed,
+            (_, Leg::Ramp) => legs.random.between(0.3, 1.0) * top_speed,
             _ => speed,
         };
         let length = legs.random.between(2.0, 6.5);
@@ -149,6 +165,7 @@ pub fn trial_bend(vehicle: &Vehicle, oversteer: f64) -> (Commands, f64) {
 struct Legs<'a> {
     driver: Driver<'a>,
     random: &'a mut Random,
+    is_one_leg: bool,
 }
 
 impl Legs<'_> {
@@ -164,6 +181,14 @@ impl Legs<'_> {
         let pivot = self.random.between(0.2, 0.45) * self.driver.top_speed.min(1.5);
         let back = -self.random.between(0.3, 0.6) * self.driver.top_speed.min(1.6);
         let bow = if self.random.chance(0.5) { 1.0 } else { 0.0 };
+        let length = match leg {
+            Leg::Gentle | Leg::Tight if !self.is_one_leg => {
+                let radius = if leg == Leg::Tight { tight } else { gentle };
+                let angle = self.random.between(0.5, 2.5);
+                (angle * radius / bend(to, radius).max(0.1)).clamp(length, 2.0 * length)
+            }
+            _ => length,
+        };
         let difference =
             |speed: f64, radius: f64| self.driver.oversteer * side * speed * half / radius;
         for k in 0..(length / STEP) as usize {

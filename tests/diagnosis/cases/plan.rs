@@ -116,7 +116,7 @@ const POOR: [&str; 6] = [
 ];
 
 /// Strengths of laws by size.
-const STRENGTHS: [(&str, f64); SIZE_COUNT] = [("small", 0.4), ("medium", 0.8), ("large", 1.6)];
+const STRENGTHS: [(&str, f64); SIZE_COUNT] = [("small", 0.15), ("medium", 0.5), ("large", 1.4)];
 
 /// The physics of the catalogue that acts throughout.
 fn physics() -> Vec<&'static str> {
@@ -164,7 +164,10 @@ impl Plan {
     /// The `number`th case of a family.
     pub fn draw(family: Family, number: usize, vehicle: &Vehicle, random: &mut Random) -> Self {
         // Every size comes up with every thing.
-        let turn = |things: usize| (number % things, (number + number / things) % SIZE_COUNT);
+        let turn = |things: usize| {
+            let (which, round) = (number % things, number / things);
+            (which, (which + round) % SIZE_COUNT)
+        };
         match family {
             Family::Nothing => Self::plain(&["nothing_missing"]),
             Family::Single => {

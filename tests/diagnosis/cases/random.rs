@@ -48,6 +48,10 @@ impl Random {
         from[self.0.usize(..from.len())]
     }
 
+    pub fn shuffle<T>(&mut self, things: &mut [T]) {
+        self.0.shuffle(things);
+    }
+
     /// One of the things, each as often as its weight says.
     pub fn weighted<T: Copy>(&mut self, from: &[(T, f64)]) -> T {
         let total: f64 = from.iter().map(|(_, weight)| weight).sum();

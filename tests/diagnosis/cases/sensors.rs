@@ -59,6 +59,19 @@ impl Sensors {
         }
     }
 
+    /// Sensors without noise.
+    pub fn quiet() -> Self {
+        Self {
+            position: [0.0, 0.0, 1.0],
+            heading: [0.0, 0.0, 1.0],
+            yaw_rate: 0.0,
+            velocity: None,
+            quantum: None,
+            drops: false,
+            outliers: 0.0,
+        }
+    }
+
     /// What they are, in a user's words.
     pub fn words(&self) -> Vec<(&'static str, String)> {
         let centimetres = |metres: f64| (metres * 100.0).round();

@@ -202,7 +202,7 @@ impl Track {
     }
 
     fn check(&self, wheel_radius: f64) -> Result<(), Failure> {
-        const LEAST: f64 = 0.6;
+        const LEAST: f64 = 0.5;
         const FASTEST: f64 = 4.0;
         let (mut rolled, mut came, mut fastest) = (0.0, 0.0, 0.0_f64);
         for (k, wheels) in self.wheels.iter().enumerate() {
