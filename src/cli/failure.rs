@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use ugv_terrain::diagnosis::DiagnosisError;
 use ugv_terrain::fit::FitError;
 use ugv_terrain::identification::IdentificationError;
 use ugv_terrain::import::ImportError;
@@ -40,6 +41,8 @@ pub enum Failure {
     ReadRecording(RecordingError),
     /// Recordings that nothing can be fitted to.
     Fit(FitError),
+    /// Recordings that nothing can be said of.
+    Diagnosis(DiagnosisError),
     /// A robot's log that gives no recording.
     Import(ImportError),
     /// A recording by which nothing can be judged.
@@ -60,6 +63,7 @@ impl Failure {
         match self {
             Self::Simulation(SimulationError::NotFinite { .. }) => BAD_INPUT,
             Self::Fit(FitError::NotFinite)
+            | Self::Diagnosis(DiagnosisError::NotFinite)
             | Self::Simulation(_)
             | Self::Write { .. }
             | Self::Plot(_) => FAILED,
@@ -100,6 +104,12 @@ impl Failure {
         match self {
             Self::Argument { hint, .. } => hint.clone(),
             Self::Import(error) => error.remedy(),
+            Self::Diagnosis(DiagnosisError::NothingMeasured { .. }) => Some(
+                "record a pose (x, y, heading) or at least the yaw rate beside the wheel speeds".into(),
+            ),
+            Self::Diagnosis(DiagnosisError::Undrivable(_)) => Some(
+                "check the vehicle's mass, wheel radius and track (--vehicle), and the terrain to begin with (--terrain)".into(),
+            ),
             Self::Json {
                 source: JsonError::SeveralTerrains { names },
                 ..
@@ -154,6 +164,7 @@ impl fmt::Display for Failure {
             Self::Recording(error) => error.fmt(f),
             Self::ReadRecording(error) => error.fmt(f),
             Self::Fit(error) => error.fmt(f),
+            Self::Diagnosis(error) => error.fmt(f),
             Self::Import(error) => error.fmt(f),
             Self::Identification(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),

@@ -1,13 +1,16 @@
 //! Arguments and output; no physics. One file per subcommand.
 
 mod completions;
+mod diagnose;
 mod effects;
 mod failure;
 mod fit;
 mod import;
 mod initial;
 mod inspect;
+mod jobs;
 mod model;
+mod nominal;
 mod output;
 mod package;
 mod plot;
@@ -26,6 +29,7 @@ Examples:
   ugv import drive.mcap --output drive.csv
   ugv inspect field.csv --page field.html
   ugv score drive.csv          # how well do models predict what was recorded?
+  ugv diagnose drive.csv       # what physics did the model leave out?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
   ugv effects                  # physics that the paper leaves out, to switch on
@@ -44,6 +48,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Diagnose(diagnose::Args),
     Fit(fit::Args),
     Import(import::Args),
     Inspect(inspect::Args),
@@ -66,6 +71,7 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Inspect(args) => inspect::run(&args),

@@ -7,6 +7,7 @@ use super::Subject;
 use crate::effects::{CATALOGUE, Declaration, Effects, Kind, ParameterName, Prior};
 use crate::fit::parameter::{self, Scale};
 use crate::fit::sensor::SensorParameter;
+use crate::parameter::ParameterError;
 use crate::vehicle::{Parameter, Specification};
 
 /// What a knob turns.
@@ -105,6 +106,19 @@ impl Candidates {
 #[must_use]
 pub fn is_law(effect: usize) -> bool {
     CATALOGUE[effect].name.starts_with(LAW)
+}
+
+/// Switches an effect off.
+///
+/// # Errors
+/// None in truth: what is off is within its range.
+pub fn switch_off(effects: &mut Effects, effect: usize) -> Result<(), ParameterError> {
+    for place in 0..CATALOGUE[effect].parameters.len() {
+        if let Some(name) = ParameterName::at(effect, place) {
+            effects.set(name, Effects::NONE.get(name))?;
+        }
+    }
+    Ok(())
 }
 
 fn physics(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {

@@ -2,7 +2,9 @@
 
 mod ambiguity;
 mod candidate;
+mod diagnose;
 mod error;
+mod findings;
 mod held_out;
 mod hypothesis;
 mod law;
@@ -21,6 +23,7 @@ mod traces;
 mod verdict;
 mod wrench;
 
+pub use diagnose::{diagnose, insufficient};
 pub use error::DiagnosisError;
 pub use outcome::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre,

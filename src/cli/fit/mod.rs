@@ -1,12 +1,12 @@
 //! `ugv fit`: soil parameters from recordings.
 
-mod model;
 mod names;
 mod progress;
 mod report;
 mod summary;
 
 use super::Failure;
+use super::nominal::{NominalArgs, read_all};
 use super::output::Output;
 use names::{Wanted, print_names};
 use progress::Progress;
@@ -16,7 +16,7 @@ use std::time::Instant;
 use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::{Fit, Options, catalogue, fit};
 use ugv_terrain::identification::{Cut, fitted_part};
-use ugv_terrain::recording::{Recording, read_recording};
+use ugv_terrain::recording::Recording;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -49,23 +49,9 @@ pub struct Args {
           default_values = ["pose_latency", "wheel_latency", "yaw_rate_bias"])]
     sensors: Vec<String>,
 
-    /// Vehicle [default: that of the recordings, or else the paper's]
-    #[arg(long, value_name = "FILE.json")]
-    vehicle: Option<PathBuf>,
-
-    /// Terrain to begin with: a preset or a file; what is not fitted stays as it is there
-    /// [default: that of the recordings, or else clayed_soil]
-    #[arg(long, value_name = "NAME|FILE.json")]
-    terrain: Option<PathBuf>,
-
-    /// Vehicle, terrain and effects to begin with, as `ugv model` prints it
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
-    model: Option<PathBuf>,
-
-    /// Physics that the paper leaves out, as `ugv effects NAME` prints it; what is not fitted stays
-    /// as it is there [default: the model's]
-    #[arg(long, value_name = "FILE.json")]
-    effects: Option<PathBuf>,
+    /// What is not fitted stays as it is there
+    #[command(flatten)]
+    nominal: NominalArgs,
 
     /// Leave out the half of each recording by which `ugv score` judges
     #[arg(long)]
@@ -113,15 +99,21 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
-        return print_names(&model::nominal(args, &[])?);
+        return print_names(&args.nominal.load(&[], args.quiet)?);
     }
-    let mut recordings = read(&args.recordings)?;
+    if args.recordings.is_empty() {
+        return Err(Failure::Argument {
+            reason: "no recording to fit to".into(),
+            hint: Some("ugv fit drive.csv --output model.json".into()),
+        });
+    }
+    let mut recordings = read_all(&args.recordings)?;
     if args.half {
         for recording in &mut recordings {
             *recording = fitted_part(recording, &Cut::default())?;
         }
     }
-    let nominal = model::nominal(args, &recordings)?;
+    let nominal = args.nominal.load(&recordings, args.quiet)?;
     let wanted = Wanted::parse(&args.free, &args.sensors)?;
     let options = Options {
         sensors: wanted.sensors,
@@ -151,11 +143,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .map(|k| catalogue::describe(*k, &nominal));
     let values: Vec<f64> = wanted.model.iter().map(|k| k.get(&nominal)).collect();
     let parameters = parameters.collect();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0));
-    let pool = pool.build().map_err(|error| Failure::Argument {
-        reason: format!("--jobs: {error}"),
-        hint: None,
-    })?;
+    let pool = super::jobs::pool(args.jobs)?;
     let show = |stage| progress.show(stage);
     let fitted = pool
         .install(|| {
@@ -192,18 +180,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-fn read(paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
-    if paths.is_empty() {
-        return Err(Failure::Argument {
-            reason: "no recording to fit to".into(),
-            hint: Some("ugv fit drive.csv --output model.json".into()),
-        });
-    }
-    let each = paths.iter().map(|path| read_recording(path));
-    each.collect::<Result<_, _>>()
-        .map_err(Failure::ReadRecording)
 }
 
 fn write(output: Option<Output>, text: impl Fn() -> String) -> Result<(), Failure> {

@@ -1,0 +1,125 @@
+//! `ugv diagnose`: what physics did the model leave out?
+
+mod progress;
+
+use super::nominal::{NominalArgs, read_all};
+use super::output::{Output, write_stdout};
+use super::{Failure, tell};
+use progress::Bar;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
+use ugv_terrain::recording::Recording;
+use ugv_terrain::report::diagnosis::{json, page, text};
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv diagnose drive.csv --terrain sandy_loam --out diagnosis
+  ugv diagnose there.csv back.csv --vehicle mine.json     # the way back separates slope from drag
+  ugv simulate --input other.csv --model diagnosis/model.json --output motion.csv
+
+Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
+         yaw_rate [s, m, rad]. Several recordings share vehicle and soil; slopes, latencies and biases are
+         each recording's own. A minute with turns both ways, straights and several speeds tells
+         most.
+Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the soil re-tuned, with what was
+         found; `ugv simulate`, `score` and `package` take it), DIR/report.html, and a summary.
+         The same seed gives the same answer, whatever the number of threads.";
+
+/// Tell what physics the model left out, where, and how sure that is.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Recordings; what NAME.json beside NAME.csv tells of the vehicle is used
+    #[arg(required = true, value_name = "REC.csv")]
+    recordings: Vec<PathBuf>,
+
+    #[command(flatten)]
+    nominal: NominalArgs,
+
+    /// Folder for diagnosis.json, model.json and report.html; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "diagnosis")]
+    out: PathBuf,
+
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Threads [default: one per processor]; the result does not depend on it
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+
+    /// Neither summary nor progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let recordings = read_all(&args.recordings)?;
+    for recording in &recordings {
+        let warnings = recording.notes.iter().filter(|note| note.kind.is_warning());
+        warnings.for_each(|note| tell(&format!("{}: {note}", recording.name)));
+    }
+    different_names(&recordings)?;
+    let nominal = args.nominal.load(&recordings, args.quiet)?;
+    let options = Options {
+        seed: args.seed,
+        ..Options::default()
+    };
+    let pool = super::jobs::pool(args.jobs)?;
+    std::fs::create_dir_all(&args.out).map_err(|source| Failure::Write {
+        target: args.out.display().to_string(),
+        source,
+    })?;
+    let files = ["diagnosis.json", "model.json", "report.html"];
+    let outputs = files.map(|name| place(&args.out, name));
+    let bar = Bar::new(args.quiet);
+    let show = |step| bar.show(step);
+    let progress = Progress::new(&show);
+    let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
+    bar.finish();
+    let diagnosis = match found {
+        Err(error @ (DiagnosisError::AtRest | DiagnosisError::TooShort { .. })) => {
+            insufficient(&recordings, &nominal, &options, error.to_string())
+        }
+        other => other.map_err(Failure::Diagnosis)?,
+    };
+    let texts = [
+        json(&diagnosis),
+        diagnosis.model.to_json(),
+        page(&diagnosis),
+    ];
+    let mut written = Vec::new();
+    for (output, text) in outputs.into_iter().zip(texts) {
+        let mut output = output?;
+        output
+            .write_all(text.as_bytes())
+            .map_err(|source| output.failure(source))?;
+        written.push(output);
+    }
+    for output in written {
+        output.finish()?;
+    }
+    if !args.quiet {
+        write_stdout(&text(&diagnosis))?;
+        write_stdout(&format!("written to {}: {}\n", args.out.display(), files.join(", ")))?;
+    }
+    Ok(())
+}
+
+fn place(folder: &Path, name: &str) -> Result<Output, Failure> {
+    Output::to(Some(&folder.join(name)))
+}
+
+/// Findings name recordings: two of one name could not be told apart.
+fn different_names(recordings: &[Recording]) -> Result<(), Failure> {
+    for (index, recording) in recordings.iter().enumerate() {
+        if recordings[..index].iter().any(|other| other.name == recording.name) {
+            return Err(Failure::Argument {
+                reason: format!("two recordings are called {}", recording.name),
+                hint: Some("rename one of the files: findings name the recording".into()),
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,89 @@
+//! The model that recordings are compared with: what the arguments name, or the recordings.
+
+use super::model::{check_piecewise, load_effects, load_model, load_terrain, load_vehicle};
+use super::{Failure, tell};
+use std::path::PathBuf;
+use ugv_terrain::recording::{Recording, read_recording};
+use ugv_terrain::vehicle::{Specification, Vehicle};
+
+/// Which model; what is not named comes from what stands beside the recordings.
+#[derive(clap::Args)]
+pub struct NominalArgs {
+    /// Vehicle [default: that of the recordings, or else the paper's]
+    #[arg(long, value_name = "FILE.json")]
+    vehicle: Option<PathBuf>,
+
+    /// Terrain to begin with: a preset or a file
+    /// [default: that of the recordings, or else clayed_soil]
+    #[arg(long, value_name = "NAME|FILE.json")]
+    terrain: Option<PathBuf>,
+
+    /// Vehicle, terrain and effects to begin with, as `ugv model` prints it
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
+    model: Option<PathBuf>,
+
+    /// Physics that the paper leaves out, as `ugv effects NAME` prints it [default: the model's]
+    #[arg(long, value_name = "FILE.json")]
+    effects: Option<PathBuf>,
+}
+
+impl NominalArgs {
+    /// What the arguments name, or the recordings, or else the paper.
+    pub fn load(&self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
+        let mut nominal = match &self.model {
+            Some(path) => load_model(path)?,
+            None => self.told(recordings, quiet)?,
+        };
+        if let Some(path) = &self.effects {
+            nominal.effects = load_effects(path)?;
+        }
+        check_piecewise(&nominal.effects)?;
+        Ok(nominal)
+    }
+
+    fn told(&self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
+        let vehicle = match &self.vehicle {
+            Some(path) => load_vehicle(path)?,
+            None => recorded_vehicle(recordings, quiet)?,
+        };
+        let terrain = match &self.terrain {
+            Some(path) => load_terrain(path)?,
+            None => match recordings.iter().find_map(|r| r.about.terrain) {
+                Some(terrain) => terrain,
+                None => load_terrain("clayed_soil".as_ref())?,
+            },
+        };
+        Ok(Specification::plain(vehicle, terrain))
+    }
+}
+
+fn recorded_vehicle(recordings: &[Recording], quiet: bool) -> Result<Vehicle, Failure> {
+    let mut told = recordings
+        .iter()
+        .filter_map(|r| Some((r, r.about.vehicle.as_ref()?)));
+    let Some((first, vehicle)) = told.next() else {
+        if !quiet {
+            tell(
+                "note: no vehicle is told beside the recordings; taking the paper's (see --vehicle)",
+            );
+        }
+        return Ok(Vehicle::tran2007());
+    };
+    match told.find(|(_, other)| *other != vehicle) {
+        Some((other, _)) => Err(Failure::Argument {
+            reason: format!(
+                "{} and {} were driven by different vehicles",
+                first.name, other.name
+            ),
+            hint: Some("take them one by one, or say which vehicle it was with --vehicle".into()),
+        }),
+        None => Ok(vehicle.clone()),
+    }
+}
+
+/// Reads recordings, with what stands beside them.
+pub fn read_all(paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
+    let each = paths.iter().map(|path| read_recording(path));
+    each.collect::<Result<_, _>>()
+        .map_err(Failure::ReadRecording)
+}

@@ -1,0 +1,361 @@
+//! From recordings to a diagnosis.
+
+use super::ambiguity::groups;
+use super::candidate::Target;
+use super::findings::findings;
+use super::held_out::{errors, folds, nominal_errors, scores};
+use super::hypothesis::{Given, What};
+use super::likelihood::Tuned;
+use super::outcome::{Account, Candidate, Diagnosis, HeldOut, Subject, Verdict};
+use super::prepare::{prepare, seconds};
+use super::screen::{Projection, one_degree};
+use super::search::{Searched, search};
+use super::traces::traces;
+use super::verdict::{Judgement, Odds, judge};
+use super::{DiagnosisError, Options, Progress};
+use crate::effects::CATALOGUE;
+use crate::fit::Estimate;
+use crate::fit::parameter::NORMAL_95;
+use crate::fit::segment::Signal;
+use crate::fit::weighing::noise_estimates;
+use crate::recording::Recording;
+use crate::vehicle::Specification;
+
+/// Power with which the smallest detectable effect is seen: 90 % quantile of the normal
+/// distribution.
+const POWER: f64 = 1.28;
+/// Seconds ahead of the first that are predicted, see `held_out`.
+const SEEN: f64 = 1.0;
+
+/// Locates the mismatch between recordings and a model, says what physics was left out, and models it.
+///
+/// # Errors
+/// Recordings that nothing can be said of, a model that cannot follow them.
+pub fn diagnose(
+    recordings: &[Recording],
+    nominal: &Specification,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Diagnosis, DiagnosisError> {
+    progress.step("preparing");
+    if recordings.is_empty() {
+        return Err(DiagnosisError::NoRecording);
+    }
+    for recording in recordings {
+        if !Signal::ALL
+            .iter()
+            .any(|signal| recording.has(signal.channel()))
+        {
+            return Err(DiagnosisError::NothingMeasured {
+                recording: recording.name.clone(),
+            });
+        }
+    }
+    let mut given = Given::new(nominal, recordings);
+    let (cut, by) = prepare(&mut given, options)?;
+    let searched = search(&given, by, options, progress)?;
+    progress.step("reporting");
+    let mut candidates = candidates(&searched)?;
+    let plausible = candidates.iter().filter(|c| c.1).count() as f64;
+    let judgement = judge(&searched, plausible / candidates.len().max(1) as f64);
+    for (candidate, _) in &mut candidates {
+        candidate.probability = judgement.odds.of(candidate.subject);
+    }
+    let mut candidates: Vec<Candidate> = candidates.into_iter().map(|(c, _)| c).collect();
+    candidates.extend(others(&judgement.odds, &candidates));
+    candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    let found = findings(&searched, &judgement.findings);
+    let model = model(&searched)?;
+    let mut diagnosis = Diagnosis {
+        verdict: judgement.verdict,
+        statement: String::new(),
+        recordings: given.names.clone(),
+        findings: found,
+        candidates,
+        held_out: held_out(&searched),
+        soil: soil(&searched),
+        next: None,
+        runs: traces(&searched),
+        account: account(
+            &searched,
+            options,
+            cut.at_rest + cut.unusable,
+            seconds(&given),
+        ),
+        nominal: nominal.clone(),
+        model,
+    };
+    diagnosis.statement = statement(&diagnosis, &judgement);
+    diagnosis.account.steps = progress.seconds();
+    Ok(diagnosis)
+}
+
+/// A diagnosis that says that there is too little.
+#[must_use]
+pub fn insufficient(
+    recordings: &[Recording],
+    nominal: &Specification,
+    options: &Options,
+    why: String,
+) -> Diagnosis {
+    let nothing = |subject, probability| Candidate {
+        probability,
+        ..empty(subject)
+    };
+    Diagnosis {
+        verdict: Verdict::InsufficientData,
+        statement: why,
+        recordings: recordings.iter().map(|r| r.name.clone()).collect(),
+        findings: Vec::new(),
+        candidates: vec![
+            nothing(Subject::Nothing, 0.5),
+            nothing(Subject::Unknown, 0.5),
+        ],
+        held_out: None,
+        soil: Vec::new(),
+        next: None,
+        runs: Vec::new(),
+        account: Account {
+            seed: options.seed,
+            segments: 0,
+            seconds: 0.0,
+            left_out: 0.0,
+            noise: Vec::new(),
+            overdispersion: 1.0,
+            threshold: f64::INFINITY,
+            steps: Vec::new(),
+            notes: Vec::new(),
+        },
+        nominal: nominal.clone(),
+        model: nominal.clone(),
+    }
+}
+
+/// Every screened candidate, and whether it would have been seen at a plausible size.
+fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
+    let looked = &searched.first;
+    let projection = Projection::over_all(&looked.system, &[]).ok_or(DiagnosisError::NotFinite)?;
+    let alike = groups(&projection, &looked.screened);
+    let one = |(screened, alike): (&super::naming::Screened, Vec<(Subject, f64)>)| {
+        let knob = searched.given.candidates.of(screened.subject).next();
+        let knob = &searched.given.candidates.knobs[knob?];
+        let (projected, score) = (&screened.projected, &screened.score);
+        let information = projected.matrix[(0, 0)] / score.scatter;
+        let needed = looked.threshold.sqrt() + POWER;
+        let smallest = needed / information.max(0.0).sqrt();
+        let off = knob.parameter.prior_coordinate();
+        let value = |step: f64| {
+            let (low, high) = knob.parameter.bounds();
+            if step.is_finite() && (low..=high).contains(&(off + step)) {
+                knob.parameter.value(off + step)
+            } else {
+                f64::INFINITY
+            }
+        };
+        // Away from off, to the side that is possible.
+        let upward = (value(smallest) - knob.parameter.value(off)).abs();
+        let downward = (value(-smallest) - knob.parameter.value(off)).abs();
+        let degrees = projected.unknowns.len();
+        let gain = searched.gains.iter().find(|(s, _)| *s == screened.subject);
+        let candidate = Candidate {
+            absorbed: score.absorbed,
+            significance: (one_degree(score.chi_square, degrees) / looked.threshold).sqrt(),
+            smallest_detectable: upward.min(downward),
+            parameter: knob.name,
+            unit: match knob.target {
+                Target::Model(_) | Target::Sensor(_) => knob.parameter.unit,
+            },
+            estimate: knob.parameter.value(off + score.step[0]),
+            held_out_gain: gain.map(|(_, gain)| *gain),
+            alike,
+            ..empty(screened.subject)
+        };
+        Some((candidate, smallest < knob.parameter.prior.deviation))
+    };
+    let pairs = looked.screened.iter().zip(alike);
+    Ok(pairs.filter_map(one).collect())
+}
+
+fn empty(subject: Subject) -> Candidate {
+    Candidate {
+        subject,
+        probability: 0.0,
+        absorbed: f64::NAN,
+        significance: f64::NAN,
+        smallest_detectable: f64::NAN,
+        parameter: "",
+        unit: "",
+        estimate: f64::NAN,
+        held_out_gain: None,
+        alike: Vec::new(),
+    }
+}
+
+/// What was not screened but has a probability: nothing, unknown, a change of terrain.
+fn others(odds: &Odds, screened: &[Candidate]) -> Vec<Candidate> {
+    let change = CATALOGUE
+        .iter()
+        .position(|e| e.name == super::candidate::TERRAIN_CHANGE);
+    let mut subjects = vec![Subject::Nothing, Subject::Unknown];
+    subjects.extend(change.map(Subject::Effect));
+    subjects.retain(|subject| !screened.iter().any(|c| c.subject == *subject));
+    let each = subjects.into_iter();
+    each.map(|subject| Candidate {
+        probability: odds.of(subject),
+        ..empty(subject)
+    })
+    .collect()
+}
+
+fn held_out(searched: &Searched) -> Option<HeldOut> {
+    let (given, by) = (&searched.given, &searched.by);
+    let retuned = scores(given, &searched.retuned, by)?;
+    let augmented = scores(&searched.placed, &searched.augmented, by)?;
+    let length = given
+        .segments
+        .iter()
+        .map(|s| s.end - s.start)
+        .fold(0.0, f64::max);
+    Some(HeldOut {
+        nominal: nominal_errors(given, by)?,
+        retuned: errors(given, &searched.retuned, &retuned, by),
+        augmented: errors(&searched.placed, &searched.augmented, &augmented, by),
+        horizon: length - SEEN,
+        stretches: folds(given.segments.len()).len(),
+    })
+}
+
+/// The soil before and after.
+fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
+    let given = &searched.given;
+    let begin = given.begin();
+    let parameters = given.soil_parameters();
+    let estimate = |tuned: &Tuned, k: usize| {
+        let parameter = &parameters[k];
+        let at = tuned.solution.soil[k];
+        let deviation = tuned.covariance[(k, k)].max(0.0).sqrt();
+        let (low, high) = parameter.interval(at, NORMAL_95 * deviation);
+        Estimate {
+            parameter: parameter.clone(),
+            nominal: parameter.value(begin.soil[k]),
+            value: parameter.value(at),
+            low,
+            high,
+            told: deviation / parameter.prior.deviation,
+        }
+    };
+    let each = 0..parameters.len();
+    each.map(|k| {
+        (
+            estimate(&searched.retuned, k),
+            estimate(&searched.augmented, k),
+        )
+    })
+    .collect()
+}
+
+/// The augmented model: what is bound to some seconds of one drive is left out of it.
+fn model(searched: &Searched) -> Result<Specification, DiagnosisError> {
+    let given = &searched.placed;
+    let mut model = given
+        .specification(&searched.augmented.solution, 0)
+        .map_err(|_| DiagnosisError::NotFinite)?;
+    let predictor = given.predictor(&searched.augmented.knobs);
+    let problem = given.problem(&predictor, &searched.augmented.knobs);
+    // What each recording has for itself goes in as the mean.
+    let mut sums: Vec<(usize, f64)> = Vec::new();
+    given.visit(&problem, &searched.augmented.knobs, |_, recording, what| {
+        if let What::Knob(knob) = what
+            && given.candidates.knobs[knob].own
+        {
+            let at = searched.augmented.solution.knobs[recording][knob];
+            let share = at / given.recordings.len() as f64;
+            match sums.iter_mut().find(|(other, _)| *other == knob) {
+                Some((_, sum)) => *sum += share,
+                None => sums.push((knob, share)),
+            }
+        }
+    });
+    for (knob, coordinate) in sums {
+        let about = &given.candidates.knobs[knob];
+        if let Target::Model(parameter) = about.target {
+            let value = about.parameter.value(coordinate);
+            parameter
+                .set(&mut model, value)
+                .map_err(|_| DiagnosisError::NotFinite)?;
+        }
+    }
+    if let Some(window) = model.effects.window.take() {
+        match window.extent {
+            crate::effects::Extent::Place { .. } => model.effects.window = Some(window),
+            crate::effects::Extent::Time { .. } => {
+                for effect in window.effects {
+                    super::candidate::switch_off(&mut model.effects, effect)
+                        .map_err(|_| DiagnosisError::NotFinite)?;
+                }
+            }
+        }
+    }
+    Ok(model)
+}
+
+fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f64) -> Account {
+    let given = &searched.given;
+    let predictor = given.predictor(&searched.augmented.knobs);
+    let problem = given.problem(&predictor, &searched.augmented.knobs);
+    let scatters = searched.last.screened.iter().map(|one| one.score.scatter);
+    let mut scatters: Vec<f64> = scatters.collect();
+    scatters.sort_by(f64::total_cmp);
+    let mut notes = Vec::new();
+    if searched.placed.nominal.effects.window.is_some() {
+        notes.push(
+            "What acts for some seconds of one drive only is not part of the augmented model; what is bound to a place is."
+                .to_owned(),
+        );
+    }
+    Account {
+        seed: options.seed,
+        segments: given.segments.len(),
+        seconds,
+        left_out,
+        noise: noise_estimates(&problem, &searched.augmented.tables, &searched.by),
+        overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
+        threshold: searched.first.threshold.sqrt(),
+        steps: Vec::new(),
+        notes,
+    }
+}
+
+fn statement(diagnosis: &Diagnosis, judgement: &Judgement) -> String {
+    let told = |k: usize| {
+        diagnosis
+            .findings
+            .get(k)
+            .map_or("", |f| f.statement.as_str())
+    };
+    match judgement.verdict {
+        Verdict::NothingMissing => {
+            "The model with its soil re-tuned explains these recordings: nothing is missing that they could show."
+                .into()
+        }
+        Verdict::InsufficientData => {
+            "These recordings tell too little: most effects of a plausible size would not have been seen."
+                .into()
+        }
+        Verdict::MissingPhysics => format!("The model leaves out {}.", told(0)),
+        Verdict::Sensor => format!("The recording is at fault, not the model: {}.", told(0)),
+        Verdict::Ambiguous => {
+            let first = &diagnosis.findings[0];
+            let others: Vec<&str> = first.ambiguous_with.iter().map(|s| s.name()).collect();
+            format!(
+                "Something is missing: {} or {}; these recordings do not tell them apart. Best: {}.",
+                first.subject.name(),
+                others.join(" or "),
+                told(0)
+            )
+        }
+        Verdict::UnknownPhysics => {
+            format!("Something is missing that the catalogue does not have: {}.", told(0))
+        }
+    }
+}
