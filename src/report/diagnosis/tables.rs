@@ -1,7 +1,7 @@
 //! The tables of a diagnosis, and its charts of bars.
 
 use super::words;
-use crate::diagnosis::{Candidate, Diagnosis, Errors, HeldOut, Manoeuvre, Subject};
+use crate::diagnosis::{Candidate, Diagnosis, HeldOut, Manoeuvre, Subject};
 use crate::fit::Estimate;
 use crate::report::chart::{Bar, Bars, Tint};
 use crate::report::number::{digits, percent, shown, with_interval, with_unit};
@@ -120,19 +120,10 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
     table(&header, rows)
 }
 
-/// What a measure of errors is of a model.
-type Measure = (&'static str, &'static str, fn(&Errors) -> f64);
-
-const MEASURES: [Measure; 3] = [
-    ("position", "m", |errors| errors.position),
-    ("heading", "rad", |errors| errors.heading),
-    ("yaw rate", "rad/s", |errors| errors.yaw_rate),
-];
-
 /// Held-out errors as bars.
 pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = words::models(held_out, diagnosis);
-    let charts = MEASURES.iter().map(|(name, unit, of)| {
+    let charts = words::MEASURES.iter().map(|(name, unit, of)| {
         let (factor, shown) = shown(unit);
         let bars = models
             .iter()
@@ -168,7 +159,7 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
         header.push("left of the re-tuned error");
     }
     let mut rows: Vec<Vec<String>> = Vec::new();
-    for (name, unit, of) in MEASURES {
+    for (name, unit, of) in words::MEASURES {
         if !of(&held_out.retuned).is_finite() {
             continue;
         }
