@@ -278,8 +278,10 @@ fn place(one: &mut Ingredient, place: Place, path: &Track, random: &mut Random) 
         Place::Everywhere => {}
         Place::Seconds => {
             let half = random.between(2.0, 6.0);
-            let start = round((at - half).max(1.0));
-            one.region = Region::Time(start, round(start + 2.0 * half));
+            // The world changes at commands.
+            let on_command = |time: f64| round((time / STEP).round() * STEP);
+            let start = on_command((at - half).max(1.0));
+            one.region = Region::Time(start, on_command(start + 2.0 * half));
         }
         Place::Patch => {
             one.region = Region::Disc(

@@ -118,11 +118,11 @@ const POOR: [&str; 6] = [
 /// Strengths of laws by size.
 const STRENGTHS: [(&str, f64); SIZE_COUNT] = [("small", 0.15), ("medium", 0.5), ("large", 1.4)];
 
-/// The physics of the catalogue that acts throughout.
+/// The physics of the catalogue that acts throughout and has a name.
 fn physics() -> Vec<&'static str> {
     let all = CATALOGUE.iter().filter(|effect| effect.kind == Of::Physics);
     all.map(|effect| effect.name)
-        .filter(|name| *name != "terrain_change")
+        .filter(|name| *name != "terrain_change" && !name.starts_with("residual_"))
         .collect()
 }
 

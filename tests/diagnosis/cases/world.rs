@@ -24,7 +24,8 @@ impl Region {
     pub fn holds(self, time: f64, state: &State) -> bool {
         match self {
             Self::Always => true,
-            Self::Time(start, end) => time >= start && time < end,
+            // Times are whole commands but for rounding.
+            Self::Time(start, end) => time > start - 1e-6 && time < end - 1e-6,
             Self::Disc([x, y], radius) => (state.x - x).hypot(state.y - y) < radius,
         }
     }
