@@ -166,6 +166,10 @@ fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisEr
                 Target::Model(_) | Target::Sensor(_) => knob.parameter.unit,
             },
             estimate: knob.parameter.value(off + score.step[0]),
+            interval: knob
+                .parameter
+                .interval(off + score.step[0], NORMAL_95 * score.deviation[0])
+                .into(),
             held_out_gain: gain.map(|(_, gain)| *gain),
             alike,
             ..empty(screened.subject)
@@ -186,6 +190,7 @@ fn empty(subject: Subject) -> Candidate {
         parameter: "",
         unit: "",
         estimate: f64::NAN,
+        interval: [f64::NAN; 2],
         held_out_gain: None,
         alike: Vec::new(),
     }

@@ -1,7 +1,6 @@
 //! Models that are compared: the given one, its soil free, with effects; and where each stands.
 
 use super::candidate::{Candidates, Target};
-use super::system::System;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
@@ -213,26 +212,6 @@ impl<'a> Given<'a> {
             }
         });
         solution
-    }
-
-    /// Moves a solution along a step of some unknowns of the linearised problem, within the ranges.
-    pub fn step(
-        &self,
-        system: &System,
-        solution: &mut Solution,
-        unknowns: &[usize],
-        step: &DVector<f64>,
-    ) {
-        for (recording, knobs) in solution.knobs.iter_mut().enumerate() {
-            let columns = system.columns(recording, unknowns);
-            for (column, by) in columns.into_iter().zip(step.iter()) {
-                let Some(knob) = column.and_then(|c| c.checked_sub(self.soil.len())) else {
-                    continue;
-                };
-                let (low, high) = self.candidates.knobs[knob].parameter.bounds();
-                knobs[knob] = (knobs[knob] + by).clamp(low, high);
-            }
-        }
     }
 
     /// For each recording and each of a problem's unknowns that it depends on, what it is.

@@ -22,10 +22,8 @@ pub struct Tuned {
     pub knobs: Vec<usize>,
     /// Where it ended.
     pub solution: Solution,
-    /// Half the cost and the log determinants: minus the log of the evidence.
+    /// Minus the log of the evidence.
     pub surprise: f64,
-    /// Of it, the squares of the whitened residuals and the distances from the priors.
-    pub cost: f64,
     /// Covariance of the unknowns' coordinates, as the problem numbers them.
     pub covariance: DMatrix<f64>,
     /// Residuals of each segment and their derivatives.
@@ -64,7 +62,6 @@ pub fn tune(
         knobs: knobs.to_vec(),
         solution: given.solution(&problem, knobs, &point, begin),
         surprise,
-        cost: outcome.cost,
         covariance,
         tables: outcome.tables,
     })
@@ -86,7 +83,7 @@ pub fn tune_with_noise(
     let mut stop = FIRST;
     for _ in 0..TURNS {
         let outcome = minimise(&problem, &mut point, by, stop)?;
-        let change = noise_estimate::update(&problem, &outcome.tables, &point, by);
+        let change = noise_estimate::update(&problem.linearised(&point), &outcome.tables, by);
         reweigh(&problem, &outcome.tables, by);
         if outcome.converged && outcome.gain < STILL && change < STILL_NOISE {
             break;

@@ -183,6 +183,8 @@ pub struct Candidate {
     pub unit: &'static str,
     /// One-step estimate of that parameter.
     pub estimate: f64,
+    /// Its 90 % interval.
+    pub interval: [f64; 2],
     /// Gain of the held-out log score per sample over the re-tuned model, with its standard error;
     /// `None` where it was not refitted.
     pub held_out_gain: Option<(f64, f64)>,

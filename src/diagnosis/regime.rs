@@ -16,8 +16,6 @@ use std::f64::consts::PI;
 pub struct GateGain {
     /// Recording and run.
     pub run: (usize, usize),
-    /// Beginning and end \[s\].
-    pub edges: [f64; 2],
     /// Gain of the log likelihood.
     pub gain: f64,
     /// Speed along the vehicle by the wheels \[m/s\], turn rate by the wheels \[rad/s\].
@@ -101,8 +99,7 @@ fn following(
 
 fn describe(given: &Given, segment: &SegmentSystem, gate: usize, gain: f64) -> GateGain {
     let data = &given.segments[segment.index];
-    let edges = [segment.edges[gate], segment.edges[gate + 1]];
-    let middle = 0.5 * (edges[0] + edges[1]);
+    let middle = 0.5 * (segment.edges[gate] + segment.edges[gate + 1]);
     let row = data.drive.time.partition_point(|time| *time <= middle);
     let [left, right] = data.drive.wheel_speeds(row.saturating_sub(1));
     let vehicle = &given.nominal.vehicle;
@@ -110,7 +107,6 @@ fn describe(given: &Given, segment: &SegmentSystem, gate: usize, gain: f64) -> G
     let heading = run.series(crate::recording::Channel::Heading);
     GateGain {
         run: (data.recording, data.run),
-        edges,
         gain,
         motion: [
             0.5 * vehicle.wheel_radius * (left + right),

@@ -7,6 +7,7 @@ use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
 use super::likelihood::{Tuned, tune, tune_with_noise};
 use super::naming::{Named, Proposal, Screened, fit, proposals, screened, shortlist};
+use super::noise;
 use super::screen::{Projection, chance};
 use super::sensitivity::{Layout, sensitivities};
 use super::system::{System, linearise, weigh};
@@ -23,8 +24,6 @@ pub struct Member {
     pub gain: f64,
     /// What else was fitted in its place, with log Bayes factors and priors.
     pub rivals: Vec<(Subject, f64)>,
-    /// Held-out gain per sample and standard error.
-    pub held_out: Option<(f64, f64)>,
 }
 
 /// What a candidate looked like under the re-tuned model.
@@ -134,7 +133,6 @@ pub fn search<'a>(
         members.push(Member {
             proposal: best.proposal.clone(),
             gain: best.gain,
-            held_out: held_out(best),
             rivals,
         });
         let (placed, tuned) = (best.given.clone(), best.tuned.clone());
@@ -178,12 +176,18 @@ fn look<'a>(
     let layout = Layout::new(&given, &on);
     let tables = sensitivities(&given, &layout, &tuned.solution);
     weigh(&given, &on, &tuned.tables, by);
-    let mut system = linearise(&given, &layout, &tables, &tuned.solution, by, true);
+    let system = linearise(&given, &layout, &tables, &tuned.solution, by);
+    progress.step("noise");
+    noise::update(&given, &system, &tables, &tuned.solution, by);
+    progress.step("re-tuning the soil");
     let again = tune(&given, &on, &tuned.solution, by).map_err(DiagnosisError::Undrivable)?;
-    if moved(&given, &tuned.solution, &again.solution) > MOVED {
+    progress.step("sensitivities to every candidate");
+    let system = if moved(&given, &tuned.solution, &again.solution) > MOVED {
         let tables = sensitivities(&given, &layout, &again.solution);
-        system = linearise(&given, &layout, &tables, &again.solution, by, false);
-    }
+        linearise(&given, &layout, &tables, &again.solution, by)
+    } else {
+        linearise(&given, &layout, &tables, &tuned.solution, by)
+    };
     let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
     let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
     progress.step("screening and locating");

@@ -3,11 +3,9 @@
 
 use super::hypothesis::{Given, Solution, What};
 use super::sensitivity::{Layout, SegmentTable};
-use crate::fit::exact::ExactPredictor;
-use crate::fit::noise_estimate;
 use crate::fit::normal::START;
 use crate::fit::parameter::Parameter;
-use crate::fit::problem::{Point, Problem, Tables, Weighing};
+use crate::fit::problem::{Tables, Weighing};
 use crate::fit::weighing::reweigh;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rayon::prelude::*;
@@ -44,22 +42,18 @@ pub struct SegmentSystem {
     pub gradient: DVector<f64>,
     /// Squares of the whitened residuals that the start does not take up.
     pub cost: f64,
-    /// Log determinants of noise and start.
-    pub log_determinant: f64,
-    /// Number of samples.
-    pub samples: usize,
     /// Where gates begin and end \[s\].
     pub edges: Vec<f64>,
 }
 
-/// Noise under the richest model, and the normal equations with it. The weighing moves along.
+/// The normal equations of all segments.
+#[must_use]
 pub fn linearise(
     given: &Given,
     layout: &Layout,
     tables: &[Option<SegmentTable>],
     at: &Solution,
-    by: &mut Weighing,
-    update_noise: bool,
+    by: &Weighing,
 ) -> System {
     let knobs: Vec<usize> = (0..given.candidates.knobs.len()).collect();
     let predictor = given.predictor(&knobs);
@@ -73,9 +67,6 @@ pub fn linearise(
         places[recording][column] = Some(place);
     });
     let point = given.point(&problem, &knobs, at);
-    if update_noise {
-        noise(&problem, &places, tables, &point, by);
-    }
     let one = |(index, table): (usize, &Option<SegmentTable>)| {
         let table = table.as_ref()?;
         segment(given, layout, index, table, &at.starts[index], by)
@@ -89,54 +80,6 @@ pub fn linearise(
         places,
         segments: segments.into_iter().flatten().collect(),
         layout: layout.clone(),
-    }
-}
-
-/// Noise and weights with all candidates integrated out: what any of them can explain is no noise.
-fn noise(
-    problem: &Problem<ExactPredictor>,
-    places: &[Vec<Option<usize>>],
-    tables: &[Option<SegmentTable>],
-    point: &Point,
-    by: &mut Weighing,
-) {
-    let kept: Vec<usize> = (0..tables.len()).filter(|k| tables[*k].is_some()).collect();
-    let part = problem.with_segments(kept.iter().map(|k| problem.segments[*k].clone()).collect());
-    let arranged: Vec<Tables> = kept
-        .iter()
-        .filter_map(|k| {
-            let recording = problem.segments[*k].recording;
-            let order = problem.places(recording);
-            let column = |place: &usize| places[recording].iter().position(|p| p == &Some(*place));
-            let columns: Vec<usize> = order.iter().filter_map(column).collect();
-            Some(arrange(&tables[*k].as_ref()?.whole, &columns))
-        })
-        .collect();
-    let mut weighing = Weighing {
-        noise: by.noise.clone(),
-        weights: kept.iter().map(|k| by.weights[*k].clone()).collect(),
-    };
-    let at = Point {
-        coordinates: point.coordinates.clone(),
-        starts: kept.iter().map(|k| point.starts[*k]).collect(),
-    };
-    noise_estimate::update(&part, &arranged, &at, &mut weighing);
-    by.noise = weighing.noise;
-}
-
-/// Columns in another order, residual and start first.
-fn arrange(tables: &Tables, columns: &[usize]) -> Tables {
-    let order: Vec<usize> = (0..=START)
-        .chain(columns.iter().map(|c| 1 + START + c))
-        .collect();
-    let channel = |channel: &Vec<f64>| {
-        let rows = channel.chunks_exact(tables.columns);
-        rows.flat_map(|row| order.iter().map(|column| row[*column]))
-            .collect()
-    };
-    Tables {
-        channels: tables.channels.iter().map(channel).collect(),
-        columns: order.len(),
     }
 }
 
@@ -160,7 +103,6 @@ fn segment(
     let width = table.whole.columns + gated;
     let local = width - 1 - START;
     let mut normal = DMatrix::<f64>::zeros(width, width);
-    let (mut log_determinant, mut samples) = (0.0, 0);
     for (channel, data) in segment.samples.iter().enumerate() {
         let whole = table.whole.channels[channel].chunks_exact(table.whole.columns);
         let rows = data.time.len();
@@ -170,8 +112,7 @@ fn segment(
             cells.extend(&table.gated[channel][row * gated..(row + 1) * gated]);
         }
         let noise = by.noise[segment.recording][data.signal.group() as usize];
-        log_determinant += noise.whiten(&data.time, &by.weights[index][channel], width, &mut cells);
-        samples += rows;
+        noise.whiten(&data.time, &by.weights[index][channel], width, &mut cells);
         let rows = DMatrix::from_vec(width, rows, cells);
         normal.gemm(1.0, &rows, &rows.transpose(), 1.0);
     }
@@ -185,7 +126,6 @@ fn segment(
         by_start[(k, k)] += precision;
         pull[k] += precision * missing;
         cost += precision * missing * missing;
-        log_determinant -= precision.ln();
     }
     let cross = normal.view((1, 1 + START), (START, local)).into_owned();
     let factor = by_start.cholesky()?;
@@ -196,15 +136,12 @@ fn segment(
         .view((1 + START, 0), (local, 1))
         .column(0)
         .into_owned();
-    log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
     let system = SegmentSystem {
         index,
         recording: segment.recording,
         matrix: own - cross.tr_mul(&solved),
         gradient: gradient - cross.tr_mul(&moved),
         cost: cost - pull.dot(&moved),
-        log_determinant,
-        samples,
         edges: table.edges.clone(),
     };
     let finite = system.cost.is_finite() && system.matrix.iter().all(|v| v.is_finite());

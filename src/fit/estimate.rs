@@ -229,7 +229,7 @@ fn turns<P: Predictor>(
         let State { point, by } = state;
         let stop = if turn == 1 { FIRST_TURN } else { TURN };
         let outcome = minimise(problem, point, by, stop).map_err(FitError::Start)?;
-        let change = noise_estimate::update(problem, &outcome.tables, point, by);
+        let change = noise_estimate::update(&problem.linearised(point), &outcome.tables, by);
         if options.robust {
             reweigh(problem, &outcome.tables, by);
         }

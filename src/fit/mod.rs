@@ -16,6 +16,7 @@ pub mod error;
 pub mod estimate;
 pub mod exact;
 pub mod identifiability;
+pub mod linearised;
 pub mod noise;
 pub mod noise_estimate;
 pub mod normal;

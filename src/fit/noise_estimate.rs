@@ -9,10 +9,10 @@
 //! (H. D. Patterson & R. Thompson, "Recovery of inter-block information when block sizes are
 //! unequal", Biometrika 58 (1971)).
 
+use super::linearised::Linearised;
 use super::noise::ChannelNoise;
 use super::normal::{Eliminated, Normal};
-use super::predictor::Predictor;
-use super::problem::{Point, Problem, Tables, Weighing};
+use super::problem::{Tables, Weighing};
 use super::segment::NoiseGroup;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -33,20 +33,14 @@ const LAST_STEP: f64 = 0.06;
 
 /// Estimates the noise of every channel of every recording anew; returns the largest change of
 /// a standard deviation or correlation time, as a logarithm.
-pub fn update<P: Predictor>(
-    problem: &Problem<P>,
-    tables: &[Tables],
-    point: &Point,
-    by: &mut Weighing,
-) -> f64 {
+pub fn update(problem: &Linearised, tables: &[Tables], by: &mut Weighing) -> f64 {
     let mut largest: f64 = 0.0;
     let mut plain = with_outliers_only(by);
-    for recording in 0..problem.recordings.len() {
+    for recording in 0..problem.places.len() {
         for group in NoiseGroup::ALL {
             let part = Part {
                 problem,
                 tables,
-                point,
                 recording,
                 group,
             };
@@ -91,15 +85,14 @@ const DIRECTIONS: [[f64; 3]; 5] = [
 ];
 
 /// The segments of a recording, and the channels of a group.
-struct Part<'a, 'b, P> {
-    problem: &'a Problem<'b, P>,
+struct Part<'a, 'b> {
+    problem: &'a Linearised<'b>,
     tables: &'a [Tables],
-    point: &'a Point,
     recording: usize,
     group: NoiseGroup,
 }
 
-impl<P: Predictor> Part<'_, '_, P> {
+impl Part<'_, '_> {
     /// Segments of the recording that have a channel of the group.
     fn members(&self) -> impl Iterator<Item = usize> + '_ {
         let segments = self.problem.segments.iter().enumerate();
@@ -194,8 +187,8 @@ impl<P: Predictor> Part<'_, '_, P> {
         ours: bool,
         normal: &mut Normal,
     ) -> f64 {
-        let segment = &self.problem.segments[index];
-        let places = self.problem.places(segment.recording);
+        let segment = self.problem.segments[index];
+        let places = &self.problem.places[segment.recording];
         let mut log_determinant = 0.0;
         for (channel, samples) in segment.samples.iter().enumerate() {
             let group = samples.signal.group();
@@ -211,7 +204,7 @@ impl<P: Predictor> Part<'_, '_, P> {
             let mut table = tables.channels[channel].clone();
             let weights = &by.weights[index][channel];
             log_determinant += noise.whiten(&samples.time, weights, tables.columns, &mut table);
-            normal.add(&table, &places);
+            normal.add(&table, places);
         }
         log_determinant
     }
@@ -228,32 +221,28 @@ struct Rest {
 }
 
 impl Rest {
-    fn new<P: Predictor>(part: &Part<P>, by: &Weighing) -> Self {
-        let (problem, point) = (part.problem, part.point);
+    fn new(part: &Part, by: &Weighing) -> Self {
+        let problem = part.problem;
         let members: Vec<usize> = part.members().collect();
         let without = |&index: &usize| {
-            let mut normal = Normal::zeros(problem.parameters.len());
-            let segment = &problem.segments[index];
-            let start = &point.starts[index];
-            let missing = std::array::from_fn(|k| segment.start_prior[k] - start[k]);
-            normal.add_start_prior(&missing, &segment.start_deviation);
+            let mut normal = Normal::zeros(problem.precision.len());
+            problem.add_start_prior(index, &mut normal);
             let noise = by.noise[part.recording][part.group as usize];
             part.add(index, &noise, by, false, &mut normal);
             (index, normal)
         };
         let normals: Vec<_> = members.par_iter().map(without).collect();
-        let (precision, gradient) = problem.prior(&point.coordinates);
         let mut rest = Self {
             normals,
-            matrix: DMatrix::from_diagonal(&precision),
-            gradient,
+            matrix: DMatrix::from_diagonal(&problem.precision),
+            gradient: problem.pull.clone(),
             value: 0.0,
         };
         for index in 0..problem.segments.len() {
             if members.binary_search(&index).is_ok() {
                 continue;
             }
-            let normal = problem.normal(index, &part.tables[index], point, by);
+            let normal = problem.normal(index, &part.tables[index], by);
             if let Some(eliminated) = Eliminated::new(&normal, 0.0) {
                 rest.matrix += &eliminated.matrix;
                 rest.gradient += &eliminated.gradient;

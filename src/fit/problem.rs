@@ -1,5 +1,6 @@
 //! The unknowns, the segments, and the residuals at a point.
 
+use super::linearised::{Linearised, add_segment};
 use super::noise::ChannelNoise;
 use super::normal::{Normal, START};
 use super::observation::{self, Residuals};
@@ -264,15 +265,23 @@ impl<'a, P: Predictor> Problem<'a, P> {
         let segment = &self.segments[index];
         let places = self.places(segment.recording);
         let mut normal = Normal::zeros(self.parameters.len());
-        for (channel, samples) in segment.samples.iter().enumerate() {
-            let mut table = tables.channels[channel].clone();
-            let noise = by.noise[segment.recording][samples.signal.group() as usize];
-            let weights = &by.weights[index][channel];
-            noise.whiten(&samples.time, weights, tables.columns, &mut table);
-            normal.add(&table, &places);
-        }
+        add_segment(&mut normal, segment, index, &places, tables, by);
         normal.add_start_prior(&self.start_missing(index, point), &segment.start_deviation);
         normal
+    }
+
+    /// What is left of the problem at a point where its derivatives are known.
+    #[must_use]
+    pub fn linearised(&self, point: &Point) -> Linearised<'_> {
+        let (precision, pull) = self.prior(&point.coordinates);
+        let recordings = 0..self.recordings.len();
+        Linearised {
+            segments: self.segments.iter().collect(),
+            starts: point.starts.clone(),
+            places: recordings.map(|recording| self.places(recording)).collect(),
+            precision,
+            pull,
+        }
     }
 
     /// Sum of the squares of all whitened residuals and of the distances from the priors.

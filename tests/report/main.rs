@@ -74,7 +74,7 @@ fn numbers_that_are_none_are_null() {
     let all = parsed(&sample(Verdict::NothingMissing));
     let candidates = all["candidates"].as_array().unwrap();
     assert_eq!(candidates[5]["smallest_detectable"], Value::Null);
-    assert_eq!(candidates[7]["estimate"], Value::Null);
+    assert_eq!(candidates[7]["estimate"]["value"], Value::Null);
     let nothing = candidates
         .iter()
         .find(|c| c["effect"] == "nothing_missing")

@@ -288,6 +288,7 @@ fn candidates(verdict: Verdict, findings: &[Finding]) -> Vec<Candidate> {
             } else {
                 0.013 * (index as f64 - 4.0)
             },
+            interval: [0.5 * index as f64, 1.5 * index as f64],
             held_out_gain: (found.is_some() || pair).then_some((0.212, 0.031)),
             alike: alike(declared.name),
         }
@@ -306,6 +307,7 @@ fn candidates(verdict: Verdict, findings: &[Finding]) -> Vec<Candidate> {
             parameter: "",
             unit: "",
             estimate: f64::NAN,
+            interval: [f64::NAN; 2],
             held_out_gain: None,
             alike: Vec::new(),
         });

@@ -102,7 +102,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     if !args.quiet {
         write_stdout(&text(&diagnosis))?;
-        write_stdout(&format!("written to {}: {}\n", args.out.display(), files.join(", ")))?;
+        write_stdout(&format!(
+            "written to {}: {}\n",
+            args.out.display(),
+            files.join(", ")
+        ))?;
     }
     Ok(())
 }
@@ -114,7 +118,10 @@ fn place(folder: &Path, name: &str) -> Result<Output, Failure> {
 /// Findings name recordings: two of one name could not be told apart.
 fn different_names(recordings: &[Recording]) -> Result<(), Failure> {
     for (index, recording) in recordings.iter().enumerate() {
-        if recordings[..index].iter().any(|other| other.name == recording.name) {
+        if recordings[..index]
+            .iter()
+            .any(|other| other.name == recording.name)
+        {
             return Err(Failure::Argument {
                 reason: format!("two recordings are called {}", recording.name),
                 hint: Some("rename one of the files: findings name the recording".into()),

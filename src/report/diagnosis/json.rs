@@ -119,7 +119,11 @@ fn candidate(candidate: &Candidate) -> Value {
         "smallest_detectable": candidate.smallest_detectable,
         "parameter": is_effect.then_some(candidate.parameter),
         "unit": is_effect.then_some(candidate.unit),
-        "estimate": candidate.estimate,
+        "estimate": is_effect.then(|| object!({
+            "value": candidate.estimate,
+            "low": candidate.interval[0],
+            "high": candidate.interval[1],
+        })),
         "held_out_gain": candidate.held_out_gain.map(|(gain, error)| {
             object!({ "value": gain, "standard_error": error })
         }),

@@ -1,0 +1,59 @@
+//! A linearised problem: nothing is predicted any more.
+
+use super::normal::{Normal, START};
+use super::problem::{Tables, Weighing};
+use super::segment::Segment;
+use nalgebra::DVector;
+
+/// Segments whose residuals and derivatives are known, and the priors at the point.
+#[derive(Debug, Clone)]
+pub struct Linearised<'a> {
+    /// What was measured.
+    pub segments: Vec<&'a Segment>,
+    /// Start of each segment at the point.
+    pub starts: Vec<[f64; START]>,
+    /// For each recording the unknowns that the columns of its tables belong to.
+    pub places: Vec<Vec<usize>>,
+    /// Precision of each unknown's prior.
+    pub precision: DVector<f64>,
+    /// Pull of each unknown's prior.
+    pub pull: DVector<f64>,
+}
+
+impl Linearised<'_> {
+    /// Normal equations of a segment, its start's prior among them.
+    #[must_use]
+    pub fn normal(&self, index: usize, tables: &Tables, by: &Weighing) -> Normal {
+        let segment = self.segments[index];
+        let places = &self.places[segment.recording];
+        let mut normal = Normal::zeros(self.precision.len());
+        add_segment(&mut normal, segment, index, places, tables, by);
+        self.add_start_prior(index, &mut normal);
+        normal
+    }
+
+    /// Adds what is known of a segment's start.
+    pub fn add_start_prior(&self, index: usize, normal: &mut Normal) {
+        let (segment, start) = (self.segments[index], &self.starts[index]);
+        let missing = std::array::from_fn(|k| segment.start_prior[k] - start[k]);
+        normal.add_start_prior(&missing, &segment.start_deviation);
+    }
+}
+
+/// Adds a segment's whitened residuals and derivatives.
+pub(super) fn add_segment(
+    normal: &mut Normal,
+    segment: &Segment,
+    index: usize,
+    places: &[usize],
+    tables: &Tables,
+    by: &Weighing,
+) {
+    for (channel, samples) in segment.samples.iter().enumerate() {
+        let mut table = tables.channels[channel].clone();
+        let noise = by.noise[segment.recording][samples.signal.group() as usize];
+        let weights = &by.weights[index][channel];
+        noise.whiten(&samples.time, weights, tables.columns, &mut table);
+        normal.add(&table, places);
+    }
+}
