@@ -2,6 +2,7 @@
 
 mod ambiguity;
 mod candidate;
+mod course;
 mod diagnose;
 mod error;
 mod findings;
@@ -10,11 +11,13 @@ mod hypothesis;
 mod law;
 mod likelihood;
 mod locate;
+mod manoeuvre;
 mod naming;
 mod outcome;
 mod prepare;
 mod progress;
 mod regime;
+mod rehearsal;
 mod screen;
 mod search;
 mod sensitivity;

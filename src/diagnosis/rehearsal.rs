@@ -1,0 +1,262 @@
+//! Manoeuvres driven on the re-tuned soil before anyone drives them: what their recordings, with
+//! the sensors at hand, would tell.
+
+use super::candidate::TERRAIN_CHANGE;
+use super::course::{Course, Reach, STEP, courses, steady};
+use super::hypothesis::{Given, Solution};
+use super::sensitivity::{Layout, sensitivities};
+use super::system::{System, linearise};
+use crate::effects::{CATALOGUE, ParameterName};
+use crate::fit::exact::ExactPredictor;
+use crate::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
+use crate::fit::problem::Weighing;
+use crate::fit::segment::{Segment, Signal, cut};
+use crate::fit::sensor::SensorParameter;
+use crate::recording::{Channel, Drive, Recording, Run, Series};
+use crate::simulation::State;
+use crate::vehicle::{Specification, Vehicle};
+use rayon::prelude::*;
+
+/// What the recordings at hand tell, linearised around the re-tuned model.
+#[derive(Debug, Clone, Copy)]
+pub struct AtHand<'a> {
+    /// The given model and the recordings.
+    pub given: &'a Given<'a>,
+    /// The re-tuned soil, and starts.
+    pub retuned: &'a Solution,
+    /// Noise.
+    pub by: &'a Weighing,
+    /// Normal equations.
+    pub system: &'a System,
+}
+
+/// A manoeuvre as the model drives it.
+#[derive(Debug, Clone)]
+pub struct Rehearsal {
+    /// What is driven.
+    pub course: Course,
+    /// Motion every [`STEP`] seconds.
+    pub states: Vec<[f64; 6]>,
+    drive: Drive,
+}
+
+/// All manoeuvres that the model can drive, and the normal equations of their recordings: the
+/// first manoeuvre is the system's first recording.
+#[derive(Debug)]
+pub struct Rehearsed {
+    /// The manoeuvres.
+    pub rehearsals: Vec<Rehearsal>,
+    /// Their linearised problem.
+    pub system: System,
+}
+
+/// A vehicle that moves by less than this share of what its wheels roll is bogged down.
+const BOGGED: f64 = 0.1;
+/// A steady turn is looked at over so many last seconds.
+const STEADY: f64 = 1.0;
+/// Slower turns are none \[rad/s\].
+const SLOWEST: f64 = 0.05;
+
+/// Rehearses for the knobs that are asked about. `None` where there is nothing to go by.
+#[must_use]
+pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehearsed> {
+    let AtHand { given, retuned, .. } = at_hand;
+    let template = template(given)?;
+    let model = given.specification(retuned, template).ok()?;
+    let vehicle = &model.vehicle;
+    let reach = Reach::of(given.recordings, vehicle)?;
+    let first = given.segments.iter().position(|s| s.recording == template);
+    let [x, y, heading, ..] = retuned.starts[first?];
+    let start = State {
+        x,
+        y,
+        heading,
+        ..State::default()
+    };
+    let turn = |forward, turn| {
+        let one = drive(&model, start, steady(forward, turn)).ok()?;
+        let last = &one.states[one.states.len() - (STEADY / STEP) as usize..];
+        let mean = last.iter().map(|state| state[5]).sum::<f64>() / last.len() as f64;
+        (mean.abs() > SLOWEST).then_some(mean.abs())
+    };
+    let all: Vec<Option<Rehearsal>> = courses(&reach, turn)
+        .into_par_iter()
+        .map(|course| drive(&model, start, course).ok())
+        .collect();
+    let rehearsals: Vec<Rehearsal> = all
+        .into_iter()
+        .flatten()
+        .filter(|one| one.moves(vehicle))
+        .collect();
+    let sampling = sampling(&given.recordings[template]);
+    let recordings: Vec<Recording> = rehearsals
+        .iter()
+        .map(|one| one.recording(&sampling))
+        .collect();
+    let cut = cut(
+        &recordings,
+        &vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
+        length,
+    );
+    let rehearsed = Given {
+        nominal: beyond(given)?,
+        recordings: &recordings,
+        names: recordings.iter().map(|r| r.name.clone()).collect(),
+        soil: given.soil.clone(),
+        candidates: given.candidates.clone(),
+        segments: cut.segments,
+    };
+    let off = given.begin().knobs.swap_remove(template);
+    let at = Solution {
+        soil: retuned.soil.clone(),
+        knobs: vec![off; recordings.len()],
+        starts: rehearsed
+            .segments
+            .iter()
+            .map(|segment| rehearsals[segment.recording].at(segment.start))
+            .collect(),
+    };
+    let mut by = Weighing {
+        noise: vec![at_hand.by.noise[template]; recordings.len()],
+        weights: rehearsed
+            .segments
+            .iter()
+            .map(|s| weights(s, &sampling))
+            .collect(),
+    };
+    let layout = Layout::ungated(&rehearsed, knobs);
+    let tables = sensitivities(&rehearsed, &layout, &at);
+    let system = linearise(&rehearsed, &layout, &tables, &at, &mut by, false);
+    Some(Rehearsed { rehearsals, system })
+}
+
+/// The recording with the most seconds: the next one is made with its sensors.
+fn template(given: &Given) -> Option<usize> {
+    let seconds = |recording: usize| -> f64 {
+        let own = given.segments.iter().filter(|s| s.recording == recording);
+        own.map(|s| s.end - s.start).sum()
+    };
+    let each = (0..given.recordings.len()).map(|recording| (recording, seconds(recording)));
+    let best = each.rev().max_by(|a, b| a.1.total_cmp(&b.1));
+    best.filter(|(_, seconds)| *seconds > 0.0)
+        .map(|(recording, _)| recording)
+}
+
+/// The given model; where another soil is asked about, it is under the wheels from the start.
+fn beyond(given: &Given) -> Option<Specification> {
+    let mut nominal = given.nominal.clone();
+    let mut knobs = given.candidates.knobs.iter();
+    if knobs.any(|knob| CATALOGUE[knob.effect].name == TERRAIN_CHANGE) {
+        let position = ParameterName::find(&format!("{TERRAIN_CHANGE}.position"))?;
+        nominal.effects.set(position, -1e6).ok()?;
+    }
+    Some(nominal)
+}
+
+/// How a channel is sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sampling {
+    signal: Signal,
+    /// Seconds between two samples.
+    interval: f64,
+    /// What a sample counts, as there are fewer than a recording would have.
+    weight: f64,
+}
+
+/// The channels and rates of a recording.
+fn sampling(recording: &Recording) -> Vec<Sampling> {
+    let one = |signal: Signal| {
+        let runs = recording.runs.iter();
+        let longest = runs
+            .filter_map(|run| run.series(signal.channel()))
+            .max_by_key(|series| series.len())?;
+        let recorded = longest.median_interval()?;
+        let interval = recorded.max(STEP);
+        Some(Sampling {
+            signal,
+            interval,
+            weight: interval / recorded,
+        })
+    };
+    Signal::ALL.into_iter().filter_map(one).collect()
+}
+
+fn weights(segment: &Segment, sampling: &[Sampling]) -> Vec<Vec<f64>> {
+    let one = |samples: &crate::fit::segment::Samples| {
+        let same = sampling.iter().find(|s| s.signal == samples.signal);
+        vec![same.map_or(1.0, |s| s.weight); samples.time.len()]
+    };
+    segment.samples.iter().map(one).collect()
+}
+
+fn drive(
+    model: &Specification,
+    start: State,
+    course: Course,
+) -> Result<Rehearsal, PredictionError> {
+    let drive = course.drive(model.vehicle.wheel_radius);
+    let mut driven = Trajectory::default();
+    let request = Request {
+        parameters: &[],
+        start: &start,
+        clock: 0.0,
+        drive: &drive,
+        wheel_latency: 0.0,
+        times: &drive.time,
+        gates: &[],
+        derivatives: false,
+    };
+    ExactPredictor::new(model.clone(), Vec::new()).predict(&request, &mut driven)?;
+    Ok(Rehearsal {
+        course,
+        states: driven.states,
+        drive,
+    })
+}
+
+impl Rehearsal {
+    /// Whether the vehicle follows its wheels.
+    fn moves(&self, vehicle: &Vehicle) -> bool {
+        let (mut rolled, mut moved) = (0.0, 0.0);
+        for (row, state) in self.states.iter().enumerate() {
+            let [left, right] = self.drive.wheel_speeds(row);
+            let turn = state[5] * vehicle.half_track;
+            rolled += (left.abs() + right.abs()) * vehicle.wheel_radius;
+            moved += (state[3] - turn).abs() + (state[3] + turn).abs();
+        }
+        moved > BOGGED * rolled
+    }
+
+    /// The state at a time \[s\].
+    fn at(&self, time: f64) -> [f64; 6] {
+        let last = self.states.len() - 1;
+        let place = (time / STEP).clamp(0.0, last as f64);
+        let row = (place as usize).min(last.saturating_sub(1));
+        let (from, to) = (&self.states[row], &self.states[(row + 1).min(last)]);
+        let share = place - row as f64;
+        std::array::from_fn(|k| from[k] + share * (to[k] - from[k]))
+    }
+
+    /// What sensors without noise record.
+    fn recording(&self, sampling: &[Sampling]) -> Recording {
+        let series = |values: &[f64]| Series {
+            time: self.drive.time.clone(),
+            value: values.to_vec(),
+        };
+        let mut run = Run::new("")
+            .with(Channel::OmegaLeft, series(&self.drive.omega_left))
+            .with(Channel::OmegaRight, series(&self.drive.omega_right));
+        for channel in sampling {
+            let place = Signal::ALL.iter().position(|s| *s == channel.signal);
+            let count = (self.drive.duration() / channel.interval) as usize;
+            let times = (0..count).map(|k| k as f64 * channel.interval);
+            let value = |time| (time, place.map_or(0.0, |place| self.at(time)[place]));
+            run = run.with(channel.signal.channel(), times.map(value).collect());
+        }
+        Recording {
+            name: self.course.name.to_owned(),
+            runs: vec![run],
+            ..Recording::default()
+        }
+    }
+}
