@@ -55,7 +55,7 @@ pub fn diagnose(
     let mut given = Given::new(nominal, recordings);
     let (cut, by) = prepare(&mut given, options)?;
     let searched = search(&given, by, options, progress)?;
-    progress.step("reporting");
+    progress.step("judging");
     let mut candidates = candidates(&searched)?;
     let plausible = candidates.iter().filter(|c| c.1).count() as f64;
     let seen = plausible / candidates.len().max(1) as f64;

@@ -1,40 +1,23 @@
 //! Step 9: what to drive next.
 //!
-//! Each manoeuvre is rehearsed on the re-tuned soil (`rehearsal`), and judged by how far apart the
-//! two hypotheses would then be: the recording made of it would be diagnosed with those at hand, so
-//! that the normal equations add up, H = H_at_hand + H_manoeuvre. The soil and what acts everywhere
-//! are shared, a slope or a sensor's fault is each recording's own. Were a true, the signal J_a d_a
-//! would be in the data; b and the soil, X together, would be re-tuned to mimic it, and what they
-//! cannot mimic is
-//!
-//! ```text
-//! d^2 = min_x |S^1/2 (J_a d_a - J_X x)|^2 + x^T P x
-//!     = d_a^T (H_aa - H_aX (H_XX + P)^-1 H_Xa) d_a
-//! ```
-//!
-//! with the noise's inverse covariance S and the priors' precision P; the starts are eliminated
-//! beforehand. d is the expected separation in standard deviations, the root of the likelihood
-//! ratio's noncentrality. It is the criterion of T-optimal design, the least squares distance
-//! between a model held for true at its estimates and its rival at the best of its parameters (A. C.
-//! Atkinson & V. V. Fedorov, "The design of experiments for discriminating between two rival
-//! models", Biometrika 62 (1975), 57–70), linearised around the re-tuned model, with priors. As in
-//! the screen, d^2 is divided by the scatter phi of the blocks. d_a is what was estimated.
+//! Each manoeuvre is rehearsed on the re-tuned soil (`rehearsal`), and judged by how far apart the two
+//! hypotheses would be with its recording beside those at hand (`separation`): the best finding as
+//! it was estimated, and the first of its set.
 //!
 //! What showed in one place or for some seconds is taken to act throughout the manoeuvre, and the
 //! recordings at hand then tell of the soil alone.
 //!
 //! Where the recordings tell too little there is no pair to separate. Then every candidate's
-//! leading parameter is held against nothing, at the size of its prior (b is empty), and the median of
-//! their separations is what counts: half of what may be missing would show by so much.
+//! leading parameter is held against nothing, at the size of its prior, and the median of their
+//! separations is what counts: half of what may be missing would show by so much.
 
 use super::candidate::TERRAIN_CHANGE;
 use super::naming::Kind;
 use super::rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
 use super::search::Searched;
-use super::system::System;
+use super::separation::Signal;
 use super::verdict::{Judged, Judgement};
 use super::{Manoeuvre, Options, Subject, Verdict};
-use nalgebra::{DMatrix, DVector};
 
 /// Where the model with its soil re-tuned suffices, it takes that many of the candidates to have
 /// been seen at a plausible size to leave it at that.
@@ -61,31 +44,7 @@ pub fn next(
         by: &searched.by,
         system: &searched.first.system,
     };
-    question.answer(&at_hand, options)
-}
-
-/// An unknown of the recordings at hand and of the one to come.
-#[derive(Debug, Clone, Copy)]
-struct Unknown {
-    at_hand: Option<usize>,
-    to_come: Option<usize>,
-    /// Precision of its prior.
-    precision: f64,
-    /// Its size where it is there.
-    size: f64,
-}
-
-/// Something that would be in the data, and what could mimic it besides the soil.
-#[derive(Debug, Clone)]
-struct Signal {
-    /// Knobs with their sizes: for each recording at hand, then for the one to come.
-    knobs: Vec<(usize, Vec<f64>)>,
-    /// Knobs that could mimic it.
-    rivals: Vec<usize>,
-    /// Whether the recordings at hand tell of the knobs.
-    told: bool,
-    /// Scatter of the blocks.
-    scatter: f64,
+    question.answer(&at_hand, options.segment)
 }
 
 /// What a manoeuvre has to answer.
@@ -152,14 +111,14 @@ impl Question {
     }
 
     /// The manoeuvre that answers best.
-    fn answer(&self, at_hand: &AtHand, options: &Options) -> Option<Manoeuvre> {
+    fn answer(&self, at_hand: &AtHand, length: f64) -> Option<Manoeuvre> {
         let signals = self.signals.iter();
         let mut knobs: Vec<usize> = signals
             .flat_map(|s| s.knobs.iter().map(|k| k.0).chain(s.rivals.iter().copied()))
             .collect();
         knobs.sort_unstable();
         knobs.dedup();
-        let rehearsed = rehearse(at_hand, &knobs, options.segment)?;
+        let rehearsed = rehearse(at_hand, &knobs, length)?;
         let mut order: Vec<(usize, f64)> = (0..rehearsed.rehearsals.len())
             .filter_map(|one| Some((one, self.separation(at_hand, &rehearsed, one)?)))
             .collect();
@@ -194,103 +153,6 @@ fn scatter(searched: &Searched, subject: Subject) -> f64 {
     let mut screened = searched.first.screened.iter();
     let found = screened.find(|one| one.subject == subject);
     found.map_or(1.0, |one| one.score.scatter)
-}
-
-impl Signal {
-    fn separation(&self, at_hand: &AtHand, rehearsed: &Rehearsed, one: usize) -> Option<f64> {
-        let to_come = &rehearsed.system;
-        let mut unknowns: Vec<Unknown> = at_hand
-            .system
-            .soil()
-            .map(|soil| Unknown {
-                at_hand: Some(soil),
-                to_come: Some(soil),
-                precision: at_hand.system.precision[soil],
-                size: 0.0,
-            })
-            .collect();
-        let none = vec![0.0; at_hand.given.recordings.len() + 1];
-        for knob in &self.rivals {
-            unknowns.extend(self.unknowns(at_hand, to_come, one, *knob, &none));
-        }
-        let mimics = unknowns.len();
-        for (knob, sizes) in &self.knobs {
-            unknowns.extend(self.unknowns(at_hand, to_come, one, *knob, sizes));
-        }
-        let mut matrix = sum(at_hand.system, &unknowns, |u| u.at_hand, None);
-        matrix += sum(to_come, &unknowns, |u| u.to_come, Some(one));
-        let signals = unknowns.len() - mimics;
-        let mut own = matrix.view((0, 0), (mimics, mimics)).into_owned();
-        for (k, unknown) in unknowns[..mimics].iter().enumerate() {
-            own[(k, k)] += unknown.precision;
-        }
-        let cross = matrix.view((0, mimics), (mimics, signals)).into_owned();
-        let raw = matrix.view((mimics, mimics), (signals, signals));
-        let left = raw - cross.tr_mul(&own.cholesky()?.solve(&cross));
-        let sizes = unknowns[mimics..].iter().map(|unknown| unknown.size);
-        let size = DVector::from_iterator(signals, sizes);
-        let square = size.dot(&(left * &size)) / self.scatter;
-        square.is_finite().then(|| square.max(0.0).sqrt())
-    }
-
-    /// The unknowns of a knob: one, or one for each recording that tells of it.
-    fn unknowns(
-        &self,
-        at_hand: &AtHand,
-        to_come: &System,
-        one: usize,
-        knob: usize,
-        sizes: &[f64],
-    ) -> Vec<Unknown> {
-        let about = &at_hand.given.candidates.knobs[knob];
-        let column = at_hand.system.layout.soil + knob;
-        let unknown = |at_hand, to_come, size| Unknown {
-            at_hand,
-            to_come,
-            precision: about.parameter.prior.deviation.powi(-2),
-            size,
-        };
-        let next = to_come.places[one][column];
-        let size = sizes[sizes.len() - 1];
-        let places = at_hand.system.places.iter().map(|places| places[column]);
-        if !about.own {
-            let same = places.flatten().next().filter(|_| self.told);
-            return vec![unknown(same, next, size)];
-        }
-        let known = places
-            .zip(sizes)
-            .filter(|(place, _)| self.told && place.is_some());
-        let mut all: Vec<Unknown> = known
-            .map(|(place, size)| unknown(place, None, *size))
-            .collect();
-        all.extend(next.map(|next| unknown(None, Some(next), size)));
-        all
-    }
-}
-
-/// A system's equations over these unknowns, of one recording or all; zero where it does not have them.
-fn sum(
-    system: &System,
-    unknowns: &[Unknown],
-    place: impl Fn(&Unknown) -> Option<usize>,
-    recording: Option<usize>,
-) -> DMatrix<f64> {
-    let here: Vec<(usize, usize)> = unknowns
-        .iter()
-        .enumerate()
-        .filter_map(|(k, unknown)| Some((k, place(unknown)?)))
-        .collect();
-    let own: Vec<usize> = here.iter().map(|(_, place)| *place).collect();
-    let segments = system.segments.iter();
-    let chosen = segments.filter(|s| recording.is_none_or(|recording| s.recording == recording));
-    let (part, _) = system.sum(&own, chosen);
-    let mut matrix = DMatrix::zeros(unknowns.len(), unknowns.len());
-    for (i, (row, _)) in here.iter().enumerate() {
-        for (j, (column, _)) in here.iter().enumerate() {
-            matrix[(*row, *column)] = part[(i, j)];
-        }
-    }
-    matrix
 }
 
 /// What to do, with numbers of the motion on the re-tuned soil.
@@ -339,5 +201,112 @@ fn describe(rehearsal: &Rehearsal) -> String {
         _ => format!(
             "Drive straight at {speed} for {part:.0} s, turn round on the spot, and drive back beside the track as long"
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::hypothesis::Given;
+    use super::super::rehearsal::tests::steady_straight;
+    use super::super::sensitivity::{Layout, sensitivities};
+    use super::super::system::linearise;
+    use super::*;
+    use crate::effects::CATALOGUE;
+    use crate::fit::segment::cut;
+    use crate::fit::sensor::SensorParameter;
+    use crate::fit::weighing::first_weighing;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+
+    const LENGTH: f64 = 5.0;
+
+    fn effect(name: &str) -> Subject {
+        let place = CATALOGUE.iter().position(|effect| effect.name == name);
+        Subject::Effect(place.unwrap())
+    }
+
+    /// Asks after a straight drive in one direction: is it this, or that?
+    fn after_a_straight(a: (&str, &str, f64), b: Option<&str>) -> Manoeuvre {
+        let terrain = Terrain::preset("sandy_loam").unwrap();
+        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        let recordings = [steady_straight(&model)];
+        let mut given = Given::new(&model, &recordings);
+        given.segments = cut(&recordings, &[[0.0; SensorParameter::ALL.len()]], LENGTH).segments;
+        let candidates = &given.candidates;
+        let mut knobs = candidates.of(effect(a.0));
+        let knob = knobs
+            .find(|knob| candidates.knobs[*knob].name == a.1)
+            .unwrap();
+        let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(effect(b)).collect());
+        let asked: Vec<usize> = std::iter::once(knob)
+            .chain(rivals.iter().copied())
+            .collect();
+        let retuned = given.begin();
+        let mut by = first_weighing(&given.problem(&given.predictor(&[]), &[]));
+        let layout = Layout::ungated(&given, &asked);
+        let tables = sensitivities(&given, &layout, &retuned);
+        assert!(tables.len() > 4 && tables.iter().all(Option::is_some));
+        let system = linearise(&given, &layout, &tables, &retuned, &mut by, false);
+        let question = Question {
+            separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
+            signals: vec![Signal {
+                knobs: vec![(knob, vec![a.2; 2])],
+                rivals,
+                told: true,
+                scatter: 1.0,
+            }],
+            place: "",
+        };
+        let at_hand = AtHand {
+            given: &given,
+            retuned: &retuned,
+            by: &by,
+            system: &system,
+        };
+        question.answer(&at_hand, LENGTH).unwrap()
+    }
+
+    fn of(found: &Manoeuvre, name: &str) -> f64 {
+        let mut compared = found.compared.iter();
+        compared.find(|one| one.0 == name).unwrap().1
+    }
+
+    #[test]
+    fn a_slope_shows_on_the_way_back_and_in_turns() {
+        let found = after_a_straight(("grade", "slope_east", 0.03), Some("drag"));
+        assert_eq!(found.compared.len(), 10, "{found:?}");
+        let straight = of(&found, "straight");
+        for name in ["there_and_back", "circles"] {
+            assert!(of(&found, name) > 2.0 * straight, "{name} {found:?}");
+        }
+        assert_eq!(found.compared[0], (found.name, found.separation));
+        let pairs = found.compared.windows(2);
+        assert!(pairs.clone().all(|pair| pair[0].1 >= pair[1].1));
+        assert_eq!(
+            found,
+            after_a_straight(("grade", "slope_east", 0.03), Some("drag"))
+        );
+    }
+
+    #[test]
+    fn what_acts_across_shows_in_a_pivot() {
+        let found = after_a_straight(("bulldozing", "lateral", 1.0), None);
+        assert!(of(&found, "pivots") > 3.0 * of(&found, "straight"));
+        assert!(of(&found, "pivots") > 3.0, "{found:?}");
+    }
+
+    #[test]
+    fn descriptions_name_numbers_of_the_motion() {
+        let terrain = Terrain::preset("sandy_loam").unwrap();
+        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        for rehearsal in super::super::rehearsal::tests::all(&model) {
+            let told = describe(&rehearsal);
+            let name = rehearsal.course.name;
+            assert!(told.contains(" s"), "{name}: {told}");
+            assert!(told.matches(|c: char| c.is_ascii_digit()).count() > 2);
+            assert!(!told.contains("inf") && !told.contains("NaN"), "{told}");
+            let bends = ["slalom", "spiral", "circles", "figure_eight"].contains(&name);
+            assert_eq!(bends, told.contains("radius"), "{name}: {told}");
+        }
     }
 }

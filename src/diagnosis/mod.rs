@@ -21,6 +21,7 @@ mod rehearsal;
 mod screen;
 mod search;
 mod sensitivity;
+mod separation;
 mod system;
 mod traces;
 mod verdict;

@@ -63,8 +63,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
     let AtHand { given, retuned, .. } = at_hand;
     let template = template(given)?;
     let model = given.specification(retuned, template).ok()?;
-    let vehicle = &model.vehicle;
-    let reach = Reach::of(given.recordings, vehicle)?;
+    let reach = Reach::of(given.recordings, &model.vehicle)?;
     let first = given.segments.iter().position(|s| s.recording == template);
     let [x, y, heading, ..] = retuned.starts[first?];
     let start = State {
@@ -73,21 +72,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         heading,
         ..State::default()
     };
-    let turn = |forward, turn| {
-        let one = drive(&model, start, steady(forward, turn)).ok()?;
-        let last = &one.states[one.states.len() - (STEADY / STEP) as usize..];
-        let mean = last.iter().map(|state| state[5]).sum::<f64>() / last.len() as f64;
-        (mean.abs() > SLOWEST).then_some(mean.abs())
-    };
-    let all: Vec<Option<Rehearsal>> = courses(&reach, turn)
-        .into_par_iter()
-        .map(|course| drive(&model, start, course).ok())
-        .collect();
-    let rehearsals: Vec<Rehearsal> = all
-        .into_iter()
-        .flatten()
-        .filter(|one| one.moves(vehicle))
-        .collect();
+    let rehearsals = drive_all(&model, start, &reach);
     let sampling = sampling(&given.recordings[template]);
     let recordings: Vec<Recording> = rehearsals
         .iter()
@@ -128,6 +113,24 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
     let tables = sensitivities(&rehearsed, &layout, &at);
     let system = linearise(&rehearsed, &layout, &tables, &at, &mut by, false);
     Some(Rehearsed { rehearsals, system })
+}
+
+/// Drives all manoeuvres; those that the model cannot drive are not among them.
+fn drive_all(model: &Specification, start: State, reach: &Reach) -> Vec<Rehearsal> {
+    let turn = |forward, turn| {
+        let one = drive(model, start, steady(forward, turn)).ok()?;
+        let last = &one.states[one.states.len() - (STEADY / STEP) as usize..];
+        let mean = last.iter().map(|state| state[5]).sum::<f64>() / last.len() as f64;
+        (mean.abs() > SLOWEST).then_some(mean.abs())
+    };
+    let all: Vec<Option<Rehearsal>> = courses(reach, turn)
+        .into_par_iter()
+        .map(|course| drive(model, start, course).ok())
+        .collect();
+    all.into_iter()
+        .flatten()
+        .filter(|one| one.moves(&model.vehicle))
+        .collect()
 }
 
 /// The recording with the most seconds: the next one is made with its sensors.
@@ -258,5 +261,71 @@ impl Rehearsal {
             runs: vec![run],
             ..Recording::default()
         }
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use crate::terrain::Terrain;
+
+    fn reach(model: &Specification) -> Reach {
+        Reach {
+            speed: 1.0,
+            wheel_radius: model.vehicle.wheel_radius,
+            half_track: model.vehicle.half_track,
+        }
+    }
+
+    /// All manoeuvres on a soil.
+    pub fn all(model: &Specification) -> Vec<Rehearsal> {
+        drive_all(model, State::default(), &reach(model))
+    }
+
+    /// A recording of a straight drive east, from a GPS receiver with a heading at 10 Hz.
+    pub fn steady_straight(model: &Specification) -> Recording {
+        let one = all(model).swap_remove(0);
+        let channel = |signal| Sampling {
+            signal,
+            interval: 0.1,
+            weight: 1.0,
+        };
+        one.recording(&[Signal::X, Signal::Y, Signal::Heading].map(channel))
+    }
+
+    #[test]
+    fn manoeuvres_are_what_their_names_say() {
+        let model =
+            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let all = all(&model);
+        let last = |name: &str| {
+            let one = all.iter().find(|one| one.course.name == name).unwrap();
+            one.states[one.states.len() - 1]
+        };
+        let [x, y, heading, ..] = last("straight");
+        assert!(x > 10.0 && y.abs() < 1e-6 && heading.abs() < 1e-9);
+        // Round by half a turn, and back to where it began.
+        let [x, y, heading, ..] = last("there_and_back");
+        assert!((heading - std::f64::consts::PI).abs() < 0.3, "{heading}");
+        assert!(x.abs() < 1.0 && y.abs() < 4.0, "{x} {y}");
+        let [x, y, heading, ..] = last("pivots");
+        assert!(x.hypot(y) < 0.5 && heading.abs() < 0.2, "{x} {y} {heading}");
+        let [.., v_x, v_y, yaw_rate] = last("spiral");
+        assert!(v_x.abs() + v_y.abs() + yaw_rate.abs() < 0.05);
+    }
+
+    #[test]
+    fn fewer_samples_count_for_as_much() {
+        let time: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+        let value = vec![0.0; time.len()];
+        let run = Run::new("").with(Channel::YawRate, Series { time, value });
+        let recording = Recording {
+            runs: vec![run],
+            ..Recording::default()
+        };
+        let found = sampling(&recording);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].interval, STEP);
+        assert!((found[0].weight - 10.0).abs() < 1e-9);
     }
 }
