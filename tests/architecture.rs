@@ -40,6 +40,7 @@ const EDGES: &[(&str, &[&str])] = &[
         &[
             "effects",
             "fit",
+            "identification",
             "parameter",
             "recording",
             "simulation",

@@ -6,7 +6,8 @@ use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
 use crate::fit::problem::{Point, Problem};
 use crate::fit::segment::Segment;
-use crate::fit::sensor::SensorParameter;
+use crate::fit::sensor::{SensorParameter, SensorValues};
+use crate::identification::{Latencies, Signals};
 use crate::parameter::ParameterError;
 use crate::recording::Recording;
 use crate::vehicle::{Parameter, Specification};
@@ -27,6 +28,9 @@ pub struct Given<'a> {
     pub candidates: Candidates,
     /// The recordings in stretches of some seconds, each with a start of its own.
     pub segments: Vec<Segment>,
+    /// By how much pose and wheel speeds of each recording trail as curves compared tell; zero where
+    /// they do not tell.
+    pub late: Vec<SensorValues>,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.
@@ -52,6 +56,7 @@ impl<'a> Given<'a> {
             soil: found.collect(),
             candidates: Candidates::new(nominal),
             segments: Vec::new(),
+            late: recordings.iter().map(late).collect(),
         }
     }
 
@@ -249,4 +254,15 @@ pub enum What {
     Soil(usize),
     /// A knob.
     Knob(usize),
+}
+
+/// Latencies from comparing the curves of pose, gyro and wheels.
+fn late(recording: &Recording) -> SensorValues {
+    let mut values = [0.0; SensorParameter::ALL.len()];
+    if let Ok(runs) = Signals::of(recording) {
+        let latencies = Latencies::estimate(&runs);
+        values[SensorParameter::PoseLatency.index()] = latencies.pose.value();
+        values[SensorParameter::WheelLatency.index()] = latencies.wheels.value();
+    }
+    values
 }

@@ -30,6 +30,11 @@ pub struct Tuned {
     pub tables: Vec<Tables>,
 }
 
+/// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
+const HELD: Stop = Stop {
+    steps: 20,
+    gain: 1.0,
+};
 /// Turns of motion and noise at most, and when they end.
 const TURNS: usize = 8;
 const STILL: f64 = 0.5;
@@ -56,7 +61,7 @@ pub fn tune(
     let predictor = given.predictor(knobs);
     let problem = given.problem(&predictor, knobs);
     let mut point = given.point(&problem, knobs, begin);
-    let outcome = minimise(&problem, &mut point, by, FIRST)?;
+    let outcome = minimise(&problem, &mut point, by, HELD)?;
     let (surprise, covariance) = evidence(&problem, &outcome.tables, &point, by, outcome.cost);
     Ok(Tuned {
         knobs: knobs.to_vec(),

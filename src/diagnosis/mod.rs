@@ -23,6 +23,7 @@ mod sensitivity;
 mod system;
 mod traces;
 mod verdict;
+mod words;
 mod wrench;
 
 pub use diagnose::{diagnose, insufficient};

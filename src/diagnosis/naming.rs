@@ -6,6 +6,7 @@
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `adequacy`).
 
 use super::Subject;
+use super::candidate::Target;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
 use super::law::{Law, law};
@@ -63,8 +64,9 @@ pub struct Screened {
     pub score: Score,
 }
 
-/// Proposals that are further behind half of the best are not worth a full fit.
-const FAR_BEHIND: f64 = 10.0;
+/// Proposals that are further behind this share of the best of their kind are not worth a full fit.
+const BEHIND: f64 = 0.6;
+const FAR_BEHIND: f64 = 8.0;
 /// Less evidence than this is not worth a fit.
 const FAINT: f64 = 0.5;
 /// Local proposals of one subject are fitted only where they beat it acting throughout by this.
@@ -202,7 +204,7 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
         let of_kind = proposals.iter().filter(|p| p.kind() == kind);
         let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
         let mut taken: Vec<&Proposal> = Vec::new();
-        for proposal in of_kind.filter(|p| p.evidence > 0.5 * best - FAR_BEHIND) {
+        for proposal in of_kind.filter(|p| p.evidence > BEHIND * best - FAR_BEHIND) {
             let known = taken.iter().any(|other| other.subject == proposal.subject);
             if taken.len() < most && !known {
                 taken.push(proposal);
@@ -224,10 +226,15 @@ pub fn fit<'a>(
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
-    let begin = begin(&given, proposal, &before.solution);
-    let tuned = tune(&given, &knobs, &begin, by)
-        .or_else(|_| tune(&given, &knobs, &before.solution, by))
-        .ok()?;
+    let mut begins = vec![begin(&given, proposal, &before.solution)];
+    begins.extend(compared(&given, proposal, &before.solution));
+    let each = begins.iter().filter_map(|begin| {
+        let tuned = tune(&given, &knobs, begin, by);
+        tuned.ok().filter(|tuned| tuned.surprise.is_finite())
+    });
+    let tuned = each
+        .min_by(|a, b| a.surprise.total_cmp(&b.surprise))
+        .or_else(|| tune(&given, &knobs, &before.solution, by).ok())?;
     Some(Named {
         gain: before.surprise - tuned.surprise - proposal.looking,
         scores: scores(&given, &tuned, by),
@@ -252,6 +259,23 @@ fn begin(given: &Given, proposal: &Proposal, before: &Solution) -> Solution {
         }
     }
     begin
+}
+
+/// Where latencies are proposed: they are what comparing the curves tells. A search from zero may
+/// end where motions are matched with their neighbours.
+fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option<Solution> {
+    let mut begin = before.clone();
+    let mut told = false;
+    for knob in &proposal.knobs {
+        let Target::Sensor(sensor) = given.candidates.knobs[*knob].target else {
+            continue;
+        };
+        for (values, late) in begin.knobs.iter_mut().zip(&given.late) {
+            values[*knob] += late[sensor.index()];
+            told |= late[sensor.index()] != 0.0;
+        }
+    }
+    told.then_some(begin)
 }
 
 /// The given model with the place where a proposal acts.

@@ -4,10 +4,8 @@ use super::hypothesis::Given;
 use super::{DiagnosisError, Options};
 use crate::fit::problem::Weighing;
 use crate::fit::segment::{Cut, cut};
-use crate::fit::sensor::{SensorParameter, SensorValues};
+use crate::fit::sensor::SensorValues;
 use crate::fit::weighing::first_weighing;
-use crate::identification::{Latencies, Signals};
-use crate::recording::Recording;
 
 /// Less driving than this is not enough to say anything \[s\].
 const SHORTEST: f64 = 10.0;
@@ -17,7 +15,13 @@ const SHORTEST: f64 = 10.0;
 /// # Errors
 /// Recordings that tell nothing.
 pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), DiagnosisError> {
-    let late: Vec<SensorValues> = given.recordings.iter().map(late).collect();
+    // Samples go to the segment in which they were true. A pose that is told too early would lie
+    // before its segment's start; one told too late does no harm.
+    let late = given
+        .late
+        .iter()
+        .map(|late| late.map(|value| value.max(0.0)));
+    let late: Vec<SensorValues> = late.collect();
     let mut found = cut(given.recordings, &late, options.segment);
     given.segments = std::mem::take(&mut found.segments);
     let driven: f64 = seconds(given);
@@ -59,15 +63,4 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
 #[must_use]
 pub fn seconds(given: &Given) -> f64 {
     given.segments.iter().map(|s| s.end - s.start).sum()
-}
-
-/// How late a recording's pose is: samples go to the segment in which they were true. A pose that
-/// is told too early would lie before its segment's start; one told too late does no harm.
-fn late(recording: &Recording) -> SensorValues {
-    let mut values = [0.0; SensorParameter::ALL.len()];
-    if let Ok(runs) = Signals::of(recording) {
-        let latencies = Latencies::estimate(&runs);
-        values[SensorParameter::PoseLatency.index()] = latencies.pose.value().max(0.0);
-    }
-    values
 }
