@@ -92,17 +92,33 @@ const ATTEMPTS: usize = 200;
 /// Draws in which less shows than the size promises are drawn anew, this often.
 const HIDDEN: usize = 4;
 
+/// Seconds that drives usually last, from and to.
+const USUAL: [f64; 2] = [40.0, 90.0];
+
 /// The `number`th case of a family; the same seed gives the same case.
 ///
 /// # Errors
 /// What is wrong with the last draw, where no draw can be driven.
 pub fn generate(family: Family, number: usize, seed: u64) -> Result<Case, String> {
+    generate_lasting(USUAL, family, number, seed)
+}
+
+/// The same with drives that last from and to so many seconds.
+///
+/// # Errors
+/// What is wrong with the last draw, where no draw can be driven.
+pub fn generate_lasting(
+    lengths: [f64; 2],
+    family: Family,
+    number: usize,
+    seed: u64,
+) -> Result<Case, String> {
     let mut last = String::new();
     let mut hidden = None;
     let mut hidden_count = 0;
     let mut seeds = Random::new(seed.wrapping_add((number as u64) << 32), family.name());
     for _ in 0..ATTEMPTS {
-        match attempt(family, number, seeds.seed()) {
+        match attempt(lengths, family, number, seeds.seed()) {
             Ok(case) if case.is_plain_enough() => return Ok(case),
             // Kept, in case that none is plainer: some effects hide on nearly every ground.
             Ok(case) => {
@@ -118,7 +134,11 @@ pub fn generate(family: Family, number: usize, seed: u64) -> Result<Case, String
     hidden.ok_or_else(|| format!("{} {number}: {last}", family.name()))
 }
 
-fn attempt(family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
+fn attempt(lengths: [f64; 2], family: Family, number: usize, seed: u64) -> Result<Case, Failure> {
+    let seconds = |random: &mut Random| {
+        let [least, most] = lengths;
+        (random.between(least, most) / STEP).round() * STEP
+    };
     let of = |purpose: &str| Random::new(seed, purpose);
     let kind = of("kind").pick(&[0, 1, 2, 3, 4]);
     let (vehicle_name, vehicle) = ground::vehicle(kind, &mut of("vehicle"));
@@ -234,10 +254,6 @@ fn oversteer(vehicle: &Vehicle, terrain: Terrain) -> Result<f64, Failure> {
         oversteer = (oversteer * wanted / turned.max(0.25 * wanted)).clamp(1.0, MOST);
     }
     Ok(oversteer)
-}
-
-fn seconds(random: &mut Random) -> f64 {
-    (random.between(40.0, 90.0) / STEP).round() * STEP
 }
 
 fn top_speed(vehicle: &Vehicle, random: &mut Random) -> f64 {

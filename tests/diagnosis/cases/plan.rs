@@ -216,7 +216,8 @@ impl Plan {
                     .map(|name| format!("{name}_factor"))
                     .collect();
                 let on: Vec<&str> = on.iter().map(String::as_str).collect();
-                let size = 1 + number % 2;
+                // A small change seldom shows.
+                let size = [1, 2, 1, 2, 0][number % 5];
                 let mut plan = Self::plain(&["missing_physics"]);
                 plan.place = Place::Beyond;
                 plan.add(with_switches("terrain_change", &on, size, vehicle, random));
