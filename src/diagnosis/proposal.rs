@@ -41,6 +41,8 @@ pub struct Screened {
 /// Proposals that are further behind this share of the best of their kind are not worth a full fit.
 const BEHIND: f64 = 0.6;
 const FAR_BEHIND: f64 = 8.0;
+/// Share that re-tuning takes up of an effect that may be hidden.
+const HIDDEN: f64 = 0.85;
 /// Less evidence than this is not worth a fit.
 const FAINT: f64 = 0.5;
 /// Local proposals of one subject are fitted only where they beat it acting throughout by this.
@@ -116,6 +118,34 @@ pub fn proposals(
     all.retain(|proposal| proposal.evidence > FAINT);
     all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     all
+}
+
+/// Effects that re-tuning takes up so much of that the linearised problem may not see them: the soil
+/// has gone far to imitate them. They are proposed as the catalogue expects them.
+#[must_use]
+pub fn hidden(given: &Given, screened: &[Screened]) -> Vec<Proposal> {
+    let absorbed = screened.iter().filter(|one| one.score.absorbed > HIDDEN);
+    let propose = |one: &Screened| {
+        let knobs: Vec<usize> = given.candidates.of(one.subject).collect();
+        let step = |knob: &usize| {
+            let about = &given.candidates.knobs[*knob];
+            let off = about.parameter.prior_coordinate();
+            (*knob, DVector::repeat(1, about.typical - off))
+        };
+        let steps: Vec<(usize, DVector<f64>)> = knobs.iter().map(step).collect();
+        Proposal {
+            subject: one.subject,
+            knobs,
+            extent: None,
+            steps,
+            evidence: 0.0,
+            looking: 0.0,
+            stability: Vec::new(),
+        }
+    };
+    let all = absorbed.map(propose);
+    all.filter(|proposal| proposal.steps.iter().any(|(_, step)| step[0] != 0.0))
+        .collect()
 }
 
 /// The unknowns of a screened candidate as steps of knobs.

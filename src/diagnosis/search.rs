@@ -8,7 +8,7 @@ use super::hypothesis::{Given, Solution};
 use super::likelihood::{Tuned, tune, tune_with_noise};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::noise;
-use super::proposal::{Kind, Proposal, Screened, proposals, screened, shortlist};
+use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::screen::{Projection, chance};
 use super::sensitivity::{Layout, sensitivities};
 use super::system::{System, linearise, weigh};
@@ -77,6 +77,9 @@ const SHARE: f64 = 0.95;
 /// Fits that are further behind after their first steps are not finished.
 const NEAR: f64 = 0.75;
 const CLOSE: f64 = 10.0;
+/// So many are finished in any case that they are not far behind, and at most so many.
+const FEW: usize = 3;
+const MOST: usize = 7;
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
 /// A soil that moves by more than this share of its prior's deviation is looked at anew.
@@ -112,7 +115,7 @@ pub fn search<'a>(
         (Vec::new(), Vec::new(), Vec::new());
     for round in 0..ROUNDS {
         progress.step(if round == 0 { "naming" } else { "what else" });
-        let fitted = try_all(&stage, &by);
+        let fitted = try_all(&stage, round == 0, &by);
         let held_out = |named: &Named| {
             let pair = named.scores.as_ref().zip(stage.scores.as_ref());
             pair.map(|(with, without)| with.gain_over(without))
@@ -164,19 +167,26 @@ pub fn search<'a>(
     })
 }
 
-/// Fits what is worth it: all begin, those that are not far behind after some steps are finished.
-fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
-    let list = shortlist(&stage.proposals);
+/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
+/// At first, effects that re-tuning may hide are among them.
+fn try_all<'a>(stage: &Stage<'a>, first: bool, by: &Weighing) -> Vec<Named<'a>> {
+    let mut list: Vec<Proposal> = shortlist(&stage.proposals).into_iter().cloned().collect();
+    if first {
+        list.extend(hidden(&stage.given, &stage.looked.screened));
+    }
     let begun = list
         .iter()
         .filter_map(|proposal| sketch(&stage.given, proposal, &stage.tuned, by));
-    let begun: Vec<Sketch> = begun.collect();
-    let best = begun.iter().map(Sketch::odds).fold(0.0, f64::max);
-    let near = |sketch: &Sketch| sketch.odds() > NEAR * best - CLOSE;
+    let mut begun: Vec<Sketch> = begun.collect();
+    begun.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
+    let best = begun.first().map_or(0.0, |sketch| sketch.odds().max(0.0));
     begun
         .into_iter()
-        .filter(near)
-        .filter_map(|sketch| finish(sketch, &stage.tuned, by))
+        .enumerate()
+        .filter(|(place, sketch)| *place < FEW || sketch.odds() > NEAR * best - CLOSE / 2.0)
+        .take(MOST)
+        .filter(|(_, sketch)| sketch.odds() > NEAR * best - CLOSE)
+        .filter_map(|(_, sketch)| finish(sketch, &stage.tuned, by))
         .collect()
 }
 
