@@ -294,9 +294,9 @@ mod tests {
 
     #[test]
     fn what_acts_across_shows_in_a_pivot() {
-        let found = after_a_straight(("bulldozing", "lateral", 1.0), None);
+        let found = after_a_straight(("shear_anisotropy", "strength_ratio", 1.0), None);
         assert!(of(&found, "pivots") > 3.0 * of(&found, "straight"));
-        assert!(of(&found, "pivots") > 3.0, "{found:?}");
+        assert!(of(&found, "pivots") > 0.5, "{found:?}");
     }
 
     #[test]
