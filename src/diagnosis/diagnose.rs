@@ -6,6 +6,7 @@ use super::findings::findings;
 use super::held_out::{errors, folds, nominal_errors, scores};
 use super::hypothesis::{Given, What};
 use super::likelihood::Tuned;
+use super::manoeuvre::next;
 use super::outcome::{Account, Candidate, Diagnosis, HeldOut, Subject, Verdict};
 use super::prepare::{prepare, seconds};
 use super::screen::{Projection, one_degree};
@@ -54,10 +55,14 @@ pub fn diagnose(
     let mut given = Given::new(nominal, recordings);
     let (cut, by) = prepare(&mut given, options)?;
     let searched = search(&given, by, options, progress)?;
-    progress.step("reporting");
+    progress.step("judging");
     let mut candidates = candidates(&searched)?;
     let plausible = candidates.iter().filter(|c| c.1).count() as f64;
-    let judgement = judge(&searched, plausible / candidates.len().max(1) as f64);
+    let seen = plausible / candidates.len().max(1) as f64;
+    let judgement = judge(&searched, seen);
+    progress.step("what to drive next");
+    let next = next(&searched, &judgement, seen, options);
+    progress.step("reporting");
     for (candidate, _) in &mut candidates {
         candidate.probability = judgement.odds.of(candidate.subject);
     }
@@ -74,7 +79,7 @@ pub fn diagnose(
         candidates,
         held_out: held_out(&searched),
         soil: soil(&searched),
-        next: None,
+        next,
         runs: traces(&searched),
         account: account(
             &searched,

@@ -2,6 +2,7 @@
 
 mod ambiguity;
 mod candidate;
+mod course;
 mod diagnose;
 mod error;
 mod findings;
@@ -10,16 +11,19 @@ mod hypothesis;
 mod law;
 mod likelihood;
 mod locate;
+mod manoeuvre;
 mod naming;
 mod noise;
 mod outcome;
 mod prepare;
 mod progress;
 mod regime;
+mod rehearsal;
 mod scan;
 mod screen;
 mod search;
 mod sensitivity;
+mod separation;
 mod system;
 mod traces;
 mod verdict;

@@ -200,7 +200,7 @@ fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
 #[must_use]
 pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     let mut list: Vec<&Proposal> = Vec::new();
-    for (kind, most) in [(Kind::Throughout, 4), (Kind::Local, 3), (Kind::Law, 1)] {
+    for (kind, most) in [(Kind::Throughout, 4), (Kind::Local, 5), (Kind::Law, 1)] {
         let of_kind = proposals.iter().filter(|p| p.kind() == kind);
         let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
         let mut taken: Vec<&Proposal> = Vec::new();

@@ -34,6 +34,8 @@ pub struct Layout {
     throughout: Vec<usize>,
     /// Knobs that are compared with a drive in which they are on.
     secants: Vec<usize>,
+    /// Length of a gate \[s\], about.
+    gate: f64,
 }
 
 /// Residuals of a segment with derivatives by everything.
@@ -61,6 +63,7 @@ impl Layout {
             gated: Vec::new(),
             throughout: Vec::new(),
             secants: Vec::new(),
+            gate: GATE,
         };
         for (place, knob) in knobs.iter().enumerate() {
             if !matches!(knob.target, Target::Model(_)) {
@@ -76,6 +79,23 @@ impl Layout {
                 layout.secants.push(place);
             }
         }
+        layout
+    }
+
+    /// The columns of some knobs that are off, a single gate in each segment: what acts throughout,
+    /// at a fraction of the cost. Other knobs' columns, but for the sensors', are zero.
+    #[must_use]
+    pub fn ungated(given: &Given, knobs: &[usize]) -> Self {
+        let mut layout = Self::new(given, &[]);
+        let lists = [
+            &mut layout.gated,
+            &mut layout.throughout,
+            &mut layout.secants,
+        ];
+        for list in lists {
+            list.retain(|knob| knobs.contains(knob));
+        }
+        layout.gate = f64::INFINITY;
         layout
     }
 
@@ -169,7 +189,7 @@ impl RecordingModel {
         start: &[f64; 6],
     ) -> Result<SegmentTable, PredictionError> {
         let length = segment.end - segment.start;
-        let gates = (length / GATE).round().max(1.0) as usize;
+        let gates = (length / layout.gate).round().max(1.0) as usize;
         let edge = |k: usize| segment.start + length * k as f64 / gates as f64;
         let edges: Vec<f64> = (0..=gates).map(edge).collect();
         let observed = observe_gated(

@@ -27,6 +27,8 @@ pub struct SensitiveSimulation {
 #[derive(Debug, Clone)]
 struct Variation {
     directions: Directions,
+    /// For each direction its place among the parameters, where it is one.
+    places: Vec<Option<usize>>,
     results: Vec<Differentiated>,
     columns: Columns,
     /// Derivatives of the state and what is remembered (rows) by what [`Columns`] tells.
@@ -101,7 +103,12 @@ impl SensitiveSimulation {
         if placeless && !varied.clone().any(|p| p.depends_on_place()) {
             list.retain(|direction| !Direction::POSE.contains(direction));
         }
-        list.extend(varied.by_ref().map(|p| Direction::Parameter(*p)));
+        let varied: Vec<Direction> = varied.by_ref().map(|p| Direction::Parameter(*p)).collect();
+        list.extend(&varied);
+        // Those that do not reach the wheels are differentiated together, which costs little.
+        list.sort_by_key(|direction| !direction.reaches_wheels());
+        let place = |direction: &Direction| varied.iter().position(|other| other == direction);
+        let places = list.iter().map(place).collect();
         let columns = Columns {
             throughout: parameters.len(),
             gated: gated.len(),
@@ -113,6 +120,7 @@ impl SensitiveSimulation {
             simulation: Simulation::new(model),
             variation: Variation {
                 directions,
+                places,
                 results: Vec::new(),
                 columns,
                 by: identity(memory, &columns),
@@ -238,8 +246,8 @@ impl Variation {
         a.view_mut((0, 0), (State::COUNT, State::COUNT))
             .copy_from(&kinematics);
         let rates = simulation.input_rates();
-        let mut parameter = 0;
-        for (direction, result) in self.directions.list().iter().zip(&self.results) {
+        let directions = self.directions.list().iter().zip(&self.places);
+        for ((direction, place), result) in directions.zip(&self.results) {
             let wrench = &result.wrench;
             let change = [wrench.a_x, wrench.a_y, wrench.yaw_acceleration];
             let change = (3..).zip(change);
@@ -253,10 +261,10 @@ impl Variation {
                 // What came later came with the speed of before.
                 Direction::WheelSpeed(side) => (&mut b, 0, -[rates.left, rates.right][side]),
                 Direction::Time => continue,
-                Direction::Parameter(_) => {
-                    parameter += 1;
-                    (&mut b, self.columns.parameter(parameter - 1) - DELAY, 1.0)
-                }
+                Direction::Parameter(_) => match place {
+                    Some(place) => (&mut b, self.columns.parameter(*place) - DELAY, 1.0),
+                    None => continue,
+                },
             };
             for (row, value) in change {
                 target[(row, column)] += weight * value;

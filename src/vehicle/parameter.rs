@@ -2,8 +2,8 @@
 
 use super::Vehicle;
 use crate::effects::{
-    Effects, Grade, Kind, ParameterName, ResidualLateral, ResidualLongitudinal, ResidualYaw,
-    TerrainChange,
+    Drag, Drawbar, Effects, Grade, Kind, ParameterName, ResidualLateral, ResidualLongitudinal,
+    ResidualYaw, TerrainChange,
 };
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
@@ -150,6 +150,32 @@ impl Parameter {
             ResidualLateral::<f64>::DECLARATION.name,
             ResidualYaw::<f64>::DECLARATION.name,
         ]) && ["east", "north"].contains(&declared.name)
+    }
+
+    /// Whether it belongs to an effect that acts on the vehicle's body alone: gravity on a slope,
+    /// drag, what is towed, laws without a name.
+    pub(crate) fn acts_on_body(self) -> bool {
+        const BODY: [&str; 6] = [
+            Grade::<f64>::DECLARATION.name,
+            Drag::<f64>::DECLARATION.name,
+            Drawbar::<f64>::DECLARATION.name,
+            ResidualLongitudinal::<f64>::DECLARATION.name,
+            ResidualLateral::<f64>::DECLARATION.name,
+            ResidualYaw::<f64>::DECLARATION.name,
+        ];
+        self.is_of(&BODY)
+    }
+
+    /// Whether it belongs to an effect by which the soil under a wheel depends on its place.
+    pub(crate) fn changes_soil_by_place(self) -> bool {
+        self.is_of(&[TerrainChange::<f64>::DECLARATION.name])
+    }
+
+    fn is_of(self, effects: &[&str]) -> bool {
+        match self {
+            Self::Effect(parameter) => effects.contains(&parameter.declaration().0.name),
+            _ => false,
+        }
     }
 
     /// Whether it belongs to an effect that changes how the vehicle moves (or to vehicle or soil),

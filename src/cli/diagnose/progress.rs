@@ -3,7 +3,7 @@
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Steps of a diagnosis in which two things are found; with less it ends early.
-const STEPS: u64 = 13;
+const STEPS: u64 = 15;
 
 /// How far a diagnosis has come; shown only on a terminal.
 pub struct Bar {

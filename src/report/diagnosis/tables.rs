@@ -238,9 +238,8 @@ pub fn manoeuvres(next: &Manoeuvre) -> String {
             Tint::Plain
         },
     });
-    let [one, other] = next.separates.map(words::name);
     Bars {
-        title: format!("How well manoeuvres part {one} from {other}"),
+        title: format!("How well manoeuvres {}", words::purpose(next)),
         x_label: "expected separation [standard deviations]".into(),
         bars: bars.collect(),
         full: None,

@@ -39,11 +39,11 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         }
     }
     if let Some(next) = &diagnosis.next {
-        let [one, other] = next.separates.map(words::name);
         let told = format!(
-            "{}: {} Expected to part {one} from {other} by {:.1} deviations.",
+            "{}: {} Expected to {} by {:.1} deviations.",
             next.name,
             sentence(&next.description),
+            words::purpose(next),
             next.separation
         );
         lines.add("drive next", &told);

@@ -1,7 +1,7 @@
 //! What text and page say alike.
 
 use crate::diagnosis::{
-    Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Quantity, Subject, Verdict,
+    Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject, Verdict,
 };
 use crate::effects::{CATALOGUE, ParameterDeclaration};
 use crate::report::number::{percent, shown, with_interval, with_unit};
@@ -53,6 +53,19 @@ pub fn phrase(subject: Subject) -> String {
     };
     let found = PHRASES.iter().find(|(known, _)| *known == name);
     found.map_or_else(|| name.into(), |(_, words)| format!("{words} ({name})"))
+}
+
+/// What a manoeuvre is for.
+pub fn purpose(next: &Manoeuvre) -> String {
+    match next.separates {
+        [Subject::Unknown, Subject::Nothing] => {
+            "show half of all effects of a plausible size".into()
+        }
+        separates => {
+            let [one, other] = separates.map(name);
+            format!("part {one} from {other}")
+        }
+    }
 }
 
 /// Names in a row: "a, b and c".

@@ -46,6 +46,20 @@ impl Direction {
     ];
     /// Position and heading.
     pub const POSE: [Self; 3] = [Self::Position(0), Self::Position(1), Self::Heading];
+
+    /// Whether the wheels' forces at held entry angles may depend on it; otherwise it acts on the
+    /// vehicle's body alone. Chunks of the latter cost little.
+    pub fn reaches_wheels(&self) -> bool {
+        match self {
+            Self::Parameter(parameter) => !parameter.acts_on_body(),
+            Self::Position(_) | Self::Heading => false,
+            _ => true,
+        }
+    }
+
+    fn changes_soil(&self) -> bool {
+        matches!(self, Self::Parameter(parameter) if parameter.changes_soil_by_place())
+    }
 }
 
 /// The derivative in one direction.
@@ -209,13 +223,17 @@ impl Point<'_> {
 
     /// Whether a wheel's forces at a held entry angle depend on none of the directions.
     fn untouched(&self, list: &[Direction], wheel: usize) -> bool {
+        let placeless = self.altered.chassis.effects.terrain_change.is_none();
         list.iter().all(|direction| match direction {
             Direction::Memory(index) => self
                 .altered
                 .layout
                 .owner(*index)
                 .is_some_and(|(owner, _)| owner != wheel),
-            _ => false,
+            Direction::Position(_) | Direction::Heading => {
+                placeless && !list.iter().any(Direction::changes_soil)
+            }
+            other => !other.reaches_wheels(),
         })
     }
 
