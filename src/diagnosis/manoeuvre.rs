@@ -242,11 +242,11 @@ mod tests {
             .chain(rivals.iter().copied())
             .collect();
         let retuned = given.begin();
-        let mut by = first_weighing(&given.problem(&given.predictor(&[]), &[]));
+        let by = first_weighing(&given.problem(&given.predictor(&[]), &[]));
         let layout = Layout::ungated(&given, &asked);
         let tables = sensitivities(&given, &layout, &retuned);
         assert!(tables.len() > 4 && tables.iter().all(Option::is_some));
-        let system = linearise(&given, &layout, &tables, &retuned, &mut by, false);
+        let system = linearise(&given, &layout, &tables, &retuned, &by);
         let question = Question {
             separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
             signals: vec![Signal {

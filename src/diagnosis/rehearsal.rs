@@ -90,6 +90,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         soil: given.soil.clone(),
         candidates: given.candidates.clone(),
         segments: cut.segments,
+        late: vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
     };
     let off = given.begin().knobs.swap_remove(template);
     let at = Solution {
@@ -101,7 +102,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
             .map(|segment| rehearsals[segment.recording].at(segment.start))
             .collect(),
     };
-    let mut by = Weighing {
+    let by = Weighing {
         noise: vec![at_hand.by.noise[template]; recordings.len()],
         weights: rehearsed
             .segments
@@ -111,7 +112,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
     };
     let layout = Layout::ungated(&rehearsed, knobs);
     let tables = sensitivities(&rehearsed, &layout, &at);
-    let system = linearise(&rehearsed, &layout, &tables, &at, &mut by, false);
+    let system = linearise(&rehearsed, &layout, &tables, &at, &by);
     Some(Rehearsed { rehearsals, system })
 }
 
