@@ -5,7 +5,7 @@
 //! none) that the other can mimic, cos^2 = d^T H~_cd H~_dd^-1 H~_dc d / d^T H~_cc d.
 
 use super::Subject;
-use super::naming::Screened;
+use super::proposal::Screened;
 use super::screen::Projection;
 use nalgebra::{DMatrix, DVector};
 

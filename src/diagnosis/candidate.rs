@@ -32,6 +32,8 @@ pub struct Knob {
     pub parameter: parameter::Parameter,
     /// A value to compare with where the effect has no derivative while it is off.
     pub secant: Option<f64>,
+    /// The coordinate of a value as the catalogue expects it where the effect is on.
+    pub typical: f64,
     /// Whether each recording has its own: what is bound to the place of a drive.
     pub own: bool,
 }
@@ -144,7 +146,19 @@ fn physics(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
             (Prior::LogNormal { deviation, .. }, Scale::Linear) => deviation * off,
             (Prior::LogNormal { median, .. }, Scale::Log) => (median / off).ln().abs(),
         };
+        let expected = secant.map_or(
+            match declared.prior {
+                Prior::Normal { mean, .. } => mean,
+                Prior::LogNormal { median, .. } => median,
+            },
+            |(_, value)| *value,
+        );
+        let typical = match scale {
+            Scale::Linear => expected,
+            Scale::Log => expected.ln(),
+        };
         Some(Knob {
+            typical,
             effect,
             target: Target::Model(Parameter::Effect(name)),
             name: declared.name,
@@ -190,6 +204,7 @@ fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
         target: Target::Sensor(sensor),
         name,
         parameter: sensor.parameter(""),
+        typical: 0.0,
         secant: None,
         own: true,
     };

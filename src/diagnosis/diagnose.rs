@@ -148,7 +148,7 @@ fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisEr
     let looked = &searched.first;
     let projection = Projection::over_all(&looked.system, &[]).ok_or(DiagnosisError::NotFinite)?;
     let alike = groups(&projection, &looked.screened);
-    let one = |(screened, alike): (&super::naming::Screened, Vec<(Subject, f64)>)| {
+    let one = |(screened, alike): (&super::proposal::Screened, Vec<(Subject, f64)>)| {
         let knob = searched.given.candidates.of(screened.subject).next();
         let knob = &searched.given.candidates.knobs[knob?];
         let (projected, score) = (&screened.projected, &screened.score);

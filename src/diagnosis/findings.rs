@@ -71,7 +71,7 @@ fn named(searched: &Searched, member: &Member, judged: &Judged) -> Finding {
         .map_or(1.0, |one| one.score.scatter.min(WIDEST));
     let parameters = quantities(given, tuned, &proposal.knobs, scatter);
     let steps = steps(given, tuned, &proposal.knobs);
-    let local = proposal.kind() == super::naming::Kind::Local;
+    let local = proposal.kind() == super::proposal::Kind::Local;
     let places = places(searched, member, judged.subject, &steps);
     let law: Vec<Term> = if proposal.subject == Subject::Unknown {
         law(given, proposal, &parameters)
@@ -109,7 +109,7 @@ fn steps(given: &Given, tuned: &Tuned, knobs: &[usize]) -> Vec<(usize, Vec<f64>)
     knobs.iter().map(each).collect()
 }
 
-fn law(given: &Given, proposal: &super::naming::Proposal, parameters: &[Quantity]) -> Vec<Term> {
+fn law(given: &Given, proposal: &super::proposal::Proposal, parameters: &[Quantity]) -> Vec<Term> {
     let term = |(index, knob): (usize, &usize)| {
         let about = &given.candidates.knobs[*knob];
         Term {

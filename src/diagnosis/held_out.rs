@@ -25,7 +25,7 @@ const SMALLEST_FOLD: usize = 2;
 /// A start is fitted to so many seconds; the rest is predicted.
 const SEEN: f64 = 1.0;
 /// Steps that fit it.
-const STEPS: usize = 4;
+const STEPS: usize = 2;
 /// When starts alone are fitted.
 const START_STOP: Stop = Stop {
     steps: 10,

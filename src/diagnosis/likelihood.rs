@@ -30,8 +30,13 @@ pub struct Tuned {
     pub tables: Vec<Tables>,
 }
 
+/// A fit that is only to show whether it is worth going on with.
+pub const SKETCH: Stop = Stop {
+    steps: 4,
+    gain: 1.0,
+};
 /// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
-const HELD: Stop = Stop {
+pub const HELD: Stop = Stop {
     steps: 20,
     gain: 1.0,
 };
@@ -58,10 +63,24 @@ pub fn tune(
     begin: &Solution,
     by: &Weighing,
 ) -> Result<Tuned, PredictionError> {
+    tune_until(given, knobs, begin, by, HELD)
+}
+
+/// As [`tune`], until so many steps are done.
+///
+/// # Errors
+/// As [`tune`].
+pub fn tune_until(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    by: &Weighing,
+    stop: Stop,
+) -> Result<Tuned, PredictionError> {
     let predictor = given.predictor(knobs);
     let problem = given.problem(&predictor, knobs);
     let mut point = given.point(&problem, knobs, begin);
-    let outcome = minimise(&problem, &mut point, by, HELD)?;
+    let outcome = minimise(&problem, &mut point, by, stop)?;
     let (surprise, covariance) = evidence(&problem, &outcome.tables, &point, by, outcome.cost);
     Ok(Tuned {
         knobs: knobs.to_vec(),

@@ -12,7 +12,7 @@
 //! separations is what counts: half of what may be missing would show by so much.
 
 use super::candidate::TERRAIN_CHANGE;
-use super::naming::Kind;
+use super::proposal::Kind;
 use super::rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
 use super::search::Searched;
 use super::separation::Signal;

@@ -17,6 +17,7 @@ mod noise;
 mod outcome;
 mod prepare;
 mod progress;
+mod proposal;
 mod regime;
 mod rehearsal;
 mod scan;

@@ -6,8 +6,9 @@
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
 use super::likelihood::{Tuned, tune, tune_with_noise};
-use super::naming::{Named, Proposal, Screened, fit, proposals, screened, shortlist};
+use super::naming::{Named, Sketch, finish, sketch};
 use super::noise;
+use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::screen::{Projection, chance};
 use super::sensitivity::{Layout, sensitivities};
 use super::system::{System, linearise, weigh};
@@ -73,6 +74,14 @@ pub const NOTHING: f64 = 3.0;
 /// Draws of simulated nulls, and the share of them below the threshold.
 const NULLS: usize = 500;
 const SHARE: f64 = 0.95;
+/// Fits that are further behind after their first steps are not finished.
+const NEAR: f64 = 0.75;
+const CLOSE: f64 = 10.0;
+/// So many are finished in any case that they are not far behind, and at most so many.
+const FEW: usize = 3;
+const MOST: usize = 7;
+/// What would cost so many times its price by the linearised problem stays without a further look.
+const SURELY: f64 = 3.0;
 /// A soil that moves by more than this share of its prior's deviation is looked at anew.
 const MOVED: f64 = 0.02;
 
@@ -101,11 +110,12 @@ pub fn search<'a>(
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
     let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
     let first = stage.looked.clone();
+    let baseline = stage.tuned.solution.clone();
     let (mut members, mut refused, mut gains): (Vec<Member>, _, Vec<_>) =
         (Vec::new(), Vec::new(), Vec::new());
     for round in 0..ROUNDS {
         progress.step(if round == 0 { "naming" } else { "what else" });
-        let fitted = try_all(&stage, &by);
+        let fitted = try_all(&stage, round == 0, &by);
         let held_out = |named: &Named| {
             let pair = named.scores.as_ref().zip(stage.scores.as_ref());
             pair.map(|(with, without)| with.gain_over(without))
@@ -140,7 +150,9 @@ pub fn search<'a>(
     }
     progress.step("what can be left out again");
     prune(&mut stage, &mut members, &by);
-    let retuned = tune(given, &[], &back(given, &stage.tuned.solution), &by).map_err(undrivable)?;
+    let mut begin = back(given, &stage.tuned.solution);
+    begin.soil.clone_from(&baseline.soil);
+    let retuned = tune(given, &[], &begin, &by).map_err(undrivable)?;
     Ok(Searched {
         given: given.clone(),
         by,
@@ -155,11 +167,26 @@ pub fn search<'a>(
     })
 }
 
-/// Fits what is worth it.
-fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
-    let list = shortlist(&stage.proposals);
-    let each = list.iter();
-    each.filter_map(|proposal| fit(&stage.given, proposal, &stage.tuned, by))
+/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
+/// At first, effects that re-tuning may hide are among them.
+fn try_all<'a>(stage: &Stage<'a>, first: bool, by: &Weighing) -> Vec<Named<'a>> {
+    let mut list: Vec<Proposal> = shortlist(&stage.proposals).into_iter().cloned().collect();
+    if first {
+        list.extend(hidden(&stage.given, &stage.looked.screened));
+    }
+    let begun = list
+        .iter()
+        .filter_map(|proposal| sketch(&stage.given, proposal, &stage.tuned, by));
+    let mut begun: Vec<Sketch> = begun.collect();
+    begun.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
+    let best = begun.first().map_or(0.0, |sketch| sketch.odds().max(0.0));
+    begun
+        .into_iter()
+        .enumerate()
+        .filter(|(place, sketch)| *place < FEW || sketch.odds() > NEAR * best - CLOSE / 2.0)
+        .take(MOST)
+        .filter(|(_, sketch)| sketch.odds() > NEAR * best - CLOSE)
+        .filter_map(|(_, sketch)| finish(sketch, &stage.tuned, by))
         .collect()
 }
 
@@ -229,7 +256,7 @@ fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
         let knobs = stage.tuned.knobs.iter().copied();
         let knobs: Vec<usize> = knobs.filter(|k| !gone.knobs.contains(k)).collect();
         let mut given = stage.given.clone();
-        if gone.extent.is_some() {
+        if gone.kind() == Kind::Local {
             given.nominal.effects.window = None;
         }
         let mut begin = stage.tuned.solution.clone();
@@ -238,8 +265,12 @@ fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
                 recording[*knob] = given.candidates.knobs[*knob].parameter.prior_coordinate();
             }
         }
-        let without = tune(&given, &knobs, &begin, by);
         let price = NOTHING - gone.log_prior() + gone.looking;
+        if linear_loss(stage, &gone.knobs) > SURELY * price + CLOSE {
+            index += 1;
+            continue;
+        }
+        let without = tune(&given, &knobs, &begin, by);
         match without {
             Ok(without) if without.surprise - stage.tuned.surprise < price => {
                 members.remove(index);
@@ -254,6 +285,37 @@ fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
             Err(_) => index += 1,
         }
     }
+}
+
+/// What switching some knobs off costs of the log likelihood by the linearised problem.
+fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
+    let system = &stage.looked.system;
+    let others: Vec<usize> = stage
+        .tuned
+        .knobs
+        .iter()
+        .filter(|knob| !knobs.contains(knob))
+        .flat_map(|knob| system.unknowns(*knob))
+        .collect();
+    let Some(projection) = Projection::over_all(system, &others) else {
+        return 0.0;
+    };
+    let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let mut step = nalgebra::DVector::zeros(unknowns.len());
+    for (place, unknown) in unknowns.iter().enumerate() {
+        for (recording, places) in system.places.iter().enumerate() {
+            for knob in knobs {
+                if places[system.layout.soil + knob] == Some(*unknown) {
+                    let off = stage.given.candidates.knobs[*knob]
+                        .parameter
+                        .prior_coordinate();
+                    step[place] = stage.tuned.solution.knobs[recording][*knob] - off;
+                }
+            }
+        }
+    }
+    let matrix = projection.of(&unknowns).matrix;
+    0.5 * step.dot(&(matrix * &step))
 }
 
 /// A solution with every effect off.

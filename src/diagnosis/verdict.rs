@@ -104,7 +104,7 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
     let named: f64 = members.iter().map(|member| member.gain).sum();
     let local = members
         .iter()
-        .all(|member| matches!(member.proposal.kind(), super::naming::Kind::Local));
+        .all(|member| matches!(member.proposal.kind(), super::proposal::Kind::Local));
     let main = members.is_empty() || left > MAIN * named || (local && left > 0.5 * MAIN * named);
     let each = members
         .iter()

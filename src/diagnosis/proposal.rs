@@ -1,0 +1,261 @@
+//! What may be missing: what screen, box scan and laws propose, the most likely first.
+
+use super::Subject;
+use super::hypothesis::Given;
+use super::law::{Law, law};
+use super::locate::{Extent, Found, locate, scanned};
+use super::screen::{Projected, Projection, Score};
+use super::system::System;
+use nalgebra::DVector;
+
+/// Something that may be missing, before it is fitted in full.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// What.
+    pub subject: Subject,
+    /// The knobs that it turns.
+    pub knobs: Vec<usize>,
+    /// Where it acts, if not everywhere.
+    pub extent: Option<Extent>,
+    /// Steps of its knobs by the linearised problem.
+    pub steps: Vec<(usize, DVector<f64>)>,
+    /// Log Bayes factor by the linearised problem, less what looking in many places costs.
+    pub evidence: f64,
+    /// Of it, what looking costs.
+    pub looking: f64,
+    /// Stability of a law's terms.
+    pub stability: Vec<f64>,
+}
+
+/// A screened candidate.
+#[derive(Debug, Clone)]
+pub struct Screened {
+    /// What.
+    pub subject: Subject,
+    /// Its projected equations.
+    pub projected: Projected,
+    /// Its one-step fit.
+    pub score: Score,
+}
+
+/// Proposals that are further behind this share of the best of their kind are not worth a full fit.
+const BEHIND: f64 = 0.6;
+const FAR_BEHIND: f64 = 8.0;
+/// Share that re-tuning takes up of an effect that may be hidden.
+const HIDDEN: f64 = 0.85;
+/// Less evidence than this is not worth a fit.
+const FAINT: f64 = 0.5;
+/// Local proposals of one subject are fitted only where they beat it acting throughout by this.
+const BETTER_LOCAL: f64 = 3.0;
+
+/// Screens every candidate that is not on.
+#[must_use]
+pub fn screened(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    on: &[usize],
+) -> Vec<Screened> {
+    let subjects = given.candidates.subjects.iter();
+    subjects
+        .filter_map(|subject| {
+            let knobs = given.candidates.of(*subject);
+            let knobs: Vec<usize> = knobs.filter(|knob| !on.contains(knob)).collect();
+            let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+            if unknowns.is_empty() {
+                return None;
+            }
+            let projected = projection.of(&unknowns);
+            let score = projection.score(&projected);
+            Some(Screened {
+                subject: *subject,
+                projected,
+                score,
+            })
+        })
+        .collect()
+}
+
+/// Everything that may be missing, the most likely first.
+#[must_use]
+pub fn proposals(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    screened: &[Screened],
+    on: &[usize],
+    soil: &[f64],
+    seed: u64,
+) -> Vec<Proposal> {
+    let mut all: Vec<Proposal> = screened
+        .iter()
+        .map(|one| Proposal {
+            subject: one.subject,
+            knobs: given.candidates.of(one.subject).collect(),
+            extent: None,
+            steps: steps(given, system, one),
+            // What a scatter of its own says is for the reader: laws and local effects have none.
+            evidence: projection.score_with(&one.projected, 1.0).evidence,
+            looking: 0.0,
+            stability: Vec::new(),
+        })
+        .collect();
+    let throughout = all.clone();
+    if given.nominal.effects.window.is_none() {
+        let throughout = |subject: Subject| {
+            let same = throughout.iter().find(|one| one.subject == subject);
+            same.map_or(0.0, |one| one.evidence.max(0.0))
+        };
+        let found = locate(given, system, projection, &scanned(given, system, soil, on));
+        let better = found
+            .into_iter()
+            .filter(|f| f.evidence > throughout(f.subject) + BETTER_LOCAL);
+        all.extend(better.map(local));
+    }
+    if let Some(law) = law(given, system, projection.nuisance(), seed) {
+        all.push(unnamed(system, projection, law));
+    }
+    all.retain(|proposal| proposal.evidence > FAINT);
+    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    all
+}
+
+/// Effects that re-tuning takes up so much of that the linearised problem may not see them: the soil
+/// has gone far to imitate them. They are proposed as the catalogue expects them.
+#[must_use]
+pub fn hidden(given: &Given, screened: &[Screened]) -> Vec<Proposal> {
+    let absorbed = screened.iter().filter(|one| one.score.absorbed > HIDDEN);
+    let propose = |one: &Screened| {
+        let knobs: Vec<usize> = given.candidates.of(one.subject).collect();
+        let step = |knob: &usize| {
+            let about = &given.candidates.knobs[*knob];
+            let off = about.parameter.prior_coordinate();
+            (*knob, DVector::repeat(1, about.typical - off))
+        };
+        let steps: Vec<(usize, DVector<f64>)> = knobs.iter().map(step).collect();
+        Proposal {
+            subject: one.subject,
+            knobs,
+            extent: None,
+            steps,
+            evidence: 0.0,
+            looking: 0.0,
+            stability: Vec::new(),
+        }
+    };
+    let all = absorbed.map(propose);
+    all.filter(|proposal| proposal.steps.iter().any(|(_, step)| step[0] != 0.0))
+        .collect()
+}
+
+/// The unknowns of a screened candidate as steps of knobs.
+fn steps(given: &Given, system: &System, one: &Screened) -> Vec<(usize, DVector<f64>)> {
+    let at = |unknown: usize| {
+        let place = one.projected.unknowns.iter().position(|u| *u == unknown);
+        place.map_or(0.0, |place| one.score.step[place])
+    };
+    let knobs = given.candidates.of(one.subject);
+    knobs
+        .map(|knob| {
+            let column = system.layout.soil + knob;
+            let each = system
+                .places
+                .iter()
+                .map(|places| places[column].map_or(0.0, at));
+            (knob, DVector::from_vec(each.collect()))
+        })
+        .collect()
+}
+
+fn local(found: Found) -> Proposal {
+    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    Proposal {
+        subject: found.subject,
+        steps: found
+            .knobs
+            .iter()
+            .zip(found.score.step.iter())
+            .map(each)
+            .collect(),
+        knobs: found.knobs,
+        looking: found.score.evidence - found.evidence,
+        evidence: found.evidence,
+        extent: Some(found.extent),
+        stability: Vec::new(),
+    }
+}
+
+fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
+    let unknowns: Vec<usize> = law.knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let score = projection.score_with(&projection.of(&unknowns), 1.0);
+    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    Proposal {
+        subject: Subject::Unknown,
+        steps: law.knobs.iter().zip(score.step.iter()).map(each).collect(),
+        knobs: law.knobs,
+        extent: None,
+        looking: score.evidence - law.evidence,
+        evidence: law.evidence,
+        stability: law.stability,
+    }
+}
+
+/// Of the proposals those that are fitted in full: the best few of each kind.
+#[must_use]
+pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
+    let mut list: Vec<&Proposal> = Vec::new();
+    for (kind, most) in [(Kind::Throughout, 4), (Kind::Local, 7), (Kind::Law, 1)] {
+        let of_kind = proposals.iter().filter(|p| p.kind() == kind);
+        let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
+        let mut taken: Vec<&Proposal> = Vec::new();
+        for proposal in of_kind.filter(|p| p.evidence > BEHIND * best - FAR_BEHIND) {
+            let known = taken.iter().any(|other| other.subject == proposal.subject);
+            if taken.len() < most && !known {
+                taken.push(proposal);
+            }
+        }
+        list.extend(taken);
+    }
+    list
+}
+
+/// What sort of proposal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// An effect that acts throughout.
+    Throughout,
+    /// Something that acts in one place or for some time.
+    Local,
+    /// A law without a name.
+    Law,
+}
+
+/// What each term of a law costs besides the choice: it can be bent to look like many an effect.
+const TERM: f64 = 2.0;
+/// What acting somewhere only costs besides the choice of the place.
+const LOCAL: f64 = 1.0;
+
+impl Proposal {
+    /// What sort it is.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match (&self.extent, self.subject) {
+            // A boundary on the map is a change of terrain's own place.
+            (Some(Extent::Beyond { .. }), _) => Kind::Throughout,
+            (Some(_), _) => Kind::Local,
+            (None, Subject::Unknown) => Kind::Law,
+            (None, _) => Kind::Throughout,
+        }
+    }
+
+    /// Logarithm of its prior beside that of an effect of the catalogue.
+    #[must_use]
+    pub fn log_prior(&self) -> f64 {
+        match self.kind() {
+            Kind::Throughout => 0.0,
+            Kind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
+            Kind::Local => -LOCAL,
+            Kind::Law => -TERM * self.knobs.len() as f64,
+        }
+    }
+}
