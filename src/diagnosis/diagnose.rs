@@ -102,15 +102,22 @@ pub fn insufficient(
     recordings: &[Recording],
     nominal: &Specification,
     options: &Options,
-    why: String,
+    why: &DiagnosisError,
 ) -> Diagnosis {
+    let why = why.to_string();
+    let mut rest = why.chars();
+    let first: String = rest
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
     let nothing = |subject, probability| Candidate {
         probability,
         ..empty(subject)
     };
     Diagnosis {
         verdict: Verdict::InsufficientData,
-        statement: why,
+        statement: format!("{first}{}.", rest.as_str()),
         recordings: recordings.iter().map(|r| r.name.clone()).collect(),
         findings: Vec::new(),
         candidates: vec![

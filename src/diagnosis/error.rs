@@ -3,6 +3,9 @@
 use crate::fit::predictor::PredictionError;
 use std::fmt;
 
+/// The position of a vehicle at rest drifts about as far \[m\].
+const DRIFT: f64 = 5.0;
+
 /// Why there is no diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DiagnosisError {
@@ -14,7 +17,10 @@ pub enum DiagnosisError {
         recording: String,
     },
     /// Wheels that never turn.
-    AtRest,
+    AtRest {
+        /// How far the recorded positions reach all the same \[m\].
+        moved: f64,
+    },
     /// Too little to say anything.
     TooShort {
         /// Seconds with wheel speeds and samples.
@@ -36,7 +42,14 @@ impl fmt::Display for DiagnosisError {
                 f,
                 "{recording} has neither pose nor yaw rate nor velocities: nothing to compare with"
             ),
-            Self::AtRest => f.write_str("the wheels stand still throughout: nothing to diagnose"),
+            Self::AtRest { moved } if *moved > DRIFT => write!(
+                f,
+                "the wheel speeds are zero throughout, but the positions reach over {moved:.0} m: the vehicle was \
+                 towed, or its wheel speeds were not recorded"
+            ),
+            Self::AtRest { .. } => {
+                f.write_str("the wheels stand still throughout: nothing to diagnose")
+            }
             Self::TooShort { seconds, needed } => write!(
                 f,
                 "{seconds:.1} s of usable driving are too short: a diagnosis needs {needed} s"

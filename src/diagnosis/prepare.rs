@@ -6,6 +6,7 @@ use crate::fit::problem::Weighing;
 use crate::fit::segment::{Cut, cut};
 use crate::fit::sensor::SensorValues;
 use crate::fit::weighing::first_weighing;
+use crate::recording::{Channel, Recording};
 
 /// Less driving than this is not enough to say anything \[s\].
 const SHORTEST: f64 = 10.0;
@@ -26,7 +27,9 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
     given.segments = std::mem::take(&mut found.segments);
     let driven: f64 = seconds(given);
     if driven == 0.0 && found.at_rest > found.unusable {
-        return Err(DiagnosisError::AtRest);
+        return Err(DiagnosisError::AtRest {
+            moved: reach(given.recordings),
+        });
     }
     let predictor = given.predictor(&[]);
     let problem = given.problem(&predictor, &[]);
@@ -62,5 +65,18 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
 /// Seconds that the segments cover.
 #[must_use]
 pub fn seconds(given: &Given) -> f64 {
-    given.segments.iter().map(|s| s.end - s.start).sum()
+    let each = given.segments.iter().map(|s| s.end - s.start);
+    // A sum of nothing is -0.
+    each.fold(0.0, |sum, length| sum + length)
+}
+
+/// How far the positions of a run reach, east or north \[m\].
+fn reach(recordings: &[Recording]) -> f64 {
+    let runs = recordings.iter().flat_map(|recording| &recording.runs);
+    let series = runs.flat_map(|run| [Channel::X, Channel::Y].map(|channel| run.series(channel)));
+    let reach = series.flatten().map(|series| {
+        let values = || series.value.iter().copied();
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    });
+    reach.fold(0.0, f64::max)
 }

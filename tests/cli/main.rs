@@ -2,6 +2,7 @@
 
 #![cfg(feature = "cli")]
 
+mod diagnose;
 mod effects;
 mod fit;
 mod inspect;

@@ -4,7 +4,7 @@
 
 mod cases;
 
-use cases::{Family, generate, write};
+use cases::{Family, generate, generate_lasting, write};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -62,6 +62,37 @@ fn cases_are_recordings_as_they_stand() {
                 .is_some_and(|all| !all.is_empty())
         );
     }
+}
+
+/// One of what tests/diagnosis/suite.rs has a hundred of.
+#[test]
+fn a_steep_slope_is_named_and_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = generate_lasting([18.0, 20.0], Family::Single, 32, 1).unwrap();
+    write(&case, folder.path(), "a").unwrap();
+    assert_cmd::Command::new(env!("CARGO_BIN_EXE_ugv"))
+        .current_dir(folder.path().join("a"))
+        .args(["diagnose", "drive.csv", "--out", "out"])
+        .assert()
+        .success()
+        .stdout(predicates::str::contains("grade"));
+    let read = |path: &str| -> serde_json::Value {
+        serde_json::from_str(&fs::read_to_string(folder.path().join(path)).unwrap()).unwrap()
+    };
+    let (said, truth) = (read("a/out/diagnosis.json"), read("a.truth.json"));
+    assert_eq!(said["verdict"], "missing_physics");
+    let finding = &said["findings"][0];
+    assert_eq!(finding["effect"], "grade");
+    for name in ["slope_east", "slope_north"] {
+        let [low, high] = ["low", "high"].map(|end| finding["parameters"][name][end].as_f64());
+        let true_slope = truth["effects"][0]["parameters"][name].as_f64();
+        assert!(low <= true_slope && true_slope <= high, "{finding:#}");
+    }
+    let candidates = said["candidates"].as_array().unwrap().iter();
+    let sum: f64 = candidates
+        .map(|one| one["probability"].as_f64().unwrap())
+        .sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{sum}");
 }
 
 #[test]

@@ -1,7 +1,10 @@
-"""The pages of `ugv diagnose` in a real browser; those that `cargo test --test report` left, and
-those that UGV_REPORT_PAGES names (separated by colons)."""
+"""The pages of `ugv diagnose` in a real browser: those that `cargo test --test report` and
+`--test diagnosis_suite` left, one of a drive that is diagnosed here, and those that UGV_REPORT_PAGES
+names (separated by colons)."""
 
+import json
 import os
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -19,6 +22,8 @@ VERDICTS = (
     "unknown_physics",
 )
 CHROMIUM = find_chromium()
+UGV = Path(os.environ.get("UGV_TOOL") or TARGET / "release" / "ugv")
+CASES = TARGET / "release" / "examples" / "diagnosis_cases"
 
 # A page with everything that the check must see.
 BAD = """<!doctype html><html><body style="margin:0;background:#fff">
@@ -48,6 +53,36 @@ class Pages(unittest.TestCase):
             self.assertTrue(path.is_file(), f"{path} is missing; run cargo test --test report")
             with self.subTest(verdict):
                 self.assert_well(path)
+
+    def test_a_diagnosis_of_a_drive_is_well_set(self) -> None:
+        for path in UGV, CASES:
+            self.assertTrue(path.is_file(), f"{path} is missing; run cargo build --release --all-targets")
+        with tempfile.TemporaryDirectory() as folder:
+            case, out = Path(folder) / "case_0000", Path(folder) / "out"
+            make = [CASES, "--out", folder, "--cases", "1", "--family", "lookalike", "--seed", "5"]
+            subprocess.run(make, check=True, stdout=subprocess.DEVNULL)
+            drives = sorted(case.glob("drive*.csv"))
+            # With a second drive, the page has more than one path to draw.
+            self.assertEqual(len(drives), 2)
+            subprocess.run([UGV, "diagnose", *drives, "--out", out, "--quiet"], check=True)
+            said = json.loads((out / "diagnosis.json").read_text())
+            self.assertIn(said["verdict"], VERDICTS)
+            self.assertEqual(said["recordings"], ["drive", "drive2"])
+            self.assert_well(out / "report.html")
+
+    def test_pages_of_the_suite_are_well_set(self) -> None:
+        """Those with the most and the least in them, of every verdict."""
+        pages: dict[str, list[Path]] = {}
+        for path in sorted((TARGET / "tmp" / "diagnosis_suite").glob("*/*/out/report.html")):
+            verdict = json.loads(path.with_name("diagnosis.json").read_text())["verdict"]
+            pages.setdefault(verdict, []).append(path)
+        if not pages:
+            self.skipTest("cargo test --release --test diagnosis_suite has left no pages")
+        for verdict, all_of_it in pages.items():
+            by_size = sorted(all_of_it, key=lambda path: path.stat().st_size)
+            for path in {by_size[0], by_size[-1]}:
+                with self.subTest(verdict):
+                    self.assert_well(path)
 
     def test_named_pages_are_well_set(self) -> None:
         named = os.environ.get("UGV_REPORT_PAGES")

@@ -1,13 +1,15 @@
 //! `ugv diagnose`: what physics did the model leave out?
 
+mod folder;
 mod progress;
 
 use super::nominal::{NominalArgs, read_all};
 use super::output::{Output, write_stdout};
 use super::{Failure, tell};
+use folder::Folder;
 use progress::Bar;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
 use ugv_terrain::recording::Recording;
 use ugv_terrain::report::diagnosis::{json, page, text};
@@ -67,20 +69,21 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ..Options::default()
     };
     let pool = super::jobs::pool(args.jobs)?;
-    std::fs::create_dir_all(&args.out).map_err(|source| Failure::Write {
+    let _folder = Folder::make(&args.out).map_err(|source| Failure::Write {
         target: args.out.display().to_string(),
         source,
     })?;
     let files = ["diagnosis.json", "model.json", "report.html"];
-    let outputs = files.map(|name| place(&args.out, name));
+    let outputs = files.map(|name| Output::to(Some(&args.out.join(name))));
+    let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let bar = Bar::new(args.quiet);
     let show = |step| bar.show(step);
     let progress = Progress::new(&show);
     let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
     bar.finish();
     let diagnosis = match found {
-        Err(error @ (DiagnosisError::AtRest | DiagnosisError::TooShort { .. })) => {
-            insufficient(&recordings, &nominal, &options, error.to_string())
+        Err(error @ (DiagnosisError::AtRest { .. } | DiagnosisError::TooShort { .. })) => {
+            insufficient(&recordings, &nominal, &options, &error)
         }
         other => other.map_err(Failure::Diagnosis)?,
     };
@@ -89,30 +92,28 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         diagnosis.model.to_json(),
         page(&diagnosis),
     ];
-    let mut written = Vec::new();
-    for (output, text) in outputs.into_iter().zip(texts) {
-        let mut output = output?;
+    let written = write(outputs, texts);
+    if !args.quiet {
+        // Where the disk is full, too: what took minutes to find is not lost.
+        write_stdout(&text(&diagnosis))?;
+        if written.is_ok() {
+            let (folder, files) = (args.out.display(), files.join(", "));
+            write_stdout(&format!("written to {folder}: {files}\n"))?;
+        }
+    }
+    written
+}
+
+/// Writes every text that can be written; the first failure.
+fn write(outputs: Vec<Output>, texts: [String; 3]) -> Result<(), Failure> {
+    let one = |(mut output, text): (Output, String)| {
         output
             .write_all(text.as_bytes())
             .map_err(|source| output.failure(source))?;
-        written.push(output);
-    }
-    for output in written {
-        output.finish()?;
-    }
-    if !args.quiet {
-        write_stdout(&text(&diagnosis))?;
-        write_stdout(&format!(
-            "written to {}: {}\n",
-            args.out.display(),
-            files.join(", ")
-        ))?;
-    }
-    Ok(())
-}
-
-fn place(folder: &Path, name: &str) -> Result<Output, Failure> {
-    Output::to(Some(&folder.join(name)))
+        output.finish()
+    };
+    let each: Vec<_> = outputs.into_iter().zip(texts).map(one).collect();
+    each.into_iter().collect()
 }
 
 /// Findings name recordings: two of one name could not be told apart.

@@ -7,11 +7,11 @@ use std::fmt::Write;
 const ROW: f64 = 19.0;
 const TOP: f64 = 4.0;
 const BOTTOM: f64 = 34.0;
-/// Room of the values' texts, right of the longest bar.
+/// Room of the values' texts, right of the longest bar, at least.
 const TEXT: f64 = 62.0;
 /// Most intervals between ticks: labels leave less room.
 const TICKS: f64 = 3.0;
-/// Width of a letter of a label.
+/// Width of a letter of a label or a value's text.
 const LETTER: f64 = 5.9;
 
 /// Colour of a bar.
@@ -58,9 +58,12 @@ impl Bars {
         if self.bars.is_empty() {
             return String::new();
         }
-        let longest = self.bars.iter().map(|bar| bar.label.chars().count()).max();
-        let left = 10.0 + LETTER * longest.unwrap_or(0) as f64;
-        let right = SIZE.0 - TEXT;
+        let width = |of: fn(&Bar) -> &str| {
+            let letters = self.bars.iter().map(|bar| of(bar).chars().count());
+            10.0 + LETTER * letters.max().unwrap_or(0) as f64
+        };
+        let left = width(|bar| &bar.label);
+        let right = SIZE.0 - width(|bar| &bar.text).max(TEXT);
         let bottom = TOP + ROW * self.bars.len() as f64;
         let values = self.bars.iter().map(|bar| bar.value);
         let most = values.filter(|value| value.is_finite()).fold(0.0, f64::max);

@@ -126,6 +126,10 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
 
 /// How sure: the findings' probabilities and the runner-up's.
 pub fn sureness(diagnosis: &Diagnosis) -> String {
+    if diagnosis.account.segments == 0 {
+        // Nothing was asked.
+        return String::new();
+    }
     if let Some(together) = together(diagnosis) {
         return together;
     }

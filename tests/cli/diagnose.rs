@@ -1,0 +1,394 @@
+//! `ugv diagnose`: what ends it early, and what it then leaves behind.
+
+use crate::{Bench, UGV};
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+use std::fs;
+use std::process::{Command, Stdio};
+
+const FILES: [&str; 3] = ["diagnosis.json", "model.json", "report.html"];
+const COLUMNS: &str = "time,omega_left,omega_right,x,y,heading,yaw_rate";
+
+/// A recording at 20 Hz; a row from its time.
+fn recording(columns: &str, seconds: f64, row: impl Fn(f64) -> String) -> String {
+    let count = (20.0 * seconds) as usize;
+    let rows = (0..=count).map(|k| {
+        let time = 0.05 * k as f64;
+        format!("{time:.2},{}\n", row(time))
+    });
+    format!("{columns}\n{}", rows.collect::<String>())
+}
+
+/// A drive through bends at a changing speed.
+fn drive(seconds: f64) -> String {
+    recording(COLUMNS, seconds, |time| {
+        let (turn, speed) = (0.8 * (0.7 * time).sin(), 4.0 + (0.3 * time).sin());
+        let heading = -0.2 * (0.7 * time).cos();
+        let [left, right] = [speed - turn, speed + turn];
+        let x = time - 0.3 * (0.3 * time).cos();
+        format!(
+            "{left:.4},{right:.4},{x:.4},0,{heading:.5},{:.5}",
+            0.14 * (0.7 * time).sin()
+        )
+    })
+}
+
+/// Sensors' noise at a place.
+fn at_rest(x: f64, time: f64) -> String {
+    let noise = (37.0 * time).sin();
+    format!("0,0,{:.4},2,0.3,{:.5}", x + 0.01 * noise, 0.002 * noise)
+}
+
+/// What `ugv diagnose` leaves in a folder.
+fn left(bench: &Bench, folder: &str) -> Vec<String> {
+    let entries = fs::read_dir(bench.path(folder)).unwrap();
+    let mut names: Vec<_> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn help_names_files_and_formats() {
+    let help = Bench::new().stdout("diagnose --help");
+    for expected in [
+        "REC.csv",
+        "--vehicle",
+        "--terrain",
+        "--model",
+        "--effects",
+        "--out",
+        "--seed",
+        "--jobs",
+        "NAME.json",
+        "ugv-diagnosis/1",
+        "diagnosis.json",
+        "model.json",
+        "report.html",
+        "time,omega_left,omega_right",
+        "v_x,v_y",
+        "[s, m, rad]",
+        "Examples:",
+    ] {
+        assert!(help.contains(expected), "{expected}");
+    }
+    assert!(
+        help.lines().all(|line| line.chars().count() <= 100),
+        "{help}"
+    );
+}
+
+#[test]
+fn too_little_is_a_verdict() {
+    let bench = Bench::new();
+    bench.write(
+        "rest.csv",
+        recording(COLUMNS, 60.0, |time| at_rest(1.0, time)),
+    );
+    bench.write(
+        "towed.csv",
+        recording(COLUMNS, 60.0, |time| at_rest(time, time)),
+    );
+    bench.write("short.csv", drive(2.0));
+    bench.write("moment.csv", drive(0.0));
+    for (name, why) in [
+        (
+            "rest",
+            "The wheels stand still throughout: nothing to diagnose.",
+        ),
+        (
+            "towed",
+            "The wheel speeds are zero throughout, but the positions reach over 60 m: the vehicle was towed, or \
+             its wheel speeds were not recorded.",
+        ),
+        (
+            "short",
+            "2.0 s of usable driving are too short: a diagnosis needs 10 s.",
+        ),
+        (
+            "moment",
+            "0.0 s of usable driving are too short: a diagnosis needs 10 s.",
+        ),
+    ] {
+        let text = bench.stdout(&format!("diagnose {name}.csv --out {name}"));
+        assert!(
+            text.starts_with("These recordings are too little to tell.\n"),
+            "{text}"
+        );
+        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words(&text).contains(why), "{text}");
+        assert!(!text.contains("sure "), "{text}");
+        assert_eq!(left(&bench, name), FILES);
+        let said: Value =
+            serde_json::from_str(&bench.read(&format!("{name}/diagnosis.json"))).unwrap();
+        assert_eq!(said["format"], "ugv-diagnosis/1");
+        assert_eq!(said["verdict"], "insufficient_data");
+        assert_eq!(said["statement"], why);
+        assert_eq!(said["findings"], Value::Array(Vec::new()));
+        let candidates = said["candidates"].as_array().unwrap().iter();
+        let sum: f64 = candidates
+            .map(|one| one["probability"].as_f64().unwrap())
+            .sum();
+        assert_eq!(sum, 1.0);
+        assert!(
+            bench
+                .read(&format!("{name}/report.html"))
+                .contains("too little to tell")
+        );
+        bench.stdout(&format!(
+            "simulate --input drive.csv --model {name}/model.json"
+        ));
+    }
+}
+
+#[test]
+fn nothing_to_compare_with_is_refused() {
+    let bench = Bench::new();
+    let wheels = "time,omega_left,omega_right";
+    bench.write("wheels.csv", recording(wheels, 20.0, |_| "4,4".into()));
+    let accelerations = format!("{wheels},a_x,a_y");
+    bench.write(
+        "shaken.csv",
+        recording(&accelerations, 20.0, |_| "4,4,0,0".into()),
+    );
+    bench.write("well.csv", drive(20.0));
+    for (files, bad) in [
+        ("wheels.csv", "wheels"),
+        ("shaken.csv", "shaken"),
+        ("well.csv wheels.csv", "wheels"),
+    ] {
+        let message = bench.fails(&format!("diagnose {files} --out deep/down/out --quiet"), 2);
+        let expected = format!("ugv: error: {bad} has neither pose nor yaw rate nor velocities");
+        assert!(message.starts_with(&expected), "{message}");
+        assert!(
+            message.contains("ugv: hint: record a pose (x, y, heading) or at least the yaw rate")
+        );
+    }
+    assert_eq!(
+        bench.files(),
+        ["drive.csv", "shaken.csv", "well.csv", "wheels.csv"]
+    );
+}
+
+#[test]
+fn recordings_must_be_told_apart_and_be_of_one_vehicle() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("other")).unwrap();
+    for name in ["a", "b", "other/a"] {
+        bench.write(&format!("{name}.csv"), drive(20.0));
+    }
+    let message = bench.fails("diagnose a.csv b.csv other/a.csv", 2);
+    assert!(
+        message.starts_with("ugv: error: two recordings are called a\n"),
+        "{message}"
+    );
+    assert!(
+        message.contains("ugv: hint: rename one of the files"),
+        "{message}"
+    );
+    for (name, mass) in [("a", "490.0"), ("b", "500.0")] {
+        let vehicle = bench.stdout("vehicle").replace("490.0", mass);
+        bench.write(
+            &format!("{name}.json"),
+            format!("{{\"vehicle\": {vehicle}}}"),
+        );
+    }
+    let message = bench.fails("diagnose a.csv b.csv", 2);
+    assert!(
+        message.starts_with("ugv: error: a and b were driven by different vehicles\n"),
+        "{message}"
+    );
+    assert!(
+        message.contains("say which vehicle it was with --vehicle"),
+        "{message}"
+    );
+    bench.write("b.json", bench.read("a.json").replace("490.0", "-490.0"));
+    let message = bench.fails("diagnose b.csv", 2);
+    assert!(
+        message.starts_with("ugv: error: b.json: mass = -490 kg"),
+        "{message}"
+    );
+    assert!(!bench.path("diagnosis").exists());
+}
+
+#[test]
+fn the_vehicle_is_that_of_the_recording() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(2.0));
+    let vehicle = bench.stdout("vehicle").replace("490.0", "612.5");
+    bench.write("a.json", format!("{{\"vehicle\": {vehicle}}}"));
+    let mass = || {
+        let model: Value = serde_json::from_str(&bench.read("diagnosis/model.json")).unwrap();
+        model["vehicle"]["mass"].as_f64().unwrap()
+    };
+    let silent = contains("no vehicle is told").not();
+    bench
+        .ugv("diagnose a.csv")
+        .assert()
+        .success()
+        .stderr(silent);
+    assert_eq!(mass(), 612.5);
+    bench.write("v.json", bench.stdout("vehicle"));
+    bench.stdout("diagnose a.csv --vehicle v.json");
+    assert_eq!(mass(), 490.0);
+    fs::remove_file(bench.path("a.json")).unwrap();
+    let note = contains("no vehicle is told beside the recordings; taking the paper's");
+    bench.ugv("diagnose a.csv").assert().success().stderr(note);
+}
+
+#[test]
+fn wrong_arguments_and_files_are_refused() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(2.0));
+    bench.write(
+        "bad.csv",
+        "time,omega_left,omega_right,x\n0,1,1,0\n0.1,1,x,0\n",
+    );
+    for (arguments, expected) in [
+        ("diagnose", "<REC.csv>..."),
+        ("diagnose nowhere.csv", "nowhere.csv"),
+        (
+            "diagnose bad.csv",
+            "bad.csv: line 3, column 3 (omega_right): found `x`",
+        ),
+        ("diagnose a.csv --terrain dry_sadn", "dry_sand"),
+        (
+            "diagnose a.csv --vehicle nowhere.json",
+            "cannot read nowhere.json",
+        ),
+        (
+            "diagnose a.csv --model m.json --terrain dry_sand",
+            "cannot be used with",
+        ),
+        ("diagnose a.csv --seed one", "--seed"),
+        ("diagnose a.csv --jobs two", "--jobs"),
+    ] {
+        let message = bench.fails(arguments, 2);
+        let error = message.lines().any(|line| line.starts_with("ugv: error: "));
+        assert!(error && message.contains(expected), "{message}");
+    }
+    assert_eq!(bench.files(), ["a.csv", "bad.csv", "drive.csv"]);
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_told_before_the_work() {
+    let bench = Bench::new();
+    // Minutes of work, if it were done.
+    bench.write("a.csv", drive(600.0));
+    bench.write("taken", "precious");
+    fs::create_dir_all(bench.path("out/model.json")).unwrap();
+    bench.write("out/diagnosis.json", "precious");
+    for (out, target) in [
+        ("taken", "taken"),
+        ("taken/deeper", "taken/deeper"),
+        ("/proc/nowhere", "/proc/nowhere"),
+        ("out", "out/model.json"),
+    ] {
+        let message = bench.fails(&format!("diagnose a.csv --quiet --out {out}"), 1);
+        let expected = format!("ugv: error: cannot write {target}: ");
+        assert!(message.starts_with(&expected), "{message}");
+    }
+    assert_eq!(bench.read("taken"), "precious");
+    assert_eq!(bench.read("out/diagnosis.json"), "precious");
+    assert_eq!(left(&bench, "out"), ["diagnosis.json", "model.json"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_loses_nothing() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(2.0));
+    bench.stdout("diagnose a.csv");
+    let before = FILES.map(|name| bench.read(&format!("diagnosis/{name}")));
+    // Files may have so many kilobytes: the two small ones fit.
+    for (kilobytes, failed) in [(0, FILES[0]), (4, FILES[2])] {
+        let limited = format!("trap '' XFSZ; ulimit -f {kilobytes}; exec \"$0\" \"$@\"");
+        let mut command = assert_cmd::Command::new("bash");
+        command.current_dir(bench.path(""));
+        let told = contains("too short: a diagnosis needs 10 s").and(contains("written to").not());
+        let error = format!("ugv: error: cannot write diagnosis/{failed}: File too large");
+        command
+            .args(["-c", &limited, UGV, "diagnose", "a.csv"])
+            .assert()
+            .code(1)
+            .stdout(told)
+            .stderr(contains(error));
+        assert_eq!(left(&bench, "diagnosis"), FILES);
+        assert_eq!(
+            before,
+            FILES.map(|name| bench.read(&format!("diagnosis/{name}")))
+        );
+    }
+    // A device that is always full, in the place of one file.
+    fs::remove_file(bench.path("diagnosis/diagnosis.json")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", bench.path("diagnosis/diagnosis.json")).unwrap();
+    fs::remove_file(bench.path("diagnosis/model.json")).unwrap();
+    let full = "ugv: error: cannot write diagnosis/diagnosis.json: No space left on device";
+    bench
+        .ugv("diagnose a.csv")
+        .assert()
+        .code(1)
+        .stderr(contains(full));
+    assert_eq!(bench.read("diagnosis/model.json"), before[1]);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_leaves_what_was_there() {
+    use std::os::unix::process::ExitStatusExt;
+    let bench = Bench::new();
+    bench.write("a.csv", drive(120.0));
+    fs::create_dir(bench.path("out")).unwrap();
+    bench.write("out/diagnosis.json", "precious");
+    let mut child = Command::new(UGV)
+        .current_dir(bench.path(""))
+        .args(["diagnose", "a.csv", "--out", "out/new"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // The folder is made when the work begins.
+    while !bench.path("out/new").exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.signal(), Some(2), "{:?}", output.status);
+    assert_eq!(output.stdout, b"");
+    assert_eq!(left(&bench, "out/new"), [""; 0]);
+    assert_eq!(bench.read("out/diagnosis.json"), "precious");
+}
+
+/// What a diagnosis may write into its model: laws without a name, and something on a patch.
+#[test]
+fn models_with_laws_and_patches_drive_are_scored_and_packaged() {
+    let bench = Bench::new();
+    let whole: Value = serde_json::from_str(&bench.stdout("model")).unwrap();
+    let mut plain = None;
+    for effects in [
+        "{}",
+        r#"{"residual_longitudinal": {"speed": 0.05}, "residual_lateral": {"speed_turning": -0.04}}"#,
+        r#"{"drawbar": {"force": 300}, "window": {"effects": ["drawbar"], "place": {"x": 2, "y": 0, "radius": 1.5}}}"#,
+    ] {
+        let mut whole = whole.clone();
+        whole["effects"] = serde_json::from_str(effects).unwrap();
+        bench.write("m.json", whole.to_string());
+        bench.write("a.csv", drive(12.0));
+        let motion = bench.stdout("simulate --input a.csv --model m.json --quiet");
+        bench.stdout("score a.csv --model m.json --quiet");
+        // The tool has in it what marks a library of its version.
+        let package = format!("package --model m.json --library linux64={UGV}");
+        bench.ugv(&package).assert().success();
+        assert_ne!(plain.as_ref(), Some(&motion), "{effects}");
+        plain.get_or_insert(motion);
+    }
+}
