@@ -32,7 +32,7 @@ pub struct Tuned {
 
 /// A fit that is only to show whether it is worth going on with.
 pub const SKETCH: Stop = Stop {
-    steps: 4,
+    steps: 5,
     gain: 1.0,
 };
 /// When a fit with the noise held ends: half a unit of the log evidence decides nothing.

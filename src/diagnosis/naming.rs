@@ -94,6 +94,9 @@ pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<N
 
 fn begin(given: &Given, proposal: &Proposal, before: &Solution) -> Solution {
     let mut begin = before.clone();
+    if proposal.from_given {
+        begin.soil = given.begin().soil;
+    }
     for (knob, steps) in &proposal.steps {
         let parameter = &given.candidates.knobs[*knob].parameter;
         let (low, high) = parameter.bounds();
