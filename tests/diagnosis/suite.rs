@@ -17,7 +17,7 @@ use cases::Family;
 use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
-use told::{Answer, Told, UGV, diagnose, diagnosed};
+use told::{Answer, Told, diagnose, diagnosed, tool};
 use ugv_terrain::effects::{CATALOGUE, Kind};
 
 /// Answers that may be wrong of 66 drives with one effect of the catalogue.
@@ -171,7 +171,7 @@ fn the_answer_does_not_depend_on_the_number_of_threads() {
 /// The model that was found drives, is scored, and becomes an FMU.
 fn drives(told: &Told) {
     let run = |arguments: &[&str]| {
-        let mut command = Command::new(UGV);
+        let mut command = Command::new(tool());
         command.current_dir(&told.folder).args(arguments);
         let output = command.output().unwrap();
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -199,7 +199,7 @@ fn drives(told: &Told) {
     ]
     .concat());
     // The tool has in it what marks a library of the same version.
-    let library = format!("linux64={UGV}");
+    let library = format!("linux64={}", tool().display());
     run(&[
         &["package", "--library", &library, "--output", "out/ugv.fmu"],
         &model[..],

@@ -9,7 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-pub const UGV: &str = env!("CARGO_BIN_EXE_ugv");
+/// The tool; `UGV_TOOL` names another build of it.
+pub fn tool() -> PathBuf {
+    std::env::var_os("UGV_TOOL").map_or(env!("CARGO_BIN_EXE_ugv").into(), PathBuf::from)
+}
+
 /// Another seed than those that the diagnosis was developed on.
 const SEED: u64 = 2007;
 /// Seconds that the drives last: long enough for a few manoeuvres, short enough for a hundred cases.
@@ -48,13 +52,17 @@ pub struct Told {
     pub seconds: f64,
 }
 
-/// Diagnoses cases, one process for each processor; a table of what was said is printed, and left
-/// with all files in `target/tmp/diagnosis_suite/GROUP`.
+/// Diagnoses cases, one process for each processor. What was said is printed as it comes, past the
+/// test harness, then as a table, which is left with all files in `target/tmp/diagnosis_suite/GROUP`.
 pub fn diagnosed(group: &str, cases: &[(Family, usize)]) -> Vec<Told> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("diagnosis_suite")
         .join(group);
-    let one = |(family, number): &(Family, usize)| Told::of(&folder, *family, *number);
+    let one = |(family, number): &(Family, usize)| {
+        let told = Told::of(&folder, *family, *number);
+        eprint!("{group} {}", told.line());
+        told
+    };
     let told: Vec<Told> = cases.par_iter().map(one).collect();
     let mut table = format!("{group}\n{}\n", Told::HEADER);
     for one in &told {
@@ -71,7 +79,7 @@ pub fn diagnosed(group: &str, cases: &[(Family, usize)]) -> Vec<Told> {
 /// Runs the tool; the drives are those that are to be diagnosed.
 pub fn diagnose(case: &Path, out: &Path, jobs: usize) {
     let drives = ["drive.csv", "drive2.csv"].map(|name| case.join(name));
-    let output = Command::new(UGV)
+    let output = Command::new(tool())
         .arg("diagnose")
         .args(drives.iter().filter(|path| path.is_file()))
         .args(["--quiet", "--jobs", &jobs.to_string(), "--out"])
