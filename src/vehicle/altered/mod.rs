@@ -5,6 +5,7 @@
 //! from it as in (28), and gravity on a slope, drag and drawbar add to the acceleration.
 
 mod chassis;
+mod direction;
 mod directions;
 mod loads;
 mod memory;
@@ -12,7 +13,8 @@ mod solve;
 mod surroundings;
 
 pub(crate) use chassis::Chassis;
-pub(crate) use directions::{Differentiated, Direction, Directions};
+pub(crate) use direction::Direction;
+pub(crate) use directions::{Differentiated, Directions};
 pub(crate) use memory::MemoryLayout;
 pub(crate) use solve::{Altered, Prepared};
 pub use surroundings::Surroundings;
