@@ -60,7 +60,7 @@ pub fn diagnosed(group: &str, cases: &[(Family, usize)]) -> Vec<Told> {
         .join(group);
     let one = |(family, number): &(Family, usize)| {
         let told = Told::of(&folder, *family, *number);
-        eprint!("{group} {}", told.line());
+        std::io::Write::write_all(&mut std::io::stderr(), told.line().as_bytes()).unwrap();
         told
     };
     let told: Vec<Told> = cases.par_iter().map(one).collect();
@@ -272,10 +272,9 @@ impl Told {
             "{name}: the probabilities sum to {sum}"
         );
         assert_eq!(self.is_silent(), self.findings().is_empty(), "{name}");
-        if self.findings().iter().any(|one| one["kind"] == "physics") {
-            if let Some((gain, error)) = self.held_out() {
-                assert!(gain >= -error, "{name}: held out {gain} (se {error})");
-            }
+        let physics = self.findings().iter().any(|one| one["kind"] == "physics");
+        if let Some((gain, error)) = self.held_out().filter(|_| physics) {
+            assert!(gain >= -error, "{name}: held out {gain} (se {error})");
         }
     }
 
