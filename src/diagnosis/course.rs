@@ -42,7 +42,7 @@ pub struct Reach {
 }
 
 /// Seconds between two rows of wheel speeds.
-pub const STEP: f64 = 0.1;
+pub const STEP: f64 = 0.2;
 /// Speeds change by no more than this \[m/s^2\].
 const ACCELERATION: f64 = 0.8;
 /// ... and within no less than this \[s\].

@@ -57,11 +57,12 @@ pub fn diagnose(
     let searched = search(&given, by, options, progress)?;
     progress.step("judging");
     let mut candidates = candidates(&searched)?;
-    let plausible = candidates.iter().filter(|c| c.1).count() as f64;
-    let seen = plausible / candidates.len().max(1) as f64;
+    let hidden = candidates.iter().filter(|c| !c.1);
+    let hidden: Vec<Subject> = hidden.map(|c| c.0.subject).collect();
+    let seen = 1.0 - hidden.len() as f64 / candidates.len().max(1) as f64;
     let judgement = judge(&searched, seen);
     progress.step("what to drive next");
-    let next = next(&searched, &judgement, seen, options);
+    let next = next(&searched, &judgement, &hidden, options);
     progress.step("reporting");
     for (candidate, _) in &mut candidates {
         candidate.probability = judgement.odds.of(candidate.subject);

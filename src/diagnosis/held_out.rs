@@ -74,7 +74,8 @@ pub fn scores(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
     for out in 0..count {
         let step = without(&problem, &point, &blocks, |index| {
             let near = |other: usize| fold.get(other) == Some(&out);
-            !near(index) && !near(index + 1) && !(index > 0 && near(index - 1))
+            let neighbours = index.saturating_sub(1)..=index + 1;
+            !neighbours.into_iter().any(near)
         })?;
         for (index, block) in blocks.iter().enumerate().filter(|(k, _)| fold[*k] == out) {
             let quadratic = step.dot(&(&block.matrix * &step));

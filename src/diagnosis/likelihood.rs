@@ -32,7 +32,12 @@ pub struct Tuned {
 
 /// A fit that is only to show whether it is worth going on with.
 pub const SKETCH: Stop = Stop {
-    steps: 4,
+    steps: 5,
+    gain: 1.0,
+};
+/// The same where the way is long.
+pub const LONG_SKETCH: Stop = Stop {
+    steps: 12,
     gain: 1.0,
 };
 /// When a fit with the noise held ends: half a unit of the log evidence decides nothing.

@@ -7,9 +7,10 @@
 //! What showed in one place or for some seconds is taken to act throughout the manoeuvre, and the
 //! recordings at hand then tell of the soil alone.
 //!
-//! Where the recordings tell too little there is no pair to separate. Then every candidate's
-//! leading parameter is held against nothing, at the size of its prior, and the median of their
-//! separations is what counts: half of what may be missing would show by so much.
+//! Where the recordings tell too little there is no pair to separate. Then every candidate that
+//! they would not have shown at a plausible size is held against nothing, its leading parameter at
+//! its prior's standard deviation, and the median of their separations is what counts: half of what
+//! these recordings hide would show by so much.
 
 use super::candidate::TERRAIN_CHANGE;
 use super::proposal::Kind;
@@ -23,19 +24,20 @@ use super::{Manoeuvre, Options, Subject, Verdict};
 /// been seen at a plausible size to leave it at that.
 const ENOUGH: f64 = 0.6;
 
-/// What to drive next: where these recordings leave something open. `seen` is the share of the
-/// candidates that they would have shown at a plausible size.
+/// What to drive next: where these recordings leave something open. `hidden` are the candidates
+/// that they would not have shown at a plausible size.
 #[must_use]
 pub fn next(
     searched: &Searched,
     judgement: &Judgement,
-    seen: f64,
+    hidden: &[Subject],
     options: &Options,
 ) -> Option<Manoeuvre> {
+    let seen = 1.0 - hidden.len() as f64 / searched.first.screened.len().max(1) as f64;
     let question = match judgement.verdict {
         Verdict::Ambiguous => Question::between(searched, judgement.findings.first()?)?,
-        Verdict::InsufficientData => Question::whether(searched),
-        Verdict::NothingMissing if seen < ENOUGH => Question::whether(searched),
+        Verdict::InsufficientData => Question::whether(searched, hidden),
+        Verdict::NothingMissing if seen < ENOUGH => Question::whether(searched, hidden),
         _ => return None,
     };
     let at_hand = AtHand {
@@ -89,8 +91,8 @@ impl Question {
         })
     }
 
-    /// Whether anything is there.
-    fn whether(searched: &Searched) -> Self {
+    /// Whether anything of this is there.
+    fn whether(searched: &Searched, subjects: &[Subject]) -> Self {
         let candidates = &searched.given.candidates;
         let recordings = searched.given.recordings.len();
         let one = |subject: Subject| {
@@ -105,7 +107,7 @@ impl Question {
         };
         Self {
             separates: [Subject::Unknown, Subject::Nothing],
-            signals: candidates.subjects.iter().filter_map(|s| one(*s)).collect(),
+            signals: subjects.iter().filter_map(|s| one(*s)).collect(),
             place: "",
         }
     }
@@ -225,7 +227,8 @@ mod tests {
         Subject::Effect(place.unwrap())
     }
 
-    /// Asks after a straight drive in one direction: is it this, or that?
+    /// Asks after a straight drive in one direction: is it this, so many of its prior's deviations
+    /// large, or that?
     fn after_a_straight(a: (&str, &str, f64), b: Option<&str>) -> Manoeuvre {
         let terrain = Terrain::preset("sandy_loam").unwrap();
         let model = Specification::plain(Vehicle::tran2007(), terrain);
@@ -237,6 +240,7 @@ mod tests {
         let knob = knobs
             .find(|knob| candidates.knobs[*knob].name == a.1)
             .unwrap();
+        let size = a.2 * candidates.knobs[knob].parameter.prior.deviation;
         let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(effect(b)).collect());
         let asked: Vec<usize> = std::iter::once(knob)
             .chain(rivals.iter().copied())
@@ -250,7 +254,7 @@ mod tests {
         let question = Question {
             separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
             signals: vec![Signal {
-                knobs: vec![(knob, vec![a.2; 2])],
+                knobs: vec![(knob, vec![size; 2])],
                 rivals,
                 told: true,
                 scatter: 1.0,
@@ -273,7 +277,7 @@ mod tests {
 
     #[test]
     fn a_slope_shows_on_the_way_back_and_in_turns() {
-        let found = after_a_straight(("grade", "slope_east", 0.03), Some("drag"));
+        let found = after_a_straight(("grade", "slope_east", 0.6), Some("drag"));
         assert_eq!(found.compared.len(), 10, "{found:?}");
         let straight = of(&found, "straight");
         for name in ["there_and_back", "circles"] {
@@ -284,15 +288,15 @@ mod tests {
         assert!(pairs.clone().all(|pair| pair[0].1 >= pair[1].1));
         assert_eq!(
             found,
-            after_a_straight(("grade", "slope_east", 0.03), Some("drag"))
+            after_a_straight(("grade", "slope_east", 0.6), Some("drag"))
         );
     }
 
     #[test]
     fn what_acts_across_shows_in_a_pivot() {
-        let found = after_a_straight(("bulldozing", "lateral", 1.0), None);
+        let found = after_a_straight(("shear_anisotropy", "strength_ratio", 1.0), None);
         assert!(of(&found, "pivots") > 3.0 * of(&found, "straight"));
-        assert!(of(&found, "pivots") > 3.0, "{found:?}");
+        assert!(of(&found, "pivots") > 0.5, "{found:?}");
     }
 
     #[test]

@@ -8,7 +8,7 @@
 use super::candidate::Target;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
-use super::likelihood::{HELD, SKETCH, Tuned, tune_until};
+use super::likelihood::{HELD, LONG_SKETCH, SKETCH, Tuned, tune_until};
 use super::locate::Extent;
 use super::proposal::Proposal;
 use crate::effects::{self, ParameterName, Window};
@@ -58,15 +58,20 @@ pub fn sketch<'a>(
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
+    let stop = if proposal.from_given {
+        LONG_SKETCH
+    } else {
+        SKETCH
+    };
     let mut begins = vec![begin(&given, proposal, &before.solution)];
     begins.extend(compared(&given, proposal, &before.solution));
     let each = begins.iter().filter_map(|begin| {
-        let tuned = tune_until(&given, &knobs, begin, by, SKETCH);
+        let tuned = tune_until(&given, &knobs, begin, by, stop);
         tuned.ok().filter(|tuned| tuned.surprise.is_finite())
     });
     let tuned = each
         .min_by(|a, b| a.surprise.total_cmp(&b.surprise))
-        .or_else(|| tune_until(&given, &knobs, &before.solution, by, SKETCH).ok())?;
+        .or_else(|| tune_until(&given, &knobs, &before.solution, by, stop).ok())?;
     Some(Sketch {
         gain: before.surprise - tuned.surprise - proposal.looking,
         proposal: proposal.clone(),
@@ -94,6 +99,9 @@ pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<N
 
 fn begin(given: &Given, proposal: &Proposal, before: &Solution) -> Solution {
     let mut begin = before.clone();
+    if proposal.from_given {
+        begin.soil = given.begin().soil;
+    }
     for (knob, steps) in &proposal.steps {
         let parameter = &given.candidates.knobs[*knob].parameter;
         let (low, high) = parameter.bounds();

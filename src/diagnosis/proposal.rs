@@ -25,6 +25,9 @@ pub struct Proposal {
     pub looking: f64,
     /// Stability of a law's terms.
     pub stability: Vec<f64>,
+    /// Whether the fit begins with the soil as given: where re-tuning went far to imitate an effect,
+    /// no small step leads back.
+    pub from_given: bool,
 }
 
 /// A screened candidate.
@@ -98,6 +101,7 @@ pub fn proposals(
             evidence: projection.score_with(&one.projected, 1.0).evidence,
             looking: 0.0,
             stability: Vec::new(),
+            from_given: false,
         })
         .collect();
     let throughout = all.clone();
@@ -141,6 +145,7 @@ pub fn hidden(given: &Given, screened: &[Screened]) -> Vec<Proposal> {
             evidence: 0.0,
             looking: 0.0,
             stability: Vec::new(),
+            from_given: true,
         }
     };
     let all = absorbed.map(propose);
@@ -182,6 +187,7 @@ fn local(found: Found) -> Proposal {
         evidence: found.evidence,
         extent: Some(found.extent),
         stability: Vec::new(),
+        from_given: false,
     }
 }
 
@@ -197,6 +203,7 @@ fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
         looking: score.evidence - law.evidence,
         evidence: law.evidence,
         stability: law.stability,
+        from_given: false,
     }
 }
 

@@ -116,6 +116,9 @@ fn describe(given: &Given, segment: &SegmentSystem, gate: usize, gain: f64) -> G
     }
 }
 
+/// Whether a gate lies in a regime.
+type Holds = Box<dyn Fn(&GateGain) -> bool>;
+
 /// The regime that holds most of the gain in a part of the time; empty for none.
 #[must_use]
 pub fn regime(gains: &[GateGain]) -> String {
@@ -124,7 +127,7 @@ pub fn regime(gains: &[GateGain]) -> String {
     let Some(fast) = speeds.get(speeds.len() * 2 / 3).copied() else {
         return String::new();
     };
-    let mut bins: Vec<(String, Box<dyn Fn(&GateGain) -> bool>)> = vec![
+    let mut bins: Vec<(String, Holds)> = vec![
         (
             format!("speed over {fast:.2} m/s"),
             Box::new(move |g| g.motion[0].abs() > fast),

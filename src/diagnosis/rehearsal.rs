@@ -327,6 +327,6 @@ pub mod tests {
         let found = sampling(&recording);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].interval, STEP);
-        assert!((found[0].weight - 10.0).abs() < 1e-9);
+        assert!((found[0].weight - STEP / 0.01).abs() < 1e-9);
     }
 }

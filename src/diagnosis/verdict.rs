@@ -8,6 +8,9 @@
 use super::search::{Member, NOTHING, Searched};
 use super::{Subject, Verdict};
 
+/// Share of the probability that stays with "unknown" whatever the evidence: now and then something
+/// outside the catalogue looks exactly like something inside.
+const DOUBT: f64 = 0.03;
 /// Softens log Bayes factors.
 const TEMPERATURE: f64 = 1.5;
 /// A wrench that comes and goes with more evidence than this is something, with even odds.
@@ -46,7 +49,7 @@ impl Odds {
         let weight = |log: f64| ((log - top) / TEMPERATURE).exp();
         let sum: f64 = logs.iter().map(|(_, log)| weight(*log)).sum();
         let share = |(subject, log): &(Subject, f64)| (*subject, weight(*log) / sum);
-        Self(logs.iter().map(share).collect())
+        Self(logs.iter().map(share).collect()).with(Subject::Unknown, DOUBT)
     }
 
     /// Probability of a subject.
@@ -189,10 +192,11 @@ mod tests {
         let sum: f64 = odds.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12);
         assert!(odds.of(a) > 0.95 && odds.of(b) < odds.of(a));
-        assert_eq!(odds.of(Subject::Unknown), 0.0);
+        assert!((odds.of(Subject::Unknown) - DOUBT).abs() < 1e-12);
         let shared = odds.with(Subject::Unknown, 0.5);
         let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
-        assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) == 0.5);
-        assert_eq!(Odds::new(&[], NOTHING).of(Subject::Nothing), 1.0);
+        assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
+        let nothing = Odds::new(&[], NOTHING).of(Subject::Nothing);
+        assert!((nothing - (1.0 - DOUBT)).abs() < 1e-12);
     }
 }

@@ -272,8 +272,8 @@ impl Told {
             "{name}: the probabilities sum to {sum}"
         );
         assert_eq!(self.is_silent(), self.findings().is_empty(), "{name}");
-        let physics = self.findings().iter().any(|one| one["kind"] == "physics");
-        if let Some((gain, error)) = self.held_out().filter(|_| physics) {
+        let claimed = self.findings().iter().any(|one| one["kind"] == "physics");
+        if let Some((gain, error)) = self.held_out().filter(|_| claimed) {
             assert!(gain >= -error, "{name}: held out {gain} (se {error})");
         }
     }

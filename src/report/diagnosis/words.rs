@@ -59,7 +59,7 @@ pub fn phrase(subject: Subject) -> String {
 pub fn purpose(next: &Manoeuvre) -> String {
     match next.separates {
         [Subject::Unknown, Subject::Nothing] => {
-            "show half of all effects of a plausible size".into()
+            "show half of the effects that these recordings hide".into()
         }
         separates => {
             let [one, other] = separates.map(name);
