@@ -60,7 +60,7 @@ pub fn diagnosed(group: &str, cases: &[(Family, usize)]) -> Vec<Told> {
         .join(group);
     let one = |(family, number): &(Family, usize)| {
         let told = Told::of(&folder, *family, *number);
-        eprint!("{group} {}", told.line());
+        std::io::Write::write_all(&mut std::io::stderr(), told.line().as_bytes()).unwrap();
         told
     };
     let told: Vec<Told> = cases.par_iter().map(one).collect();

@@ -20,7 +20,7 @@ use manoeuvres::{Driver, STEP, Style, commands, trial_bend};
 use plan::{Place, Plan};
 use random::Random;
 use sensors::{Row, Sensors};
-use signal::{Signal, signal};
+use signal::{Seen, Signal};
 use ugv_terrain::simulation::State;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::Vehicle;
@@ -60,6 +60,17 @@ impl Case {
         let promised = all.filter_map(|one| PLAIN.iter().find(|(size, _)| *size == one.size));
         let least = promised.map(|(_, least)| *least).fold(0.0, f64::max);
         self.family == Family::Poor || self.signal_left() >= least
+    }
+
+    /// With what is left of its signals by as many steps as it takes.
+    fn measured(mut self) -> Self {
+        let faults = effects(self.plan.faults.iter());
+        for drive in &mut self.drives {
+            let (soil, track) = (self.ground.truth, &drive.track);
+            drive.signal.left =
+                Seen::new(&self.vehicle, soil, track, &self.sensors, &faults).left();
+        }
+        self
     }
 
     /// Verdicts that are right.
@@ -119,7 +130,7 @@ pub fn generate_lasting(
     let mut seeds = Random::new(seed.wrapping_add((number as u64) << 32), family.name());
     for _ in 0..ATTEMPTS {
         match attempt(lengths, family, number, seeds.seed()) {
-            Ok(case) if case.is_plain_enough() => return Ok(case),
+            Ok(case) if case.is_plain_enough() => return Ok(case.measured()),
             // Kept, in case that none is plainer: some effects hide on nearly every ground.
             Ok(case) => {
                 hidden = hidden.or(Some(case));
@@ -131,6 +142,7 @@ pub fn generate_lasting(
             Err(failure) => last = failure.to_string(),
         }
     }
+    let hidden = hidden.map(Case::measured);
     hidden.ok_or_else(|| format!("{} {number}: {last}", family.name()))
 }
 
@@ -181,7 +193,7 @@ fn attempt(lengths: [f64; 2], family: Family, number: usize, seed: u64) -> Resul
     let faults = effects(plan.faults.iter());
     let record = |track, world: &World, style, top_speed, purpose: &str| Recorded {
         rows: sensors.record(&track, &faults, &mut of(purpose)),
-        signal: signal(&vehicle, ground.truth, &track, &sensors, &faults),
+        signal: Seen::new(&vehicle, ground.truth, &track, &sensors, &faults).signal(),
         ingredients: world.ingredients.clone(),
         style,
         top_speed,

@@ -4,7 +4,7 @@ use super::manoeuvres::STEP;
 use super::random::Random;
 use super::sensors::{Row, Sensors};
 use super::world::Track;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SMatrix, SVector};
 use ugv_terrain::effects::Effects;
 use ugv_terrain::simulation::{Simulation, State, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
@@ -17,7 +17,7 @@ use ugv_terrain::vehicle::{Vehicle, VehicleModel};
 pub struct Signal {
     /// With the true soil.
     pub raw: f64,
-    /// With the soil that comes closest, in linear approximation under its prior.
+    /// With the soil that comes closest under its prior.
     pub left: f64,
 }
 
@@ -32,48 +32,111 @@ const PRIOR: [f64; Terrain::COUNT] = [0.5, 0.08, 0.5, 0.5, 0.15, 0.5];
 /// Step of differences, in those.
 const DIFFERENCE: f64 = 0.02;
 
-/// The signal in a drive on which the sensors have these faults.
-pub fn signal(
-    vehicle: &Vehicle,
+/// Steps to the soil that comes closest, at most; and when these have arrived.
+const STEPS: usize = 8;
+const ENOUGH: f64 = 0.02;
+/// Shares of a step that are tried.
+const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
+
+/// A drive as sensors without noise see it.
+pub struct Seen<'a> {
+    vehicle: &'a Vehicle,
     terrain: Terrain,
-    track: &Track,
-    sensors: &Sensors,
-    faults: &Effects,
-) -> Signal {
-    let quiet = Sensors::quiet().record(track, faults, &mut Random::new(0, "quiet"));
-    let models: Vec<VehicleModel> = (0..=Terrain::COUNT)
-        .filter_map(|which| VehicleModel::new(vehicle.clone(), tuned(terrain, which)).ok())
-        .collect();
-    let whitening = Whitening::new(sensors);
-    let mut sums = Sums::default();
-    for first in (0..quiet.len().saturating_sub(WINDOW)).step_by(WINDOW) {
-        let rows = &quiet[first..first + WINDOW];
-        let start = track.at(first as f64 * STEP);
-        let paths: Option<Vec<Vec<State>>> = models
-            .iter()
-            .map(|model| path(model, start, rows))
-            .collect();
-        if let Some(paths) = paths {
-            sums.add(&whitening, rows, &paths);
-        }
-    }
-    sums.signal()
+    track: &'a Track,
+    rows: Vec<Row>,
+    whitening: Whitening,
 }
 
-/// The soil with one parameter changed by a share of its deviation; 0 changes none.
-fn tuned(terrain: Terrain, which: usize) -> Terrain {
-    let mut soil = terrain;
-    let change = |k: usize| DIFFERENCE * PRIOR[k];
-    match which {
-        1 => soil.cohesion *= change(0).exp(),
-        2 => soil.friction_angle += change(1),
-        3 => soil.cohesive_modulus *= change(2).exp(),
-        4 => soil.frictional_modulus *= change(3).exp(),
-        5 => soil.sinkage_exponent *= change(4).exp(),
-        6 => soil.shear_modulus *= change(5).exp(),
-        _ => {}
+impl<'a> Seen<'a> {
+    /// A drive of a vehicle on its true soil, on which the sensors have these faults.
+    pub fn new(
+        vehicle: &'a Vehicle,
+        terrain: Terrain,
+        track: &'a Track,
+        sensors: &Sensors,
+        faults: &Effects,
+    ) -> Self {
+        Self {
+            rows: Sensors::quiet().record(track, faults, &mut Random::new(0, "quiet")),
+            whitening: Whitening::new(sensors),
+            vehicle,
+            terrain,
+            track,
+        }
     }
-    soil
+
+    /// The signal, by one step to the soil that comes closest.
+    pub fn signal(&self) -> Signal {
+        self.sums(&Offsets::zeros()).signal(&Offsets::zeros())
+    }
+
+    /// What is left of a signal by as many steps as it takes: soils are not linear, and a signal of
+    /// hundreds may vanish all but wholly.
+    pub fn left(&self) -> f64 {
+        let mut at = Offsets::zeros();
+        let mut sums = self.sums(&at);
+        let cost = |sums: &Sums, at: &Offsets| sums.squares + at.norm_squared();
+        for _ in 0..STEPS {
+            let before = cost(&sums, &at);
+            let step = sums.step(&at);
+            let shorter = SHARES.into_iter().map(|share| at + step * share);
+            let mut tried = shorter.map(|there| (self.sums(&there), there));
+            // A soil on which some windows cannot be driven comes close to the others only.
+            let better =
+                tried.find(|(new, there)| new.windows >= sums.windows && cost(new, there) < before);
+            let Some((new, there)) = better else { break };
+            (sums, at) = (new, there);
+            if cost(&sums, &at) > (1.0 - ENOUGH) * before {
+                break;
+            }
+        }
+        sums.signal(&at).left
+    }
+
+    /// Normal equations around a soil.
+    fn sums(&self, at: &Offsets) -> Sums {
+        let models: Vec<VehicleModel> = (0..=Terrain::COUNT)
+            .filter_map(|which| {
+                let mut offsets = *at;
+                if which > 0 {
+                    offsets[which - 1] += DIFFERENCE;
+                }
+                VehicleModel::new(self.vehicle.clone(), tuned(self.terrain, &offsets)).ok()
+            })
+            .collect();
+        let mut sums = Sums::default();
+        if models.len() <= Terrain::COUNT {
+            return sums;
+        }
+        for first in (0..self.rows.len().saturating_sub(WINDOW)).step_by(WINDOW) {
+            let rows = &self.rows[first..first + WINDOW];
+            let start = self.track.at(first as f64 * STEP);
+            let paths: Option<Vec<Vec<State>>> = models
+                .iter()
+                .map(|model| path(model, start, rows))
+                .collect();
+            if let Some(paths) = paths {
+                sums.add(&self.whitening, rows, &paths);
+            }
+        }
+        sums
+    }
+}
+
+/// How far a soil is from the true one, in [`PRIOR`]s.
+type Offsets = SVector<f64, { Terrain::COUNT }>;
+
+/// The soil at some offsets.
+fn tuned(terrain: Terrain, offsets: &Offsets) -> Terrain {
+    let change = |k: usize| offsets[k] * PRIOR[k];
+    Terrain {
+        cohesion: terrain.cohesion * change(0).exp(),
+        friction_angle: terrain.friction_angle + change(1),
+        cohesive_modulus: terrain.cohesive_modulus * change(2).exp(),
+        frictional_modulus: terrain.frictional_modulus * change(3).exp(),
+        sinkage_exponent: terrain.sinkage_exponent * change(4).exp(),
+        shear_modulus: terrain.shear_modulus * change(5).exp(),
+    }
 }
 
 /// States of a model at the rows of a window.
@@ -164,9 +227,10 @@ fn channels(state: &State) -> [f64; 4] {
 /// Normal equations of the soil, starts eliminated.
 #[derive(Default)]
 struct Sums {
+    windows: usize,
     squares: f64,
-    gradient: [f64; Terrain::COUNT],
-    matrix: [[f64; Terrain::COUNT]; Terrain::COUNT],
+    gradient: Offsets,
+    matrix: SMatrix<f64, { Terrain::COUNT }, { Terrain::COUNT }>,
 }
 
 impl Sums {
@@ -199,27 +263,29 @@ impl Sums {
                 &white - &basis * (basis.transpose() * &white)
             })
             .collect();
+        self.windows += 1;
         self.squares += columns[0].norm_squared();
         for (i, one) in columns[1..].iter().enumerate() {
             self.gradient[i] += one.dot(&columns[0]);
             for (j, other) in columns[1..].iter().enumerate() {
-                self.matrix[i][j] += one.dot(other);
+                self.matrix[(i, j)] += one.dot(other);
             }
         }
     }
 
-    fn signal(&self) -> Signal {
-        let count = Terrain::COUNT;
-        let information = DMatrix::from_fn(count, count, |i, j| {
-            self.matrix[i][j] + if i == j { 1.0 } else { 0.0 }
-        });
-        let gradient = DVector::from_row_slice(&self.gradient);
-        let explained = information
-            .cholesky()
-            .map_or(0.0, |root| gradient.dot(&root.solve(&gradient)));
+    /// Towards the soil that comes closest under its prior, in linear approximation.
+    fn step(&self, at: &Offsets) -> Offsets {
+        let information = self.matrix + SMatrix::identity();
+        let root = information.cholesky();
+        root.map_or(Offsets::zeros(), |root| root.solve(&(self.gradient - at)))
+    }
+
+    fn signal(&self, at: &Offsets) -> Signal {
+        let explained = (self.gradient - at).dot(&self.step(at));
+        let left = self.squares + at.norm_squared() - explained;
         Signal {
             raw: self.squares.sqrt(),
-            left: (self.squares - explained).max(0.0).sqrt(),
+            left: left.max(0.0).sqrt(),
         }
     }
 }
