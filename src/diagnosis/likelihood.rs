@@ -38,7 +38,7 @@ pub const SKETCH: Stop = Stop {
 /// The same where the way is long.
 pub const LONG_SKETCH: Stop = Stop {
     steps: 12,
-    gain: 1.0,
+    gain: 2.0,
 };
 /// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
 pub const HELD: Stop = Stop {

@@ -45,7 +45,7 @@ pub struct Screened {
 const BEHIND: f64 = 0.6;
 const FAR_BEHIND: f64 = 8.0;
 /// Share that re-tuning takes up of an effect that may be hidden.
-const HIDDEN: f64 = 0.85;
+const HIDDEN: f64 = 0.9;
 /// Less evidence than this is not worth a fit.
 const FAINT: f64 = 0.5;
 /// Local proposals of one subject are fitted only where they beat it acting throughout by this.

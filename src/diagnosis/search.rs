@@ -76,9 +76,8 @@ const NULLS: usize = 500;
 const SHARE: f64 = 0.95;
 /// Fits that are further behind after their first steps are not finished.
 const NEAR: f64 = 0.75;
-const CLOSE: f64 = 10.0;
-/// So many are finished in any case that they are not far behind, and at most so many.
-const FEW: usize = 3;
+const CLOSE: f64 = 5.0;
+/// At most so many are finished.
 const MOST: usize = 7;
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
@@ -182,11 +181,9 @@ fn try_all<'a>(stage: &Stage<'a>, first: bool, by: &Weighing) -> Vec<Named<'a>> 
     let best = begun.first().map_or(0.0, |sketch| sketch.odds().max(0.0));
     begun
         .into_iter()
-        .enumerate()
-        .filter(|(place, sketch)| *place < FEW || sketch.odds() > NEAR * best - CLOSE / 2.0)
         .take(MOST)
-        .filter(|(_, sketch)| sketch.odds() > NEAR * best - CLOSE)
-        .filter_map(|(_, sketch)| finish(sketch, &stage.tuned, by))
+        .filter(|sketch| sketch.odds() > NEAR * best - CLOSE)
+        .filter_map(|sketch| finish(sketch, &stage.tuned, by))
         .collect()
 }
 
