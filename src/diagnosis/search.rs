@@ -59,6 +59,8 @@ pub struct Searched<'a> {
     pub refused: Vec<(Subject, f64)>,
     /// Held-out gains of what was fitted first, by subject.
     pub gains: Vec<(Subject, (f64, f64))>,
+    /// Whether there is enough to hold some of it out; without that nothing is named.
+    pub tested: bool,
     /// Under the re-tuned model.
     pub first: Looked,
     /// With everything found.
@@ -109,6 +111,7 @@ pub fn search<'a>(
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
     let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
     let first = stage.looked.clone();
+    let tested = stage.scores.is_some();
     let baseline = stage.tuned.solution.clone();
     let (mut members, mut refused, mut gains): (Vec<Member>, _, Vec<_>) =
         (Vec::new(), Vec::new(), Vec::new());
@@ -130,7 +133,7 @@ pub fn search<'a>(
             .iter()
             .map(|n| (n.proposal.subject, odds(n)))
             .collect();
-        let sound = |named: &&Named| held_out(named).is_none_or(|(mean, error)| mean > -error);
+        let sound = |named: &&Named| held_out(named).is_some_and(|(mean, error)| mean > -error);
         let best = fitted
             .iter()
             .filter(sound)
@@ -161,6 +164,7 @@ pub fn search<'a>(
         members,
         refused,
         gains,
+        tested,
         first,
         last: stage.looked,
     })

@@ -116,7 +116,7 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
     if main {
         odds = odds.with(Subject::Unknown, something);
     }
-    if something > 0.5 {
+    if something > 0.5 && searched.tested {
         findings.push(Judged {
             member: None,
             subject: Subject::Unknown,
@@ -128,13 +128,17 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
         }
     }
     let verdict = match findings.first() {
-        None if seen < ENOUGH => Verdict::InsufficientData,
+        None if seen < ENOUGH || !searched.tested => Verdict::InsufficientData,
         None => Verdict::NothingMissing,
         Some(first) if first.subject == Subject::Unknown => Verdict::UnknownPhysics,
         Some(first) if !first.set.is_empty() => Verdict::Ambiguous,
         Some(_) if findings.iter().all(|f| f.subject.is_sensor()) => Verdict::Sensor,
         Some(_) => Verdict::MissingPhysics,
     };
+    if verdict == Verdict::InsufficientData {
+        // Nothing was asked, so nothing is likelier than the other.
+        odds = Odds(vec![(Subject::Nothing, 0.5), (Subject::Unknown, 0.5)]);
+    }
     Judgement {
         verdict,
         findings,
