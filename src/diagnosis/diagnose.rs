@@ -3,7 +3,7 @@
 use super::ambiguity::groups;
 use super::candidate::Target;
 use super::findings::findings;
-use super::held_out::{errors, folds, nominal_errors, scores};
+use super::held_out::{SEEN, errors, nominal_errors, scores};
 use super::hypothesis::{Given, What};
 use super::likelihood::Tuned;
 use super::manoeuvre::next;
@@ -25,8 +25,6 @@ use crate::vehicle::Specification;
 /// Power with which the smallest detectable effect is seen: 90 % quantile of the normal
 /// distribution.
 const POWER: f64 = 1.28;
-/// Seconds ahead of the first that are predicted, see `held_out`.
-const SEEN: f64 = 1.0;
 
 /// Locates the mismatch between recordings and a model, says what physics was left out, and models it.
 ///
@@ -175,9 +173,7 @@ fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisEr
             significance: (one_degree(score.chi_square, degrees) / looked.threshold).sqrt(),
             smallest_detectable: upward.min(downward),
             parameter: knob.name,
-            unit: match knob.target {
-                Target::Model(_) | Target::Sensor(_) => knob.parameter.unit,
-            },
+            unit: knob.parameter.unit,
             estimate: knob.parameter.value(off + score.step[0]),
             interval: knob
                 .parameter
@@ -239,7 +235,7 @@ fn held_out(searched: &Searched) -> Option<HeldOut> {
         retuned: errors(given, &searched.retuned, &retuned, by),
         augmented: errors(&searched.placed, &searched.augmented, &augmented, by),
         horizon: length - SEEN,
-        stretches: folds(given.segments.len()).len(),
+        stretches: given.segments.len(),
     })
 }
 

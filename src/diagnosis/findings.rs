@@ -264,13 +264,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
     let channel = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw][largest];
     let given = &searched.given;
     let mut places: Vec<(f64, Interval)> = Vec::new();
-    let mut runs: Vec<(usize, usize)> = given
-        .segments
-        .iter()
-        .map(|s| (s.recording, s.run))
-        .collect();
-    runs.dedup();
-    for (recording, run) in runs {
+    for (recording, run) in given.runs() {
         let found = super::wrench::smooth(given, &searched.last.system, recording, run, size);
         let Some(trace) = found else { continue };
         let ratio = |k: usize| (trace.value[k][largest] / trace.deviation[k][largest]).abs();

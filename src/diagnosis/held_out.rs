@@ -23,7 +23,7 @@ use rayon::prelude::*;
 const FOLDS: usize = 4;
 const SMALLEST_FOLD: usize = 2;
 /// A start is fitted to so many seconds; the rest is predicted.
-const SEEN: f64 = 1.0;
+pub const SEEN: f64 = 1.0;
 /// Steps that fit it.
 const STEPS: usize = 2;
 /// When starts alone are fitted.
@@ -47,7 +47,7 @@ pub struct Scores {
 
 /// Which fold each of so many segments belongs to.
 #[must_use]
-pub fn folds(count: usize) -> Vec<usize> {
+fn folds(count: usize) -> Vec<usize> {
     let folds = (count / SMALLEST_FOLD).clamp(1, FOLDS);
     (0..count)
         .map(|index| index * folds / count.max(1))

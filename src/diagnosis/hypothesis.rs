@@ -77,6 +77,15 @@ impl<'a> Given<'a> {
         }
     }
 
+    /// Recording and run of everything that has segments, each once.
+    #[must_use]
+    pub fn runs(&self) -> Vec<(usize, usize)> {
+        let mut runs: Vec<(usize, usize)> =
+            self.segments.iter().map(|s| (s.recording, s.run)).collect();
+        runs.dedup();
+        runs
+    }
+
     /// The soil's numbers with their scales and priors.
     #[must_use]
     pub fn soil_parameters(&self) -> Vec<parameter::Parameter> {

@@ -141,12 +141,17 @@ pub fn locate(
     let chains = chains(given, system);
     let discs = discs(&chains);
     let (inverse, settled) = projection.inverse();
+    let recordings = 0..given.recordings.len();
+    let nuisance: Vec<_> = recordings
+        .map(|recording| system.columns(recording, projection.nuisance()))
+        .collect();
     let scan = |one: &Scanned| {
         let knobs = one.knobs.iter();
         let unknowns = knobs.filter_map(|knob| system.unknowns(*knob).first().copied());
         let scan = Scan {
             system,
             projection,
+            nuisance: &nuisance,
             inverse: &inverse,
             settled: &settled,
             gated: Gated {

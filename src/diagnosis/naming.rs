@@ -3,7 +3,7 @@
 //! The best few candidates of the screen, of the box scan and of the laws are fitted in full, each
 //! beside what was found before; the one with the largest evidence is taken where that outweighs
 //! chance and predicts better what it was not fitted to (blocked cross-validation, see
-//! `held_out`). Then everything is looked at anew with it inside (step 7, `adequacy`).
+//! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
 
 use super::candidate::Target;
 use super::held_out::{Scores, scores};

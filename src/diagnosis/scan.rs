@@ -104,12 +104,43 @@ pub struct Scan<'a> {
     pub system: &'a System,
     /// Soil and what is on, projected out.
     pub projection: &'a Projection<'a>,
+    /// For each recording the columns of the nuisance.
+    pub nuisance: &'a [Vec<Option<usize>>],
     /// The nuisance's inverse matrix.
     pub inverse: &'a DMatrix<f64>,
     /// The nuisance's step to where its pulls vanish.
     pub settled: &'a DVector<f64>,
     /// The candidate.
     pub gated: Gated,
+}
+
+/// The best set so far, and how many were looked at.
+#[derive(Default)]
+struct Best {
+    found: Option<(Extent, Score)>,
+    looked_at: u32,
+}
+
+impl Best {
+    fn offer(&mut self, extent: Extent, score: Score) {
+        self.looked_at += 1;
+        let best = self.found.as_ref();
+        if best.is_none_or(|(_, best)| score.evidence > best.evidence) {
+            self.found = Some((extent, score));
+        }
+    }
+
+    /// With the evidence less what looking in so many places costs.
+    fn of(self, places: f64) -> Option<(Extent, Score, f64)> {
+        let (extent, score) = self.found?;
+        let evidence = score.evidence - places.ln();
+        Some((extent, score, evidence))
+    }
+
+    fn of_looked_at(self) -> Option<(Extent, Score, f64)> {
+        let places = f64::from(self.looked_at);
+        self.of(places)
+    }
 }
 
 /// Sums over a set of gates.
@@ -135,9 +166,7 @@ impl Scan<'_> {
         let segment = &self.system.segments[gate.segment];
         let layout = &self.system.layout;
         let first = |gate: usize| layout.whole() + gate * layout.per_gate();
-        let nuisance = self
-            .system
-            .columns(segment.recording, self.projection.nuisance());
+        let nuisance = &self.nuisance[segment.recording];
         for (i, (a, factor)) in self.gated.columns.iter().enumerate() {
             let row = first(gate.gate) + a;
             sums.gradient[i] += factor * segment.gradient[row];
@@ -169,11 +198,26 @@ impl Scan<'_> {
         self.projection.score_with(&projected, 1.0)
     }
 
+    /// Sums over the gates that lie somewhere, and the seconds that they last.
+    fn sum(&self, chains: &[Chain], inside: impl Fn(&Gate) -> bool) -> (Sums, f64) {
+        let mut sums = self.nothing();
+        let mut seconds = 0.0;
+        for chain in chains {
+            let set: Vec<&Gate> = chain.gates.iter().filter(|gate| inside(gate)).collect();
+            for (index, gate) in set.iter().enumerate() {
+                let before = set[..index].iter().rev();
+                let before = before.take_while(|other| other.segment == gate.segment);
+                self.add(&mut sums, gate, before.map(|other| other.gate));
+                seconds += gate.end - gate.start;
+            }
+        }
+        (sums, seconds)
+    }
+
     /// The best interval of any run.
     #[must_use]
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
-        let mut best: Option<(Extent, Score)> = None;
-        let mut looked_at = 0;
+        let mut best = Best::default();
         for chain in chains {
             for (from, begin) in chain.gates.iter().enumerate() {
                 let mut sums = self.nothing();
@@ -188,69 +232,39 @@ impl Scan<'_> {
                     if length < SHORTEST {
                         continue;
                     }
-                    looked_at += 1;
-                    let score = self.score(&sums);
-                    if best
-                        .as_ref()
-                        .is_none_or(|(_, b)| score.evidence > b.evidence)
-                    {
-                        let extent = Extent::Time {
-                            recording: chain.recording,
-                            run: chain.run,
-                            start: begin.start,
-                            end: gate.end,
-                        };
-                        best = Some((extent, score));
-                    }
+                    let extent = Extent::Time {
+                        recording: chain.recording,
+                        run: chain.run,
+                        start: begin.start,
+                        end: gate.end,
+                    };
+                    best.offer(extent, self.score(&sums));
                 }
             }
         }
-        let (extent, score) = best?;
-        let evidence = score.evidence - f64::from(looked_at).ln();
-        Some((extent, score, evidence))
+        best.of_looked_at()
     }
 
     /// The best disc.
     #[must_use]
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Extent, Score, f64)> {
-        let mut best: Option<(Extent, Score)> = None;
+        let mut best = Best::default();
         for disc in discs {
-            let inside = |gate: &Gate| {
+            let (sums, seconds) = self.sum(chains, |gate| {
                 let away = gate.place.map(|[x, y]| (x - disc[0]).hypot(y - disc[1]));
                 away.is_some_and(|away| away < disc[2])
-            };
-            let mut sums = self.nothing();
-            let mut seconds = 0.0;
-            for chain in chains {
-                let set: Vec<&Gate> = chain.gates.iter().filter(|gate| inside(gate)).collect();
-                for (index, gate) in set.iter().enumerate() {
-                    let before = set[..index].iter().rev();
-                    let before = before.take_while(|other| other.segment == gate.segment);
-                    self.add(&mut sums, gate, before.map(|other| other.gate));
-                    seconds += gate.end - gate.start;
-                }
-            }
-            if seconds < SHORTEST {
-                continue;
-            }
-            let score = self.score(&sums);
-            if best
-                .as_ref()
-                .is_none_or(|(_, b)| score.evidence > b.evidence)
-            {
-                best = Some((Extent::Place { disc: *disc }, score));
+            });
+            if seconds >= SHORTEST {
+                best.offer(Extent::Place { disc: *disc }, self.score(&sums));
             }
         }
-        let (extent, score) = best?;
-        let evidence = score.evidence - (discs.len() as f64).ln();
-        Some((extent, score, evidence))
+        best.of(discs.len() as f64)
     }
 
     /// The best line across the map.
     #[must_use]
     pub fn boundary(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
-        let mut best: Option<(Extent, Score)> = None;
-        let mut looked_at = 0;
+        let mut best = Best::default();
         for direction in (0..DIRECTIONS).map(|k| PI * k as f64 / DIRECTIONS as f64) {
             let (sin, cos) = direction.sin_cos();
             let along = |gate: &Gate| gate.place.map(|[x, y]| x * cos + y * sin);
@@ -258,35 +272,18 @@ impl Scan<'_> {
             let mut places: Vec<f64> = gates.filter_map(along).collect();
             places.sort_by(f64::total_cmp);
             for k in 1..POSITIONS {
-                let Some(position) = places.get(k * places.len() / POSITIONS) else {
+                let Some(&position) = places.get(k * places.len() / POSITIONS) else {
                     continue;
                 };
-                let mut sums = self.nothing();
-                for chain in chains {
-                    let beyond = |gate: &&Gate| along(gate).is_some_and(|at| at > *position);
-                    let set: Vec<&Gate> = chain.gates.iter().filter(beyond).collect();
-                    for (index, gate) in set.iter().enumerate() {
-                        let before = set[..index].iter().rev();
-                        let before = before.take_while(|other| other.segment == gate.segment);
-                        self.add(&mut sums, gate, before.map(|other| other.gate));
-                    }
-                }
-                looked_at += 1;
-                let score = self.score(&sums);
-                if best
-                    .as_ref()
-                    .is_none_or(|(_, b)| score.evidence > b.evidence)
-                {
-                    let extent = Extent::Beyond {
-                        direction,
-                        position: *position,
-                    };
-                    best = Some((extent, score));
-                }
+                let beyond = |gate: &Gate| along(gate).is_some_and(|at| at > position);
+                let (sums, _) = self.sum(chains, beyond);
+                let extent = Extent::Beyond {
+                    direction,
+                    position,
+                };
+                best.offer(extent, self.score(&sums));
             }
         }
-        let (extent, score) = best?;
-        let evidence = score.evidence - f64::from(looked_at).ln();
-        Some((extent, score, evidence))
+        best.of_looked_at()
     }
 }

@@ -15,6 +15,7 @@ use super::system::{System, linearise, weigh};
 use super::wrench::{Wandering, wandering};
 use super::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::problem::Weighing;
+use std::sync::Arc;
 
 /// Something that was found.
 #[derive(Debug, Clone)]
@@ -62,9 +63,9 @@ pub struct Searched<'a> {
     /// Whether there is enough to hold some of it out; without that nothing is named.
     pub tested: bool,
     /// Under the re-tuned model.
-    pub first: Looked,
+    pub first: Arc<Looked>,
     /// With everything found.
-    pub last: Looked,
+    pub last: Arc<Looked>,
 }
 
 /// Rounds at most.
@@ -90,7 +91,7 @@ const MOVED: f64 = 0.02;
 struct Stage<'a> {
     given: Given<'a>,
     tuned: Tuned,
-    looked: Looked,
+    looked: Arc<Looked>,
     proposals: Vec<Proposal>,
     scores: Option<Scores>,
 }
@@ -110,7 +111,7 @@ pub fn search<'a>(
     let undrivable = DiagnosisError::Undrivable;
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
     let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
-    let first = stage.looked.clone();
+    let first = Arc::clone(&stage.looked);
     let tested = stage.scores.is_some();
     let baseline = stage.tuned.solution.clone();
     let (mut members, mut refused, mut gains): (Vec<Member>, _, Vec<_>) =
@@ -228,12 +229,12 @@ fn look<'a>(
     let wandering = wandering(&given, &system);
     let scores = scores(&given, &again, by);
     Ok(Stage {
-        looked: Looked {
+        looked: Arc::new(Looked {
             screened,
             threshold,
             system,
             wandering,
-        },
+        }),
         proposals,
         scores,
         tuned: again,

@@ -16,12 +16,6 @@ const LEAST_SIZE: f64 = 3e-3;
 #[must_use]
 pub fn traces(searched: &Searched) -> Vec<RunTrace> {
     let given = &searched.given;
-    let mut runs: Vec<(usize, usize)> = given
-        .segments
-        .iter()
-        .map(|s| (s.recording, s.run))
-        .collect();
-    runs.dedup();
     let one = |(recording, run): (usize, usize)| {
         let (time, mismatch) = mismatch(given, &searched.retuned, &searched.by, recording, run);
         let data = &given.recordings[recording].runs[run];
@@ -47,7 +41,7 @@ pub fn traces(searched: &Searched) -> Vec<RunTrace> {
             wrench: smooth(given, &searched.first.system, recording, run, size),
         }
     };
-    runs.into_iter().map(one).collect()
+    given.runs().into_iter().map(one).collect()
 }
 
 /// How much a model misses, in standard deviations of the noise, second by second.
