@@ -202,7 +202,13 @@ impl<S: Scalar> AlteredPatch<S> {
             }
         }
         let wedge = self.bulldozing.as_ref().map(|effect| {
-            let sums = buried.map(|sum| sum.sum());
+            let [by_depth, by_square, depth_moment, square_moment] = buried;
+            let sums = [
+                by_depth.sum(),
+                by_square.sum(),
+                depth_moment.sum(),
+                square_moment.sum(),
+            ];
             self.wedge(effect, &arc, sums)
         });
         (sums.sum::<V>(), wedge)

@@ -38,8 +38,13 @@ impl<P: Copy> PatchSums<P> {
         P: Packed<V>,
     {
         PatchSums {
-            shear: self.shear.map(|sum| sum.sum()),
-            normal: self.normal.map(|sum| sum.sum()),
+            // Not `array::map`: a closure that is not inlined loses the vector registers.
+            shear: [
+                self.shear[0].sum(),
+                self.shear[1].sum(),
+                self.shear[2].sum(),
+            ],
+            normal: [self.normal[0].sum(), self.normal[1].sum()],
             width_moment: self.width_moment.sum(),
             arc_moment: self.arc_moment.sum(),
             tangential: self.tangential.sum(),
