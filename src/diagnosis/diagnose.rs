@@ -7,7 +7,7 @@ use super::held_out::{SEEN, errors, nominal_errors, scores};
 use super::hypothesis::{Given, What};
 use super::likelihood::Tuned;
 use super::manoeuvre::next;
-use super::outcome::{Account, Candidate, Diagnosis, HeldOut, Subject, Verdict};
+use super::outcome::{Account, Candidate, Diagnosis, Errors, HeldOut, Subject, Verdict};
 use super::prepare::{prepare, seconds};
 use super::screen::{Projection, one_degree};
 use super::search::{Searched, search};
@@ -231,9 +231,10 @@ fn held_out(searched: &Searched) -> Option<HeldOut> {
         .map(|s| s.end - s.start)
         .fold(0.0, f64::max);
     Some(HeldOut {
-        nominal: nominal_errors(given, by)?,
+        nominal: nominal_errors(given, by).unwrap_or(Errors::NONE),
         retuned: errors(given, &searched.retuned, &retuned, by),
         augmented: errors(&searched.placed, &searched.augmented, &augmented, by),
+        gain: augmented.gain_over(&retuned),
         horizon: length - SEEN,
         stretches: given.segments.len(),
     })
@@ -242,7 +243,6 @@ fn held_out(searched: &Searched) -> Option<HeldOut> {
 /// The soil before and after.
 fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
     let given = &searched.given;
-    let begin = given.begin();
     let parameters = given.soil_parameters();
     let estimate = |tuned: &Tuned, k: usize| {
         let parameter = &parameters[k];
@@ -251,7 +251,7 @@ fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
         let (low, high) = parameter.interval(at, NORMAL_95 * deviation);
         Estimate {
             parameter: parameter.clone(),
-            nominal: parameter.value(begin.soil[k]),
+            nominal: given.soil[k].get(&given.nominal),
             value: parameter.value(at),
             low,
             high,
@@ -321,6 +321,12 @@ fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f64) 
     let mut scatters: Vec<f64> = scatters.collect();
     scatters.sort_by(f64::total_cmp);
     let mut notes = Vec::new();
+    if given.stiffening > 1.0 {
+        notes.push(format!(
+            "On the terrain as given the vehicle cannot drive; re-tuning began with {} times its frictional modulus.",
+            given.stiffening
+        ));
+    }
     if searched.placed.nominal.effects.window.is_some() {
         notes.push(
             "What acts for some seconds of one drive only is not part of the augmented model; what is bound to a place is."

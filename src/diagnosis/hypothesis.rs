@@ -13,6 +13,9 @@ use crate::recording::Recording;
 use crate::vehicle::{Parameter, Specification};
 use nalgebra::DVector;
 
+/// The soil's number that carries the vehicle.
+const STIFFNESS: &str = "frictional_modulus";
+
 /// What is given. A hypothesis that acts somewhere only has a copy with that place in its model.
 #[derive(Debug, Clone)]
 pub struct Given<'a> {
@@ -31,6 +34,9 @@ pub struct Given<'a> {
     /// By how much pose and wheel speeds of each recording trail as curves compared tell; zero where
     /// they do not tell.
     pub late: Vec<SensorValues>,
+    /// The frictional modulus that re-tuning begins with, as a multiple of the given one: more than 1
+    /// where the given soil cannot carry the vehicle.
+    pub stiffening: f64,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.
@@ -57,15 +63,20 @@ impl<'a> Given<'a> {
             candidates: Candidates::new(nominal),
             segments: Vec::new(),
             late: recordings.iter().map(late).collect(),
+            stiffening: 1.0,
         }
     }
 
-    /// The given model, effects off, starts as the sensors show them.
+    /// The given model (its soil stiffened where need be), effects off, starts as the sensors show
+    /// them.
     #[must_use]
     pub fn begin(&self) -> Solution {
         let soil = self.soil_parameters();
         let at = |(free, described): (&Parameter, &parameter::Parameter)| {
-            let value = free.get(&self.nominal);
+            let mut value = free.get(&self.nominal);
+            if free.name() == STIFFNESS {
+                value *= self.stiffening;
+            }
             described.coordinate(value.clamp(described.low, described.high))
         };
         let off = self.candidates.knobs.iter();
@@ -156,7 +167,7 @@ impl<'a> Given<'a> {
             Target::Sensor(_) => None,
         });
         let free = self.soil.iter().copied().chain(turned).collect();
-        ExactPredictor::new(self.nominal.clone(), free)
+        ExactPredictor::new(self.nominal.clone(), free).with_coarse_derivatives()
     }
 
     /// The fit's unknowns where these knobs are free besides the soil.

@@ -205,15 +205,27 @@ pub struct Errors {
     pub log_score: f64,
 }
 
+impl Errors {
+    /// Of a model that cannot drive.
+    pub(super) const NONE: Self = Self {
+        position: f64::NAN,
+        heading: f64::NAN,
+        yaw_rate: f64::NAN,
+        log_score: f64::NAN,
+    };
+}
+
 /// Held-out errors of the models.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
-    /// The model as given.
+    /// The model as given; NaN where it cannot drive.
     pub nominal: Errors,
     /// The soil re-tuned.
     pub retuned: Errors,
     /// With what was found.
     pub augmented: Errors,
+    /// How much better with what was found than re-tuned: log score per sample, and standard error.
+    pub gain: (f64, f64),
     /// Seconds ahead that are predicted.
     pub horizon: f64,
     /// Number of stretches predicted.

@@ -2,7 +2,8 @@
 
 use super::hypothesis::Given;
 use super::{DiagnosisError, Options};
-use crate::fit::problem::Weighing;
+use crate::fit::predictor::PredictionError;
+use crate::fit::problem::{Tables, Weighing};
 use crate::fit::segment::{Cut, cut};
 use crate::fit::sensor::SensorValues;
 use crate::fit::weighing::first_weighing;
@@ -10,6 +11,9 @@ use crate::recording::{Channel, Recording};
 
 /// Less driving than this is not enough to say anything \[s\].
 const SHORTEST: f64 = 10.0;
+/// A soil that cannot carry the vehicle is stiffened by this factor, up to so many times in all.
+const STIFFER: f64 = 4.0;
+const STIFFEST: f64 = 1024.0;
 
 /// Cuts, leaves out what cannot be driven, and weighs all samples alike.
 ///
@@ -31,10 +35,17 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
             moved: reach(given.recordings),
         });
     }
-    let predictor = given.predictor(&[]);
-    let problem = given.problem(&predictor, &[]);
-    let point = given.point(&problem, &[], &given.begin());
-    let tried = problem.evaluate_each(&point, true);
+    let mut tried = drive(given);
+    let most = 0.5 * driven;
+    while failed(given, &tried) > most && given.stiffening < STIFFEST {
+        // The terrain is but a rough start: a vehicle that was recorded did not sink into it.
+        given.stiffening *= STIFFER;
+        tried = drive(given);
+    }
+    if failed(given, &tried) > most && given.stiffening > 1.0 {
+        given.stiffening = 1.0;
+        tried = drive(given);
+    }
     let mut failed = None;
     let mut kept = Vec::new();
     for (segment, tried) in std::mem::take(&mut given.segments).into_iter().zip(tried) {
@@ -60,6 +71,21 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
             Ok((found, weighing))
         }
     }
+}
+
+/// Drives all segments as they begin.
+fn drive(given: &Given) -> Vec<Result<Tables, PredictionError>> {
+    let predictor = given.predictor(&[]);
+    let problem = given.problem(&predictor, &[]);
+    let point = given.point(&problem, &[], &given.begin());
+    problem.evaluate_each(&point, true)
+}
+
+/// Seconds of the segments that could not be driven.
+fn failed(given: &Given, tried: &[Result<Tables, PredictionError>]) -> f64 {
+    let pairs = given.segments.iter().zip(tried);
+    let failed = pairs.filter(|(_, tried)| tried.is_err());
+    failed.map(|(s, _)| s.end - s.start).sum()
 }
 
 /// Seconds that the segments cover.

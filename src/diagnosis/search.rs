@@ -14,6 +14,7 @@ use super::sensitivity::{Layout, sensitivities};
 use super::system::{System, linearise, weigh};
 use super::wrench::{Wandering, wandering};
 use super::{DiagnosisError, Options, Progress, Subject};
+use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
 use std::sync::Arc;
 
@@ -153,9 +154,7 @@ pub fn search<'a>(
     }
     progress.step("what can be left out again");
     prune(&mut stage, &mut members, &by);
-    let mut begin = back(given, &stage.tuned.solution);
-    begin.soil.clone_from(&baseline.soil);
-    let retuned = tune(given, &[], &begin, &by).map_err(undrivable)?;
+    let retuned = tune_again(given, &baseline, &stage.tuned.solution, &by).map_err(undrivable)?;
     Ok(Searched {
         given: given.clone(),
         by,
@@ -169,6 +168,19 @@ pub fn search<'a>(
         first,
         last: stage.looked,
     })
+}
+
+/// The re-tuned model under the noise and weights at the end, its starts as they have become. On
+/// some soils not every start can be driven: then those that it had.
+fn tune_again(
+    given: &Given,
+    baseline: &Solution,
+    last: &Solution,
+    by: &Weighing,
+) -> Result<Tuned, PredictionError> {
+    let mut begin = back(given, last);
+    begin.soil.clone_from(&baseline.soil);
+    tune(given, &[], &begin, by).or_else(|_| tune(given, &[], baseline, by))
 }
 
 /// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.

@@ -177,7 +177,9 @@ impl RecordingModel {
             sensors,
             slopes: all.map(|(p, at)| p.slope(p.value(*at))).collect(),
             throughout: throughout.iter().map(|p| p.get(&here)).collect(),
-            predictor: ExactPredictor::new(here, throughout).with_gated(gated),
+            predictor: ExactPredictor::new(here, throughout)
+                .with_gated(gated)
+                .with_coarse_derivatives(),
         })
     }
 

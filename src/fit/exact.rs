@@ -13,6 +13,7 @@ pub struct ExactPredictor {
     free: Vec<Parameter>,
     /// Besides, derivatives are wanted by these as they act within each of the request's gates.
     gated: Vec<Parameter>,
+    coarse: bool,
 }
 
 impl ExactPredictor {
@@ -23,6 +24,7 @@ impl ExactPredictor {
             nominal,
             free,
             gated: Vec::new(),
+            coarse: false,
         }
     }
 
@@ -31,6 +33,13 @@ impl ExactPredictor {
     #[must_use]
     pub fn with_gated(mut self, gated: Vec<Parameter>) -> Self {
         self.gated = gated;
+        self
+    }
+
+    /// With coarser and faster derivatives, see [`SensitiveSimulation::with_coarse_derivatives`].
+    #[must_use]
+    pub fn with_coarse_derivatives(mut self) -> Self {
+        self.coarse = true;
         self
     }
 
@@ -62,6 +71,9 @@ impl Predictor for ExactPredictor {
             let gates = request.gates.len() + 1;
             let mut simulation =
                 SensitiveSimulation::with_gates(&specification, &self.free, &self.gated, gates)?;
+            if self.coarse {
+                simulation = simulation.with_coarse_derivatives();
+            }
             simulation.restart(request.clock + begin, *request.start)?;
             drive(&mut simulation, request, |simulation| {
                 out.states.push(simulation.state().to_array());

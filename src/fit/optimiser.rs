@@ -47,12 +47,62 @@ const NEARLY: f64 = 5.0;
 /// Steps below this lead nowhere.
 const SMALLEST_REACH: f64 = 1e-6;
 
+/// Derivatives serve again after a step whose gain was as expected up to this share, so many times:
+/// they cost several times as much as residuals.
+const LINEAR: f64 = 0.25;
+const CHORDS: usize = 3;
+
 /// A step and the gain that the linearised problem expects of it.
 struct Step {
     point: Point,
     expected_gain: f64,
     /// How far it carries a parameter at most, in standard deviations of its prior.
     reach: f64,
+}
+
+/// Where the search stands.
+#[derive(Clone)]
+struct Stand {
+    point: Point,
+    tables: Vec<Tables>,
+    normals: Vec<Normal>,
+    cost: f64,
+    /// Steps since the derivatives were taken.
+    age: usize,
+}
+
+impl Stand {
+    fn new<P: Predictor>(
+        problem: &Problem<P>,
+        point: Point,
+        tables: Vec<Tables>,
+        by: &Weighing,
+    ) -> Self {
+        let normals = normals(problem, &tables, &point, by);
+        Self {
+            cost: total(problem, &normals, &point),
+            point,
+            tables,
+            normals,
+            age: 0,
+        }
+    }
+
+    /// At another point with the derivatives of this one.
+    fn moved<P: Predictor>(
+        &self,
+        problem: &Problem<P>,
+        point: Point,
+        residuals: &[Tables],
+        by: &Weighing,
+    ) -> Self {
+        let pairs = self.tables.iter().zip(residuals);
+        let tables = pairs.map(|(old, new)| old.with_residuals(new)).collect();
+        Self {
+            age: self.age + 1,
+            ..Self::new(problem, point, tables, by)
+        }
+    }
 }
 
 /// Lowers the cost from a point, which moves along.
@@ -65,45 +115,67 @@ pub fn minimise<P: Predictor>(
     by: &Weighing,
     stop: Stop,
 ) -> Result<Outcome, PredictionError> {
-    let mut tables = problem.evaluate(point, true)?;
-    let mut normals = normals(problem, &tables, point, by);
-    let mut cost = total(problem, &normals, point);
-    let first = cost;
+    let stand = |point: Point| {
+        let tables = problem.evaluate(&point, true)?;
+        Ok(Stand::new(problem, point, tables, by))
+    };
+    let mut here = stand(point.clone())?;
+    // Where derivatives were last taken.
+    let mut sure = here.clone();
+    let first = here.cost;
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut reach = FIRST_REACH;
-    let mut converged = false;
     let mut steps = 0;
-    while steps < stop.steps && damping < LARGEST_DAMPING && reach > SMALLEST_REACH {
+    let converged = loop {
+        let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
+        let step = propose(problem, &here, damping, reach);
+        let little = step.as_ref().is_some_and(|s| s.expected_gain < stop.gain);
+        if (ended || little) && here.age > 0 {
+            // Only derivatives of this point tell whether it is the end.
+            here = renewed(&stand, &here, &sure);
+            sure = here.clone();
+            continue;
+        }
+        if ended || little {
+            break little;
+        }
         steps += 1;
-        let Some(step) = propose(problem, &normals, point, damping, reach) else {
+        let Some(step) = step else {
             damping *= 10.0;
             continue;
         };
-        if step.expected_gain < stop.gain {
-            converged = true;
-            break;
-        }
-        let trial = problem.evaluate(&step.point, false);
-        let trial_cost = trial.map_or(f64::INFINITY, |t| problem.cost(&t, &step.point, by));
-        let ratio = (cost - trial_cost) / step.expected_gain;
+        let trial = problem.evaluate(&step.point, false).ok();
+        let trial_cost = trial.as_ref().map_or(f64::INFINITY, |residuals| {
+            problem.cost(residuals, &step.point, by)
+        });
+        let ratio = (here.cost - trial_cost) / step.expected_gain;
         // A point whose neighbours cannot be predicted is as good as none.
-        let moved = (ratio > 1e-4).then(|| problem.evaluate(&step.point, true).ok());
-        if let Some(Some(at)) = moved {
-            *point = step.point;
-            tables = at;
-            normals = self::normals(problem, &tables, point, by);
-            cost = total(problem, &normals, point);
+        let moved = match trial {
+            Some(residuals) if (ratio - 1.0).abs() < LINEAR && here.age < CHORDS => {
+                Some(here.moved(problem, step.point, &residuals, by))
+            }
+            Some(_) if ratio > 1e-4 => stand(step.point).ok(),
+            _ => None,
+        };
+        if let Some(there) = moved {
+            here = there;
+            if here.age == 0 {
+                sure = here.clone();
+            }
             damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
             damping = damping.max(1e-9);
             growth = 2.0;
             if ratio > 0.5 {
                 reach = (2.0 * reach).min(LARGEST_REACH);
             }
+        } else if here.age > 0 {
+            // Derivatives of another point may be what misled.
+            here = renewed(&stand, &here, &sure);
+            sure = here.clone();
         } else {
             if step.expected_gain < stop.gain * NEARLY {
                 // So little is within the accuracy of the predictions.
-                converged = true;
-                break;
+                break true;
             }
             reach = 0.3 * reach.min(step.reach);
             if trial_cost.is_finite() {
@@ -111,14 +183,24 @@ pub fn minimise<P: Predictor>(
                 growth *= 2.0;
             }
         }
-    }
+    };
+    *point = here.point;
     Ok(Outcome {
-        cost,
-        gain: first - cost,
+        cost: here.cost,
+        gain: first - here.cost,
         steps,
         converged,
-        tables,
+        tables: here.tables,
     })
+}
+
+/// With derivatives of this point; where there are none, the last one that had some.
+fn renewed(
+    stand: impl Fn(Point) -> Result<Stand, PredictionError>,
+    here: &Stand,
+    sure: &Stand,
+) -> Stand {
+    stand(here.point.clone()).unwrap_or_else(|_| sure.clone())
 }
 
 /// Normal equations of all segments, computed side by side.
@@ -140,11 +222,11 @@ fn total<P: Predictor>(problem: &Problem<P>, normals: &[Normal], point: &Point) 
 
 fn propose<P: Predictor>(
     problem: &Problem<P>,
-    normals: &[Normal],
-    point: &Point,
+    here: &Stand,
     damping: f64,
     reach: f64,
 ) -> Option<Step> {
+    let Stand { point, normals, .. } = here;
     let eliminated: Vec<Option<Eliminated>> = normals
         .par_iter()
         .map(|normal| Eliminated::new(normal, damping))

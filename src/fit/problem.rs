@@ -60,6 +60,21 @@ pub struct Tables {
     pub columns: usize,
 }
 
+impl Tables {
+    /// Other residuals with these derivatives.
+    #[must_use]
+    pub fn with_residuals(&self, residuals: &Self) -> Self {
+        let mut mixed = self.clone();
+        for (table, new) in mixed.channels.iter_mut().zip(&residuals.channels) {
+            let rows = table.chunks_exact_mut(self.columns);
+            for (row, new) in rows.zip(new.chunks_exact(residuals.columns)) {
+                row[0] = new[0];
+            }
+        }
+        mixed
+    }
+}
+
 impl<'a, P: Predictor> Problem<'a, P> {
     /// Unknowns and data. `model` are the free parameters of the predictor, in its order;
     /// `sensors` the free ones of each recording.

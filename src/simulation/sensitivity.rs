@@ -129,6 +129,14 @@ impl SensitiveSimulation {
         })
     }
 
+    /// With derivatives from half the nodes in each direction of a contact: good to some 1e-3 of
+    /// themselves, and two to three times as fast. The motion stays as it is.
+    #[must_use]
+    pub fn with_coarse_derivatives(mut self) -> Self {
+        self.variation.directions.coarsen();
+        self
+    }
+
     /// Begins anew at a time \[s\] and state, with nothing remembered.
     ///
     /// # Errors

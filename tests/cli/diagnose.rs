@@ -369,6 +369,33 @@ fn an_interrupt_leaves_what_was_there() {
     assert_eq!(bench.read("out/diagnosis.json"), "precious");
 }
 
+/// The terrain is a guess; a vehicle that was recorded did not sink into it.
+#[test]
+fn a_terrain_that_cannot_carry_the_vehicle_is_but_a_start() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(12.0));
+    let terrain = bench.stdout("terrains sandy_loam");
+    bench.write("mud.json", terrain.replace("1515040.0", "15000.0"));
+    let sinks = contains("bogged");
+    bench
+        .ugv("simulate --input a.csv --terrain mud.json")
+        .assert()
+        .failure()
+        .stderr(sinks);
+    bench.stdout("diagnose a.csv --terrain mud.json");
+    let told: Value = serde_json::from_str(&bench.read("diagnosis/diagnosis.json")).unwrap();
+    let note = told["account"]["notes"][0].as_str().unwrap();
+    assert!(note.contains("times its frictional modulus"), "{note}");
+    let retuned = told["fit"]["soil"].as_array().unwrap().iter();
+    let modulus = retuned
+        .clone()
+        .find(|one| one["parameter"] == "frictional_modulus")
+        .unwrap();
+    assert_eq!(modulus["nominal"], 15000.0);
+    assert!(modulus["retuned"]["value"].as_f64().unwrap() > 30000.0);
+    assert!(bench.read("diagnosis/report.html").contains("cannot drive"));
+}
+
 /// What a diagnosis may write into its model: laws without a name, and something on a patch.
 #[test]
 fn models_with_laws_and_patches_drive_are_scored_and_packaged() {

@@ -229,17 +229,8 @@ impl Told {
 
     /// Held-out log score per sample over the re-tuned model's, with the standard error.
     fn held_out(&self) -> Option<(f64, f64)> {
-        let score = |model: &str| self.said["fit"]["held_out"][model]["log_score"].as_f64();
-        let first = self.found().first().copied();
-        let fitted = self
-            .candidates()
-            .iter()
-            .find(|one| one["effect"].as_str() == first);
-        let error = fitted.and_then(|one| one["held_out_gain"]["standard_error"].as_f64());
-        Some((
-            score("augmented")? - score("retuned")?,
-            error.unwrap_or(0.0),
-        ))
+        let gain = &self.said["fit"]["held_out"]["gain"];
+        Some((gain["value"].as_f64()?, gain["standard_error"].as_f64()?))
     }
 
     fn probability(&self) -> f64 {

@@ -330,6 +330,7 @@ fn held_out(verdict: Verdict) -> HeldOut {
         nominal: errors(0.41, 0.05, -3.1),
         retuned: errors(0.30, 0.04, -2.2),
         augmented: errors(0.052, 0.0104, 1.9),
+        gain: (4.1, 0.3),
         horizon: 5.0,
         stretches: 14,
     }

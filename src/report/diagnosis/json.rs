@@ -136,6 +136,10 @@ fn held_out(held_out: &HeldOut) -> Value {
         "nominal": errors(&held_out.nominal),
         "retuned": errors(&held_out.retuned),
         "augmented": errors(&held_out.augmented),
+        "gain": {
+            "value": held_out.gain.0,
+            "standard_error": held_out.gain.1,
+        },
         "horizon": held_out.horizon,
         "stretches": held_out.stretches,
     })

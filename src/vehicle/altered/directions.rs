@@ -31,6 +31,8 @@ pub(crate) struct Differentiated {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Directions {
     list: Vec<Direction>,
+    /// Whether derivatives are taken with fewer nodes in each contact.
+    coarse: bool,
     chassis: Vec<Chassis<Lane>>,
     /// The same outside of the effects' window, where they have one.
     outside: Vec<Chassis<Lane>>,
@@ -54,7 +56,13 @@ impl Directions {
             outside: outside.collect(),
             chassis,
             list,
+            coarse: false,
         }
+    }
+
+    /// Takes derivatives with fewer nodes in each contact.
+    pub fn coarsen(&mut self) {
+        self.coarse = true;
     }
 
     pub fn list(&self) -> &[Direction] {
@@ -78,6 +86,11 @@ impl Directions {
             motion,
             surroundings,
             balance,
+            detail: if self.coarse {
+                Detail::Coarse
+            } else {
+                Detail::Full
+            },
         };
         let slopes = at.slopes();
         let chunks = self.list.chunks(CHUNK).zip(results.chunks_mut(CHUNK));
@@ -120,6 +133,7 @@ struct Point<'a> {
     motion: &'a Motion,
     surroundings: &'a Surroundings<'a>,
     balance: &'a Balance,
+    detail: Detail,
 }
 
 impl Point<'_> {
@@ -132,7 +146,7 @@ impl Point<'_> {
             }
             let contact = self.model.contact();
             let level = self.model.level();
-            prepared.wheel(level, contact, index, wheel.entry_angle, Detail::Full)
+            prepared.wheel(level, contact, index, wheel.entry_angle, self.detail)
         };
         self.balance.wheels.iter().enumerate().map(wheel).collect()
     }
@@ -227,7 +241,7 @@ impl Point<'_> {
                 &motion,
                 &memories[index],
                 entry,
-                Detail::Full,
+                self.detail,
             );
             held.push(forces.to_array());
         }
