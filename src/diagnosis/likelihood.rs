@@ -24,6 +24,8 @@ pub struct Tuned {
     pub solution: Solution,
     /// Minus the log of the evidence.
     pub surprise: f64,
+    /// By how much the next step promises to lower it.
+    pub promised: f64,
     /// Covariance of the unknowns' coordinates, as the problem numbers them.
     pub covariance: DMatrix<f64>,
     /// Residuals of each segment and their derivatives.
@@ -91,9 +93,20 @@ pub fn tune_until(
         knobs: knobs.to_vec(),
         solution: given.solution(&problem, knobs, &point, begin),
         surprise,
+        promised: 0.5 * outcome.promised,
         covariance,
         tables: outcome.tables,
     })
+}
+
+/// Half the cost of a hypothesis as it stands, infinite where it cannot be driven.
+#[must_use]
+pub fn cost(given: &Given, knobs: &[usize], at: &Solution, by: &Weighing) -> f64 {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let point = given.point(&problem, knobs, at);
+    let residuals = problem.evaluate(&point, false);
+    residuals.map_or(f64::INFINITY, |r| 0.5 * problem.cost(&r, &point, by))
 }
 
 /// Fits the soil and these knobs with noise and weights in turns; the weighing moves along.

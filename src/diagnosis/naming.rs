@@ -8,12 +8,15 @@
 use super::candidate::Target;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
-use super::likelihood::{HELD, LONG_SKETCH, SKETCH, Tuned, tune_until};
+use super::likelihood::{HELD, LONG_SKETCH, SKETCH, Tuned, cost, tune_until};
 use super::locate::Extent;
 use super::proposal::Proposal;
 use crate::effects::{self, ParameterName, Window};
 use crate::fit::problem::Weighing;
 use crate::fit::segment::CLOCK;
+
+/// A hidden effect that begins so much worse, in units of the log likelihood, leads nowhere.
+const HOPELESS: f64 = 1000.0;
 
 /// A proposal fitted in full beside what was found before.
 #[derive(Debug, Clone)]
@@ -45,6 +48,12 @@ impl Sketch<'_> {
     pub fn odds(&self) -> f64 {
         self.gain + self.proposal.log_prior()
     }
+
+    /// The same with what the next step promises: so far it may come.
+    #[must_use]
+    pub fn promise(&self) -> f64 {
+        self.odds() + self.tuned.promised
+    }
 }
 
 /// Takes the first steps of fitting a proposal. `None` where the model cannot drive with it.
@@ -58,20 +67,27 @@ pub fn sketch<'a>(
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
-    let stop = if proposal.from_given {
+    let shares = [1.0, 0.4, 0.15].into_iter();
+    let mut begins: Vec<Solution> = shares
+        .map(|share| begin(&given, proposal, &before.solution, share))
+        .collect();
+    begins.extend(compared(&given, proposal, &before.solution));
+    let costs = begins
+        .into_iter()
+        .map(|begin| (cost(&given, &knobs, &begin, by), begin));
+    let (least, begin) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let stop = if proposal.hidden {
+        if least > cost(&given, &knobs, &before.solution, by) + HOPELESS {
+            return None;
+        }
         LONG_SKETCH
     } else {
         SKETCH
     };
-    let mut begins = vec![begin(&given, proposal, &before.solution)];
-    begins.extend(compared(&given, proposal, &before.solution));
-    let each = begins.iter().filter_map(|begin| {
-        let tuned = tune_until(&given, &knobs, begin, by, stop);
-        tuned.ok().filter(|tuned| tuned.surprise.is_finite())
-    });
-    let tuned = each
-        .min_by(|a, b| a.surprise.total_cmp(&b.surprise))
-        .or_else(|| tune_until(&given, &knobs, &before.solution, by, stop).ok())?;
+    let tuned = tune_until(&given, &knobs, &begin, by, stop)
+        .or_else(|_| tune_until(&given, &knobs, &before.solution, by, stop))
+        .ok()
+        .filter(|tuned| tuned.surprise.is_finite())?;
     Some(Sketch {
         gain: before.surprise - tuned.surprise - proposal.looking,
         proposal: proposal.clone(),
@@ -97,10 +113,13 @@ pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<N
     })
 }
 
-fn begin(given: &Given, proposal: &Proposal, before: &Solution) -> Solution {
+/// A share of a proposal's steps away from what was before.
+fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) -> Solution {
     let mut begin = before.clone();
-    if proposal.from_given {
-        begin.soil = given.begin().soil;
+    let soil = begin.soil.iter_mut().zip(given.soil_parameters());
+    for ((value, parameter), step) in soil.zip(proposal.soil.iter()) {
+        let (low, high) = parameter.bounds();
+        *value = (*value + share * step).clamp(low, high);
     }
     for (knob, steps) in &proposal.steps {
         let parameter = &given.candidates.knobs[*knob].parameter;
@@ -111,7 +130,7 @@ fn begin(given: &Given, proposal: &Proposal, before: &Solution) -> Solution {
                 .or(steps.get(0))
                 .copied()
                 .unwrap_or(0.0);
-            knobs[*knob] = (knobs[*knob] + step).clamp(low, high);
+            knobs[*knob] = (knobs[*knob] + share * step).clamp(low, high);
         }
     }
     begin

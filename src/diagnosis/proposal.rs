@@ -25,9 +25,10 @@ pub struct Proposal {
     pub looking: f64,
     /// Stability of a law's terms.
     pub stability: Vec<f64>,
-    /// Whether the fit begins with the soil as given: where re-tuning went far to imitate an effect,
-    /// no small step leads back.
-    pub from_given: bool,
+    /// Step of the soil that goes with those of its knobs.
+    pub soil: DVector<f64>,
+    /// Whether it is proposed although the linearised problem does not see it.
+    pub hidden: bool,
 }
 
 /// A screened candidate.
@@ -41,8 +42,9 @@ pub struct Screened {
     pub score: Score,
 }
 
-/// Proposals that are further behind this share of the best of their kind are not worth a full fit.
-const BEHIND: f64 = 0.6;
+/// Proposals that are further behind this share of the best of their kind are not worth a full fit:
+/// throughout, where the linearised problem may be far off, and in one place.
+const BEHIND: [f64; 2] = [0.2, 0.6];
 const FAR_BEHIND: f64 = 8.0;
 /// Share that re-tuning takes up of an effect that may be hidden.
 const HIDDEN: f64 = 0.9;
@@ -97,11 +99,12 @@ pub fn proposals(
             knobs: given.candidates.of(one.subject).collect(),
             extent: None,
             steps: steps(given, system, one),
+            soil: soil_after(given, projection, &one.projected.unknowns, &one.score.step),
+            hidden: false,
             // What a scatter of its own says is for the reader: laws and local effects have none.
             evidence: projection.score_with(&one.projected, 1.0).evidence,
             looking: 0.0,
             stability: Vec::new(),
-            from_given: false,
         })
         .collect();
     let throughout = all.clone();
@@ -114,10 +117,10 @@ pub fn proposals(
         let better = found
             .into_iter()
             .filter(|f| f.evidence > throughout(f.subject) + BETTER_LOCAL);
-        all.extend(better.map(local));
+        all.extend(better.map(|found| local(found, given.soil.len())));
     }
     if let Some(law) = law(given, system, projection.nuisance(), seed) {
-        all.push(unnamed(system, projection, law));
+        all.push(unnamed(given, system, projection, law));
     }
     all.retain(|proposal| proposal.evidence > FAINT);
     all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -125,18 +128,42 @@ pub fn proposals(
 }
 
 /// Effects that re-tuning takes up so much of that the linearised problem may not see them: the soil
-/// has gone far to imitate them. They are proposed as the catalogue expects them.
+/// has gone far to imitate them. They are proposed as large as the catalogue expects them, with the
+/// soil moved back by what would imitate that.
 #[must_use]
-pub fn hidden(given: &Given, screened: &[Screened]) -> Vec<Proposal> {
+pub fn hidden(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    screened: &[Screened],
+) -> Vec<Proposal> {
     let absorbed = screened.iter().filter(|one| one.score.absorbed > HIDDEN);
     let propose = |one: &Screened| {
         let knobs: Vec<usize> = given.candidates.of(one.subject).collect();
-        let step = |knob: &usize| {
+        let seen = steps(given, system, one);
+        let step = |(knob, seen): &(usize, DVector<f64>)| {
             let about = &given.candidates.knobs[*knob];
-            let off = about.parameter.prior_coordinate();
-            (*knob, DVector::repeat(1, about.typical - off))
+            let parameter = &about.parameter;
+            let off = parameter.prior_coordinate();
+            let typical = about.typical - off;
+            let away = if seen.sum() < 0.0 && off - typical > parameter.bounds().0 {
+                -typical
+            } else {
+                typical
+            };
+            (*knob, DVector::repeat(seen.len(), away))
         };
-        let steps: Vec<(usize, DVector<f64>)> = knobs.iter().map(step).collect();
+        let steps: Vec<(usize, DVector<f64>)> = seen.iter().map(step).collect();
+        let unknowns = &one.projected.unknowns;
+        let mut moved = DVector::zeros(unknowns.len());
+        for (knob, step) in &steps {
+            for (recording, places) in system.places.iter().enumerate() {
+                let unknown = places[system.layout.soil + knob];
+                if let Some(place) = unknowns.iter().position(|u| Some(*u) == unknown) {
+                    moved[place] = step[recording];
+                }
+            }
+        }
         Proposal {
             subject: one.subject,
             knobs,
@@ -145,12 +172,24 @@ pub fn hidden(given: &Given, screened: &[Screened]) -> Vec<Proposal> {
             evidence: 0.0,
             looking: 0.0,
             stability: Vec::new(),
-            from_given: true,
+            soil: soil_after(given, projection, unknowns, &moved),
+            hidden: true,
         }
     };
     let all = absorbed.map(propose);
     all.filter(|proposal| proposal.steps.iter().any(|(_, step)| step[0] != 0.0))
         .collect()
+}
+
+/// How the soil follows a step of some unknowns.
+fn soil_after(
+    given: &Given,
+    projection: &Projection,
+    unknowns: &[usize],
+    step: &DVector<f64>,
+) -> DVector<f64> {
+    let follows = projection.following(unknowns, step);
+    follows.rows(0, given.soil.len()).into_owned()
 }
 
 /// The unknowns of a screened candidate as steps of knobs.
@@ -172,7 +211,7 @@ fn steps(given: &Given, system: &System, one: &Screened) -> Vec<(usize, DVector<
         .collect()
 }
 
-fn local(found: Found) -> Proposal {
+fn local(found: Found, soil: usize) -> Proposal {
     let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
     Proposal {
         subject: found.subject,
@@ -187,11 +226,13 @@ fn local(found: Found) -> Proposal {
         evidence: found.evidence,
         extent: Some(found.extent),
         stability: Vec::new(),
-        from_given: false,
+        // It changes little of what the rest of the drive tells of the soil.
+        soil: DVector::zeros(soil),
+        hidden: false,
     }
 }
 
-fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
+fn unnamed(given: &Given, system: &System, projection: &Projection, law: Law) -> Proposal {
     let unknowns: Vec<usize> = law.knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
     let score = projection.score_with(&projection.of(&unknowns), 1.0);
     let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
@@ -203,7 +244,8 @@ fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
         looking: score.evidence - law.evidence,
         evidence: law.evidence,
         stability: law.stability,
-        from_given: false,
+        soil: soil_after(given, projection, &unknowns, &score.step),
+        hidden: false,
     }
 }
 
@@ -211,11 +253,16 @@ fn unnamed(system: &System, projection: &Projection, law: Law) -> Proposal {
 #[must_use]
 pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     let mut list: Vec<&Proposal> = Vec::new();
-    for (kind, most) in [(Kind::Throughout, 4), (Kind::Local, 7), (Kind::Law, 1)] {
+    let [far, near] = BEHIND;
+    for (kind, most, behind) in [
+        (Kind::Throughout, 6, far),
+        (Kind::Local, 4, near),
+        (Kind::Law, 1, near),
+    ] {
         let of_kind = proposals.iter().filter(|p| p.kind() == kind);
         let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
         let mut taken: Vec<&Proposal> = Vec::new();
-        for proposal in of_kind.filter(|p| p.evidence > BEHIND * best - FAR_BEHIND) {
+        for proposal in of_kind.filter(|p| p.evidence > behind * best - FAR_BEHIND) {
             let known = taken.iter().any(|other| other.subject == proposal.subject);
             if taken.len() < most && !known {
                 taken.push(proposal);

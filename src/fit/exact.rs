@@ -6,6 +6,11 @@ use crate::recording::Drive;
 use crate::simulation::{SensitiveSimulation, Simulation, SimulationError, WheelSpeeds};
 use crate::vehicle::{Parameter, Specification, VehicleModel};
 
+/// Steps for each second of a drive, and in all, after which a model counts as one that cannot be driven:
+/// less than a hundred are common.
+const MOST_STEPS: f64 = 400.0;
+const LEAST_STEPS: u64 = 1000;
+
 /// Predicts by [`Simulation`], and by [`SensitiveSimulation`] where derivatives are wanted.
 #[derive(Debug, Clone)]
 pub struct ExactPredictor {
@@ -67,6 +72,8 @@ impl Predictor for ExactPredictor {
             return Ok(());
         };
         let specification = self.with(request.parameters)?;
+        let seconds = request.times.last().map_or(0.0, |end| end - begin);
+        let most = LEAST_STEPS + (MOST_STEPS * seconds) as u64;
         if request.derivatives {
             let gates = request.gates.len() + 1;
             let mut simulation =
@@ -74,6 +81,7 @@ impl Predictor for ExactPredictor {
             if self.coarse {
                 simulation = simulation.with_coarse_derivatives();
             }
+            simulation.limit_steps(most);
             simulation.restart(request.clock + begin, *request.start)?;
             drive(&mut simulation, request, |simulation| {
                 out.states.push(simulation.state().to_array());
@@ -93,6 +101,7 @@ impl Predictor for ExactPredictor {
         } else {
             let model = VehicleModel::from_specification(&specification)?;
             let mut simulation = Simulation::new(model);
+            simulation.limit_steps(most);
             simulation.set_state(*request.start)?;
             simulation.set_time(request.clock + begin);
             drive(&mut simulation, request, |simulation| {

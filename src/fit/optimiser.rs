@@ -28,6 +28,8 @@ pub struct Outcome {
     pub cost: f64,
     /// How much it fell.
     pub gain: f64,
+    /// How much the next step promises.
+    pub promised: f64,
     /// Steps taken or tried.
     pub steps: usize,
     /// Whether it stopped for want of gain, not of steps.
@@ -126,7 +128,7 @@ pub fn minimise<P: Predictor>(
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut reach = FIRST_REACH;
     let mut steps = 0;
-    let converged = loop {
+    let (converged, promised) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
         let step = propose(problem, &here, damping, reach);
         let little = step.as_ref().is_some_and(|s| s.expected_gain < stop.gain);
@@ -137,7 +139,7 @@ pub fn minimise<P: Predictor>(
             continue;
         }
         if ended || little {
-            break little;
+            break (little, step.map_or(0.0, |step| step.expected_gain));
         }
         steps += 1;
         let Some(step) = step else {
@@ -175,7 +177,7 @@ pub fn minimise<P: Predictor>(
         } else {
             if step.expected_gain < stop.gain * NEARLY {
                 // So little is within the accuracy of the predictions.
-                break true;
+                break (true, step.expected_gain);
             }
             reach = 0.3 * reach.min(step.reach);
             if trial_cost.is_finite() {
@@ -188,6 +190,7 @@ pub fn minimise<P: Predictor>(
     Ok(Outcome {
         cost: here.cost,
         gain: first - here.cost,
+        promised,
         steps,
         converged,
         tables: here.tables,

@@ -44,6 +44,8 @@ pub(super) struct Integrator {
     /// Steps that the Jacobian has served; `JACOBIAN_STEPS` where there is none.
     pub jacobian_age: u32,
     pub counters: Counters,
+    /// Steps, rejected ones among them, after which to give up.
+    pub most_steps: u64,
 }
 
 /// What the integration of a simulation has cost so far.
@@ -68,6 +70,7 @@ impl Integrator {
             memory: MemoryJacobian::new(memory_count),
             jacobian_age: JACOBIAN_STEPS,
             counters: Counters::default(),
+            most_steps: u64::MAX,
         }
     }
 }
@@ -96,6 +99,12 @@ impl Simulation {
     #[must_use]
     pub fn counters(&self) -> Counters {
         self.integrator.counters
+    }
+
+    /// Gives up with [`SimulationError::StepTooSmall`] once so many steps are done from the beginning,
+    /// rejected ones counted: for a search among models of which some are hardly drivable.
+    pub fn limit_steps(&mut self, most: u64) {
+        self.integrator.most_steps = most;
     }
 
     /// Drives on for `seconds`, the wheel speeds changing linearly at their rates.
@@ -196,7 +205,11 @@ impl Simulation {
             self.memory.copy_from_slice(&self.work.stages.memory);
             self.now.copy_from(&self.work.stages.end);
             self.anchor.copy_from(&self.now.balance);
-            return Ok(true);
+            return if integrator.counters.steps > integrator.most_steps {
+                Err(SimulationError::StepTooSmall { time: self.time })
+            } else {
+                Ok(true)
+            };
         }
         integrator.counters.rejected += 1;
         if integrator.jacobian_age > 0 {
@@ -204,7 +217,9 @@ impl Simulation {
             integrator.jacobian_age = JACOBIAN_STEPS;
         }
         integrator.next_step = step * factor.min(0.7);
-        if integrator.next_step < SMALLEST_STEP * self.time.abs().max(1.0) {
+        let done = integrator.counters.steps + integrator.counters.rejected;
+        let smallest = SMALLEST_STEP * self.time.abs().max(1.0);
+        if integrator.next_step < smallest || done > integrator.most_steps {
             let too_small = SimulationError::StepTooSmall { time: self.time };
             return Err(attempt.err().unwrap_or(too_small));
         }

@@ -137,6 +137,11 @@ impl SensitiveSimulation {
         self
     }
 
+    /// As [`Simulation::limit_steps`].
+    pub fn limit_steps(&mut self, most: u64) {
+        self.simulation.limit_steps(most);
+    }
+
     /// Begins anew at a time \[s\] and state, with nothing remembered.
     ///
     /// # Errors

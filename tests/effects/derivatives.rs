@@ -51,7 +51,10 @@ pub fn end(specification: &Specification, start: State) -> [f64; 6] {
 }
 
 pub fn sensitive(specification: &Specification, parameters: &[Parameter]) -> SensitiveSimulation {
-    let mut drive = SensitiveSimulation::new(specification, parameters).unwrap();
+    driven(SensitiveSimulation::new(specification, parameters).unwrap())
+}
+
+fn driven(mut drive: SensitiveSimulation) -> SensitiveSimulation {
     drive.restart(0.0, START).unwrap();
     for k in 0..SECONDS {
         let time = 0.05 * k as f64;
@@ -199,4 +202,21 @@ fn a_drive_is_differentiated_by_a_delay_of_the_wheel_speeds() {
     };
     let found = difference(late(0.01), late(-0.01), 0.01);
     compare("delay", sensitive(&plain, &[]).by_wheel_delay(), found);
+}
+
+#[test]
+fn coarse_derivatives_are_nearly_the_same_of_the_same_motion() {
+    let effects = Effects::NONE.with("left_right_soil.ratio", 1.3).unwrap();
+    let specification = specification("clayed_soil", effects);
+    let names = ["cohesion", "friction_angle", "sinkage_exponent"];
+    let mut parameters = names.map(|name| Parameter::find(name).unwrap()).to_vec();
+    parameters.push(Parameter::find("left_right_soil.ratio").unwrap());
+    let exact = sensitive(&specification, &parameters);
+    let coarse = SensitiveSimulation::new(&specification, &parameters).unwrap();
+    let coarse = driven(coarse.with_coarse_derivatives());
+    assert_eq!(coarse.state(), exact.state());
+    for k in 0..parameters.len() {
+        compare("coarse", coarse.by_parameter(k), exact.by_parameter(k));
+        assert_ne!(coarse.by_parameter(k), exact.by_parameter(k));
+    }
 }

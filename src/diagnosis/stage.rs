@@ -1,0 +1,135 @@
+//! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
+//! how it predicts.
+
+use super::held_out::{Scores, scores};
+use super::hypothesis::{Given, Solution};
+use super::likelihood::{Tuned, tune};
+use super::naming::{Named, Sketch, finish, sketch};
+use super::noise;
+use super::proposal::{Proposal, Screened, hidden, proposals, screened, shortlist};
+use super::screen::{Projection, chance};
+use super::sensitivity::{Layout, sensitivities};
+use super::system::{System, linearise, weigh};
+use super::wrench::{Wandering, wandering};
+use super::{DiagnosisError, Options, Progress};
+use crate::fit::problem::Weighing;
+use std::sync::Arc;
+
+/// What a candidate looked like under the re-tuned model.
+#[derive(Debug, Clone)]
+pub struct Looked {
+    /// What the screen saw.
+    pub screened: Vec<Screened>,
+    /// The largest chi-square that chance alone gives.
+    pub threshold: f64,
+    /// The linearised problem.
+    pub system: System,
+    /// A wrench that comes and goes.
+    pub wandering: Option<Wandering>,
+}
+
+/// Draws of simulated nulls, and the share of them below the threshold.
+const NULLS: usize = 500;
+const SHARE: f64 = 0.95;
+/// Fits that are further behind after their first steps are not finished.
+const NEAR: f64 = 0.75;
+pub const CLOSE: f64 = 5.0;
+/// At most so many are finished.
+const MOST: usize = 7;
+/// A soil that moves by more than this share of its prior's deviation is looked at anew.
+const MOVED: f64 = 0.02;
+
+/// A hypothesis and everything that is known with it inside.
+#[derive(Debug, Clone)]
+pub struct Stage<'a> {
+    /// The given model with the places of what is on.
+    pub given: Given<'a>,
+    /// The hypothesis, fitted.
+    pub tuned: Tuned,
+    /// What everything else looks like beside it.
+    pub looked: Arc<Looked>,
+    /// What may be missing.
+    pub proposals: Vec<Proposal>,
+    /// How it predicts what it was not fitted to.
+    pub scores: Option<Scores>,
+}
+
+/// Looks at everything around a hypothesis; noise and weights move along. Beside nothing yet, effects that
+/// re-tuning may hide are among the proposals.
+pub fn look<'a>(
+    given: Given<'a>,
+    tuned: Tuned,
+    by: &mut Weighing,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Stage<'a>, DiagnosisError> {
+    progress.step("sensitivities to every candidate");
+    let on = tuned.knobs.clone();
+    let layout = Layout::new(&given, &on);
+    let tables = sensitivities(&given, &layout, &tuned.solution);
+    weigh(&given, &on, &tuned.tables, by);
+    let system = linearise(&given, &layout, &tables, &tuned.solution, by);
+    progress.step("noise");
+    noise::update(&given, &system, &tables, &tuned.solution, by);
+    progress.step("re-tuning the soil");
+    let again = tune(&given, &on, &tuned.solution, by).map_err(DiagnosisError::Undrivable)?;
+    progress.step("sensitivities to every candidate");
+    let system = if moved(&given, &tuned.solution, &again.solution) > MOVED {
+        let tables = sensitivities(&given, &layout, &again.solution);
+        linearise(&given, &layout, &tables, &again.solution, by)
+    } else {
+        linearise(&given, &layout, &tables, &tuned.solution, by)
+    };
+    let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
+    progress.step("screening and locating");
+    let screened = screened(&given, &system, &projection, &on);
+    let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
+    let threshold = chance(&projection, &equations, SHARE, NULLS, options.seed);
+    let soil = &again.solution.soil;
+    let seed = options.seed;
+    let all = proposals(&given, &system, &projection, &screened, &on, soil, seed);
+    let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
+    if on.is_empty() {
+        proposals.extend(hidden(&given, &system, &projection, &screened));
+    }
+    let wandering = wandering(&given, &system);
+    let scores = scores(&given, &again, by);
+    Ok(Stage {
+        looked: Arc::new(Looked {
+            screened,
+            threshold,
+            system,
+            wandering,
+        }),
+        proposals,
+        scores,
+        tuned: again,
+        given,
+    })
+}
+
+/// How far the soil moved, in standard deviations of its prior.
+fn moved(given: &Given, from: &Solution, to: &Solution) -> f64 {
+    let scales = given.soil_parameters();
+    let pairs = from.soil.iter().zip(&to.soil).zip(&scales);
+    let each = pairs.map(|((a, b), scale)| (a - b).abs() / scale.prior.deviation);
+    each.fold(0.0, f64::max)
+}
+
+/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
+pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
+    let begun = stage
+        .proposals
+        .iter()
+        .filter_map(|proposal| sketch(&stage.given, proposal, &stage.tuned, by));
+    let mut begun: Vec<Sketch> = begun.collect();
+    begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+    let best = begun.iter().map(Sketch::odds).fold(0.0, f64::max);
+    begun
+        .into_iter()
+        .take(MOST)
+        .filter(|sketch| sketch.promise() > NEAR * best - CLOSE)
+        .filter_map(|sketch| finish(sketch, &stage.tuned, by))
+        .collect()
+}
