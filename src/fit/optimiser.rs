@@ -121,6 +121,11 @@ pub fn minimise<P: Predictor>(
         let tables = problem.evaluate(&point, true)?;
         Ok(Stand::new(problem, point, tables, by))
     };
+    // With derivatives of this point; where there are none, the last one that had some.
+    let renewed = |here: &Stand, sure: &Stand| {
+        let point = here.point.clone();
+        stand(point).unwrap_or_else(|_: PredictionError| sure.clone())
+    };
     let mut here = stand(point.clone())?;
     // Where derivatives were last taken.
     let mut sure = here.clone();
@@ -134,7 +139,7 @@ pub fn minimise<P: Predictor>(
         let little = step.as_ref().is_some_and(|s| s.expected_gain < stop.gain);
         if (ended || little) && here.age > 0 {
             // Only derivatives of this point tell whether it is the end.
-            here = renewed(&stand, &here, &sure);
+            here = renewed(&here, &sure);
             sure = here.clone();
             continue;
         }
@@ -172,7 +177,7 @@ pub fn minimise<P: Predictor>(
             }
         } else if here.age > 0 {
             // Derivatives of another point may be what misled.
-            here = renewed(&stand, &here, &sure);
+            here = renewed(&here, &sure);
             sure = here.clone();
         } else {
             if step.expected_gain < stop.gain * NEARLY {
@@ -195,15 +200,6 @@ pub fn minimise<P: Predictor>(
         converged,
         tables: here.tables,
     })
-}
-
-/// With derivatives of this point; where there are none, the last one that had some.
-fn renewed(
-    stand: impl Fn(Point) -> Result<Stand, PredictionError>,
-    here: &Stand,
-    sure: &Stand,
-) -> Stand {
-    stand(here.point.clone()).unwrap_or_else(|_| sure.clone())
 }
 
 /// Normal equations of all segments, computed side by side.
