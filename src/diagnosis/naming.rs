@@ -68,13 +68,8 @@ pub fn sketch<'a>(
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
     let shares = [1.0, 0.4, 0.15].into_iter();
-    let mut begins: Vec<Solution> = shares
-        .map(|share| begin(&given, proposal, &before.solution, share))
-        .collect();
-    begins.extend(compared(&given, proposal, &before.solution));
-    let costs = begins
-        .into_iter()
-        .map(|begin| (cost(&given, &knobs, &begin, by), begin));
+    let begins = shares.map(|share| begin(&given, proposal, &before.solution, share));
+    let costs = begins.map(|begin| (cost(&given, &knobs, &begin, by), begin));
     let (least, begin) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let stop = if proposal.hidden {
         if least > cost(&given, &knobs, &before.solution, by) + HOPELESS {
@@ -84,9 +79,15 @@ pub fn sketch<'a>(
     } else {
         SKETCH
     };
-    let tuned = tune_until(&given, &knobs, &begin, by, stop)
-        .or_else(|_| tune_until(&given, &knobs, &before.solution, by, stop))
-        .ok()
+    // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
+    let begins = std::iter::once(begin).chain(compared(&given, proposal, &before.solution));
+    let each = begins.filter_map(|begin| {
+        let tuned = tune_until(&given, &knobs, &begin, by, stop);
+        tuned.ok().filter(|tuned| tuned.surprise.is_finite())
+    });
+    let tuned = each
+        .min_by(|a, b| a.surprise.total_cmp(&b.surprise))
+        .or_else(|| tune_until(&given, &knobs, &before.solution, by, stop).ok())
         .filter(|tuned| tuned.surprise.is_finite())?;
     Some(Sketch {
         gain: before.surprise - tuned.surprise - proposal.looking,
