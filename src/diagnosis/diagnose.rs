@@ -1,5 +1,6 @@
 //! From recordings to a diagnosis.
 
+use super::account::account;
 use super::ambiguity::groups;
 use super::candidate::Target;
 use super::findings::findings;
@@ -18,7 +19,6 @@ use crate::effects::CATALOGUE;
 use crate::fit::Estimate;
 use crate::fit::parameter::NORMAL_95;
 use crate::fit::segment::Signal;
-use crate::fit::weighing::noise_estimates;
 use crate::recording::Recording;
 use crate::vehicle::Specification;
 
@@ -311,39 +311,6 @@ fn model(searched: &Searched) -> Result<Specification, DiagnosisError> {
         }
     }
     Ok(model)
-}
-
-fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f64) -> Account {
-    let given = &searched.given;
-    let predictor = given.predictor(&searched.augmented.knobs);
-    let problem = given.problem(&predictor, &searched.augmented.knobs);
-    let scatters = searched.last.screened.iter().map(|one| one.score.scatter);
-    let mut scatters: Vec<f64> = scatters.collect();
-    scatters.sort_by(f64::total_cmp);
-    let mut notes = Vec::new();
-    if given.stiffening > 1.0 {
-        notes.push(format!(
-            "On the terrain as given the vehicle cannot drive; re-tuning began with {} times its frictional modulus.",
-            given.stiffening
-        ));
-    }
-    if searched.placed.nominal.effects.window.is_some() {
-        notes.push(
-            "What acts for some seconds of one drive only is not part of the augmented model; what is bound to a place is."
-                .to_owned(),
-        );
-    }
-    Account {
-        seed: options.seed,
-        segments: given.segments.len(),
-        seconds,
-        left_out,
-        noise: noise_estimates(&problem, &searched.augmented.tables, &searched.by),
-        overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
-        threshold: searched.first.threshold.sqrt(),
-        steps: Vec::new(),
-        notes,
-    }
 }
 
 fn statement(diagnosis: &Diagnosis, judgement: &Judgement) -> String {

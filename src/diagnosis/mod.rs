@@ -1,5 +1,6 @@
 //! What physics did the model leave out?
 
+mod account;
 mod ambiguity;
 mod candidate;
 mod course;

@@ -1,0 +1,67 @@
+//! The account that a diagnosis gives of itself.
+
+use super::Options;
+use super::outcome::Account;
+use super::search::Searched;
+use crate::effects::Extent;
+use crate::fit::weighing::noise_estimates;
+
+/// How it was done: noise, thresholds, and what the reader should know besides.
+#[must_use]
+pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f64) -> Account {
+    let given = &searched.given;
+    let predictor = given.predictor(&searched.augmented.knobs);
+    let problem = given.problem(&predictor, &searched.augmented.knobs);
+    let scatters = searched.last.screened.iter().map(|one| one.score.scatter);
+    let mut scatters: Vec<f64> = scatters.collect();
+    scatters.sort_by(f64::total_cmp);
+    Account {
+        seed: options.seed,
+        segments: given.segments.len(),
+        seconds,
+        left_out,
+        noise: noise_estimates(&problem, &searched.augmented.tables, &searched.by),
+        overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
+        threshold: searched.first.threshold.sqrt(),
+        steps: Vec::new(),
+        notes: notes(searched),
+    }
+}
+
+fn notes(searched: &Searched) -> Vec<String> {
+    let mut notes = Vec::new();
+    if searched.given.stiffening > 1.0 {
+        notes.push(format!(
+            "On the terrain as given the vehicle cannot drive; re-tuning began with {} times its frictional modulus.",
+            searched.given.stiffening
+        ));
+    }
+    notes.extend(at_the_end_of_its_range(searched));
+    let window = searched.placed.nominal.effects.window.as_ref();
+    if let Some(Extent::Time { .. }) = window.map(|window| &window.extent) {
+        let note =
+            "What acts for some seconds of one drive only is not part of the augmented model.";
+        notes.push(note.into());
+    }
+    notes
+}
+
+/// Soil parameters that would go further than they may: what they stand for then is not soil.
+fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> {
+    let parameters = searched.given.soil_parameters();
+    let pairs = parameters
+        .into_iter()
+        .zip(&searched.augmented.solution.soil);
+    pairs.filter_map(|(parameter, at)| {
+        let (low, high) = parameter.bounds();
+        let near = 1e-6 * (high - low);
+        (*at <= low + near || *at >= high - near).then(|| {
+            format!(
+                "{} went to the end of its range, {:.3e} {}: on ground this firm, tyres and their latency tell more than the soil.",
+                parameter.name,
+                parameter.value(*at),
+                parameter.unit
+            )
+        })
+    })
+}
