@@ -245,3 +245,31 @@ fn a_pivot_turn_keeps_the_centroid() {
         );
     }
 }
+
+/// Newton's method takes damped steps where a wheel is about to lift; they end as close as whole ones.
+#[test]
+fn a_wheel_about_to_lift_has_a_mirror_image() {
+    let model = paper_model("dry_clay");
+    let motion = Motion {
+        v_x: 4.874664749172477,
+        v_y: 2.8481693175746843,
+        yaw_rate: -1.7790939039741718,
+        omega_left: 0.0,
+        omega_right: 0.20385287683124037,
+    };
+    let mirrored = Motion {
+        v_y: -motion.v_y,
+        yaw_rate: -motion.yaw_rate,
+        omega_left: motion.omega_right,
+        omega_right: motion.omega_left,
+        ..motion
+    };
+    let (a, b) = (wrench(&model, &motion), wrench(&model, &mirrored));
+    assert!(
+        close(a.a_y, -b.a_y, FORCE_TOLERANCE / 490.0),
+        "{} {}",
+        a.a_y,
+        b.a_y
+    );
+    assert!(close(a.a_x, b.a_x, FORCE_TOLERANCE / 490.0));
+}

@@ -199,18 +199,20 @@ impl<'a> Path<'a> {
             .map(Some)
     }
 
-    /// The better of two paths.
-    fn or(self, other: Self) -> Result<Self, DiagnosisError> {
-        let better = self.is_better(&other);
-        Ok(if better.map_err(DiagnosisError::Undrivable)? {
-            self
-        } else {
-            other
-        })
+    /// The better of two paths by the evidence, the other one with names in the place of a law.
+    fn or(self, mut named: Self) -> Result<Self, DiagnosisError> {
+        let advantage = named.advantage(&self).map_err(DiagnosisError::Undrivable)?;
+        if advantage < 0.0 {
+            return Ok(self);
+        }
+        for member in &mut named.members {
+            member.outdo_law(advantage);
+        }
+        Ok(named)
     }
 
-    /// Whether the evidence is for this path, under the noise of both.
-    fn is_better(&self, other: &Self) -> Result<bool, PredictionError> {
+    /// Log odds of this path over another, under the noise of both on average.
+    fn advantage(&self, other: &Self) -> Result<f64, PredictionError> {
         let price = |path: &Self| -> f64 {
             let members = path.members.iter().map(|member| &member.proposal);
             members.map(|m| NOTHING - m.log_prior() + m.looking).sum()
@@ -223,9 +225,26 @@ impl<'a> Path<'a> {
         };
         let mut advantage = 0.0;
         for by in [&self.by, &other.by] {
-            advantage += surprise(other, by)? - surprise(self, by)?;
+            advantage += 0.5 * (surprise(other, by)? - surprise(self, by)?);
         }
-        Ok(advantage > 0.0)
+        Ok(advantage)
+    }
+}
+
+impl Member {
+    /// A law that was ahead of a name has turned out to be behind by so much.
+    fn outdo_law(&mut self, advantage: f64) {
+        let subject = self.proposal.subject;
+        if subject == Subject::Unknown {
+            return;
+        }
+        let own = self.rivals.iter().filter(|(other, _)| *other == subject);
+        let own = own.map(|(_, odds)| *odds).fold(f64::NEG_INFINITY, f64::max);
+        for (other, odds) in &mut self.rivals {
+            if *other == Subject::Unknown {
+                *odds = odds.min(own - advantage);
+            }
+        }
     }
 }
 

@@ -111,9 +111,13 @@ impl VehicleModel {
                 balance.reset();
                 return Err(BalanceError::NotFinite(*motion));
             }
-            // Where wheels lift and touch down the steps may go to and fro: then shorten them.
+            // Where wheels lift and touch down the steps may go to and fro: then shorten them. The last
+            // one is taken whole, and so is what turns for rounding.
             let turned = step[0] * last[0] + step[1] * last[1] < 0.0;
-            if iteration >= UNDAMPED_ITERATIONS {
+            let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
+            if settled {
+                damping = 1.0;
+            } else if iteration >= UNDAMPED_ITERATIONS {
                 damping = if turned {
                     (0.5 * damping).max(SHORTEST_DAMPING)
                 } else {
@@ -125,7 +129,6 @@ impl VehicleModel {
             balance.acceleration[1] += damping * step[1];
             balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
             let longest = balance.advance(self.lightest_load(prepared));
-            let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
             match detail {
                 Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
                 Detail::Full if settled && longest < STEP_TOLERANCE => {
