@@ -57,7 +57,7 @@ fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> 
         let near = 1e-6 * (high - low);
         (*at <= low + near || *at >= high - near).then(|| {
             format!(
-                "{} went to the end of its range, {:.3e} {}: on ground this firm, tyres and their latency tell more than the soil.",
+                "{} went to the end of its range, {:.3e} {}: it may stand for something else than soil, on firm ground for tyres.",
                 parameter.name,
                 parameter.value(*at),
                 parameter.unit

@@ -155,15 +155,10 @@ pub fn hidden(
         };
         let steps: Vec<(usize, DVector<f64>)> = seen.iter().map(step).collect();
         let unknowns = &one.projected.unknowns;
-        let mut moved = DVector::zeros(unknowns.len());
-        for (knob, step) in &steps {
-            for (recording, places) in system.places.iter().enumerate() {
-                let unknown = places[system.layout.soil + knob];
-                if let Some(place) = unknowns.iter().position(|u| Some(*u) == unknown) {
-                    moved[place] = step[recording];
-                }
-            }
-        }
+        let moved = system.step(unknowns, &knobs, |knob, recording| {
+            let own = steps.iter().find(|(other, _)| *other == knob);
+            own.map_or(0.0, |(_, step)| step[recording])
+        });
         Proposal {
             subject: one.subject,
             knobs,

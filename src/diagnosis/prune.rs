@@ -75,19 +75,12 @@ fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
         return 0.0;
     };
     let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
-    let mut step = nalgebra::DVector::zeros(unknowns.len());
-    for (place, unknown) in unknowns.iter().enumerate() {
-        for (recording, places) in system.places.iter().enumerate() {
-            for knob in knobs {
-                if places[system.layout.soil + knob] == Some(*unknown) {
-                    let off = stage.given.candidates.knobs[*knob]
-                        .parameter
-                        .prior_coordinate();
-                    step[place] = stage.tuned.solution.knobs[recording][*knob] - off;
-                }
-            }
-        }
-    }
+    let step = system.step(&unknowns, knobs, |knob, recording| {
+        let off = stage.given.candidates.knobs[knob]
+            .parameter
+            .prior_coordinate();
+        stage.tuned.solution.knobs[recording][knob] - off
+    });
     let matrix = projection.of(&unknowns).matrix;
     0.5 * step.dot(&(matrix * &step))
 }

@@ -168,6 +168,26 @@ impl System {
         found
     }
 
+    /// A step of these unknowns from steps of knobs, each told by knob and recording.
+    #[must_use]
+    pub fn step(
+        &self,
+        unknowns: &[usize],
+        knobs: &[usize],
+        told: impl Fn(usize, usize) -> f64,
+    ) -> DVector<f64> {
+        let mut step = DVector::zeros(unknowns.len());
+        for (recording, places) in self.places.iter().enumerate() {
+            for knob in knobs {
+                let unknown = places[self.layout.soil + knob];
+                if let Some(place) = unknowns.iter().position(|u| Some(*u) == unknown) {
+                    step[place] = told(*knob, recording);
+                }
+            }
+        }
+        step
+    }
+
     /// Unknowns of the soil.
     #[must_use]
     pub fn soil(&self) -> Range<usize> {

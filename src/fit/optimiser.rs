@@ -63,7 +63,6 @@ struct Step {
 }
 
 /// Where the search stands.
-#[derive(Clone)]
 struct Stand {
     point: Point,
     tables: Vec<Tables>,
@@ -121,14 +120,14 @@ pub fn minimise<P: Predictor>(
         let tables = problem.evaluate(&point, true)?;
         Ok(Stand::new(problem, point, tables, by))
     };
-    // With derivatives of this point; where there are none, the last one that had some.
-    let renewed = |here: &Stand, sure: &Stand| {
-        let point = here.point.clone();
-        stand(point).unwrap_or_else(|_: PredictionError| sure.clone())
-    };
     let mut here = stand(point.clone())?;
-    // Where derivatives were last taken.
-    let mut sure = here.clone();
+    // Where derivatives were last taken, if not here.
+    let mut sure = None;
+    // With derivatives of this point; where there are none, the last one that had some.
+    let renewed = |here: Stand, sure: &mut Option<Stand>| {
+        let renewed = stand(here.point.clone());
+        renewed.unwrap_or_else(|_: PredictionError| sure.take().unwrap_or(here))
+    };
     let first = here.cost;
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut reach = FIRST_REACH;
@@ -139,8 +138,7 @@ pub fn minimise<P: Predictor>(
         let little = step.as_ref().is_some_and(|s| s.expected_gain < stop.gain);
         if (ended || little) && here.age > 0 {
             // Only derivatives of this point tell whether it is the end.
-            here = renewed(&here, &sure);
-            sure = here.clone();
+            here = renewed(here, &mut sure);
             continue;
         }
         if ended || little {
@@ -165,9 +163,9 @@ pub fn minimise<P: Predictor>(
             _ => None,
         };
         if let Some(there) = moved {
-            here = there;
-            if here.age == 0 {
-                sure = here.clone();
+            let left = std::mem::replace(&mut here, there);
+            if left.age == 0 {
+                sure = Some(left);
             }
             damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
             damping = damping.max(1e-9);
@@ -177,8 +175,7 @@ pub fn minimise<P: Predictor>(
             }
         } else if here.age > 0 {
             // Derivatives of another point may be what misled.
-            here = renewed(&here, &sure);
-            sure = here.clone();
+            here = renewed(here, &mut sure);
         } else {
             if step.expected_gain < stop.gain * NEARLY {
                 // So little is within the accuracy of the predictions.
