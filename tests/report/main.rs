@@ -164,7 +164,7 @@ fn text_of_other_verdicts_says_what_is_open() {
     assert!(nothing.contains("would show"), "{nothing}");
     assert!(nothing.contains("never shows"), "{nothing}");
     let unknown = of(Verdict::UnknownPhysics);
-    let law = "dM_Z / (m g B) = -0.0270 abs(u) q + 0.0080";
+    let law = "dM_Z / (m g B) = -0.0270 |u| q + 0.0080";
     assert!(unknown.contains(law), "{unknown}");
     let sensor = of(Verdict::Sensor);
     assert!(sensor.starts_with("The sensors, not the soil"), "{sensor}");

@@ -103,6 +103,8 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
         subject,
         probability,
         ambiguous_with: Vec::new(),
+        evidence: 88.0,
+        rivals: vec![(subject, 88.0), (Subject::Unknown, 71.5)],
         parameters: Vec::new(),
         places: Vec::new(),
         local: false,
@@ -214,14 +216,14 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
                     term(
                         Channel::Lateral,
                         "residual_lateral.sideways",
-                        "w abs(w)",
+                        "w|w|",
                         0.019,
                         0.81,
                     ),
                     term(
                         Channel::Yaw,
                         "residual_yaw.speed_turning",
-                        "abs(u) q",
+                        "|u| q",
                         -0.027,
                         0.9,
                     ),
@@ -490,6 +492,7 @@ fn account(verdict: Verdict) -> Account {
         ],
         overdispersion: 1.31,
         threshold: 3.42,
+        refused: Vec::new(),
         steps: vec![
             ("fit", 3.2),
             ("screen", 1.1),

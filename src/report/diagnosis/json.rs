@@ -34,6 +34,7 @@ pub fn json(diagnosis: &Diagnosis) -> String {
             "noise": account.noise.iter().map(noise).collect::<Vec<_>>(),
             "overdispersion": account.overdispersion,
             "threshold": account.threshold,
+            "refused": odds(&account.refused),
             // How long they took is not of the recordings, but of the machine.
             "steps": account.steps.iter().map(|step| step.0).collect::<Vec<_>>(),
             "notes": account.notes,
@@ -62,12 +63,20 @@ fn finding(finding: &Finding, diagnosis: &Diagnosis) -> Value {
         "kind": kind(finding.subject),
         "probability": finding.probability,
         "ambiguous_with": finding.ambiguous_with.iter().map(|s| s.name()).collect::<Vec<_>>(),
+        "evidence": finding.evidence,
+        "rivals": odds(&finding.rivals),
         "parameters": parameters,
         "where": finding.places.iter().map(place).collect::<Vec<_>>(),
         "local": finding.local,
         "law": finding.law.iter().map(term).collect::<Vec<_>>(),
         "statement": finding.statement,
     })
+}
+
+fn odds(odds: &[(Subject, f64)]) -> Vec<Value> {
+    let one =
+        |(subject, odds): &(Subject, f64)| object!({ "effect": subject.name(), "log_odds": odds });
+    odds.iter().map(one).collect()
 }
 
 fn quantity(quantity: &Quantity) -> Value {

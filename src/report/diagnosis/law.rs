@@ -33,17 +33,20 @@ pub fn equations(law: &[Term]) -> Vec<String> {
         for (place, term) in terms.iter().enumerate() {
             let found = &term.coefficient;
             let [value, ..] = with_interval(found.value, found.low, found.high);
-            let (sign, size) = match value.strip_prefix('-') {
-                Some(size) => ("-", size),
-                None => ("+", &value[..]),
+            let (turned, group) = unsigned(&term.group);
+            let (sign, size) = match (value.strip_prefix('-'), turned) {
+                (Some(size), true) => ("+", size),
+                (Some(size), false) => ("-", size),
+                (None, true) => ("-", &value[..]),
+                (None, false) => ("+", &value[..]),
             };
             match (place, sign) {
                 (0, "+") => text += &format!(" {size}"),
                 (0, _) => text += &format!(" -{size}"),
                 _ => text += &format!(" {sign} {size}"),
             }
-            if term.group != "1" {
-                text += &format!(" {}", term.group);
+            if group != "1" {
+                text += &format!(" {group}");
             }
         }
         (!terms.is_empty()).then_some(text)
@@ -51,19 +54,18 @@ pub fn equations(law: &[Term]) -> Vec<String> {
     PUSHED.into_iter().filter_map(of).collect()
 }
 
+/// Whether a group has a minus of its own, and the group without it.
+fn unsigned(group: &str) -> (bool, &str) {
+    group
+        .strip_prefix('-')
+        .map_or((false, group), |rest| (true, rest))
+}
+
 /// An equation as one writes it by hand.
 pub fn handwritten(equation: &str) -> String {
-    let mut text = equation
+    let text = equation
         .replace(" - ", " \u{2212} ")
         .replace("= -", "= \u{2212}");
-    while let Some(start) = text.find("abs(") {
-        let inside = start + "abs(".len();
-        let Some(length) = text[inside..].find(')') else {
-            break;
-        };
-        let size = format!("|{}|", &text[inside..inside + length]);
-        text.replace_range(start..=inside + length, &size);
-    }
     text.replace("psi", "\u{3c8}").replace("^2", "\u{b2}")
 }
 
@@ -126,23 +128,23 @@ mod tests {
     #[test]
     fn laws_are_formulas() {
         let law = [
-            term(Channel::Yaw, "abs(u) q", -0.042),
+            term(Channel::Yaw, "|u| q", -0.042),
             term(Channel::Lateral, "1", 0.1),
+            term(Channel::Lateral, "-sin psi", -0.2),
             term(Channel::Yaw, "sin psi", 0.2),
             term(Channel::Yaw, "w^2", -0.3),
         ];
         assert_eq!(
             equations(&law),
             [
-                "dF_Y / (m g) = 0.100",
-                "dM_Z / (m g B) = -0.042 abs(u) q + 0.200 sin psi - 0.300 w^2"
+                "dF_Y / (m g) = 0.100 + 0.200 sin psi",
+                "dM_Z / (m g B) = -0.042 |u| q + 0.200 sin psi - 0.300 w^2"
             ]
         );
         assert_eq!(
-            handwritten("y = -0.042 abs(u) q - 0.3 w^2 sin psi"),
+            handwritten("y = -0.042 |u| q - 0.3 w^2 sin psi"),
             "y = \u{2212}0.042 |u| q \u{2212} 0.3 w\u{b2} sin \u{3c8}"
         );
-        assert_eq!(handwritten("abs(u"), "abs(u");
         assert!(equations(&[]).is_empty());
     }
 }

@@ -1,7 +1,7 @@
 //! As a page with plots.
 
 use super::{law, plots, tables, words};
-use crate::diagnosis::{Diagnosis, Finding, Subject, Verdict};
+use crate::diagnosis::{Diagnosis, Finding, Subject, Verdict, phrase};
 use crate::effects::CATALOGUE;
 use crate::report::chart::escape;
 use crate::report::number::percent;
@@ -48,63 +48,62 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let mut html = format!("<section class=\"verdict {class}\">");
     html += &paragraph(&words::headline(diagnosis));
     html += &paragraph(&diagnosis.statement);
-    let mut facts: Vec<(&str, String)> = vec![("How sure", words::sureness(diagnosis))];
+    let fact = |label: &str, text: String| (label.to_owned(), text);
+    let mut facts = vec![fact("How sure", words::sureness(diagnosis))];
     for finding in &diagnosis.findings {
-        let named = |text: String| match diagnosis.findings.len() {
-            1 => text,
-            _ if text.is_empty() => text,
-            _ => format!("{}: {text}", words::name(finding.subject)),
+        let label = if diagnosis.findings.len() > 1 {
+            words::title(finding, diagnosis)
+        } else {
+            "How much".into()
         };
-        let values = finding.parameters.iter().map(|found| {
-            format!(
-                "{} {}",
-                words::parameter(found, diagnosis),
-                words::value(found)
-            )
-        });
-        facts.push(("How much", named(values.collect::<Vec<_>>().join(", "))));
-        for equation in law::equations(&finding.law) {
-            facts.push(("Law", law::handwritten(&equation)));
-        }
-        if let Some(first) = finding.places.first() {
-            let label = if finding.local {
-                "Acts only at"
-            } else {
-                "Shows most at"
-            };
-            let more = match finding.places.len() - 1 {
-                0 => String::new(),
-                more => format!("; {more} more below"),
-            };
-            facts.push((label, named(words::place(first, diagnosis) + &more)));
-        }
-        facts.push((
-            "May as well be",
-            named(words::alike(finding, diagnosis).join(", ")),
-        ));
+        facts.push((label, size(finding, diagnosis)));
+        let alike = words::alike(finding, diagnosis).join(", ");
+        facts.push(fact("May as well be", alike));
     }
     if diagnosis.verdict == Verdict::NothingMissing {
         let (shown, hidden) = words::detectable(diagnosis);
-        facts.push(("Would show from", shown.join(", ")));
-        facts.push(("Never shows", hidden.join(", ")));
+        facts.push(fact("Would show from", shown.join(", ")));
+        facts.push(fact("Never shows", hidden.join(", ")));
     }
     if let Some(held_out) = &diagnosis.held_out {
-        facts.push(("On unseen data", words::improvement(held_out, diagnosis)));
+        let told = words::improvement(held_out, diagnosis);
+        facts.push(fact("On unseen data", told));
     }
     if let Some(next) = &diagnosis.next {
-        facts.push(("Drive next", format!("{}: {}", next.name, next.description)));
+        let told = format!("{}: {}", next.name, next.description);
+        facts.push(fact("Drive next", told));
     }
     html += "<dl>\n";
     for (label, text) in facts.into_iter().filter(|(_, text)| !text.is_empty()) {
-        html += &format!("<dt>{label}</dt><dd>{}</dd>\n", escape(&text));
+        html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(&label), escape(&text));
     }
     html + "</dl></section>\n"
+}
+
+/// How much it is, and where it shows most.
+fn size(finding: &Finding, diagnosis: &Diagnosis) -> String {
+    let mut told: Vec<String> = law::equations(&finding.law);
+    for equation in &mut told {
+        *equation = law::handwritten(equation);
+    }
+    if told.is_empty() && !finding.parameters.is_empty() {
+        told.push(words::values(finding, diagnosis));
+    }
+    if let Some(first) = finding.places.first() {
+        let where_ = if finding.local { "only at" } else { "most at" };
+        let more = match finding.places.len() - 1 {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        told.push(format!("{where_} {}{more}", words::place(first, diagnosis)));
+    }
+    told.join("; ")
 }
 
 fn details(finding: &Finding, diagnosis: &Diagnosis) -> String {
     let mut html = format!(
         "<h2>Found: {}, {}</h2>\n",
-        escape(&words::phrase(finding.subject)),
+        escape(&phrase(finding.subject)),
         percent(finding.probability)
     );
     html += &paragraph(&finding.statement);

@@ -201,14 +201,7 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
     let channel = trace.channel.replace('_', " ");
     let line = |name: &str, values: &[f64]| Line {
         name: name.into(),
-        parts: vec![
-            trace
-                .time
-                .iter()
-                .copied()
-                .zip(values.iter().map(|v| v * factor))
-                .collect(),
-        ],
+        parts: parted(&trace.time, |index| values[index] * factor),
         stroke: Stroke::Line,
     };
     let mut lines = vec![line("re-tuned", &trace.before)];
@@ -224,6 +217,25 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
             format!("{channel} [{unit}]"),
         )
     }
+}
+
+/// Points of a curve, parted where nothing was recorded for a while.
+fn parted(time: &[f64], value: impl Fn(usize) -> f64) -> Vec<Vec<(f64, f64)>> {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut last = f64::NEG_INFINITY;
+    for (index, time) in time.iter().enumerate() {
+        if time - last > GAP * usual || parts.is_empty() {
+            parts.push(Vec::new());
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push((*time, value(index)));
+        }
+        last = *time;
+    }
+    parts
 }
 
 fn wrenches(trace: &WrenchTrace, spans: &[(&'static str, f64, f64)]) -> Vec<Chart> {
@@ -243,7 +255,7 @@ fn wrenches(trace: &WrenchTrace, spans: &[(&'static str, f64, f64)]) -> Vec<Char
         Chart {
             lines: vec![Line {
                 name: String::new(),
-                parts: vec![all.map(|((time, value), _)| (*time, value[axis])).collect()],
+                parts: parted(&trace.time, |index| trace.value[index][axis]),
                 stroke: Stroke::Line,
             }],
             marks,

@@ -56,24 +56,16 @@ pub fn text(diagnosis: &Diagnosis) -> String {
 }
 
 fn tell(lines: &mut Lines, finding: &Finding, diagnosis: &Diagnosis) {
-    let parameters = finding.parameters.iter().map(|found| {
-        format!(
-            "{} {}",
-            words::parameter(found, diagnosis),
-            words::value(found)
-        )
-    });
-    let parameters: Vec<String> = parameters.collect();
-    if !parameters.is_empty() {
-        lines.add(
-            "what",
-            &format!(
-                "{}: {}",
-                words::name(finding.subject),
-                parameters.join(", ")
-            ),
-        );
-    }
+    let title = words::title(finding, diagnosis);
+    let values = words::values(finding, diagnosis);
+    let what = match (finding.law.is_empty(), &values[..]) {
+        (true, "") => title,
+        (true, values) => format!("{title}: {values}"),
+        // The equations stand below.
+        (false, _) if diagnosis.findings.len() > 1 => title,
+        (false, _) => String::new(),
+    };
+    lines.add("what", &what);
     for equation in law::equations(&finding.law) {
         lines.add("law", &equation);
     }

@@ -2,40 +2,10 @@
 
 use crate::diagnosis::{
     Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject, Verdict,
+    phrase,
 };
 use crate::effects::{CATALOGUE, ParameterDeclaration};
 use crate::report::number::{percent, shown, with_interval, with_unit};
-
-/// Names that say less than they should.
-const PHRASES: [(&str, &str); 21] = [
-    ("grade", "sloping ground"),
-    ("terrain_change", "a change of soil on the way"),
-    ("left_right_soil", "different soil left and right"),
-    ("bulldozing", "soil pushed ahead and aside by the wheels"),
-    ("slip_sinkage", "wheels that dig in as they slip"),
-    ("multipass", "rear wheels in the front wheels' rut"),
-    ("elastic_rebound", "soil that springs back behind the wheel"),
-    ("stress_peak", "pressure that peaks elsewhere"),
-    ("tyre_compliance", "tyres that flatten"),
-    (
-        "shear_anisotropy",
-        "soil that shears differently along and across the wheel",
-    ),
-    ("transient_shear", "shear that builds up over a distance"),
-    (
-        "rate_dependent_soil",
-        "soil that resists in proportion to the speed",
-    ),
-    ("drag", "drag that grows with the square of the speed"),
-    ("drawbar", "a towed load"),
-    ("payload", "an added load"),
-    ("com_shift", "a shifted centre of mass"),
-    ("wheel_radius", "wheels of another radius"),
-    ("latency", "sensors that trail each other"),
-    ("lever_arm", "an antenna off the reference point"),
-    ("yaw_rate_bias", "a gyro that is off at rest"),
-    ("heading_offset", "a heading that is turned"),
-];
 
 /// The name of a subject as in `diagnosis.json`, in words where it is none of the catalogue's.
 pub fn name(subject: Subject) -> &'static str {
@@ -43,16 +13,6 @@ pub fn name(subject: Subject) -> &'static str {
         Subject::Nothing => "nothing missing",
         _ => subject.name(),
     }
-}
-
-/// A subject in plain words, with its name.
-pub fn phrase(subject: Subject) -> String {
-    let name = match subject {
-        Subject::Unknown => "something that the catalogue does not have",
-        _ => name(subject),
-    };
-    let found = PHRASES.iter().find(|(known, _)| *known == name);
-    found.map_or_else(|| name.into(), |(_, words)| format!("{words} ({name})"))
 }
 
 /// What a manoeuvre is for.
@@ -79,31 +39,12 @@ pub fn list(names: &[String], last: &str) -> String {
 
 /// The verdict in plain words.
 pub fn headline(diagnosis: &Diagnosis) -> String {
-    let phrases = |findings: &[Finding]| {
-        let phrases: Vec<String> = findings.iter().map(|f| phrase(f.subject)).collect();
-        list(&phrases, "and")
-    };
     let findings = &diagnosis.findings[..];
     match (diagnosis.verdict, findings) {
         (Verdict::NothingMissing, _) => {
             "Nothing is missing: the re-tuned model explains the recordings".into()
         }
         (Verdict::InsufficientData, _) => "These recordings are too little to tell".into(),
-        (Verdict::UnknownPhysics, _) => {
-            let named: Vec<Finding> = findings
-                .iter()
-                .filter(|finding| finding.subject != Subject::Unknown)
-                .cloned()
-                .collect();
-            match phrases(&named) {
-                also if also.is_empty() => {
-                    "Something is missing that the catalogue does not have".into()
-                }
-                also => format!(
-                    "The model lacks {also}, and something that the catalogue does not have"
-                ),
-            }
-        }
         (Verdict::Ambiguous, [first, ..]) => {
             let mut names = vec![name(first.subject).to_owned()];
             names.extend(first.ambiguous_with.iter().map(|s| name(*s).to_owned()));
@@ -112,19 +53,40 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
                 list(&names, "or")
             )
         }
-        (Verdict::Sensor, [_, ..]) => {
-            format!("The sensors, not the soil: {}", phrases(findings))
-        }
-        (Verdict::MissingPhysics, [_, ..]) => format!("The model lacks {}", phrases(findings)),
-        (Verdict::Ambiguous, []) => {
-            "The model lacks something: these recordings do not tell what".into()
-        }
-        (Verdict::Sensor, []) => "The sensors are at fault, not the soil".into(),
-        (Verdict::MissingPhysics, []) => "The model lacks something".into(),
+        (_, []) => "Something is missing: these recordings do not tell what".into(),
+        _ => lacking(findings),
     }
 }
 
-/// How sure: the findings' probabilities and the runner-up's.
+/// What the model lacks, each thing once, and what the sensors add.
+fn lacking(findings: &[Finding]) -> String {
+    let phrases = |of: fn(Subject) -> bool| {
+        let mut phrases: Vec<String> = Vec::new();
+        for finding in findings.iter().filter(|finding| of(finding.subject)) {
+            let phrase = phrase(finding.subject);
+            if !phrases.contains(&phrase) {
+                phrases.push(phrase);
+            }
+        }
+        list(&phrases, "and")
+    };
+    let named = phrases(|subject| subject != Subject::Unknown && !subject.is_sensor());
+    let sensors = phrases(Subject::is_sensor);
+    let unknown = phrases(|subject| subject == Subject::Unknown);
+    let physics = match (&named[..], &unknown[..]) {
+        ("", "") => return format!("The sensors, not the soil: {sensors}"),
+        ("", unknown) => format!("The model lacks {unknown}"),
+        (named, "") => format!("The model lacks {named}"),
+        (named, unknown) => format!("The model lacks {named}, and {unknown}"),
+    };
+    if sensors.is_empty() {
+        physics
+    } else {
+        format!("{physics}; the recording has {sensors}")
+    }
+}
+
+/// How sure: the finding's probability and the runner-up's. Of several findings each is told with its own.
 pub fn sureness(diagnosis: &Diagnosis) -> String {
     if diagnosis.account.segments == 0 {
         // Nothing was asked.
@@ -133,14 +95,10 @@ pub fn sureness(diagnosis: &Diagnosis) -> String {
     if let Some(together) = together(diagnosis) {
         return together;
     }
-    let several = diagnosis.findings.len() > 1;
-    let told = diagnosis.findings.iter().map(|finding| {
-        if several {
-            format!("{} {}", name(finding.subject), percent(finding.probability))
-        } else {
-            percent(finding.probability)
-        }
-    });
+    if diagnosis.findings.len() > 1 {
+        return String::new();
+    }
+    let told = diagnosis.findings.iter().map(|f| percent(f.probability));
     let mut told: Vec<String> = told.collect();
     let asked = |subject: Subject| diagnosis.candidates.iter().find(|c| c.subject == subject);
     if told.is_empty() && diagnosis.verdict == Verdict::NothingMissing {
@@ -198,6 +156,23 @@ pub fn value(quantity: &Quantity) -> String {
     let [value, low, high] = with_interval(value, low, high);
     let space = if unit.is_empty() { "" } else { " " };
     format!("{value}{space}{unit} ({low} .. {high})")
+}
+
+/// A finding's name, with its probability where there are several.
+pub fn title(finding: &Finding, diagnosis: &Diagnosis) -> String {
+    let name = name(finding.subject);
+    if diagnosis.findings.len() > 1 {
+        format!("{name}, {}", percent(finding.probability))
+    } else {
+        name.into()
+    }
+}
+
+/// All values of a finding.
+pub fn values(finding: &Finding, diagnosis: &Diagnosis) -> String {
+    let each = finding.parameters.iter();
+    let each = each.map(|found| format!("{} {}", parameter(found, diagnosis), value(found)));
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// Whose parameter it is, and its name.
@@ -334,14 +309,6 @@ pub fn alike(finding: &Finding, diagnosis: &Diagnosis) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_phrase_is_of_an_effect() {
-        for (name, phrase) in PHRASES {
-            assert!(CATALOGUE.iter().any(|effect| effect.name == name), "{name}");
-            assert!(!phrase.is_empty());
-        }
-    }
 
     #[test]
     fn lists_read_as_sentences() {
