@@ -1,6 +1,7 @@
 //! The account that a diagnosis gives of itself.
 
 use super::Options;
+use super::findings::likeliest_first;
 use super::outcome::Account;
 use super::search::Searched;
 use crate::effects::Extent;
@@ -23,6 +24,7 @@ pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f
         noise: noise_estimates(&problem, &searched.augmented.tables, &searched.by),
         overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
         threshold: searched.first.threshold.sqrt(),
+        refused: likeliest_first(&searched.refused),
         steps: Vec::new(),
         notes: notes(searched),
     }
@@ -57,7 +59,7 @@ fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> 
         let near = 1e-6 * (high - low);
         (*at <= low + near || *at >= high - near).then(|| {
             format!(
-                "{} went to the end of its range, {:.3e} {}: it may stand for something else than soil, on firm ground for tyres.",
+                "{} went to the end of its range, {:.3e} {}: it may stand for something else than soil; on firm ground for tyres, which the given model can have (tyre_compliance).",
                 parameter.name,
                 parameter.value(*at),
                 parameter.unit

@@ -4,12 +4,13 @@ use super::account::account;
 use super::ambiguity::groups;
 use super::candidate::Target;
 use super::findings::findings;
-use super::held_out::{SEEN, errors, nominal_errors, scores};
+use super::held_out::{SEEN, errors, nominal_errors};
 use super::hypothesis::{Given, What};
 use super::likelihood::Tuned;
 use super::manoeuvre::next;
 use super::outcome::{Account, Candidate, Diagnosis, Errors, HeldOut, Subject, Verdict};
 use super::prepare::{prepare, seconds};
+use super::refitted::refitted;
 use super::screen::{Projection, one_degree};
 use super::search::{Searched, search};
 use super::traces::traces;
@@ -52,7 +53,13 @@ pub fn diagnose(
     }
     let mut given = Given::new(nominal, recordings);
     let (cut, by) = prepare(&mut given, options)?;
-    let searched = search(&given, by, options, progress)?;
+    let mut searched = search(&given, by, options, progress)?;
+    progress.step("holding out what was found");
+    let mut held = held_out(&searched);
+    if held.is_some_and(|held| held.gain.0 < -held.gain.1) {
+        searched.withdraw();
+        held = held_out(&searched);
+    }
     progress.step("judging");
     let mut candidates = candidates(&searched)?;
     let hidden = candidates.iter().filter(|c| !c.1);
@@ -76,7 +83,7 @@ pub fn diagnose(
         recordings: given.names.clone(),
         findings: found,
         candidates,
-        held_out: held_out(&searched),
+        held_out: held,
         soil: soil(&searched),
         next,
         runs: traces(&searched),
@@ -134,6 +141,7 @@ pub fn insufficient(
             noise: Vec::new(),
             overdispersion: 1.0,
             threshold: f64::INFINITY,
+            refused: Vec::new(),
             steps: Vec::new(),
             notes: Vec::new(),
         },
@@ -223,8 +231,8 @@ fn others(odds: &Odds, screened: &[Candidate]) -> Vec<Candidate> {
 
 fn held_out(searched: &Searched) -> Option<HeldOut> {
     let (given, by) = (&searched.given, &searched.by);
-    let retuned = scores(given, &searched.retuned, by)?;
-    let augmented = scores(&searched.placed, &searched.augmented, by)?;
+    let retuned = refitted(given, &searched.retuned, by)?;
+    let augmented = refitted(&searched.placed, &searched.augmented, by)?;
     let length = given
         .segments
         .iter()
@@ -329,7 +337,11 @@ fn statement(diagnosis: &Diagnosis, judgement: &Judgement) -> String {
             "These recordings tell too little: most effects of a plausible size would not have been seen."
                 .into()
         }
-        Verdict::MissingPhysics => format!("The model leaves out {}.", told(0)),
+        Verdict::MissingPhysics => {
+            let mut physics = diagnosis.findings.iter().filter(|f| !f.subject.is_sensor());
+            let first = physics.next().map_or("", |f| &f.statement);
+            format!("The model leaves out {first}.")
+        }
         Verdict::Sensor => format!("The recording is at fault, not the model: {}.", told(0)),
         Verdict::Ambiguous => {
             let first = &diagnosis.findings[0];

@@ -2,7 +2,7 @@
 
 use super::candidate::Target;
 use super::hypothesis::{Given, What};
-use super::law::channel as pushed;
+use super::law::{channel as pushed, group};
 use super::likelihood::Tuned;
 use super::locate::Extent;
 use super::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
@@ -82,6 +82,8 @@ fn named(searched: &Searched, member: &Member, judged: &Judged) -> Finding {
         subject: judged.subject,
         probability: judged.probability,
         ambiguous_with: judged.set.clone(),
+        evidence: member.gain,
+        rivals: likeliest_first(&member.rivals),
         parameters,
         places,
         local,
@@ -90,6 +92,20 @@ fn named(searched: &Searched, member: &Member, judged: &Judged) -> Finding {
     };
     finding.statement = statement(&finding);
     finding
+}
+
+/// Each subject once, with its best odds.
+#[must_use]
+pub fn likeliest_first(odds: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
+    let mut sorted = odds.to_vec();
+    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut once: Vec<(Subject, f64)> = Vec::new();
+    for one in sorted {
+        if !once.iter().any(|(subject, _)| *subject == one.0) {
+            once.push(one);
+        }
+    }
+    once
 }
 
 /// Intervals are not widened by more than this: a larger scatter is something else that is missing.
@@ -115,7 +131,7 @@ fn law(given: &Given, proposal: &super::proposal::Proposal, parameters: &[Quanti
         Term {
             channel: pushed(about.effect),
             parameter: about.parameter.name.clone(),
-            group: about.name.into(),
+            group: group(about.effect, about.name),
             coefficient: parameters[index].clone(),
             stability: proposal.stability.get(index).copied().unwrap_or(1.0),
         }
@@ -329,6 +345,8 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
         subject: Subject::Unknown,
         probability: judged.probability,
         ambiguous_with: Vec::new(),
+        evidence: searched.last.wandering.map_or(0.0, |w| w.evidence),
+        rivals: Vec::new(),
         parameters: Vec::new(),
         places,
         local: false,

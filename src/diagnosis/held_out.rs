@@ -3,7 +3,8 @@
 //! Blocked cross-validation: the segments in some folds, each a stretch of neighbours; a fold is
 //! judged by parameters from the others, its neighbours left out as a guard (H. Racine,
 //! "Consistent cross-validatory model-selection for dependent data", J. Econometrics 99 (2000)).
-//! The parameters without a fold follow from the whole fit by one Newton step. The score is the log
+//! The parameters without a fold follow from the whole fit by one Newton step (see `refitted` for what
+//! is told in the end). The score is the log
 //! predictive density, starts integrated out; errors in metres come from starts fitted to the first
 //! second of a segment alone, and what follows it is predicted.
 
@@ -42,12 +43,12 @@ pub struct Scores {
     /// Number of samples of each.
     pub samples: Vec<usize>,
     /// For each segment the parameters that it was judged by.
-    coordinates: Vec<DVector<f64>>,
+    pub(super) coordinates: Vec<DVector<f64>>,
 }
 
 /// Which fold each of so many segments belongs to.
 #[must_use]
-fn folds(count: usize) -> Vec<usize> {
+pub(super) fn folds(count: usize) -> Vec<usize> {
     let folds = (count / SMALLEST_FOLD).clamp(1, FOLDS);
     (0..count)
         .map(|index| index * folds / count.max(1))

@@ -97,6 +97,26 @@ fn select(
     (!chosen.is_empty()).then_some((chosen, best))
 }
 
+/// The dimensionless group that a law's coefficient multiplies, as its effect's equation has it:
+/// `abs(u) q` for `speed_turning`, 1 for a constant.
+#[must_use]
+pub fn group(effect: usize, name: &str) -> String {
+    let equation = CATALOGUE[effect].equation;
+    let sum = equation
+        .split_once('(')
+        .and_then(|(_, rest)| rest.split_once("), "))
+        .map_or("", |(sum, _)| sum);
+    let terms = sum.replace(" - ", " + -");
+    let symbols = terms.split(" + ").find_map(|term| {
+        let (sign, term) = term
+            .strip_prefix('-')
+            .map_or(("", term), |rest| ("-", rest));
+        let (own, symbols) = term.split_once(' ')?;
+        (own == name).then(|| format!("{sign}{symbols}"))
+    });
+    symbols.unwrap_or_else(|| "1".into())
+}
+
 /// What a law's knob pushes.
 #[must_use]
 pub fn channel(effect: usize) -> Channel {
@@ -104,5 +124,35 @@ pub fn channel(effect: usize) -> Channel {
         "residual_longitudinal" => Channel::Longitudinal,
         "residual_lateral" => Channel::Lateral,
         _ => Channel::Yaw,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_term_of_a_law_has_its_group() {
+        for (index, effect) in CATALOGUE.iter().enumerate() {
+            if !effect.name.starts_with("residual_") {
+                continue;
+            }
+            for parameter in effect.parameters {
+                let constant = parameter.name == "constant";
+                assert_eq!(
+                    group(index, parameter.name) == "1",
+                    constant,
+                    "{}",
+                    parameter.name
+                );
+            }
+        }
+        let of = |effect: &str, name: &str| {
+            let index = CATALOGUE.iter().position(|known| known.name == effect);
+            group(index.expect("an effect"), name)
+        };
+        assert_eq!(of("residual_yaw", "speed_turning"), "|u| q");
+        assert_eq!(of("residual_lateral", "east"), "-sin psi");
+        assert_eq!(of("residual_longitudinal", "direction"), "s(V_X)");
     }
 }

@@ -20,6 +20,7 @@ mod prepare;
 mod progress;
 mod proposal;
 mod prune;
+mod refitted;
 mod regime;
 mod rehearsal;
 mod scan;
@@ -41,6 +42,7 @@ pub use outcome::{
     Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
 };
 pub use progress::Progress;
+pub use words::phrase;
 
 /// How to diagnose.
 #[derive(Debug, Clone, PartialEq)]

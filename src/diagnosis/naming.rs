@@ -18,6 +18,12 @@ use crate::fit::segment::CLOCK;
 /// A hidden effect that begins so much worse, in units of the log likelihood, leads nowhere.
 const HOPELESS: f64 = 1000.0;
 
+/// Shares of a proposal's steps that its fit may begin with: the cheapest is taken.
+const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
+/// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
+/// lost its way.
+const LOST: f64 = 5.0;
+
 /// A proposal fitted in full beside what was found before.
 #[derive(Debug, Clone)]
 pub struct Named<'a> {
@@ -67,7 +73,15 @@ pub fn sketch<'a>(
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
-    let shares = [1.0, 0.4, 0.15].into_iter();
+    // What is hidden tells its sign no more than its size.
+    let signs: &[f64] = if proposal.hidden {
+        &[1.0, -1.0]
+    } else {
+        &[1.0]
+    };
+    let shares = signs
+        .iter()
+        .flat_map(|sign| SHARES.map(|share| sign * share));
     let begins = shares.map(|share| begin(&given, proposal, &before.solution, share));
     let costs = begins.map(|begin| (cost(&given, &knobs, &begin, by), begin));
     let (least, begin) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -85,10 +99,15 @@ pub fn sketch<'a>(
         let tuned = tune_until(&given, &knobs, &begin, by, stop);
         tuned.ok().filter(|tuned| tuned.surprise.is_finite())
     });
-    let tuned = each
-        .min_by(|a, b| a.surprise.total_cmp(&b.surprise))
-        .or_else(|| tune_until(&given, &knobs, &before.solution, by, stop).ok())
-        .filter(|tuned| tuned.surprise.is_finite())?;
+    let likelier = |a: &Tuned, b: &Tuned| a.surprise.total_cmp(&b.surprise);
+    let mut tuned = each.min_by(likelier);
+    let lost = |tuned: &Tuned| tuned.surprise > before.surprise + LOST;
+    if tuned.as_ref().is_none_or(lost) {
+        // Without it things were better: from there, then.
+        let again = tune_until(&given, &knobs, &before.solution, by, LONG_SKETCH).ok();
+        tuned = tuned.into_iter().chain(again).min_by(likelier);
+    }
+    let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;
     Some(Sketch {
         gain: before.surprise - tuned.surprise - proposal.looking,
         proposal: proposal.clone(),

@@ -134,7 +134,7 @@ pub struct Term {
     pub channel: Channel,
     /// Name of the parameter in the model file, as `residual_yaw.speed_turning`.
     pub parameter: String,
-    /// The dimensionless group in symbols, as `abs(u) q`.
+    /// The dimensionless group in symbols, as `|u| q`; a leading minus belongs to it.
     pub group: String,
     /// Its coefficient.
     pub coefficient: Quantity,
@@ -151,6 +151,10 @@ pub struct Finding {
     pub probability: f64,
     /// Others that these recordings do not tell from it.
     pub ambiguous_with: Vec<Subject>,
+    /// Log Bayes factor against the model without it.
+    pub evidence: f64,
+    /// Log odds, prior counted, of all that was fitted in its place and of itself, the likeliest first.
+    pub rivals: Vec<(Subject, f64)>,
     /// Its parameters.
     pub parameters: Vec<Quantity>,
     /// Where it shows, the strongest first.
@@ -309,6 +313,8 @@ pub struct Account {
     pub overdispersion: f64,
     /// The threshold of the screen, from simulated nulls.
     pub threshold: f64,
+    /// Log odds of what was fitted last and not taken, the likeliest first.
+    pub refused: Vec<(Subject, f64)>,
     /// Seconds that each step took, with its name.
     pub steps: Vec<(&'static str, f64)>,
     /// What a reader should know, in plain sentences.

@@ -127,8 +127,8 @@ pub fn proposals(
     all
 }
 
-/// Effects that re-tuning takes up so much of that the linearised problem may not see them: the soil
-/// has gone far to imitate them. They are proposed as large as the catalogue expects them, with the
+/// Effects of which re-tuning takes up so much, of all or of one number's, that the linearised problem
+/// may not see them: the soil has gone far to imitate them. They are proposed as large as the catalogue expects them, with the
 /// soil moved back by what would imitate that.
 #[must_use]
 pub fn hidden(
@@ -137,24 +137,30 @@ pub fn hidden(
     projection: &Projection,
     screened: &[Screened],
 ) -> Vec<Proposal> {
-    let absorbed = screened.iter().filter(|one| one.score.absorbed > HIDDEN);
     let propose = |one: &Screened| {
         let knobs: Vec<usize> = given.candidates.of(one.subject).collect();
+        let unknowns = &one.projected.unknowns;
+        let takes_up = |knob: &usize| {
+            let own = system.unknowns(*knob);
+            let places = unknowns.iter().enumerate();
+            let mut places = places.filter(|(_, unknown)| own.contains(unknown));
+            places.any(|(place, _)| one.projected.absorbed(place) > HIDDEN)
+        };
+        let whole = one.score.absorbed > HIDDEN;
         let seen = steps(given, system, one);
         let step = |(knob, seen): &(usize, DVector<f64>)| {
             let about = &given.candidates.knobs[*knob];
             let parameter = &about.parameter;
             let off = parameter.prior_coordinate();
             let typical = about.typical - off;
-            let away = if seen.sum() < 0.0 && off - typical > parameter.bounds().0 {
-                -typical
-            } else {
-                typical
+            let away = match seen.sum() < 0.0 && off - typical > parameter.bounds().0 {
+                _ if !whole && !takes_up(knob) => 0.0,
+                true => -typical,
+                false => typical,
             };
             (*knob, DVector::repeat(seen.len(), away))
         };
         let steps: Vec<(usize, DVector<f64>)> = seen.iter().map(step).collect();
-        let unknowns = &one.projected.unknowns;
         let moved = system.step(unknowns, &knobs, |knob, recording| {
             let own = steps.iter().find(|(other, _)| *other == knob);
             own.map_or(0.0, |(_, step)| step[recording])
@@ -171,7 +177,7 @@ pub fn hidden(
             hidden: true,
         }
     };
-    let all = absorbed.map(propose);
+    let all = screened.iter().map(propose);
     all.filter(|proposal| proposal.steps.iter().any(|(_, step)| step[0] != 0.0))
         .collect()
 }

@@ -199,11 +199,7 @@ impl<'a> Projection<'a> {
             chi_square: quadratic / scatter,
             scatter,
             evidence: 0.5 * (quadratic / scatter - log_determinant),
-            absorbed: if whole > 0.0 {
-                (1.0 - signal / whole).clamp(0.0, 1.0)
-            } else {
-                absorbed_alone(candidate)
-            },
+            absorbed: gone(signal, whole).unwrap_or_else(|| candidate.absorbed(0)),
             step,
         }
     }
@@ -277,14 +273,18 @@ impl<'a> Projection<'a> {
     }
 }
 
-/// Share absorbed of the first unknown's signal.
-fn absorbed_alone(candidate: &Projected) -> f64 {
-    let raw = candidate.raw[(0, 0)];
-    if raw > 0.0 {
-        (1.0 - candidate.matrix[(0, 0)] / raw).clamp(0.0, 1.0)
-    } else {
-        1.0
+impl Projected {
+    /// Share that the nuisance absorbs of one unknown's signal.
+    #[must_use]
+    pub fn absorbed(&self, place: usize) -> f64 {
+        let (left, raw) = (self.matrix[(place, place)], self.raw[(place, place)]);
+        gone(left, raw).unwrap_or(1.0)
     }
+}
+
+/// Share of a signal that is gone; `None` where there was none.
+fn gone(left: f64, raw: f64) -> Option<f64> {
+    (raw > 0.0).then(|| (1.0 - left / raw).clamp(0.0, 1.0))
 }
 
 /// The step of the free unknowns and the cost that it saves.

@@ -52,6 +52,22 @@ pub struct Searched<'a> {
     pub last: Arc<Looked>,
 }
 
+impl Searched<'_> {
+    /// Back to the re-tuned model: what was found predicts worse what it was not fitted to, so it is
+    /// no likelier than nothing.
+    pub fn withdraw(&mut self) {
+        for member in self.members.drain(..) {
+            self.refused.extend(member.rivals);
+        }
+        for (_, odds) in &mut self.refused {
+            *odds = odds.min(0.0);
+        }
+        self.augmented = self.retuned.clone();
+        self.placed = self.given.clone();
+        self.last = Arc::clone(&self.first);
+    }
+}
+
 /// Rounds at most.
 const ROUNDS: usize = 4;
 /// Where a law is likeliest, names are tried first as well if one has this share of its odds.

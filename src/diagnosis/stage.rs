@@ -66,20 +66,28 @@ pub fn look<'a>(
     progress.step("sensitivities to every candidate");
     let on = tuned.knobs.clone();
     let layout = Layout::new(&given, &on);
-    let tables = sensitivities(&given, &layout, &tuned.solution);
+    let mut tables = sensitivities(&given, &layout, &tuned.solution);
     weigh(&given, &on, &tuned.tables, by);
-    let system = linearise(&given, &layout, &tables, &tuned.solution, by);
     progress.step("noise");
-    noise::update(&given, &system, &tables, &tuned.solution, by);
+    noise::update(
+        &given,
+        &linearise(&given, &layout, &tables, &tuned.solution, by),
+        &tables,
+        &tuned.solution,
+        by,
+    );
     progress.step("re-tuning the soil");
     let again = tune(&given, &on, &tuned.solution, by).map_err(DiagnosisError::Undrivable)?;
     progress.step("sensitivities to every candidate");
-    let system = if moved(&given, &tuned.solution, &again.solution) > MOVED {
-        let tables = sensitivities(&given, &layout, &again.solution);
-        linearise(&given, &layout, &tables, &again.solution, by)
-    } else {
-        linearise(&given, &layout, &tables, &tuned.solution, by)
-    };
+    let mut at = &tuned.solution;
+    if moved(&given, at, &again.solution) > MOVED {
+        at = &again.solution;
+        // Both at once would be most of what a diagnosis needs of memory.
+        drop(tables);
+        tables = sensitivities(&given, &layout, at);
+    }
+    let system = linearise(&given, &layout, &tables, at, by);
+    drop(tables);
     let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
     let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
     progress.step("screening and locating");
