@@ -1,0 +1,78 @@
+"""Command line: `python -m generator --out CASES --cases N --seed S`."""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import sys
+import time
+from pathlib import Path
+
+from .cases import case_name, is_complete, try_case, write_json
+from .families import FAMILIES
+
+EPILOG = """\
+A set is a folder: set.json, one folder per case (drive.csv and drive.json; second.* in some look-alike cases;
+unseen.* for the score), and sealed/CASE.json with the truth. The same seed gives the same bytes whatever --jobs and
+--cases are; a case that is complete is left as it is, so a run that was cut off goes on where it stopped.
+
+examples:
+  python -m generator --out target/cases --cases 300 --seed 7 --jobs 2
+  python -m generator --out /tmp/hidden --cases 10 --seed 1 --family absorbed
+"""
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="generator", description="Make test recordings of skid-steer vehicles with physics that a model left out.",
+        epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", required=True, type=Path, metavar="CASES", help="folder of the set; made if it is not there")
+    parser.add_argument("--cases", type=int, default=300, metavar="N", help="how many [default: 300]")
+    parser.add_argument("--seed", type=int, default=1, metavar="S", help="seed of everything random, 0 or more [default: 1]")
+    parser.add_argument("--family", choices=FAMILIES, metavar="F",
+                        help=f"only this family: {', '.join(FAMILIES)} [default: the mix of all]")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes, 1 or 2 [default: 1]")
+    arguments = parser.parse_args(argv)
+    if arguments.cases < 1:
+        parser.error(f"--cases {arguments.cases} makes nothing; give 1 or more")
+    if arguments.cases > 9999:
+        parser.error(f"--cases {arguments.cases} is more than names of four digits hold; give 9999 or fewer")
+    if arguments.seed < 0:
+        parser.error(f"--seed {arguments.seed} is negative; give 0 or more")
+    if arguments.jobs not in (1, 2):
+        parser.error(f"--jobs {arguments.jobs} is not 1 or 2; give one of them")
+    if arguments.out.exists() and not arguments.out.is_dir():
+        parser.error(f"--out {arguments.out} is a file; give a folder")
+    return arguments
+
+
+def main(argv: list[str] | None = None) -> int:
+    """0 done, 1 some cases failed, 2 wrong arguments."""
+    a = _arguments(argv)
+    a.out.mkdir(parents=True, exist_ok=True)
+    (a.out / "sealed").mkdir(exist_ok=True)
+    write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed,
+                                    "cases": [case_name(i) for i in range(a.cases)]})
+    tasks = [(a.out, a.seed, i, a.family) for i in range(a.cases) if not is_complete(a.out, i)]
+    if len(tasks) < a.cases:
+        print(f"generator: {a.cases - len(tasks)} of {a.cases} cases are there already", file=sys.stderr)
+    begin, failed = time.monotonic(), 0
+    pool = multiprocessing.get_context("spawn").Pool(a.jobs) if a.jobs > 1 and len(tasks) > 1 else None
+    try:
+        done = pool.imap_unordered(try_case, tasks) if pool else map(try_case, tasks)
+        for count, (index, error) in enumerate(done, 1):
+            failed += bool(error)
+            if error:
+                print(f"generator: {case_name(index)} failed: {error}", file=sys.stderr)
+            left = (time.monotonic() - begin) / count * (len(tasks) - count)
+            print(f"generator: {count} of {len(tasks)}, {left / 60:.1f} min left", file=sys.stderr)
+    finally:
+        if pool:
+            pool.terminate()
+    if failed:
+        print(f"generator: {failed} cases failed; run the same command again with another --seed", file=sys.stderr)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

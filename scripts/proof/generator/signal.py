@@ -1,0 +1,226 @@
+"""How loud an effect is in a recording, and how much of it re-tuning the soil would hide.
+
+Predictions start anew every 5 s. Their changes with the effect, the soil's parameters (log scale) and the starts come
+from differences of the simulator, are whitened by the true noise, and projected by QR.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+
+from .catalogue import EFFECTS
+from .sensors import Samples, Sensors, interpolate, report, sample_times
+from .simulator import COARSE, Drive, Setup, Snapshot, begin, drive_on, make_world
+from .world import Soil
+
+STRETCH = 5.0  # s
+STEP = 0.05  # s between records
+TOLERANCE = 2e-4
+SETTLED = 1.5  # s after which a changed start velocity has become a moved and turned path
+PROBE = 0.02  # of a soil parameter
+SOIL_PROBES = ("k", "sinkage_exponent", "cohesion", "friction_angle_deg", "shear_modulus")
+
+
+@dataclass(frozen=True)
+class Signal:
+    """Sizes in standard deviations of the noise: starts free; starts and soil free."""
+
+    raw: float
+    left: float
+
+    @property
+    def absorbed(self) -> float:
+        """Share of the power that re-tuning the soil takes."""
+        return 1.0 - (self.left / self.raw) ** 2 if self.raw > 0.0 else 0.0
+
+    def numbers(self) -> dict[str, float]:
+        """For the truth."""
+        return {"raw": round(self.raw, 4), "left": round(self.left, 4)}
+
+
+def _probe(soil: Soil, name: str) -> Soil:
+    if name == "k":
+        factor = 1.0 + PROBE
+        return replace(soil, cohesive_modulus=soil.cohesive_modulus * factor,
+                       frictional_modulus=soil.frictional_modulus * factor)
+    return replace(soil, **{name: getattr(soil, name) * (1.0 + PROBE)})
+
+
+@dataclass
+class Case:
+    """A drive of a vehicle with its sensors: the place where signals are measured."""
+
+    setup: Setup
+    drive: Drive
+    sensors: Sensors
+    samples: Samples
+    faults: dict[str, dict[str, float]]
+    pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+class Ruler:
+    """Measures signals on one drive. Raises Undrivable."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        self.channels = list(case.sensors.channels)
+        self.begins = np.arange(0.0, case.drive.seconds - 0.5, STRETCH)
+        world = make_world(case.setup, case.drive, COARSE)
+        snapshot = begin(world, case.pose)
+        self.snapshots: list[Snapshot] = []
+        self.truth: list[np.ndarray] = []
+        for at in self.begins:
+            self.snapshots.append(snapshot.copy())
+            self.truth.append(drive_on(world, snapshot, at, self._length(at), TOLERANCE, STEP))
+        factors: dict[str, np.ndarray] = {}
+        for name in self.channels:
+            times = sample_times(case.samples, name)
+            key = f"{case.sensors.channels[name]}{len(times)}"
+            if key not in factors:
+                factors[key] = cholesky(case.sensors.channels[name].covariance(times), lower=True)
+            factors[name] = factors[key]
+        self.factors = {name: factors[name] for name in self.channels}
+        self.without: dict[tuple[str, ...], list[np.ndarray]] = {}
+
+    def _length(self, at: float) -> float:
+        left = self.case.drive.seconds - at
+        return min(STRETCH, np.floor(left / STEP + 1e-6) * STEP)
+
+    def predict(self, setup: Setup, drive: Drive) -> list[np.ndarray]:
+        """Stretches from the true starts."""
+        key = tuple(setup.effects)
+        usual = drive is self.case.drive and setup.soil is self.case.setup.soil
+        if usual and key in self.without:
+            return self.without[key]
+        world = make_world(setup, drive, COARSE)
+        stretches = [drive_on(world, snapshot.copy(), at, self._length(at), TOLERANCE, STEP)
+                     for at, snapshot in zip(self.begins, self.snapshots)]
+        if usual:
+            self.without[key] = stretches
+        return stretches
+
+    def observe(self, stretches: list[np.ndarray], faults: dict[str, dict[str, float]]) -> dict[str, np.ndarray]:
+        """What the sensors would report without noise."""
+        parts: dict[str, list[np.ndarray]] = {name: [] for name in self.channels}
+        for at, records in zip(self.begins, stretches):
+            wheels, poses = self._within(self.case.samples.wheel_times, at), self._within(self.case.samples.pose_times, at)
+            local = Samples(self.case.samples.wheel_times[wheels] - at, self.case.samples.pose_times[poses] - at)
+            for name, values in report(records, STEP, local, self.channels, faults).items():
+                parts[name].append(values)
+        return {name: np.concatenate(p) for name, p in parts.items()}
+
+    def _within(self, times: np.ndarray, at: float) -> np.ndarray:
+        last = at == self.begins[-1]
+        return (times >= at) & ((times < at + STRETCH) | last)
+
+    def whiten(self, change: dict[str, np.ndarray]) -> np.ndarray:
+        """Stacked over the channels."""
+        return np.concatenate([solve_triangular(self.factors[n], change[n], lower=True) for n in self.channels])
+
+    def _change(self, a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> np.ndarray:
+        return self.whiten({n: a[n] - b[n] for n in self.channels})
+
+    def starts(self, base: list[np.ndarray]) -> np.ndarray:
+        """Columns of the stretches' starts: place, heading, velocities."""
+        world = make_world(self.case.setup, self.case.drive, COARSE)
+        times = {n: sample_times(self.case.samples, n) for n in self.channels}
+        columns = []
+        for at, snapshot, records in zip(self.begins, self.snapshots, base):
+            inside = {n: self._within(times[n], at) for n in self.channels}
+            rows = {n: interpolate(records, STEP, times[n][inside[n]] - at) for n in self.channels}
+            moved = [self._moved(rows, records, direction) for direction in range(3)]
+            length = min(SETTLED, self._length(at))
+            count = int(round(length / STEP))
+            for j in range(3):
+                trial = snapshot.copy()
+                trial.state[3 + j] += 0.02
+                probe = drive_on(world, trial, at, length, TOLERANCE, STEP)
+                short = (probe - records[: count + 1]) / 0.02
+                x, y, turn = short[-1, :3]
+                column = {}
+                for n in self.channels:
+                    t = times[n][inside[n]] - at
+                    index = ("x", "y", "heading", "v_x", "v_y", "yaw_rate").index(n)
+                    early = np.interp(t, np.arange(count + 1) * STEP, short[:, index])
+                    late = np.zeros_like(early)
+                    if n == "x":
+                        late = x - turn * (rows[n][:, 1] - records[count, 1])
+                    elif n == "y":
+                        late = y + turn * (rows[n][:, 0] - records[count, 0])
+                    elif n == "heading":
+                        late = np.full_like(early, turn)
+                    column[n] = np.where(t <= length, early, late)
+                moved.append(column)
+            for column in moved:
+                full = {n: np.zeros(len(times[n])) for n in self.channels}
+                for n in self.channels:
+                    full[n][inside[n]] = column[n]
+                columns.append(self.whiten(full))
+        return np.stack(columns, 1)
+
+    def _moved(self, rows: dict[str, np.ndarray], records: np.ndarray, direction: int) -> dict[str, np.ndarray]:
+        column = {n: np.zeros(len(rows[n])) for n in self.channels}
+        if direction < 2:
+            column["xy"[direction]][:] = 1.0
+        else:
+            column["x"] = -(rows["x"][:, 1] - records[0, 1])
+            column["y"] = rows["y"][:, 0] - records[0, 0]
+            column["heading"] = np.ones(len(rows["heading"]))
+        return column
+
+    def columns(self, off: Setup) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
+        """Predictions with the effects off, the starts' columns and the soil's."""
+        base = self.predict(off, self.case.drive)
+        starts = self.starts(base)
+        seen = self.observe(base, {})
+        soil = []
+        for name in SOIL_PROBES:
+            probed = self.predict(replace(off, soil=_probe(off.soil, name)), self.case.drive)
+            soil.append(self._change(self.observe(probed, {}), seen) / PROBE)
+        return base, starts, np.stack(soil, 1)
+
+    def difference(self, names: list[str]) -> np.ndarray:
+        """Whitened change of the recording by some of the effects."""
+        physics = [n for n in names if EFFECTS[n].kind != "sensor"]
+        faults = {n: v for n, v in self.case.faults.items() if n not in names}
+        late = self.case.faults.get("latency", {}).get("wheels", 0.0) if "latency" in names else 0.0
+        drive = self._delayed(late)
+        without = self.truth if not physics and late == 0.0 else self.predict(self.case.setup.without(*physics), drive)
+        return self._change(self.observe(self.truth, self.case.faults), self.observe(without, faults))
+
+    def response(self, effect: str, values: dict[str, float]) -> np.ndarray:
+        """Whitened change of the recording by an effect that is added to the model without any."""
+        bare = self.case.setup.without(*self.case.setup.effects)
+        base = self.observe(self.predict(bare, self.case.drive), {})
+        if EFFECTS[effect].kind != "sensor":
+            added = replace(bare, effects={effect: values})
+            return self._change(self.observe(self.predict(added, self.case.drive), {}), base)
+        drive = self._delayed(values.get("wheels", 0.0) if effect == "latency" else 0.0)
+        return self._change(base, self.observe(self.predict(bare, drive), {})) + self._change(
+            self.observe(self.predict(bare, self.case.drive), {effect: values}), base)
+
+    def _delayed(self, late: float) -> Drive:
+        """The drive as wheel speeds that come late tell it."""
+        drive = self.case.drive
+        if late == 0.0:
+            return drive
+        grid = np.arange(len(drive.speeds)) * drive.step
+        return replace(drive, speeds=np.stack([np.interp(grid - late, grid, drive.speeds[:, i]) for i in range(2)], 1))
+
+
+def project(signals: list[np.ndarray], starts: list[np.ndarray], soils: list[np.ndarray]) -> Signal:
+    """Sizes over several drives: starts are each drive's own, the soil is shared."""
+    freed, reduced = [], []
+    for signal, start, soil in zip(signals, starts, soils):
+        q, _ = np.linalg.qr(start)
+        freed.append(signal - q @ (q.T @ signal))
+        reduced.append(soil - q @ (q.T @ soil))
+    signal, soil = np.concatenate(freed), np.concatenate(reduced)
+    q, r = np.linalg.qr(soil)
+    kept = np.abs(np.diag(r)) > 1e-9 * np.abs(np.diag(r)).max()
+    left = signal - q[:, kept] @ (q[:, kept].T @ signal)
+    return Signal(float(np.linalg.norm(signal)), float(np.linalg.norm(left)))
+

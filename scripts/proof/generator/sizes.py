@@ -1,0 +1,166 @@
+"""How strong an effect is drawn: parameters that a size s scales, 1 being typical of this vehicle on this soil."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .catalogue import EFFECTS
+from .world import GRAVITY, Soil, Vehicle
+
+SIZES = {"small": (0.35, 0.65), "medium": (0.8, 1.25), "large": (1.6, 2.4)}
+
+
+def rigid_limit(vehicle: Vehicle, soil: Soil) -> float:
+    """Pressure [Pa] below which a tyre is not rigid on this soil (Wong 2.5, after Bekker)."""
+    k = soil.cohesive_modulus / vehicle.wheel_width + soil.frictional_modulus
+    n, load = soil.sinkage_exponent, vehicle.mass * GRAVITY / vehicle.wheels
+    flat = 3.0 * load / ((3.0 - n) * vehicle.wheel_width * math.sqrt(2.0 * vehicle.wheel_radius))
+    return k ** (1.0 / (2.0 * n + 1.0)) * flat ** (2.0 * n / (2.0 * n + 1.0))
+
+
+def draw_effect(effect: str, seed: list[int], s: float, vehicle: Vehicle, soil: Soil, seconds: float,
+                spot: tuple[float, float, float]) -> dict[str, float]:
+    """Parameters of a size. The same seed gives the same shape at every s. spot: x, y, heading somewhere on the path."""
+    rng = np.random.default_rng(seed)
+    values = _SHAPES[effect](rng, s, vehicle, soil, seconds, spot)
+    return {name: float(min(max(value, EFFECTS[effect].parameters[name][1]), EFFECTS[effect].parameters[name][2]))
+            for name, value in values.items()}
+
+
+def _sign(rng: np.random.Generator) -> float:
+    return 1.0 if rng.random() < 0.5 else -1.0
+
+
+def _either(rng: np.random.Generator, first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
+    """One, the other, or both."""
+    which = rng.integers(0, 3)
+    return first if which == 0 else (second if which == 1 else first | second)
+
+
+def _grade(rng, s, vehicle, soil, seconds, spot):
+    toward = rng.uniform(0.0, 2.0 * math.pi)
+    return {"slope_east": 0.05 * s * math.cos(toward), "slope_north": 0.05 * s * math.sin(toward)}
+
+
+def _terrain_change(rng, s, vehicle, soil, seconds, spot):
+    softer = _sign(rng)
+    powers = {"cohesion_factor": 0.5, "friction_factor": 0.18, "stiffness_factor": 0.6, "shear_modulus_factor": -0.35}
+    values = {name: math.exp(softer * p * s * rng.uniform(0.5, 1.0)) for name, p in powers.items()}
+    if rng.random() < 0.6:
+        direction = spot[2] + rng.uniform(-0.6, 0.6)
+        position = spot[0] * math.cos(direction) + spot[1] * math.sin(direction)
+        return values | {"over": 2.0, "direction": direction, "position": position, "transition": rng.uniform(0.3, 1.0)}
+    return values | {"over": 0.0, "position": seconds * rng.uniform(0.35, 0.65), "transition": rng.uniform(0.3, 1.5)}
+
+
+def _bulldozing(rng, s, vehicle, soil, seconds, spot):
+    shape = {"unit_weight": rng.uniform(14000.0, 18000.0)}
+    return shape | _either(rng, {"lateral": 0.8 * s}, {"frontal": 0.3 * s})
+
+
+def _slip_sinkage(rng, s, vehicle, soil, seconds, spot):
+    return {"exponent_growth": 0.2 * s} if rng.random() < 0.5 else {"sinkage_growth": 0.6 * s}
+
+
+def _multipass(rng, s, vehicle, soil, seconds, spot):
+    return {"memory": 1.0 - 0.5 * math.exp(-s), "stiffness_ratio": 4.0 * math.exp(0.7 * s)}
+
+
+def _stress_peak(rng, s, vehicle, soil, seconds, spot):
+    a_0 = {"a0": 0.5 - 0.07 * s}
+    return a_0 | ({"a1": 0.12 * s} if rng.random() < 0.5 else {})
+
+
+def _tyre(rng, s, vehicle, soil, seconds, spot):
+    return {"pressure": rigid_limit(vehicle, soil) * 0.95 * math.exp(-0.22 * s)}
+
+
+def _anisotropy(rng, s, vehicle, soil, seconds, spot):
+    up, stronger = _sign(rng), _sign(rng)
+    return _either(rng, {"modulus_ratio": math.exp(0.4 * s * up)}, {"strength_ratio": math.exp(0.18 * s * stronger)})
+
+
+def _rate(rng, s, vehicle, soil, seconds, spot):
+    share = s * vehicle.mass / 490.0
+    return _either(rng, {"forward": 90.0 * share}, {"lateral": 160.0 * share})
+
+
+def _drawbar(rng, s, vehicle, soil, seconds, spot):
+    return {"force": 0.04 * s * vehicle.mass * GRAVITY, "hitch_behind": max(vehicle.row_positions) + rng.uniform(0.1, 0.5),
+            "hitch_height": rng.uniform(0.6, 1.0) * vehicle.com_height}
+
+
+def _payload(rng, s, vehicle, soil, seconds, spot):
+    return {"mass": 0.12 * s * vehicle.mass, "ahead": rng.uniform(-0.6, 0.6) * max(vehicle.row_positions),
+            "left": rng.uniform(-0.5, 0.5) * vehicle.half_track, "height": rng.uniform(1.0, 1.6) * vehicle.com_height}
+
+
+def _com_shift(rng, s, vehicle, soil, seconds, spot):
+    ahead = {"ahead": _sign(rng) * 0.12 * s * max(vehicle.row_positions)}
+    return _either(rng, ahead, {"left": _sign(rng) * 0.08 * s * vehicle.half_track})
+
+
+def _wheel_radius(rng, s, vehicle, soil, seconds, spot):
+    return _either(rng, {"left": 1.0 - 0.02 * s * rng.uniform(0.6, 1.2)}, {"right": 1.0 - 0.02 * s * rng.uniform(0.6, 1.2)})
+
+
+def _latency(rng, s, vehicle, soil, seconds, spot):
+    which = rng.integers(0, 3)
+    if which == 0:
+        return {"pose": 0.2 * s}
+    return {"wheels": 0.12 * s} if which == 1 else {"pose": 0.2 * s, "yaw_rate": 0.06 * s}
+
+
+def _lever_arm(rng, s, vehicle, soil, seconds, spot):
+    toward = rng.uniform(0.0, 2.0 * math.pi)
+    return {"ahead": 0.3 * s * math.cos(toward), "left": 0.3 * s * math.sin(toward)}
+
+
+def _gusts(rng, s, vehicle, soil, seconds, spot):
+    side = 4.0 * s * (vehicle.mass / 490.0) ** (2.0 / 3.0)
+    return {"side": side, "front": 0.4 * side, "point_ahead": rng.uniform(-0.3, 0.3) * max(vehicle.row_positions)}
+
+
+def _rut(rng, s, vehicle, soil, seconds, spot):
+    direction = spot[2] + rng.uniform(-0.15, 0.15)
+    offset = -spot[0] * math.sin(direction) + spot[1] * math.cos(direction) + rng.uniform(-0.3, 0.3)
+    return {"stiffness": 0.25 * s * vehicle.mass * GRAVITY, "width": rng.uniform(0.4, 0.9), "direction": direction,
+            "offset": offset}
+
+
+def _tether(rng, s, vehicle, soil, seconds, spot):
+    toward, far = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(8.0, 20.0)
+    weight = vehicle.mass * GRAVITY
+    return {"tension": 0.012 * s * weight, "growth": 0.0012 * s * weight, "anchor_x": spot[0] + far * math.cos(toward),
+            "anchor_y": spot[1] + far * math.sin(toward)}
+
+
+_SHAPES = {
+    "grade": _grade, "terrain_change": _terrain_change,
+    "left_right_soil": lambda rng, s, *_: {"ratio": math.exp(0.35 * s * _sign(rng))},
+    "bulldozing": _bulldozing, "slip_sinkage": _slip_sinkage, "multipass": _multipass,
+    "elastic_rebound": lambda rng, s, *_: {"share": 0.2 * s},
+    "stress_peak": _stress_peak, "tyre_compliance": _tyre, "shear_anisotropy": _anisotropy,
+    "transient_shear": lambda rng, s, *_: {"relaxation": s},
+    "rate_dependent_soil": _rate,
+    "drag": lambda rng, s, vehicle, *_: {"coefficient": 15.0 * s * (vehicle.mass / 490.0) ** (2.0 / 3.0)},
+    "drawbar": _drawbar, "payload": _payload, "com_shift": _com_shift, "wheel_radius": _wheel_radius,
+    "latency": _latency, "lever_arm": _lever_arm,
+    "yaw_rate_bias": lambda rng, s, *_: {"bias": 0.012 * s * _sign(rng)},
+    "heading_offset": lambda rng, s, *_: {"offset": 0.035 * s * _sign(rng)},
+    "gusts": _gusts,
+    "sticky_brake": lambda rng, s, *_: {"loss": 0.2 * s, "side": _sign(rng)},
+    "rut_guidance": _rut,
+    "slosh": lambda rng, s, *_: {"share": 0.13 * s, "frequency": rng.uniform(2.5, 5.0), "damping": rng.uniform(0.05, 0.2)},
+    "trailer": lambda rng, s, vehicle, *_: {
+        "resistance": 0.035 * s * vehicle.mass * GRAVITY, "mass": 0.12 * s * vehicle.mass,
+        "hitch": max(vehicle.row_positions) + 0.3, "length": rng.uniform(0.8, 1.6)},
+    "crust": lambda rng, s, *_: {"strength": s, "breaking_load": rng.uniform(0.85, 1.1),
+                                 "breaking_speed": rng.uniform(0.1, 0.4)},
+    "wheel_hop": lambda rng, s, *_: {"amplitude": 0.35 * s, "wavelength": rng.uniform(0.5, 0.9),
+                                     "resonance": rng.uniform(6.0, 12.0)},
+    "tether": _tether,
+    "polished_soil": lambda rng, s, *_: {"loss": 0.2 * s, "speed": rng.uniform(0.2, 0.6)},
+}

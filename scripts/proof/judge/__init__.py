@@ -1,0 +1,1 @@
+"""Judges `ugv diagnose` and its peers on cases with a sealed truth."""

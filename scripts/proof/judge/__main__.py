@@ -1,0 +1,127 @@
+"""Draws cases with a sealed truth, has `ugv diagnose` and its peers answer them, opens the truth, and writes a page.
+
+What has a result is not redone: the same command goes on where it was interrupted.
+"""
+
+import argparse
+import secrets
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from . import files
+from .case import Judged
+from .page import page
+from .peers import NAMES
+from .report import NOT_ANSWERING, report
+from .run import Bench, Processes, each
+
+
+def arguments(given: list[str] | None = None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="prove.sh", description=__doc__)
+    parser.add_argument("--cases", type=int, default=200, metavar="N", help="cases to draw [default: 200]")
+    parser.add_argument("--seed", type=int, metavar="S", help="seed of the cases [default: a new one]")
+    parser.add_argument("--family", action="append", default=[], metavar="F", help="only cases of this family; may be repeated")
+    parser.add_argument("--out", type=Path, default=Path("target/proof"), metavar="DIR", help="[default: target/proof]")
+    parser.add_argument("--set", type=Path, metavar="CASES", help="judge these cases instead of drawing new ones")
+    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="cases at a time [default: 2]")
+    parser.add_argument("--no-peers", action="store_true", help="only ugv")
+    parser.add_argument("--peers", default=",".join(NAMES), metavar="NAMES", help="[default: %(default)s]")
+    parser.add_argument("--limit", type=float, default=600, metavar="S", help="seconds that one diagnosis may take [default: 600]")
+    parser.add_argument("--peer-limit", type=float, default=120, metavar="S", help="seconds that each peer may take [default: 120]")
+    parser.add_argument("--page", action="store_true", help="run nothing; judge what has been answered so far")
+    parser.add_argument("--tool", type=Path, required=True, help=argparse.SUPPRESS)
+    args = parser.parse_args(given)
+    args.peers = [] if args.no_peers else [name for name in args.peers.split(",") if name]
+    if unknown := set(args.peers) - set(NAMES):
+        parser.error(f"no such peer: {', '.join(sorted(unknown))}; there are {', '.join(NAMES)}")
+    return args
+
+
+def draw(args: argparse.Namespace) -> tuple[list[Path], int]:
+    """Folders of cases, drawn as far as they are not there, and their seed."""
+    drawn = files.load(args.out / "drawn.json") or {}
+    seed = args.seed if args.seed is not None else drawn.get("seed", secrets.randbelow(2**31))
+    wanted = {"seed": seed, "families": sorted(args.family)}
+    if drawn and (drawn["seed"], drawn["families"]) != (seed, wanted["families"]):
+        sys.exit(f"prove: {args.out} holds other cases (seed {drawn['seed']}); take another --out or remove it")
+    files.save(args.out / "drawn.json", wanted)
+    cases = args.out / "cases"
+    sets = {cases / family: ["--family", family] for family in wanted["families"]} or {cases: []}
+    for folder, family in sets.items():
+        if not args.page:
+            print(f"prove: {args.cases} cases, seed {seed} {' '.join(family)}", file=sys.stderr)
+            command = [sys.executable, "-m", "generator", "--out", folder, "--cases", args.cases, "--seed", seed, "--jobs", args.jobs]
+            if subprocess.run(list(map(str, [*command, *family])), check=False).returncode:
+                sys.exit("prove: the cases could not be drawn")
+    return list(sets), seed
+
+
+def listed(sets: list[Path], root: Path) -> list[str]:
+    """The cases of all sets, by their paths below the root."""
+    names = []
+    for folder in sets:
+        told = files.load(folder / "set.json")
+        if told is None:
+            sys.exit(f"prove: {folder / 'set.json'} is not there or broken")
+        names += [str((folder / name).relative_to(root)) for name in told["cases"]]
+    return names
+
+
+def sealed(case: Path) -> dict:
+    """A case's truth."""
+    truth = files.load(case.parent / "sealed" / f"{case.name}.json")
+    return truth or sys.exit(f"prove: no truth of {case}")
+
+
+def judged(name: str, truth: dict, results: Path, own: str) -> Judged:
+    """What the tool ("mended"), or a peer, made of a case."""
+    folder = results / name
+    stages = {key: files.load(folder / f"{key}.json") or {} for key in ("nominal", "retuned", "oracle", own)}
+    unseen = {"own" if key == own else key: (stage.get("unseen") or {}).get("rmse") for key, stage in stages.items()}
+    if own in NOT_ANSWERING:
+        unseen[own] = unseen["own"]
+    if own == "mended":
+        run = files.load(folder / "answer" / "run.json") or {}
+        said = files.load(folder / "answer" / "diagnosis.json") if run.get("status") == 0 else None
+        return Judged(name, truth, said, unseen, run.get("seconds"), run.get("status", "not run"))
+    return Judged(name, truth, stages[own].get("answer"), unseen, stages[own].get("seconds"), stages[own].get("status", "not run"))
+
+
+def main() -> None:
+    args = arguments()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    args.out.mkdir(parents=True, exist_ok=True)
+    sets, seed = ([args.set], None) if args.set else draw(args)
+    root = (args.set or args.out / "cases").resolve()
+    names, results = listed([folder.resolve() for folder in sets], root), (args.out / "results").resolve()
+    processes = Processes()
+    tool = args.tool.resolve()
+    bench = Bench(tool, files.fingerprint(tool), root, results, args.limit, args.peer_limit, processes)
+    begin = time.time()
+    if not args.page:
+        each("answers", names, lambda name: bench.answer(name, args.peers), args.jobs, processes)
+        each("oracle", names, bench.open, args.jobs, processes)
+    done = [name for name in names if (results / name / "answer" / "run.json").exists()]
+    if not done:
+        sys.exit("prove: nothing has been answered yet")
+    truths = {name: sealed(root / name) for name in done}
+    methods = ["mended", *NOT_ANSWERING, *args.peers]
+    everyone = {own: [judged(name, truth, results, own) for name, truth in truths.items()] for own in methods}
+    tools = {(files.load(results / name / "answer" / "run.json") or {}).get("tool", "unknown") for name in done}
+    facts = {"seed": seed, "drawn": len(names), "answered": len(done), "tool": ", ".join(sorted(tools)), "limit_s": args.limit,
+             "took_s": round(time.time() - begin)}
+    summary = report(everyone, facts)
+    files.save(args.out / "proof.json", summary)
+    files.write(args.out / "proof.html", page(everyone["mended"], summary))
+    print(f"prove: {args.out / 'proof.html'}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        print("\nprove: interrupted; the same command goes on from here", file=sys.stderr)
+        sys.exit(130)

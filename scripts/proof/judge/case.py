@@ -1,0 +1,176 @@
+"""One case, judged: an answer in the format of diagnosis.json beside the truth."""
+
+from dataclasses import dataclass
+
+from .estimates import overlap
+
+SILENT = {"nothing_missing", "insufficient_data"}
+NONE = "none"  # the verdict where there is no answer: crash, timeout
+PLAIN = 8.0  # signal left after re-tuning, in sigma, from which on an effect should be found
+IDENTIFIABLE = {"single", "sensor", "absorbed", "local", "vehicle"}
+LEAST_SHARE, LEAST_GAIN = 0.1, 0.005  # of the re-tuned error, and m, that the oracle must gain to be compared with
+
+
+@dataclass
+class Judged:
+    """What was told of a case and how right that was."""
+
+    name: str
+    truth: dict
+    said: dict | None  # diagnosis.json, or a peer's answer
+    unseen: dict[str, float | None]  # position error [m] of nominal, retuned, oracle, and "own"
+    seconds: float | None = None
+    status: int | str = 0
+
+    def __post_init__(self) -> None:
+        truth, said = self.truth, self.said or {}
+        self.family, self.signal = truth["family"], truth["signal_left"]
+        self.verdict = said.get("verdict") or NONE
+        self.findings: list[dict] = said.get("findings") or []
+        ranked = sorted(said.get("candidates") or [], key=lambda c: -(c.get("probability") or 0.0))
+        self.probabilities = {c["effect"]: c.get("probability") or 0.0 for c in ranked}
+        silent = ["nothing_missing"] if self.verdict in SILENT else []
+        other = [f["effect"] for f in self.findings] + [c["effect"] for c in ranked if c["effect"] != "nothing_missing"]
+        self.told = list(dict.fromkeys(silent + other)) if self.said else []
+        self.group = set(self.told[:1])
+        if not silent:
+            self.group |= {name for f in self.findings[:1] for name in f.get("ambiguous_with") or []}
+        self.names: list[str] = truth["names"]
+        self.real = [name for name in self.names if name != "nothing_missing"]
+        self.parameters = self._parameters()
+
+    @property
+    def answered(self) -> bool:
+        return self.verdict != NONE
+
+    @property
+    def detected(self) -> bool:
+        return self.answered and self.verdict not in SILENT
+
+    @property
+    def first(self) -> bool:
+        """The first name is right."""
+        return bool(self.told) and self.told[0] in self.names
+
+    @property
+    def two(self) -> bool:
+        """A right name is among the first two."""
+        return bool(set(self.told[:2]) & set(self.names))
+
+    @property
+    def in_set(self) -> bool:
+        """A right name is among those that the first finding is said to be one of."""
+        return bool(self.group & set(self.names))
+
+    @property
+    def both(self) -> bool:
+        """Of several effects, all are named."""
+        return set(self.real) <= set(self.told[: len(self.real)])
+
+    @property
+    def plain(self) -> bool:
+        """There is something, and it should be found."""
+        return bool(self.truth["effects"]) and self.signal >= PLAIN
+
+    @property
+    def identifiable(self) -> bool:
+        """One name is right, and it should be found."""
+        return self.plain and self.family in IDENTIFIABLE and "unknown" not in self.names
+
+    @property
+    def p_truth(self) -> float:
+        """Probability on the truth; 0 where there is no answer."""
+        return min(1.0, sum(self.probabilities.get(name, 0.0) for name in self.names))
+
+    @property
+    def claim(self) -> tuple[float, bool] | None:
+        """Probability of the first thing that was told, and whether it is right."""
+        if not self.probabilities:
+            return None
+        if self.detected and self.findings:
+            return self.findings[0].get("probability") or 0.0, self.first
+        silent = self.probabilities.get("nothing_missing", 0.0)
+        return silent, "nothing_missing" in (*self.names, *self.truth["expected"])
+
+    @property
+    def misnamed(self) -> bool:
+        """Something outside of the catalogue was given a catalogue name."""
+        if self.verdict not in {"missing_physics", "sensor", "ambiguous"}:
+            return False
+        honest = self.verdict == "ambiguous" and self.verdict in self.truth["expected"]
+        return "unknown" not in self.group and self.told[0] not in self.names and not honest
+
+    @property
+    def right(self) -> bool:
+        """The answer is one that the truth allows."""
+        if self.verdict not in self.truth["expected"]:
+            return False
+        if self.resolvable:
+            return self.resolved
+        return self.verdict in SILENT or self.in_set
+
+    @property
+    def resolvable(self) -> bool:
+        """A look-alike with a second recording that tells it apart."""
+        return self.family == "lookalike" and "second" in self.truth["drives"]
+
+    @property
+    def resolved(self) -> bool:
+        return self.detected and self.first and len(self.group) == 1
+
+    @property
+    def located(self) -> float | None:
+        """Overlap of the told seconds with the true ones; 0 where nothing was told."""
+        acts = [act for act in self.truth["drives"]["drive"].get("acts") or [] if act["intervals"]]
+        if self.family != "local" or not self.plain or not acts:
+            return None
+        right = [f for f in self.findings if f["effect"] in self.names] or self.findings[:1]
+        where = [w for f in right[:1] for w in f.get("where") or [] if w.get("recording", "drive") == "drive"]
+        found = [[w["start"], w["end"]] for w in where if w.get("start") is not None]
+        return overlap(found, [pair for act in acts for pair in act["intervals"]])
+
+    def _parameters(self) -> list[tuple[str, float, bool]]:
+        """Of each strength that was told of a right effect: error over the effect's strength, interval holds truth."""
+        right = {f["effect"]: f for f in self.findings if f["effect"] in self.names}
+        result = []
+        for effect in self.truth["effects"]:
+            told = (right.get(effect["effect"]) or {}).get("parameters") or {}
+            true, off = effect["parameters"], effect.get("off") or {}
+            acting = [key for key in off if key in true and true[key] != off[key]]
+            strength = max((min(abs(true[key] - off[key]), abs(true[key])) for key in acting), default=0.0)
+            for key in acting:
+                if key in told and strength > 0:
+                    p = told[key]
+                    error = abs(p["value"] - true[key]) / strength
+                    result.append((f"{effect['effect']}.{key}", error, p["low"] <= true[key] <= p["high"]))
+        return result
+
+    @property
+    def comparable(self) -> bool:
+        """The oracle gains enough over the re-tuned model for a share of it to mean something."""
+        before, best = self.unseen.get("retuned"), self.unseen.get("oracle")
+        return before is not None and best is not None and before - best > max(LEAST_SHARE * before, LEAST_GAIN)
+
+    @property
+    def gain(self) -> float | None:
+        """Share of the oracle's gain on the unseen recording, within -1..1; 0 where there is no model."""
+        if not self.comparable:
+            return None
+        before, best, own = (self.unseen.get(key) for key in ("retuned", "oracle", "own"))
+        return 0.0 if own is None else max(-1.0, min(1.0, (before - own) / (before - best)))
+
+    @property
+    def short(self) -> str:
+        """What was told, in one cell."""
+        if not self.answered:
+            return f"no answer ({self.status})"
+        if self.verdict in SILENT:
+            return self.verdict.replace("_", " ")
+        names = sorted(self.group - set(self.told[:1]))
+        more = [f["effect"] for f in self.findings[1:] if f["effect"] not in names]
+        return self.told[0] + "".join(f" or {name}" for name in names) + "".join(f" + {name}" for name in more)
+
+    @property
+    def true_short(self) -> str:
+        """The truth, in one cell."""
+        return " + ".join(f"{e['effect'].removeprefix('outside:')} ({e['size']})" for e in self.truth["effects"]) or "nothing missing"

@@ -1,0 +1,80 @@
+"""Predicting windows of a recording with a model of `ugv`, four seconds ahead."""
+
+import json
+import math
+import subprocess
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .recording import PERFECT, Recording, Sensors, Window
+
+SENSOR_EFFECTS = ("latency", "lever_arm", "yaw_rate_bias", "heading_offset")
+Motion = dict[str, np.ndarray]
+Predictor = Callable[[Window], tuple[float, float] | None]
+
+
+class Simulator:
+    """`ugv simulate` of one model."""
+
+    def __init__(self, tool: Path, model: Path) -> None:
+        self.tool, self.model = tool, model
+
+    def motion(self, window: Window) -> Motion | None:
+        """The motion at the window's times; None where the vehicle cannot drive on."""
+        initial = [f"{key}={value!r}" for key, value in vars(window.initial).items()]
+        table = zip(window.time, window.left, window.right)
+        text = "time,omega_left,omega_right\n" + "".join(f"{t:.6f},{a:.8g},{b:.8g}\n" for t, a, b in table)
+        command = [str(self.tool), "simulate", "--input", "-", "--model", str(self.model), "--initial", *initial]
+        done = subprocess.run([*command, "--output", "-", "--quiet"], input=text, capture_output=True, text=True, check=False)
+        if done.returncode:
+            return None
+        head, *lines = done.stdout.splitlines()
+        values = np.array([line.split(",") for line in lines])
+        wanted = {"time", "x", "y", "heading", "v_x", "v_y", "yaw_rate"}
+        return {name: values[:, k].astype(float) for k, name in enumerate(head.split(",")) if name in wanted}
+
+    def __call__(self, window: Window) -> tuple[float, float] | None:
+        motion = self.motion(window)
+        return None if motion is None else (float(motion["x"][-1]), float(motion["y"][-1]))
+
+
+def errors(windows: Sequence[Window], predict: Predictor) -> dict:
+    """Position errors at the end of windows; where a model fails, as if the vehicle had stayed where it was."""
+    failed, squares = 0, []
+    for window in windows:
+        place = predict(window)
+        if place is None or not all(map(math.isfinite, place)):
+            failed, place = failed + 1, (window.initial.x, window.initial.y)
+        squares.append((place[0] - window.final.x) ** 2 + (place[1] - window.final.y) ** 2)
+    rmse = math.sqrt(sum(squares) / len(squares)) if squares else None
+    return {"rmse": rmse, "windows": len(squares), "failed": failed}
+
+
+def on_unseen(tool: Path, model: Path, recording: Path, sensors: Sensors = PERFECT) -> dict:
+    """Errors of a model, and what it says of the sensors, on a recording."""
+    return errors(Recording(recording, sensors).windows(), Simulator(tool, model))
+
+
+def told_sensors(findings: Sequence[dict]) -> Sensors:
+    """What findings say of the sensors."""
+    told = {}
+    for finding in findings:
+        if finding["effect"] in SENSOR_EFFECTS:
+            told[finding["effect"]] = {name: p["value"] for name, p in (finding.get("parameters") or {}).items()}
+    return Sensors(**told)
+
+
+def nominal_model(tool: Path, recording: Path, to: Path) -> None:
+    """Writes the model as the recording's sidecar tells it."""
+    told = json.loads(recording.with_suffix(".json").read_text())
+    with tempfile.TemporaryDirectory() as folder:
+        parts = []
+        for key in ("vehicle", "terrain"):
+            path = Path(folder) / f"{key}.json"
+            path.write_text(json.dumps(told[key]))
+            parts += [f"--{key}", str(path)]
+        done = subprocess.run([str(tool), "model", *parts], capture_output=True, text=True, check=True)
+    to.write_text(done.stdout)

@@ -1,0 +1,141 @@
+"""A recording: its channels, the state at a moment, and windows to predict."""
+
+import csv
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+HORIZON = 4.0  # s that are predicted
+SPACING = 1.5  # s between the starts of windows
+MARGIN = 0.6  # s on either side that tell the state at a moment
+LONGEST_GAP = 0.5  # s without wheel speeds that are bridged
+
+Series = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """What a model says of the sensors; the names are the catalogue's."""
+
+    latency: dict[str, float] = field(default_factory=dict)  # pose, yaw_rate, wheels
+    lever_arm: dict[str, float] = field(default_factory=dict)  # ahead, left
+    yaw_rate_bias: dict[str, float] = field(default_factory=dict)  # bias
+    heading_offset: dict[str, float] = field(default_factory=dict)  # offset
+
+
+PERFECT = Sensors()
+
+
+@dataclass(frozen=True)
+class State:
+    """Pose and body-frame velocities."""
+
+    x: float
+    y: float
+    heading: float
+    v_x: float
+    v_y: float
+    yaw_rate: float
+
+
+@dataclass(frozen=True)
+class Window:
+    """Wheel speeds from a known state on, and the states that followed. Times from the start of the window."""
+
+    start: float
+    initial: State
+    time: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+    final: State
+
+
+def local(series: Series, at: float, half: float, degree: int) -> np.ndarray | None:
+    """Value and derivative at a moment by a polynomial through what is near; None where too little is."""
+    time, values = series
+    near = slice(*np.searchsorted(time, [at - half - 1e-9, at + half + 1e-9]))
+    dt = time[near] - at
+    if len(dt) < degree + 2 or dt[0] > -half / 4 or dt[-1] < half / 4:
+        return None
+    return np.polynomial.polynomial.polyfit(dt, values[near], degree)[:2]
+
+
+class Recording:
+    """Channels without their missing samples, with the sensors' faults taken out as a model tells them."""
+
+    def __init__(self, path: Path, sensors: Sensors = PERFECT) -> None:
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        names = rows[0].keys()
+        columns = {name: np.array([float(row[name] or "nan") for row in rows]) for name in names if name != "run"}
+        late = {"pose": ["x", "y", "heading"], "yaw_rate": ["yaw_rate"], "wheels": ["omega_left", "omega_right"]}
+        delay = {column: sensors.latency.get(key, 0.0) for key, group in late.items() for column in group}
+        self.channels: dict[str, Series] = {}
+        for name, values in columns.items():
+            there = np.isfinite(values)
+            if name != "time" and there.sum() > 2:
+                self.channels[name] = columns["time"][there] - delay.get(name, 0.0), values[there]
+        if "heading" in self.channels:
+            time, heading = self.channels["heading"]
+            self.channels["heading"] = time, np.unwrap(heading) - sensors.heading_offset.get("offset", 0.0)
+        if "yaw_rate" in self.channels:
+            time, rate = self.channels["yaw_rate"]
+            self.channels["yaw_rate"] = time, rate - sensors.yaw_rate_bias.get("bias", 0.0)
+        self.ahead, self.left = sensors.lever_arm.get("ahead", 0.0), sensors.lever_arm.get("left", 0.0)
+        self.end = min(time[-1] for time, _ in self.channels.values())
+        self.begin = max(time[0] for time, _ in self.channels.values())
+
+    def heading(self, at: float) -> float | None:
+        """Heading by the samples of a second on either side, carried over by the gyro where there is one."""
+        if "yaw_rate" not in self.channels:
+            fit = local(self.channels["heading"], at, MARGIN, 2)
+            return None if fit is None else float(fit[0])
+        time, heading = self.channels["heading"]
+        near = slice(*np.searchsorted(time, [at - 1.0, at + 1.0]))
+        if near.stop - near.start < 4:
+            return None
+        clock, rate = self.channels["yaw_rate"]
+        turned = np.concatenate([[0.0], np.cumsum(np.diff(clock) * (rate[1:] + rate[:-1]) / 2)])
+        return float(np.mean(heading[near] - np.interp(time[near], clock, turned)) + np.interp(at, clock, turned))
+
+    def state(self, at: float) -> State | None:
+        """The state at a moment; None where the recording does not tell it."""
+        x, y = (local(self.channels[name], at, MARGIN, 2) for name in "xy")
+        heading = self.heading(at)
+        if x is None or y is None or heading is None:
+            return None
+        source = "yaw_rate" if "yaw_rate" in self.channels else "heading"
+        turning = local(self.channels[source], at, MARGIN / 2 if source == "yaw_rate" else MARGIN, 2)
+        if turning is None:
+            return None
+        rate = float(turning[0] if source == "yaw_rate" else turning[1])
+        c, s = np.cos(heading), np.sin(heading)
+        v = [c * x[1] + s * y[1] + rate * self.left, c * y[1] - s * x[1] - rate * self.ahead]
+        for k, name in enumerate(("v_x", "v_y")):
+            if name in self.channels:
+                fit = local(self.channels[name], at, MARGIN / 2, 1)
+                v[k] = v[k] if fit is None else fit[0]
+        place = x[0] - c * self.ahead + s * self.left, y[0] - s * self.ahead - c * self.left
+        return State(*map(float, (*place, heading, *v, rate)))
+
+    def wheels(self, start: float, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """Wheel speeds between two moments, ends included; None where they are missing for long."""
+        both = [self.channels[name] for name in ("omega_left", "omega_right")]
+        inner = both[0][0][(both[0][0] > start + 1e-6) & (both[0][0] < end - 1e-6)]
+        time = np.concatenate([[start], inner, [end]])
+        if np.diff(time).max() > LONGEST_GAP:
+            return None
+        return time - start, *(np.interp(time, *series) for series in both)
+
+    def windows(self, spacing: float = SPACING, horizon: float = HORIZON) -> list[Window]:
+        """Windows in which the vehicle moves and whose ends the recording tells."""
+        found = []
+        for start in np.arange(self.begin + 1.0, self.end - horizon - 1.0 + 1e-9, spacing):
+            ends = self.state(start), self.state(start + horizon)
+            wheels = self.wheels(start, start + horizon)
+            if wheels is None or ends[0] is None or ends[1] is None:
+                continue
+            if max(np.abs(wheels[1]).mean(), np.abs(wheels[2]).mean()) > 0.05:
+                found.append(Window(float(start), ends[0], *wheels, ends[1]))
+        return found

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Proves `ugv diagnose`: draws new cases with a sealed truth from an independent simulator, has the tool and its peers
+# answer them, opens the truth afterwards, and writes DIR/proof.html and DIR/proof.json. Options: scripts/prove.sh --help.
+# UGV_TOOL names a binary to prove in place of the one that is built here.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+./scripts/setup.sh >&2
+tool=${UGV_TOOL:-target/release/ugv}
+if [[ -z "${UGV_TOOL:-}" && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
+    cargo build --locked --release --bin ugv >&2
+fi
+PYTHONPATH=scripts/proof exec target/venv/bin/python -m judge --tool "$tool" "$@"

@@ -1,0 +1,277 @@
+"""The judge of scripts/proof: its measures against truths and answers made by hand, and how it runs the tool."""
+
+import json
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+from page_check import browser, check_page, find_chromium
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts" / "proof"))
+
+from judge import estimates, files
+from judge.case import Judged
+from judge.metrics import confusion, metrics
+from judge.oracle import active, knowable
+from judge.page import page
+from judge.report import report
+from judge.run import Bench, Processes, each
+
+CHROMIUM = find_chromium()
+DRAWBAR = {"effect": "drawbar", "kind": "physics", "size": "large", "off": {"force": 0.0},
+           "parameters": {"force": 200.0, "hitch_height": 0.3}}
+GUSTS = {"effect": "outside:gusts", "kind": "outside", "size": "small", "parameters": {"side": 3.0}, "off": {"side": 0.0}}
+FACTS = {"seed": 7, "drawn": 1, "answered": 1, "tool": "t", "limit_s": 600, "took_s": 1}
+
+
+def truth(family: str = "single", effects: tuple = (DRAWBAR,), signal: float = 20.0, **more: object) -> dict:
+    """A truth with one effect of the catalogue."""
+    names = [e["effect"] if e["kind"] != "outside" else "unknown" for e in effects] or ["nothing_missing"]
+    expected = {"nothing": ["nothing_missing"], "outside": ["unknown_physics"]}.get(family, ["missing_physics"])
+    drives = {"drive": {"acts": [{"effect": "drawbar", "intervals": [[10.0, 20.0]]}]}, "unseen": {}}
+    return {"case": "case", "family": family, "variant": "", "effects": list(effects), "names": names, "expected": expected,
+            "signal_left": signal, "drives": drives, "rivals": []} | more
+
+
+def said(verdict: str, *names: str, p: float = 0.9, group: tuple = (), **more: object) -> dict:
+    """An answer whose findings all have one probability."""
+    findings = [{"effect": name, "probability": p, "ambiguous_with": list(group)} | more for name in names]
+    first = names[0] if names else "nothing_missing"
+    rest = [{"effect": name, "probability": (1 - p) / 2} for name in ("grade", "unknown") if name != first]
+    return {"verdict": verdict, "findings": findings, "candidates": [{"effect": first, "probability": p}, *rest]}
+
+
+def case(true: dict, answer: dict | None, **unseen: float | None) -> Judged:
+    return Judged("case_0000", true, answer, unseen, 3.0, 0 if answer else "timeout")
+
+
+def measured(cases: list[Judged]) -> dict[str, float | None]:
+    return {metric.key: metric.value for metric in metrics(cases)}
+
+
+class Estimates(unittest.TestCase):
+    """Numbers with known values."""
+
+    def test_wilson_solves_the_score_equation(self) -> None:
+        for hits, n in ((5, 10), (1, 40), (97, 100)):
+            for end in estimates.wilson(hits, n):
+                self.assertAlmostEqual(abs(hits / n - end), estimates.Z * math.sqrt(end * (1 - end) / n), places=12)
+        self.assertAlmostEqual(estimates.wilson(0, 10)[1], 0.21294, places=5)
+        self.assertEqual(estimates.wilson(0, 0), (0.0, 1.0))
+
+    def test_bootstrap_of_a_mean_has_its_known_width(self) -> None:
+        values = list(np.random.default_rng(3).normal(2.0, 1.0, 400))
+        low, high = estimates.bootstrap(values, lambda drawn: float(np.mean(drawn)))
+        self.assertAlmostEqual(high - low, 2 * estimates.Z / 20, delta=0.03)
+        self.assertLess(abs((low + high) / 2 - np.mean(values)), 0.01)
+
+    def test_overlap_of_intervals(self) -> None:
+        self.assertAlmostEqual(estimates.overlap([[0, 10]], [[5, 15]]), 1 / 3)
+        self.assertAlmostEqual(estimates.overlap([[0, 4], [6, 10]], [[0, 10]]), 0.8)
+        self.assertEqual(estimates.overlap([], [[0, 1]]), 0.0)
+
+    def test_calibration_error(self) -> None:
+        perfect = [(0.8, k < 4) for k in range(5)] + [(0.3, k < 3) for k in range(10)]
+        self.assertAlmostEqual(estimates.calibration_error(perfect), 0.0)
+        self.assertAlmostEqual(estimates.calibration_error([(0.8, True)] * 4 + [(0.6, False)]), (4 * 0.2 + 0.6) / 5)
+        self.assertEqual([b["n"] for b in estimates.bins(perfect)], [10, 5])
+
+
+class Metrics(unittest.TestCase):
+    """Every metric on cases that it must tell apart."""
+
+    def test_false_alarms_and_crashes(self) -> None:
+        nothing = truth("nothing", (), 0.0)
+        answers = [said("nothing_missing"), said("missing_physics", "grade"), None, said("insufficient_data")]
+        found = measured([case(nothing, answer) for answer in answers])
+        self.assertEqual(found["false_alarms"], 0.5)
+        self.assertEqual(found["failed"], 0.25)
+        self.assertIsNone(found["detection"])
+
+    def test_detection_counts_strong_signals_only(self) -> None:
+        cases = [case(truth(), said("missing_physics", "drawbar")), case(truth(), said("nothing_missing")), case(truth(), None),
+                 case(truth(signal=7.9), said("nothing_missing"))]
+        self.assertAlmostEqual(measured(cases)["detection"], 1 / 3)
+
+    def test_names(self) -> None:
+        cases = [case(truth(), said("missing_physics", "drawbar")), case(truth(), said("missing_physics", "grade", "drawbar")),
+                 case(truth(), said("missing_physics", "grade")), case(truth(), None),
+                 case(truth("lookalike"), said("missing_physics", "drawbar"))]
+        found = measured(cases)
+        self.assertEqual((found["first"], found["two"]), (0.25, 0.5))
+
+    def test_both_of_a_pair(self) -> None:
+        pair = truth("pair", (DRAWBAR, DRAWBAR | {"effect": "grade"}))
+        cases = [case(pair, said("missing_physics", "grade", "drawbar")), case(pair, said("missing_physics", "grade", "drag"))]
+        self.assertEqual(measured(cases)["both"], 0.5)
+        self.assertIn("one or both of them", confusion(cases)["two effects"])
+
+    def test_probability_and_claims(self) -> None:
+        cases = [case(truth(), said("missing_physics", "drawbar", p=0.8)), case(truth(), said("missing_physics", "grade", p=0.8)),
+                 case(truth("nothing", (), 0.0), said("nothing_missing", p=0.7)), case(truth(), None)]
+        found = measured(cases)
+        self.assertAlmostEqual(found["p_truth"], (0.8 + 0.0 + 0.7 + 0.0) / 4)
+        self.assertAlmostEqual(found["calibration"], (abs(1.6 - 1) + 0.3) / 3)
+
+    def test_location(self) -> None:
+        where = [{"recording": "drive", "start": 12.0, "end": 20.0}, {"recording": "second", "start": 0.0, "end": 90.0}]
+        right = case(truth("local"), said("missing_physics", "drawbar", where=where))
+        self.assertAlmostEqual(right.located, 0.8)
+        self.assertEqual(case(truth("local"), said("nothing_missing")).located, 0.0)
+        self.assertIsNone(case(truth("single"), said("missing_physics", "drawbar", where=where)).located)
+
+    def test_parameters(self) -> None:
+        told = {"force": {"value": 230.0, "low": 205.0, "high": 260.0}, "hitch_height": {"value": 9.0, "low": 8.0, "high": 9.5}}
+        found = measured([case(truth(), said("missing_physics", name, parameters=told)) for name in ("drawbar", "grade")])
+        self.assertAlmostEqual(found["parameter_error"], 0.15)
+        self.assertEqual(found["coverage"], 0.0)
+
+    def test_gain_on_the_unseen_drive(self) -> None:
+        answer = said("missing_physics", "drawbar")
+        gain = lambda own, oracle=0.1: case(truth(), answer, retuned=0.3, oracle=oracle, own=own).gain
+        self.assertAlmostEqual(gain(0.15), 0.75)
+        self.assertEqual(gain(9.0), -1.0)
+        self.assertEqual(gain(None), 0.0)
+        self.assertIsNone(gain(0.15, 0.29))
+        cases = [case(truth(), answer, retuned=0.3, oracle=o, own=0.15) for o in (0.1, 0.29, None)]
+        metric = next(m for m in metrics(cases) if m.key == "gain")
+        self.assertEqual((metric.n, metric.note[:10]), (1, "2 left out"))
+
+    def test_look_alikes(self) -> None:
+        alike = truth("lookalike", expected=["missing_physics", "ambiguous"])
+        twice = alike | {"drives": {**alike["drives"], "second": {}}}
+        cases = [case(alike, said("ambiguous", "grade", group=("drawbar", "drag"))), case(alike, said("missing_physics", "grade")),
+                 case(twice, said("missing_physics", "drawbar")), case(twice, said("ambiguous", "drawbar", group=("grade",)))]
+        found = measured(cases)
+        self.assertEqual((found["alike_in_set"], found["alike_size"], found["alike_resolved"]), (0.75, 1.75, 0.5))
+        self.assertEqual([c.right for c in cases], [True, False, True, False])
+
+    def test_outside_of_the_catalogue(self) -> None:
+        outside = truth("outside", (GUSTS,))
+        answers = [said("unknown_physics", "unknown"), said("missing_physics", "grade"), said("nothing_missing"),
+                   said("ambiguous", "grade", group=("unknown",))]
+        self.assertEqual(measured([case(outside, answer) for answer in answers])["misnamed"], 0.25)
+
+    def test_targets(self) -> None:
+        found = {m.key: m for m in metrics([case(truth(), said("missing_physics", "drawbar", p=1.0))])}
+        self.assertTrue(found["first"].met and found["calibration"].met)
+        self.assertIsNone(found["false_alarms"].met)
+        self.assertFalse({m.key: m for m in metrics([case(truth(), None)])}["detection"].met)
+
+
+class Oracle(unittest.TestCase):
+    """What one who knows the effect fits."""
+
+    def test_what_an_oracle_can_be_told(self) -> None:
+        place, time = ({"windows": {"drive": {"kind": kind, "numbers": [1.0, 2.0, 3.0]}}} for kind in ("disc", "time"))
+        self.assertTrue(knowable(truth()))
+        self.assertTrue(knowable(truth("local", (DRAWBAR | place,))))
+        self.assertFalse(knowable(truth("local", (DRAWBAR | time,))))
+        self.assertFalse(knowable(truth("outside", (GUSTS,))))
+        self.assertEqual(active(DRAWBAR | {"off": {"force": 0.0, "hitch_height": 0.3}}), ["force"])
+
+
+TOOL = """#!/bin/sh
+# Answers as a tool that knows one answer; "crash" and "slow" in the recording make it fail.
+echo called >> "{log}"
+for last; do case $want in --out) out=$last;; esac; want=$last; done
+grep -q crash drive.csv && exit 3
+grep -q slow drive.csv && sleep 30
+mkdir -p "$out"
+echo '{{"verdict": "nothing_missing"}}' > "$out/diagnosis.json"
+"""
+
+
+class Running(unittest.TestCase):
+    """What has a result is not redone, what is half-written is; what fails is told."""
+
+    def setUp(self) -> None:
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.log, tool = self.folder / "calls", self.folder / "tool"
+        tool.write_text(TOOL.format(log=self.log))
+        tool.chmod(0o755)
+        self.bench = Bench(tool, "mark", self.folder / "cases", self.folder / "results", 2.0, 5.0, Processes())
+
+    def case(self, name: str, content: str = "time\n") -> Path:
+        folder = self.folder / "cases" / name
+        folder.mkdir(parents=True)
+        for file in ("drive.csv", "drive.json", "unseen.csv"):
+            (folder / file).write_text(content)
+        return self.folder / "results" / name
+
+    @property
+    def calls(self) -> int:
+        return self.log.read_text().count("called")
+
+    def test_a_result_is_not_redone_and_a_half_written_one_is(self) -> None:
+        result = self.case("a")
+        self.assertEqual(self.bench.diagnose("a")["status"], 0)
+        self.bench.diagnose("a")
+        self.assertEqual(self.calls, 1)
+        (result / "answer").rename(result / "answer.part")
+        self.assertEqual(self.bench.diagnose("a")["status"], 0)
+        self.assertEqual(self.calls, 2)
+        self.assertFalse((result / "answer.part").exists())
+        files.write(result / "answer" / "run.json", json.dumps({"status": 0, "tool": "another build"}))
+        self.bench.diagnose("a")
+        self.assertEqual(self.calls, 3)
+
+    def test_a_stage_with_a_result_is_not_redone_and_one_that_fails_is_told(self) -> None:
+        result = self.case("a")
+        files.save(result / "nominal.json", {"status": "done", "unseen": {"rmse": 0.5}})
+        self.assertEqual(self.bench.stage("a", "nominal")["unseen"]["rmse"], 0.5)
+        (result / "retuned.json").write_text('{"status": "do')
+        self.assertNotEqual(self.bench.stage("a", "retuned")["status"], "done")
+        self.assertIn("error", json.loads((result / "retuned.json").read_text()))
+
+    def test_crash_and_timeout_are_results(self) -> None:
+        for name, status in (("crash", 3), ("slow", "timeout")):
+            result = self.case(name, f"{name}\n")
+            self.assertEqual(self.bench.diagnose(name)["status"], status)
+            self.assertEqual(files.load(result / "answer" / "run.json")["status"], status)
+
+    def test_an_interruption_ends_everything(self) -> None:
+        self.case("a")
+        self.bench.processes.stop()
+        with self.assertRaises(KeyboardInterrupt):
+            each("answers", ["a"], lambda name: self.bench.diagnose(name) and None, 1, self.bench.processes)
+        self.assertFalse((self.folder / "results" / "a" / "answer").exists())
+
+
+class PageOfAll(unittest.TestCase):
+    """The page has every case and is well set."""
+
+    def cases(self) -> list[Judged]:
+        answers = [said("missing_physics", "drawbar"), said("nothing_missing"), None, said("unknown_physics", "unknown", p=0.4),
+                   said("ambiguous", "rate_dependent_soil", group=("shear_anisotropy", "tyre_compliance", "drawbar"))]
+        families = ["single", "lookalike", "local", "outside", "nothing"]
+        true = {"outside": (GUSTS,), "nothing": ()}
+        return [Judged(f"{family}/case_{k:04d}", truth(family, true.get(family, (DRAWBAR,))), answer,
+                       {"retuned": 0.3, "oracle": 0.1, "own": 0.2}, 3.0, 0 if answer else "timeout")
+                for k, (family, answer) in enumerate((f, a) for f in families for a in answers)]
+
+    def test_page_and_json(self) -> None:
+        cases = self.cases()
+        summary = report({"mended": cases, "nominal": cases, "stepwise": cases}, FACTS | {"drawn": len(cases), "answered": len(cases)})
+        text = page(cases, summary)
+        json.dumps(summary, allow_nan=False)
+        self.assertEqual(text.count("<tr data-case>"), len(cases))
+        for one in cases:
+            self.assertIn(one.name, text)
+        self.assertEqual(text.count('class="case"'), sum(not one.right for one in cases))
+        self.assertLess(text.rindex('class="case"'), text.index("data-case"))
+        self.assertEqual(sum(sum(row.values()) for row in summary["confusion"].values()), len(cases))
+        if CHROMIUM is None:
+            self.skipTest("no chromium found: apt-get install chromium, or set UGV_CHROMIUM")
+        with tempfile.TemporaryDirectory() as folder, browser(CHROMIUM) as opened:
+            path = Path(folder) / "proof.html"
+            path.write_text(text)
+            self.assertEqual(check_page(opened, path), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
