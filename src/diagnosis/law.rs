@@ -98,7 +98,7 @@ fn select(
 }
 
 /// The dimensionless group that a law's coefficient multiplies, as its effect's equation has it:
-/// `abs(u) q` for `speed_turning`, 1 for a constant.
+/// `|u| q` for `speed_turning`, 1 for a constant.
 #[must_use]
 pub fn group(effect: usize, name: &str) -> String {
     let equation = CATALOGUE[effect].equation;

@@ -7,6 +7,7 @@
 //! an effect whose fit lost its way may be behind it. These numbers were chosen on development cases
 //! from another simulator (see the docs).
 
+use super::findings::likeliest_first;
 use super::search::{Member, NOTHING, Searched};
 use super::{Subject, Verdict};
 
@@ -43,17 +44,10 @@ pub struct Odds(pub Vec<(Subject, f64)>);
 
 impl Odds {
     fn new(weighed: &[(Subject, f64)], nothing: f64) -> Self {
-        let mut logs: Vec<(Subject, f64)> = vec![(Subject::Nothing, nothing)];
-        for (subject, odds) in weighed {
-            match logs.iter_mut().find(|(other, _)| other == subject) {
-                Some((_, best)) => *best = best.max(*odds),
-                None => logs.push((*subject, *odds)),
-            }
-        }
-        let top = logs
-            .iter()
-            .map(|(_, l)| *l)
-            .fold(f64::NEG_INFINITY, f64::max);
+        let mut all = vec![(Subject::Nothing, nothing)];
+        all.extend_from_slice(weighed);
+        let logs = likeliest_first(&all);
+        let top = logs[0].1;
         let temperature = TEMPERATURE + PER_EVIDENCE * top.max(0.0);
         let weight = |log: f64| ((log - top) / temperature).exp();
         let sum: f64 = logs.iter().map(|(_, log)| weight(*log)).sum();

@@ -264,7 +264,8 @@ class Agreement(unittest.TestCase):
     def test_agrees_with_ugv_simulate(self):
         drive = a_drive(20.0)
         cases = [{}, {"grade": {"slope_east": 0.05, "slope_north": -0.03}}, {"drawbar": {"force": 200.0}},
-                 {"elastic_rebound": {"share": 0.25}}, {"shear_anisotropy": {"modulus_ratio": 1.5}}]
+                 {"elastic_rebound": {"share": 0.25}}, {"shear_anisotropy": {"modulus_ratio": 1.5}},
+                 {"slip_sinkage": {"sinkage_growth": 0.5}}]
         for soil in ("dry_sand", "clayed_soil"):
             for effects in cases:
                 with self.subTest(f"{soil} {effects}"), tempfile.TemporaryDirectory() as folder:

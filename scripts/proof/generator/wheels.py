@@ -58,8 +58,8 @@ def wheel_soil(e, left, east, north, time, distance, load, mean_load, motion, ru
     _, slip = slips(motion)
     n += e[I.slip_sinkage_exponent_growth] * slip
     growth = e[I.slip_sinkage_sinkage_growth] * slip
-    if growth > 0.0:  # a static load W ~ k z^(n + 1/2) then sinks z0 (1 + S s) / (1 - S s / 2)
-        k *= ((1.0 + growth) / (1.0 - 0.5 * growth)) ** (-(n + 0.5))
+    if growth > 0.0:  # under the same pressure a plate sinks (1 + S s) / (1 - S s / 2) times as deep
+        k *= ((1.0 + growth) / (1.0 - 0.5 * growth)) ** -n
 
     if e[I.crust_strength] > 0.0:
         slide = math.sqrt((motion[3] - motion[0]) ** 2 + motion[1] ** 2)
