@@ -1,13 +1,19 @@
 #!/usr/bin/env bash
 # Proves `ugv diagnose`: draws new cases with a sealed truth from an independent simulator, has the tool and its peers
 # answer them, opens the truth afterwards, and writes DIR/proof.html and DIR/proof.json. Options: scripts/prove.sh --help.
+# `scripts/prove.sh altered` conceals changes in real recordings instead (UGV_DATA; scripts/prove.sh altered --help).
 # UGV_TOOL names a binary to prove in place of the one that is built here.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+module=judge
+if [[ "${1:-}" == altered ]]; then
+    module=altered
+    shift
+fi
 ./scripts/setup.sh >&2
 tool=${UGV_TOOL:-target/release/ugv}
 if [[ -z "${UGV_TOOL:-}" && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
     cargo build --locked --release --bin ugv >&2
 fi
-PYTHONPATH=scripts/proof exec target/venv/bin/python -m judge --tool "$tool" "$@"
+PYTHONPATH=scripts/proof exec target/venv/bin/python -m "$module" --tool "$tool" "$@"

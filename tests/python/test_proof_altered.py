@@ -1,0 +1,91 @@
+"""Changes that scripts/proof/altered conceals in recordings, and how it tells whether they were found."""
+
+import math
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts" / "proof"))
+
+from altered import recordings
+from altered.cases import LEFT, POSE, located
+from altered.recordings import Table
+
+SIDECAR = Path("none.json")
+
+
+def row(time: float, **told: float) -> dict[str, str]:
+    names = ("omega_left", "omega_right", "x", "y", "heading", "yaw_rate")
+    return {"time": f"{time:g}"} | {name: f"{told[name]:g}" if name in told else "" for name in names}
+
+
+DRIVE = Table([row(0.0, omega_left=1.0, x=0.0, y=0.0, heading=0.5, yaw_rate=0.1), row(0.1, yaw_rate=0.2),
+               row(0.2, omega_left=2.0, x=1.0, y=2.0, heading=1.0)], SIDECAR)
+
+
+def answer(**found: dict) -> dict:
+    """An answer with findings of the whole recording."""
+    return {"findings": [{"effect": name, "kind": "physics", "local": False, "where": [], "parameters":
+                          {key: {"value": value} for key, value in values.items()}} for name, values in found.items()]}
+
+
+class Changes(unittest.TestCase):
+    def test_only_what_is_named_changes(self) -> None:
+        slower, biased = recordings.slower_left(DRIVE, 0.5), recordings.biased_gyro(DRIVE, 1.0)
+        self.assertEqual([r["omega_left"] for r in slower.rows], ["0.5", "", "1"])
+        self.assertEqual([r["yaw_rate"] for r in biased.rows], ["1.1", "1.2", ""])
+        for before, after, column in zip(DRIVE.rows * 2, slower.rows + biased.rows, ["omega_left"] * 3 + ["yaw_rate"] * 3, strict=True):
+            self.assertEqual({k: v for k, v in before.items() if k != column}, {k: v for k, v in after.items() if k != column})
+
+    def test_a_late_pose_keeps_its_values_and_the_others_their_times(self) -> None:
+        late = recordings.late_pose(DRIVE, 0.1).rows
+        self.assertEqual([(r["time"], r["x"], r["yaw_rate"], r["omega_left"]) for r in late],
+                         [("0", "", "0.1", "1"), ("0.1", "0", "0.2", ""), ("0.2", "", "", "2"), ("0.3", "1", "", "")])
+
+    def test_a_second_drive_begins_where_the_first_ended(self) -> None:
+        rows = recordings.joined([DRIVE, DRIVE]).rows
+        self.assertAlmostEqual(float(rows[3]["time"]), 0.2 + recordings.BREAK)
+        self.assertEqual([float(rows[3][name]) for name in ("x", "y", "heading")], [1.0, 2.0, 1.0])
+        turn = 0.5
+        self.assertAlmostEqual(float(rows[5]["x"]), 1.0 + math.cos(turn) - 2.0 * math.sin(turn), places=4)
+        self.assertAlmostEqual(float(rows[5]["y"]), 2.0 + math.sin(turn) + 2.0 * math.cos(turn), places=4)
+        self.assertAlmostEqual(float(rows[5]["heading"]), 1.5)
+        self.assertEqual(recordings.stretches([DRIVE, DRIVE]), [[(0, 0.0, 0.2)], [(0, 3.2, 3.4)]])
+
+    def test_runs_are_numbered_on(self) -> None:
+        steps = Table([{"run": str(run)} | row(0.1 * k) for run in (0, 2) for k in range(3)], SIDECAR)
+        self.assertEqual([r["run"] for r in recordings.joined([steps, steps.runs(1)]).rows], list("000222333"))
+        self.assertEqual(recordings.stretches([steps, steps.runs(1)])[1], [(3, 0.0, 0.2)])
+
+
+class Judging(unittest.TestCase):
+    def test_what_moved_is_told_against_the_recording_unchanged(self) -> None:
+        before = answer(wheel_radius={"left": 0.97, "right": 0.99}, latency={"pose": 0.3, "wheels": 0.2})
+        after = answer(wheel_radius={"left": 1.02, "right": 0.99}, latency={"pose": 0.58})
+        self.assertAlmostEqual(LEFT.moved(before, after), 1.02 / 0.97)
+        self.assertAlmostEqual(POSE.moved(before, after), 0.28)
+        self.assertAlmostEqual(LEFT.moved(answer(), answer(wheel_radius={"left": 1.05})), 1.05)
+        self.assertIsNone(LEFT.finding(answer()))
+
+    def test_either_side_of_a_join_locates_it(self) -> None:
+        parts = [[(0, 0.0, 10.0)], [(0, 10.0, 20.0)]]
+        said = answer(terrain_change={})
+        self.assertIsNone(located(said, parts))
+        said["findings"][0] |= {"local": True, "where": [{"run": 0, "start": 0.0, "end": 8.0}]}
+        self.assertAlmostEqual(located(said, parts), 0.8)
+
+
+class Command(unittest.TestCase):
+    def test_without_data_it_says_so(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            command = [sys.executable, "-m", "altered", "--tool", "ugv", "--data", folder]
+            done = subprocess.run(command, cwd=ROOT / "scripts" / "proof", capture_output=True, text=True, check=False)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("UGV_DATA", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
