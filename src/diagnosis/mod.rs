@@ -2,6 +2,7 @@
 
 mod account;
 mod ambiguity;
+mod boundary;
 mod candidate;
 mod course;
 mod diagnose;

@@ -5,6 +5,7 @@
 //! chance and predicts better what it was not fitted to (blocked cross-validation, see
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
 
+use super::boundary::settle;
 use super::candidate::Target;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
@@ -108,9 +109,10 @@ pub fn sketch<'a>(
         tuned = tuned.into_iter().chain(again).min_by(likelier);
     }
     let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;
+    let (proposal, given, tuned) = settle(proposal.clone(), given, tuned, by);
     Some(Sketch {
         gain: before.surprise - tuned.surprise - proposal.looking,
-        proposal: proposal.clone(),
+        proposal,
         given,
         tuned,
     })
@@ -173,8 +175,9 @@ fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option<Sol
     told.then_some(begin)
 }
 
-/// The given model with the place where a proposal acts.
-fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
+/// The given model with the place where a proposal acts. `None` where it cannot act there.
+#[must_use]
+pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
     let mut given = given.clone();
     let Some(extent) = &proposal.extent else {
         return Some(given);

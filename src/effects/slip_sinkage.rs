@@ -8,7 +8,7 @@ effect! {
     /// The sinkage grows with the slip, by a larger exponent or by a factor.
     ///
     /// The factor on the sinkage at equal pressure is a factor on the modulus:
-    /// p = k (z / f)^n with Lyasko's f = (1 + S s)/(1 - S s / 2). The slip s is the speed at which
+    /// p = k z^n / f^n0 with Lyasko's f = (1 + S s)/(1 - S s / 2). The slip s is the speed at which
     /// the rim slides over the soil in both directions, as a share of the larger of the rim's speed
     /// and the wheel's: 0 where it rolls, 1 where it is locked or spins on the spot. Straight
     /// ahead it is abs(i); on a measured wheel the sinkage at slip angles up to 45 deg follows it
@@ -16,7 +16,7 @@ effect! {
     /// the rim runs against the travel it stays as on a locked wheel.
     SlipSinkage: "slip_sinkage", Physics,
     lifts "sigma from the static sinkage",
-    equation "n = n0 + n1 s; p = k (z/f)^n, f = (1 + S s)/(1 - S s/2); s = sqrt((r omega - V_X)^2 + V_Y^2)/max(abs(r omega), abs(V)), rounded off within 0.01 of 0, held from 1 on",
+    equation "p = k z^n / f^n0, n = n0 + n1 s, f = (1 + S s)/(1 - S s/2); s = sqrt((r omega - V_X)^2 + V_Y^2)/max(abs(r omega), abs(V)), rounded off within 0.01 of 0, held from 1 on",
     source "n1: Ding et al., J. Terramechanics 48 (2011); f with S = 1: Lyasko, J. Terramechanics 47 (2010), there of a wheel's sinkage under its load, here of a plate's under its pressure; s across the wheel as well: data of Pavlov, CMU 2022 (src/docs/single_wheel.md)",
     {
         exponent_growth ["1"] 0.0..1.0, off 0.0, lognormal(0.2, 0.8), "Growth n1 of the sinkage exponent with the slip s";
@@ -73,10 +73,9 @@ impl<S: Scalar> SlipSinkage<S> {
     pub fn soil(&self, soil: &Soil<S>, slip: S) -> Soil<S> {
         let growth = self.sinkage_growth * slip;
         let deeper = growth.offset(1.0) / growth.scale(-0.5).offset(1.0);
-        let exponent = soil.exponent + self.exponent_growth * slip;
         Soil {
-            modulus: soil.modulus / deeper.raised(exponent),
-            exponent,
+            modulus: soil.modulus / deeper.raised(soil.exponent),
+            exponent: soil.exponent + self.exponent_growth * slip,
             ..*soil
         }
     }

@@ -274,7 +274,9 @@ class Agreement(unittest.TestCase):
                     count = min(len(mine), len(theirs))
                     length = np.abs(np.diff(theirs[:, :2], axis=0)).sum()
                     self.assertLess(np.abs(mine[:count, :2] - theirs[:count, :2]).max(), 1e-3 * length)
-                    self.assertLess(np.abs(mine[:count, 2] - theirs[:count, 2]).max(), 1e-3)
+                    # The library rounds the slip off within 0.01 of zero, the generator does not.
+                    angle = 2e-3 if "slip_sinkage" in effects else 1e-3
+                    self.assertLess(np.abs(mine[:count, 2] - theirs[:count, 2]).max(), angle)
 
     def _ugv(self, folder: Path, soil: str, effects: dict, drive: Drive) -> np.ndarray:
         times = np.arange(len(drive.speeds)) * drive.step

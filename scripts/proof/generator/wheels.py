@@ -56,10 +56,10 @@ def wheel_soil(e, left, east, north, time, distance, load, mean_load, motion, ru
         c, tan_phi, k = c * share, tan_phi * share, k * share
 
     _, slip = slips(motion)
-    n += e[I.slip_sinkage_exponent_growth] * slip
     growth = e[I.slip_sinkage_sinkage_growth] * slip
     if growth > 0.0:  # under the same pressure a plate sinks (1 + S s) / (1 - S s / 2) times as deep
         k *= ((1.0 + growth) / (1.0 - 0.5 * growth)) ** -n
+    n += e[I.slip_sinkage_exponent_growth] * slip
 
     if e[I.crust_strength] > 0.0:
         slide = math.sqrt((motion[3] - motion[0]) ** 2 + motion[1] ** 2)
