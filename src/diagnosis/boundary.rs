@@ -1,8 +1,8 @@
 //! Where the boundary of a change of terrain lies.
 //!
-//! The box scan places it to half a second of driving and 15 degrees. Here the line moves across and
-//! turns until the fit is best: along one of the two at a time, to either side, then to the vertex of
-//! the parabola through the three, with smaller and smaller steps.
+//! The box scan places it to half a second of driving and 15 degrees, and knows no width. Here the
+//! line moves across, turns and widens until the fit is best: one of the three at a time, to either
+//! side, then to the vertex of the parabola through the three, with smaller and smaller steps.
 
 use super::hypothesis::{Given, Solution};
 use super::likelihood::{SKETCH, Tuned, tune_until};
@@ -11,9 +11,9 @@ use super::naming::placed;
 use super::proposal::Proposal;
 use crate::fit::problem::Weighing;
 
-/// First steps: across \[m\] and turning \[rad\].
-const STEPS: [f64; 2] = [0.8, 0.2];
-/// How often both are tried, each time with half the steps.
+/// First steps: across \[m\], turning \[rad\], and the logarithm of the width.
+const STEPS: [f64; 3] = [0.8, 0.2, 0.7];
+/// How often all are tried, each time with half the steps.
 const ROUNDS: usize = 3;
 /// The vertex of a parabola counts within so many steps.
 const REACH: f64 = 2.0;
@@ -24,11 +24,12 @@ const REACH: f64 = 2.0;
 struct Line {
     direction: f64,
     position: f64,
+    transition: f64,
     middle: [f64; 2],
 }
 
 impl Line {
-    fn moved(&self, [across, turned]: [f64; 2]) -> Extent {
+    fn moved(&self, [across, turned, widened]: [f64; 3]) -> Extent {
         let (sin, cos) = self.direction.sin_cos();
         let off = self.position - (self.middle[0] * cos + self.middle[1] * sin);
         let about = [self.middle[0] + off * cos, self.middle[1] + off * sin];
@@ -36,6 +37,7 @@ impl Line {
         Extent::Beyond {
             direction,
             position: about[0] * direction.cos() + about[1] * direction.sin() + across,
+            transition: self.transition * widened.exp(),
         }
     }
 }
@@ -57,6 +59,7 @@ pub fn settle<'a>(
     let Some(Extent::Beyond {
         direction,
         position,
+        transition,
     }) = proposal.extent
     else {
         return (proposal, given, tuned);
@@ -64,9 +67,10 @@ pub fn settle<'a>(
     let line = Line {
         direction,
         position,
+        transition,
         middle: middle(&tuned.solution),
     };
-    let fit = |at: [f64; 2], from: &Tuned| {
+    let fit = |at: [f64; 3], from: &Tuned| {
         let moved = Proposal {
             extent: Some(line.moved(at)),
             ..proposal.clone()
@@ -76,10 +80,10 @@ pub fn settle<'a>(
         let finite = tuned.surprise.is_finite();
         finite.then_some((moved, given, tuned))
     };
-    let mut place = [0.0; 2];
+    let mut place = [0.0; 3];
     let mut best = (proposal.clone(), given.clone(), tuned);
     for round in 0..ROUNDS {
-        for axis in 0..2 {
+        for axis in 0..STEPS.len() {
             let step = STEPS[axis] * 0.5_f64.powi(round as i32);
             let (origin, level) = (place, best.2.surprise);
             let mut offer = |away: f64| {
@@ -114,18 +118,20 @@ mod tests {
         let line = Line {
             direction: std::f64::consts::FRAC_PI_2,
             position: 2.0,
+            transition: 0.5,
             middle: [3.0, 1.0],
         };
         for [across, turned] in [[0.0, 0.0], [0.5, 0.0], [0.0, 0.3], [-0.2, -0.4]] {
             let Extent::Beyond {
                 direction,
                 position,
-            } = line.moved([across, turned])
+                transition,
+            } = line.moved([across, turned, 0.0])
             else {
                 panic!("not a line");
             };
             let at_point = 3.0 * direction.cos() + 2.0 * direction.sin();
-            assert!((position - at_point - across).abs() < 1e-12);
+            assert!((position - at_point - across).abs() < 1e-12 && transition == 0.5);
             assert!((direction - std::f64::consts::FRAC_PI_2 - turned).abs() < 1e-12);
         }
     }

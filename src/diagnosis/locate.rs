@@ -40,6 +40,8 @@ pub enum Extent {
         direction: f64,
         /// The line's distance from the origin in that direction \[m\].
         position: f64,
+        /// Half the width over which one soil goes over into the other \[m\].
+        transition: f64,
     },
 }
 
@@ -83,7 +85,8 @@ impl Scanned {
         })
     }
 
-    /// A change of the soil: its factors act as the soil's numbers do.
+    /// A change of the soil: its factors act as the soil's numbers do. `None` where the given model has
+    /// one.
     fn soil(given: &Given, soil: &[f64]) -> Option<Self> {
         let effect = CATALOGUE.iter().position(|e| e.name == TERRAIN_CHANGE)?;
         let angle = soil[given.place_of_soil("friction_angle")?];
@@ -100,7 +103,7 @@ impl Scanned {
             columns.push((given.place_of_soil(number)?, factor));
             knobs.push(knob);
         }
-        Some(Self {
+        (!knobs.is_empty()).then_some(Self {
             subject: Subject::Effect(effect),
             knobs,
             columns,

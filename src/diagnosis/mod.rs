@@ -4,6 +4,7 @@ mod account;
 mod ambiguity;
 mod boundary;
 mod candidate;
+mod contest;
 mod course;
 mod diagnose;
 mod error;

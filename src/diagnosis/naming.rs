@@ -40,6 +40,14 @@ pub struct Named<'a> {
     pub gain: f64,
 }
 
+impl Named<'_> {
+    /// Log odds against the hypothesis without it.
+    #[must_use]
+    pub fn odds(&self) -> f64 {
+        self.gain + self.proposal.log_prior()
+    }
+}
+
 /// A proposal whose fit beside what is on has begun.
 #[derive(Debug)]
 pub struct Sketch<'a> {
@@ -194,10 +202,12 @@ pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
         Extent::Beyond {
             direction,
             position,
+            transition,
         } => {
             let name = |name: &str| ParameterName::find(&format!("terrain_change.{name}"));
             model.set(name("direction")?, direction).ok()?;
             model.set(name("position")?, position).ok()?;
+            model.set(name("transition")?, transition).ok()?;
             return Some(given);
         }
         Extent::Time {

@@ -169,7 +169,7 @@ impl<'a> Path<'a> {
         progress: &Progress,
     ) -> Result<Self, DiagnosisError> {
         for round in self.members.len() + 1..=ROUNDS {
-            let rivals = fitted.iter().map(|n| (n.proposal.subject, odds(n)));
+            let rivals = fitted.iter().map(|n| (n.proposal.subject, n.odds()));
             let rivals = rivals.collect();
             let Some(best) = choose(&fitted, &self.stage, prefer) else {
                 self.refused = rivals;
@@ -264,11 +264,6 @@ impl Member {
     }
 }
 
-/// Log odds against the hypothesis without it.
-fn odds(named: &Named) -> f64 {
-    named.gain + named.proposal.log_prior()
-}
-
 /// How much better it predicts what it was not fitted to, with the standard error.
 fn held_out_gain(named: &Named, stage: &Stage) -> Option<(f64, f64)> {
     let pair = named.scores.as_ref().zip(stage.scores.as_ref());
@@ -279,7 +274,7 @@ fn held_out_gain(named: &Named, stage: &Stage) -> Option<(f64, f64)> {
 fn worth_it<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage) -> impl Iterator<Item = &'n Named<'a>> {
     fitted.iter().filter(move |named| {
         let sound = held_out_gain(named, stage).is_some_and(|(mean, error)| mean > -error);
-        sound && odds(named) > NOTHING + TAKE
+        sound && named.odds() > NOTHING + TAKE
     })
 }
 
@@ -287,7 +282,7 @@ fn choose<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage, prefer: Prefer) -> Opt
     let best = |names: bool| {
         worth_it(fitted, stage)
             .filter(|named| !names || named.proposal.kind() != Kind::Law)
-            .max_by(|a, b| odds(a).total_cmp(&odds(b)))
+            .max_by(|a, b| a.odds().total_cmp(&b.odds()))
     };
     let named = (prefer == Prefer::Names).then(|| best(true)).flatten();
     named.or_else(|| best(false))
@@ -300,7 +295,7 @@ fn worth_two_ways(fitted: &[Named], stage: &Stage) -> bool {
     pair.is_some_and(|(best, named)| {
         best.proposal.kind() == Kind::Law
             && named.proposal.kind() != Kind::Law
-            && odds(named) > GOOD_PART * odds(best)
+            && named.odds() > GOOD_PART * best.odds()
     })
 }
 

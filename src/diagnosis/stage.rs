@@ -1,6 +1,7 @@
 //! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
 //! how it predicts.
 
+use super::contest::contend;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
 use super::likelihood::{Tuned, tune};
@@ -134,10 +135,12 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
     let mut begun: Vec<Sketch> = begun.collect();
     begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     let best = begun.iter().map(Sketch::odds).fold(0.0, f64::max);
-    begun
+    let mut fitted: Vec<Named> = begun
         .into_iter()
         .take(MOST)
         .filter(|sketch| sketch.promise() > NEAR * best - CLOSE)
         .filter_map(|sketch| finish(sketch, &stage.tuned, by))
-        .collect()
+        .collect();
+    contend(&mut fitted, by);
+    fitted
 }

@@ -38,6 +38,12 @@ const WORTH_TELLING: f64 = 0.05;
 /// tell too little.
 const ENOUGH: f64 = 0.3;
 
+/// Softens differences of log odds where the largest are these.
+#[must_use]
+pub fn temperature(top: f64) -> f64 {
+    TEMPERATURE + PER_EVIDENCE * top.max(0.0)
+}
+
 /// Probabilities of subjects; they sum to 1.
 #[derive(Debug, Clone)]
 pub struct Odds(pub Vec<(Subject, f64)>);
@@ -48,7 +54,7 @@ impl Odds {
         all.extend_from_slice(weighed);
         let logs = likeliest_first(&all);
         let top = logs[0].1;
-        let temperature = TEMPERATURE + PER_EVIDENCE * top.max(0.0);
+        let temperature = temperature(top);
         let weight = |log: f64| ((log - top) / temperature).exp();
         let sum: f64 = logs.iter().map(|(_, log)| weight(*log)).sum();
         let share = |(subject, log): &(Subject, f64)| (*subject, weight(*log) / sum);

@@ -1,0 +1,66 @@
+//! Names that are close to each other contend under the noise that each of them leaves.
+//!
+//! All are fitted under one noise, which holds a part of what is missing wherever the linearised
+//! problem does not see all of it: what the right name explains and the others do not is then taken for
+//! slow noise, and hardly counts. So noise and weights are estimated anew with each of them inside, each is
+//! fitted under everyone's, and the mean of the log evidence over these decides. The winner keeps its
+//! gain; the others stand behind it by so much.
+
+use super::likelihood::{tune, tune_with_noise};
+use super::naming::Named;
+use super::verdict::temperature;
+use crate::fit::problem::Weighing;
+
+/// They are close within so many temperatures of the verdict ...
+const CLOSE: f64 = 3.0;
+/// ... and where so much is at stake that noise may hold a part of it \[log odds\].
+const AT_STAKE: f64 = 20.0;
+/// At most so many contend.
+const MOST: usize = 4;
+
+/// Settles which of some fits is the likeliest where several are close.
+pub fn contend(fitted: &mut [Named], by: &Weighing) {
+    fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
+    let Some(best) = fitted.first().map(Named::odds) else {
+        return;
+    };
+    if best < AT_STAKE {
+        return;
+    }
+    let near = |named: &&Named| named.odds() > best - CLOSE * temperature(best);
+    let count = fitted.iter().take(MOST).take_while(near).count();
+    let close = &mut fitted[..count];
+    if count < 2 {
+        return;
+    }
+    let own = |named: &Named| {
+        let mut own = by.clone();
+        let (knobs, solution) = (&named.tuned.knobs, &named.tuned.solution);
+        let tuned = tune_with_noise(&named.given, knobs, solution, &mut own).ok()?;
+        Some((own, tuned))
+    };
+    let owns: Vec<_> = close.iter().map(own).collect();
+    let noises: Vec<&Weighing> = owns.iter().flatten().map(|(noise, _)| noise).collect();
+    let total = |place: usize| {
+        let named = &close[place];
+        let Some((_, at)) = &owns[place] else {
+            return f64::INFINITY;
+        };
+        let under = |noise: &&Weighing| {
+            let tuned = tune(&named.given, &at.knobs, &at.solution, noise);
+            tuned.map_or(f64::INFINITY, |tuned| tuned.surprise)
+        };
+        let sum: f64 = noises.iter().map(under).sum();
+        sum / noises.len() as f64 + named.proposal.looking - named.proposal.log_prior()
+    };
+    let totals: Vec<f64> = (0..count).map(total).collect();
+    let places = (0..count).filter(|place| totals[*place].is_finite());
+    let Some(winner) = places.min_by(|a, b| totals[*a].total_cmp(&totals[*b])) else {
+        return;
+    };
+    let odds = close[winner].odds();
+    for (place, named) in close.iter_mut().enumerate() {
+        let behind = totals[place] - totals[winner];
+        named.gain = odds - behind.min(odds) - named.proposal.log_prior();
+    }
+}
