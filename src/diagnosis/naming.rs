@@ -82,26 +82,8 @@ pub fn sketch<'a>(
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
-    // What is hidden tells its sign no more than its size.
-    let signs: &[f64] = if proposal.hidden {
-        &[1.0, -1.0]
-    } else {
-        &[1.0]
-    };
-    let shares = signs
-        .iter()
-        .flat_map(|sign| SHARES.map(|share| sign * share));
-    let begins = shares.map(|share| begin(&given, proposal, &before.solution, share));
-    let costs = begins.map(|begin| (cost(&given, &knobs, &begin, by), begin));
-    let (least, begin) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let stop = if proposal.hidden {
-        if least > cost(&given, &knobs, &before.solution, by) + HOPELESS {
-            return None;
-        }
-        LONG_SKETCH
-    } else {
-        SKETCH
-    };
+    let begin = cheapest(&given, proposal, &knobs, before, by)?;
+    let stop = if proposal.hidden { LONG_SKETCH } else { SKETCH };
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
     let begins = std::iter::once(begin).chain(compared(&given, proposal, &before.solution));
     let each = begins.filter_map(|begin| {
@@ -111,7 +93,7 @@ pub fn sketch<'a>(
     let likelier = |a: &Tuned, b: &Tuned| a.surprise.total_cmp(&b.surprise);
     let mut tuned = each.min_by(likelier);
     let lost = |tuned: &Tuned| tuned.surprise > before.surprise + LOST;
-    if tuned.as_ref().is_none_or(lost) {
+    if !proposal.hidden && tuned.as_ref().is_none_or(lost) {
         // Without it things were better: from there, then.
         let again = tune_until(&given, &knobs, &before.solution, by, LONG_SKETCH).ok();
         tuned = tuned.into_iter().chain(again).min_by(likelier);
@@ -124,6 +106,43 @@ pub fn sketch<'a>(
         given,
         tuned,
     })
+}
+
+/// Where a proposal's fit begins: the cheapest of some shares of its steps. `None` where a hidden effect
+/// leads nowhere.
+fn cheapest(
+    given: &Given,
+    proposal: &Proposal,
+    knobs: &[usize],
+    before: &Tuned,
+    by: &Weighing,
+) -> Option<Solution> {
+    let at = |share: f64| {
+        let begin = begin(given, proposal, &before.solution, share);
+        (cost(given, knobs, &begin, by), begin)
+    };
+    let cheaper = |a: &(f64, Solution), b: &(f64, Solution)| a.0.total_cmp(&b.0);
+    if !proposal.hidden {
+        return SHARES
+            .map(at)
+            .into_iter()
+            .min_by(cheaper)
+            .map(|best| best.1);
+    }
+    // What is hidden tells its sign no more than its size. Small steps come first: where those lead
+    // nowhere, larger ones are hardly to be driven, which takes long.
+    let hopeless = cost(given, knobs, &before.solution, by) + HOPELESS;
+    let mut found = Vec::new();
+    for sign in [1.0, -1.0] {
+        for share in SHARES.iter().rev() {
+            let begin = at(sign * share);
+            if begin.0 > hopeless {
+                break;
+            }
+            found.push(begin);
+        }
+    }
+    found.into_iter().min_by(cheaper).map(|best| best.1)
 }
 
 /// Finishes a fit.

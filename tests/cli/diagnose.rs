@@ -396,6 +396,21 @@ fn a_terrain_that_cannot_carry_the_vehicle_is_but_a_start() {
     assert!(bench.read("diagnosis/report.html").contains("cannot drive"));
 }
 
+/// What the given model has is not asked about again.
+#[test]
+fn a_model_with_a_change_of_terrain_is_diagnosed() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(12.0));
+    bench.write(
+        "change.json",
+        r#"{"terrain_change": {"over": "place", "position": 4, "stiffness_factor": 2}}"#,
+    );
+    bench.stdout("diagnose a.csv --effects change.json");
+    let told: Value = serde_json::from_str(&bench.read("diagnosis/diagnosis.json")).unwrap();
+    let mut asked = told["candidates"].as_array().unwrap().iter();
+    assert!(asked.all(|one| one["effect"] != "terrain_change"));
+}
+
 /// What a diagnosis may write into its model: laws without a name, and something on a patch.
 #[test]
 fn models_with_laws_and_patches_drive_are_scored_and_packaged() {

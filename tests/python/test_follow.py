@@ -1,0 +1,61 @@
+"""scripts/follow_recording.py: FMUs driven with the wheel speeds of a recording."""
+
+import contextlib
+import csv
+import io
+import os
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import fmpy
+import matplotlib.image
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import follow_recording
+
+FMU = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "ugv.fmu"
+PLACE = {"initial.x": 3.0, "initial.y": -2.0, "initial.heading": 0.7}
+
+
+def recorded(path: Path, terrain: int) -> None:
+    """What the FMU itself does on a terrain, as a recording with its pose at 5 Hz."""
+    time = np.arange(0.0, 12.0, 0.02)
+    speeds = [4.0 * np.minimum(time, 1.0) + side * np.sin(0.6 * time) for side in (-1.0, 1.0)]
+    names = ("time", "omega_left", "omega_right")
+    signals = np.array(list(zip(time, *speeds, strict=True)), dtype=[(name, float) for name in names])
+    result = fmpy.simulate_fmu(str(FMU), stop_time=time[-1], output_interval=0.01, input=signals, fmi_type="CoSimulation",
+                               start_values=PLACE | {"terrain": terrain}, output=["x", "y", "heading"])
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow([*names, "x", "y", "heading"])
+        for k, moment in enumerate(time):
+            at = np.argmin(np.abs(result["time"] - moment))
+            pose = [f"{result[name][at]:.6f}" for name in ("x", "y", "heading")] if k % 10 == 0 else ["", "", ""]
+            writer.writerow([f"{moment:.3f}", *(f"{speed[k]:.6f}" for speed in speeds), *pose])
+
+
+class Follow(unittest.TestCase):
+    def test_the_same_soil_follows_and_another_does_not(self) -> None:
+        # The FMU starts with terrain 3.
+        for terrain, least, most in ((3, 0.0, 0.01), (1, 0.3, 10.0)):
+            with self.subTest(terrain), tempfile.TemporaryDirectory() as folder:
+                recording, picture = Path(folder) / "drive.csv", Path(folder) / "follow.png"
+                recorded(recording, terrain)
+                said = io.StringIO()
+                arguments = ["follow", str(recording), str(FMU), "--output", str(picture)]
+                with mock.patch.object(sys, "argv", arguments), contextlib.redirect_stdout(said):
+                    follow_recording.main()
+                after = float(re.search(r"ugv\.fmu: .* ([0-9.]+) m after 12 s", said.getvalue())[1])
+                self.assertTrue(least <= after <= most, said.getvalue())
+                self.assertGreater(matplotlib.image.imread(picture).std(), 0.05)
+
+
+if __name__ == "__main__":
+    unittest.main()
