@@ -73,7 +73,7 @@ pub fn diagnose(
         candidate.probability = judgement.odds.of(candidate.subject);
     }
     let mut candidates: Vec<Candidate> = candidates.into_iter().map(|(c, _)| c).collect();
-    candidates.extend(others(&judgement.odds, &candidates));
+    candidates.extend(others(&judgement.odds, &candidates, nominal));
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let found = findings(&searched, &judgement.findings);
     let model = model(&searched)?;
@@ -214,10 +214,11 @@ fn empty(subject: Subject) -> Candidate {
 }
 
 /// What was not screened but has a probability: nothing, unknown, a change of terrain.
-fn others(odds: &Odds, screened: &[Candidate]) -> Vec<Candidate> {
+fn others(odds: &Odds, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
     let change = CATALOGUE
         .iter()
-        .position(|e| e.name == super::candidate::TERRAIN_CHANGE);
+        .position(|e| e.name == super::candidate::TERRAIN_CHANGE)
+        .filter(|effect| !nominal.effects.is_on(*effect));
     let mut subjects = vec![Subject::Nothing, Subject::Unknown];
     subjects.extend(change.map(Subject::Effect));
     subjects.retain(|subject| !screened.iter().any(|c| c.subject == *subject));
