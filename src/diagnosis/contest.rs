@@ -6,7 +6,7 @@
 //! fitted under everyone's, and the mean of the log evidence over these decides. The winner keeps its
 //! gain; the others stand behind it by so much.
 
-use super::likelihood::{tune, tune_with_noise};
+use super::likelihood::{SKETCH, own_noise, tune_until};
 use super::naming::Named;
 use super::verdict::temperature;
 use crate::fit::problem::Weighing;
@@ -16,7 +16,7 @@ const CLOSE: f64 = 3.0;
 /// ... and where so much is at stake that noise may hold a part of it \[log odds\].
 const AT_STAKE: f64 = 20.0;
 /// At most so many contend.
-const MOST: usize = 4;
+const MOST: usize = 3;
 
 /// Settles which of some fits is the likeliest where several are close.
 pub fn contend(fitted: &mut [Named], by: &Weighing) {
@@ -33,21 +33,13 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
     if count < 2 {
         return;
     }
-    let own = |named: &Named| {
-        let mut own = by.clone();
-        let (knobs, solution) = (&named.tuned.knobs, &named.tuned.solution);
-        let tuned = tune_with_noise(&named.given, knobs, solution, &mut own).ok()?;
-        Some((own, tuned))
-    };
-    let owns: Vec<_> = close.iter().map(own).collect();
-    let noises: Vec<&Weighing> = owns.iter().flatten().map(|(noise, _)| noise).collect();
+    let own = |named: &Named| own_noise(&named.given, &named.tuned, by);
+    let noises: Vec<Weighing> = close.iter().map(own).collect();
     let total = |place: usize| {
         let named = &close[place];
-        let Some((_, at)) = &owns[place] else {
-            return f64::INFINITY;
-        };
-        let under = |noise: &&Weighing| {
-            let tuned = tune(&named.given, &at.knobs, &at.solution, noise);
+        let (knobs, solution) = (&named.tuned.knobs, &named.tuned.solution);
+        let under = |noise: &Weighing| {
+            let tuned = tune_until(&named.given, knobs, solution, noise, SKETCH);
             tuned.map_or(f64::INFINITY, |tuned| tuned.surprise)
         };
         let sum: f64 = noises.iter().map(under).sum();

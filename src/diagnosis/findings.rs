@@ -187,7 +187,6 @@ fn places(
         Some(Extent::Beyond {
             direction,
             position,
-            ..
         }) => visits(searched, |[x, y]| {
             x * direction.cos() + y * direction.sin() > *position
         })

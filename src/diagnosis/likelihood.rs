@@ -136,6 +136,18 @@ pub fn tune_with_noise(
     tune(given, knobs, &moved, by)
 }
 
+/// Noise and weights as a fitted hypothesis leaves them.
+#[must_use]
+pub fn own_noise(given: &Given, tuned: &Tuned, by: &Weighing) -> Weighing {
+    let predictor = given.predictor(&tuned.knobs);
+    let problem = given.problem(&predictor, &tuned.knobs);
+    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
+    let mut own = by.clone();
+    noise_estimate::update(&problem.linearised(&point), &tuned.tables, &mut own);
+    reweigh(&problem, &tuned.tables, &mut own);
+    own
+}
+
 /// A segment's normal equations by a hypothesis' unknowns, its start eliminated.
 #[derive(Debug, Clone)]
 pub struct Block {

@@ -40,8 +40,6 @@ pub enum Extent {
         direction: f64,
         /// The line's distance from the origin in that direction \[m\].
         position: f64,
-        /// Half the width over which one soil goes over into the other \[m\].
-        transition: f64,
     },
 }
 

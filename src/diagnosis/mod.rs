@@ -2,7 +2,6 @@
 
 mod account;
 mod ambiguity;
-mod boundary;
 mod candidate;
 mod contest;
 mod course;

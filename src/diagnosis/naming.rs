@@ -5,7 +5,6 @@
 //! chance and predicts better what it was not fitted to (blocked cross-validation, see
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
 
-use super::boundary::settle;
 use super::candidate::Target;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
@@ -99,10 +98,9 @@ pub fn sketch<'a>(
         tuned = tuned.into_iter().chain(again).min_by(likelier);
     }
     let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;
-    let (proposal, given, tuned) = settle(proposal.clone(), given, tuned, by);
     Some(Sketch {
         gain: before.surprise - tuned.surprise - proposal.looking,
-        proposal,
+        proposal: proposal.clone(),
         given,
         tuned,
     })
@@ -203,8 +201,7 @@ fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option<Sol
 }
 
 /// The given model with the place where a proposal acts. `None` where it cannot act there.
-#[must_use]
-pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
+fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
     let mut given = given.clone();
     let Some(extent) = &proposal.extent else {
         return Some(given);
@@ -221,12 +218,10 @@ pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
         Extent::Beyond {
             direction,
             position,
-            transition,
         } => {
             let name = |name: &str| ParameterName::find(&format!("terrain_change.{name}"));
             model.set(name("direction")?, direction).ok()?;
             model.set(name("position")?, position).ok()?;
-            model.set(name("transition")?, transition).ok()?;
             return Some(given);
         }
         Extent::Time {

@@ -15,8 +15,6 @@ const RADII: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
 /// Directions of lines, and places of each.
 const DIRECTIONS: usize = 12;
 const POSITIONS: usize = 24;
-/// Half the width of a line \[m\], to begin with.
-const TRANSITION: f64 = 0.5;
 
 /// One gate.
 #[derive(Debug, Clone, Copy)]
@@ -282,7 +280,6 @@ impl Scan<'_> {
                 let extent = Extent::Beyond {
                     direction,
                     position,
-                    transition: TRANSITION,
                 };
                 best.offer(extent, self.score(&sums));
             }
