@@ -10,8 +10,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
+from altered import __main__ as command
 from altered import recordings
-from altered.cases import LEFT, POSE, located
+from altered.cases import LEFT, POSE, Case, located
 from altered.recordings import Table
 
 SIDECAR = Path("none.json")
@@ -78,11 +79,22 @@ class Judging(unittest.TestCase):
         self.assertAlmostEqual(located(said, parts), 0.8)
 
 
+    def test_a_case_is_told_in_a_line(self) -> None:
+        errors = {name: {"position_rmse_m": metres} for name, metres in (("nominal", 0.3), ("retuned", 0.2), ("augmented", 0.1))}
+        rest = {"verdict": "sensor", "fit": {"held_out": errors | {"gain": {"value": 1.0}, "horizon": 4.0, "stretches": 9}}}
+        before, after = (answer(latency={"pose": pose}) | rest for pose in (0.3, 0.58))
+        after["findings"][0] |= {"probability": 0.97}
+        case = Case("late", "later", lambda data: [DRIVE], "plain", POSE)
+        result = command.judged(case, Path(), {"late": after, "plain": before})
+        self.assertEqual(command.row(result), "| later | sensor: latency 97 % | 0.280 of 0.300 s | 0.3, 0.2, 0.1 |")
+        self.assertEqual(command.judged(case, Path(), {"late": after | {"fit": {"held_out": None}}})["position_m"], {})
+
+
 class Command(unittest.TestCase):
     def test_without_data_it_says_so(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
-            command = [sys.executable, "-m", "altered", "--tool", "ugv", "--data", folder]
-            done = subprocess.run(command, cwd=ROOT / "scripts" / "proof", capture_output=True, text=True, check=False)
+            call = [sys.executable, "-m", "altered", "--tool", "ugv", "--data", folder]
+            done = subprocess.run(call, cwd=ROOT / "scripts" / "proof", capture_output=True, text=True, check=False)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("UGV_DATA", done.stderr)
 

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from judge import files
-from judge.run import Processes, each
+from judge.run import Processes, each, resumable
 
 from .cases import Case, cases, located
 from .recordings import joined, stretches
@@ -37,7 +37,8 @@ def short(said: dict) -> str:
 def judged(case: Case, data: Path, answers: dict[str, dict]) -> dict:
     """A case with what was said of it."""
     said = answers[case.name]
-    held = {key: value["position_rmse_m"] for key, value in (said["fit"]["held_out"] or {}).items() if key != "gain"}
+    errors = said["fit"]["held_out"] or {}
+    held = {key: errors[key]["position_rmse_m"] for key in ("nominal", "retuned", "augmented") if key in errors}
     result = {"case": case.name, "what": case.what, "verdict": said["verdict"], "said": short(said), "position_m": held}
     if case.concealed and case.before in answers:
         finding = case.concealed.finding(said)
@@ -90,8 +91,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        print("\nprove: interrupted; the same command goes on from here", file=sys.stderr)
-        sys.exit(130)
+    resumable(main)

@@ -16,7 +16,7 @@ from .case import Judged
 from .page import page
 from .peers import NAMES
 from .report import NOT_ANSWERING, report
-from .run import Bench, Processes, each
+from .run import Bench, Processes, each, resumable
 
 
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
@@ -120,8 +120,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        print("\nprove: interrupted; the same command goes on from here", file=sys.stderr)
-        sys.exit(130)
+    resumable(main)

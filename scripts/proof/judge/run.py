@@ -143,3 +143,12 @@ def each(label: str, names: Sequence[str], work: Callable[[str], str | None], jo
             processes.stop()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+
+
+def resumable(main: Callable[[], None]) -> None:
+    """Runs a command that goes on from where it was interrupted, and says so when it is."""
+    try:
+        main()
+    except KeyboardInterrupt:
+        print("\nprove: interrupted; the same command goes on from here", file=sys.stderr)
+        sys.exit(130)
