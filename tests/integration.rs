@@ -44,6 +44,50 @@ fn every_communication_step_gives_the_same_drive() {
 }
 
 #[test]
+fn looks_within_a_step_see_the_drive_between_its_ends() {
+    // The wheels spin up on one side: 2 s in one call, looked at every 20 ms without stopping there.
+    for terrain in Terrain::PRESETS {
+        let begin = || {
+            let mut simulation = Simulation::new(paper_model(terrain));
+            simulation.set_wheel_speeds(speeds(3.0, 3.0)).unwrap();
+            simulation.step(1.0).unwrap();
+            simulation
+                .set_wheel_accelerations(speeds(1.0, -0.5))
+                .unwrap();
+            simulation
+        };
+        let mut stopping = begin();
+        let mut looking = begin();
+        let (mut reached, mut next, mut steps) = (0.0, 1, 0);
+        looking
+            .step_looking(2.0, |step| {
+                reached += step.length();
+                steps += 1;
+                while next <= 100 && 0.02 * f64::from(next) <= reached + 1e-9 {
+                    let back = reached - 0.02 * f64::from(next);
+                    let (state, rates) = step.state(back);
+                    stopping.step(0.02).unwrap();
+                    let other = stopping.state().to_array();
+                    let derivative = stopping.derivative().unwrap();
+                    for (k, (a, b)) in state.to_array().iter().zip(other).enumerate() {
+                        // A few times the integrator's tolerance.
+                        assert!((a - b).abs() < 5e-4, "{terrain}, {next}, {k}: {a} {b}");
+                        let (a, b) = (rates[k], derivative[k]);
+                        assert!((a - b).abs() < 0.05, "{terrain}, {next}, rate {k}: {a} {b}");
+                    }
+                    next += 1;
+                }
+            })
+            .unwrap();
+        assert_eq!(next, 101);
+        assert!(
+            steps < 60,
+            "{steps} steps: there was nothing to look within"
+        );
+    }
+}
+
+#[test]
 fn long_steps_stay_few() {
     // Work counters on the smooth manoeuvre: 6 s in 60 communication steps.
     for terrain in Terrain::PRESETS {

@@ -7,6 +7,7 @@
 //! smooth enough for Gauss–Legendre in s to converge in a handful of points.
 
 use crate::parameter::{Bounds, ParameterError};
+use std::sync::{Arc, LazyLock};
 
 /// How finely the contact patch is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,6 +107,18 @@ pub(crate) struct Quadrature {
 }
 
 impl Quadrature {
+    /// The rules of a resolution; those of the default one and of half its nodes are kept.
+    pub(crate) fn shared(resolution: Resolution) -> Arc<Self> {
+        static KEPT: LazyLock<[(Resolution, Arc<Quadrature>); 2]> = LazyLock::new(|| {
+            let full = Resolution::default();
+            [full, full.halved()].map(|kept| (kept, Arc::new(Quadrature::new(kept))))
+        });
+        match KEPT.iter().find(|(kept, _)| *kept == resolution) {
+            Some((_, rules)) => Arc::clone(rules),
+            None => Arc::new(Self::new(resolution)),
+        }
+    }
+
     pub(crate) fn new(resolution: Resolution) -> Self {
         // 2 theta / theta_1 = s^2 in the rear half; its mirror image s^(5/2) in the front half.
         let half = || gauss_legendre(resolution.arc.div_ceil(2)).into_iter();

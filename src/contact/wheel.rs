@@ -8,6 +8,7 @@ use crate::parameter::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::terrain::Terrain;
 use fearless_simd::Simd;
+use std::sync::Arc;
 
 /// The speeds below which the paper's expressions, undefined at rest, are smoothed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -165,9 +166,9 @@ impl<S: Scalar> WheelForces<S> {
 #[derive(Debug, Clone)]
 pub struct WheelContact {
     law: PatchLaw,
-    rule: Quadrature,
+    rule: Arc<Quadrature>,
     /// Half the nodes of `rule`.
-    coarse_rule: Quadrature,
+    coarse_rule: Arc<Quadrature>,
     regularisation: Regularisation,
     /// F_Z / theta_1^(2n+1) at small angles, normal stress alone.
     support: f64,
@@ -232,12 +233,12 @@ impl WheelContact {
                 slip_speed_squared: regularisation.slip_speed.powi(2),
             },
         };
-        let rule = Quadrature::new(resolution);
+        let rule = Quadrature::shared(resolution);
         let support = small_angle_support(&law, &rule);
         Ok(Self {
             law,
             rule,
-            coarse_rule: Quadrature::new(resolution.halved()),
+            coarse_rule: Quadrature::shared(resolution.halved()),
             regularisation,
             support,
         })

@@ -3,7 +3,9 @@
 use super::predictor::{PredictionError, Predictor, Request, Trajectory};
 use crate::parameter::ParameterError;
 use crate::recording::Drive;
-use crate::simulation::{SensitiveSimulation, Simulation, SimulationError, WheelSpeeds};
+use crate::simulation::{
+    Derivatives, LastStep, SensitiveSimulation, Simulation, SimulationError, State, WheelSpeeds,
+};
 use crate::vehicle::{Parameter, Specification, VehicleModel};
 
 /// Steps for each second of a drive, and in all, after which a model counts as one that cannot be driven:
@@ -83,41 +85,44 @@ impl Predictor for ExactPredictor {
             }
             simulation.limit_steps(most);
             simulation.restart(request.clock + begin, *request.start)?;
-            drive(&mut simulation, request, |simulation| {
-                out.states.push(simulation.state().to_array());
-                out.rates.push(simulation.derivative()?);
-                let by_start = simulation.by_initial();
-                out.by_start.push(std::array::from_fn(|k| {
-                    by_start.column(k).into_owned().into()
-                }));
-                let each = 0..simulation.parameter_count();
-                out.by_parameter
-                    .extend(each.map(|k| simulation.by_parameter(k)));
-                // A latency brings speeds earlier that a delay brings later.
-                out.by_wheel_latency
-                    .push(simulation.by_wheel_delay().map(|slope| -slope));
-                Ok(())
-            })?;
+            drive(&mut simulation, request, out)?;
         } else {
             let model = VehicleModel::from_specification(&specification)?;
             let mut simulation = Simulation::new(model);
             simulation.limit_steps(most);
             simulation.set_state(*request.start)?;
             simulation.set_time(request.clock + begin);
-            drive(&mut simulation, request, |simulation| {
-                out.states.push(simulation.state().to_array());
-                out.rates.push(simulation.derivative()?);
-                Ok(())
-            })?;
+            drive(&mut simulation, request, out)?;
         }
         Ok(())
+    }
+}
+
+impl Trajectory {
+    fn push(&mut self, state: State, rates: [f64; State::COUNT], derivatives: Option<Derivatives>) {
+        self.states.push(state.to_array());
+        self.rates.push(rates);
+        let Some(derivatives) = derivatives else {
+            return;
+        };
+        let by_start = derivatives.by_initial();
+        self.by_start.push(std::array::from_fn(|k| {
+            by_start.column(k).into_owned().into()
+        }));
+        self.by_parameter.extend(derivatives.by_parameters());
+        // A latency brings speeds earlier that a delay brings later.
+        let by_delay = derivatives.by_wheel_delay();
+        self.by_wheel_latency.push(by_delay.map(|slope| -slope));
     }
 }
 
 /// Something that drives.
 trait Driven {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
-    fn advance(&mut self, seconds: f64) -> Result<(), SimulationError>;
+    fn advance(&mut self, seconds: f64, look: impl FnMut(&LastStep))
+    -> Result<(), SimulationError>;
+    /// The rate of change of the state, and its derivatives where they are carried.
+    fn here(&mut self) -> Result<([f64; State::COUNT], Option<Derivatives>), SimulationError>;
 
     /// The next gate opens.
     fn open_gate(&mut self) {}
@@ -129,8 +134,16 @@ impl Driven for Simulation {
         self.set_wheel_accelerations(rates)
     }
 
-    fn advance(&mut self, seconds: f64) -> Result<(), SimulationError> {
-        self.step(seconds)
+    fn advance(
+        &mut self,
+        seconds: f64,
+        look: impl FnMut(&LastStep),
+    ) -> Result<(), SimulationError> {
+        self.step_looking(seconds, look)
+    }
+
+    fn here(&mut self) -> Result<([f64; State::COUNT], Option<Derivatives>), SimulationError> {
+        Ok((self.derivative()?, None))
     }
 }
 
@@ -139,8 +152,16 @@ impl Driven for SensitiveSimulation {
         self.drive(speeds, rates)
     }
 
-    fn advance(&mut self, seconds: f64) -> Result<(), SimulationError> {
-        self.step(seconds)
+    fn advance(
+        &mut self,
+        seconds: f64,
+        look: impl FnMut(&LastStep),
+    ) -> Result<(), SimulationError> {
+        self.step_looking(seconds, look)
+    }
+
+    fn here(&mut self) -> Result<([f64; State::COUNT], Option<Derivatives>), SimulationError> {
+        Ok((self.derivative()?, Some(self.derivatives())))
     }
 
     fn open_gate(&mut self) {
@@ -148,13 +169,17 @@ impl Driven for SensitiveSimulation {
     }
 }
 
-/// Drives along the wheel speeds and looks at each of the times.
+/// A time \[s\] so short that it is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Drives along the wheel speeds and writes what it was like at each of the times. Only rows and
+/// gates end a step of the integrator; what lies within a step is interpolated.
 fn drive<D: Driven>(
     simulation: &mut D,
     request: &Request,
-    mut look: impl FnMut(&mut D) -> Result<(), SimulationError>,
+    out: &mut Trajectory,
 ) -> Result<(), SimulationError> {
-    let Some(&begin) = request.times.first() else {
+    let Some((&begin, later)) = request.times.split_first() else {
         return Ok(());
     };
     let drive = request.drive;
@@ -167,30 +192,39 @@ fn drive<D: Driven>(
     let mut row = drive.time.partition_point(|time| *time <= now);
     let (speeds, rates) = wheels(drive, row, now);
     simulation.wheels(speeds, rates)?;
-    for time in request.times {
-        let target = time + request.wheel_latency;
-        loop {
-            let next_row = drive.time.get(row).copied().unwrap_or(f64::INFINITY);
-            let next_gate = gate.unwrap_or(f64::INFINITY);
-            let next = next_row.min(next_gate);
-            if next > target {
-                break;
+    let (rates, derivatives) = simulation.here()?;
+    out.push(*request.start, rates, derivatives);
+    let mut wanted = later
+        .iter()
+        .map(|time| time + request.wheel_latency)
+        .peekable();
+    let end = later
+        .last()
+        .map_or(now, |time| time + request.wheel_latency);
+    while now < end {
+        let next_row = drive.time.get(row).copied().unwrap_or(f64::INFINITY);
+        let next_gate = gate.unwrap_or(f64::INFINITY);
+        let next = next_row.min(next_gate).min(end);
+        let mut reached = now;
+        simulation.advance((next - now).max(0.0), |step| {
+            reached += step.length();
+            let within = |time: &f64| *time <= reached + ROUNDING && step.length() > 0.0;
+            while let Some(time) = wanted.next_if(within) {
+                let back = (reached - time).max(0.0);
+                let (state, rates) = step.state(back);
+                out.push(state, rates, step.derivatives(back));
             }
-            simulation.advance((next - now).max(0.0))?;
-            now = next;
-            if next_gate <= next_row {
-                simulation.open_gate();
-                gate = gates.next();
-            }
-            if next_row <= next {
-                row += 1;
-                let (speeds, rates) = wheels(drive, row, now);
-                simulation.wheels(speeds, rates)?;
-            }
+        })?;
+        now = next;
+        if next_gate <= next {
+            simulation.open_gate();
+            gate = gates.next();
         }
-        simulation.advance((target - now).max(0.0))?;
-        now = target;
-        look(simulation)?;
+        if next_row <= next {
+            row += 1;
+            let (speeds, rates) = wheels(drive, row, now);
+            simulation.wheels(speeds, rates)?;
+        }
     }
     Ok(())
 }

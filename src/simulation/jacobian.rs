@@ -56,14 +56,7 @@ impl Work {
             (Some((directions, results)), Some(altered)) => {
                 let (motion, balance) = (&at.motion, &at.balance);
                 directions.differentiate(model, altered, motion, surroundings, balance, results);
-                memory.set(directions.list(), results);
-                for (direction, result) in results.iter().take(5).enumerate() {
-                    trend.set_direction(direction, &result.wrench);
-                    jacobian.add_motion(direction, &result.wrench);
-                }
-                for (column, result) in results[5..8].iter().enumerate() {
-                    jacobian.add(column, &result.wrench);
-                }
+                jacobian.take(directions.list(), results, trend, memory);
             }
             _ => {
                 self.linearisation.evaluate(model, &at.motion, &at.balance);
@@ -111,6 +104,27 @@ impl State {
 }
 
 impl Jacobian {
+    /// Adds the forces' derivatives in all directions, and writes how the balance and what is
+    /// remembered change with them.
+    fn take(
+        &mut self,
+        list: &[Direction],
+        results: &[Differentiated],
+        trend: &mut Trend,
+        memory: &mut MemoryJacobian,
+    ) {
+        memory.set(list, results);
+        for (direction, result) in list.iter().zip(results) {
+            let wrench = &result.wrench;
+            if let Some(motion) = Direction::MOTION.iter().position(|d| d == direction) {
+                trend.set_direction(motion, wrench);
+                self.add_motion(motion, wrench);
+            } else if let Some(pose) = Direction::POSE.iter().position(|d| d == direction) {
+                self.add(pose, wrench);
+            }
+        }
+    }
+
     /// Adds the forces' derivatives by one of the states.
     fn add(&mut self, column: usize, derivative: &Wrench) {
         for (row, rate) in rates(derivative).into_iter().enumerate() {
@@ -134,6 +148,16 @@ fn rates(derivative: &Wrench) -> [f64; 3] {
 }
 
 impl Simulation {
+    /// Takes derivatives at the present, evaluated state for the steps that follow.
+    pub(super) fn take_jacobian(&mut self, list: &[Direction], results: &[Differentiated]) {
+        let mut jacobian = self.state.kinematic_jacobian();
+        let integrator = &mut self.integrator;
+        jacobian.take(list, results, &mut self.trend, &mut integrator.memory);
+        integrator.by_state = jacobian.by_state;
+        integrator.by_input = jacobian.by_input;
+        integrator.jacobian_age = 0;
+    }
+
     /// The derivative of the wrench when velocities and wheel speeds change in `direction`, and
     /// position and heading in `pose` \[m, m, rad\]; what is remembered is held.
     ///

@@ -1,6 +1,7 @@
 //! The vehicle's motion in time.
 
 mod jacobian;
+mod last_step;
 mod memory;
 mod rosenbrock;
 mod sensitivity;
@@ -8,6 +9,7 @@ mod snapshot;
 mod state;
 
 pub use jacobian::Jacobian;
+pub use last_step::{Derivatives, LastStep};
 pub use rosenbrock::Counters;
 pub use sensitivity::SensitiveSimulation;
 pub use state::{State, WheelSpeeds};
@@ -205,10 +207,10 @@ impl Simulation {
     /// A value that is not finite; then nothing has changed.
     pub fn set_wheel_speeds(&mut self, speeds: WheelSpeeds) -> Result<(), SimulationError> {
         finite(&["omega_left", "omega_right"], &[speeds.left, speeds.right])?;
-        if speeds != self.inputs {
-            self.inputs = speeds;
+        if !speeds.is_nearly(self.inputs) {
             self.now.valid = false;
         }
+        self.inputs = speeds;
         Ok(())
     }
 

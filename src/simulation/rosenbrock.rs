@@ -82,6 +82,9 @@ pub(super) struct Stages {
     end: Evaluation,
     /// What is remembered at the end.
     memory: Vec<f64>,
+    /// The state at the beginning, and the slopes k_1 and k_2.
+    from: StateVector,
+    slopes: [StateVector; 2],
 }
 
 impl Stages {
@@ -90,7 +93,20 @@ impl Stages {
             middle: like.clone(),
             end: like.clone(),
             memory: like.memory_rates.clone(),
+            from: StateVector::zeros(),
+            slopes: [StateVector::zeros(); 2],
         }
+    }
+
+    /// The state and its slope after a share of a step of this length \[s\].
+    pub(super) fn at(&self, length: f64, share: f64) -> (StateVector, StateVector) {
+        let [k1, k2] = self.slopes;
+        let whole = 1.0 - 2.0 * D;
+        let first = share * (1.0 - share) / whole;
+        let second = share * (share - 2.0 * D) / whole;
+        let state = self.from + (k1 * first + k2 * second) * length;
+        let slope = k1 * ((1.0 - 2.0 * share) / whole) + k2 * (2.0 * (share - D) / whole);
+        (state, slope)
     }
 }
 
@@ -123,7 +139,7 @@ impl Simulation {
     pub(super) fn step_with(
         &mut self,
         seconds: f64,
-        mut visit: impl FnMut(&Self, f64) -> Result<(), SimulationError>,
+        mut visit: impl FnMut(&mut Self, f64) -> Result<(), SimulationError>,
     ) -> Result<(), SimulationError> {
         if !(0.0..=LONGEST_CALL).contains(&seconds) {
             return Err(SimulationError::StepSize(seconds));
@@ -278,7 +294,10 @@ impl Simulation {
             middle: at_middle,
             end: at_end,
             memory: new_memory,
+            from,
+            slopes,
         } = &mut self.work.stages;
+        *from = y;
         let motion = middle.motion(speeds);
         at_middle.guess_from(&self.now, &self.trend, &motion);
         let middle_memory = remembered(&|i| m[i] + 0.5 * h * l1[i]);
@@ -288,6 +307,7 @@ impl Simulation {
         let g1 = &at_middle.memory_rates;
         let mut l2 = remembered(&|i| g1[i] - l1[i]);
         let k2 = system.solve(f1 - k1, &mut l2) + k1;
+        *slopes = [k1, k2];
         for i in 0..l2.len() {
             l2[i] += l1[i];
             new_memory[i] = m[i] + h * l2[i];

@@ -6,13 +6,14 @@
 //! function theorem) and linear in between. It is integrated by Alexander's L-stable SDIRK method of
 //! order 2 (R. Alexander, SIAM J. Numer. Anal. 14 (1977)).
 
+use super::last_step::{DELAY, Derivatives, LastStep, share};
 use super::memory::directions;
 use super::{Simulation, SimulationError, State, WheelSpeeds};
 use crate::parameter::ParameterError;
 use crate::vehicle::{
     Differentiated, Direction, Directions, Parameter, Specification, VehicleModel,
 };
-use nalgebra::{DMatrix, SMatrix};
+use nalgebra::{DMatrix, Vector2};
 
 /// gamma = 1 - 1/sqrt(2) of the method.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -25,7 +26,7 @@ pub struct SensitiveSimulation {
 }
 
 #[derive(Debug, Clone)]
-struct Variation {
+pub(super) struct Variation {
     directions: Directions,
     /// For each direction its place among the parameters, where it is one.
     places: Vec<Option<usize>>,
@@ -33,8 +34,22 @@ struct Variation {
     columns: Columns,
     /// Derivatives of the state and what is remembered (rows) by what [`Columns`] tells.
     by: DMatrix<f64>,
-    /// A and B where the last step ended; B has the columns in use, from the delay on.
-    last: Option<(DMatrix<f64>, DMatrix<f64>)>,
+    /// Where the last step ended.
+    last: Option<Linearised>,
+    /// The last step's length \[s\] and the slopes of its two stages, in the columns then in use.
+    length: f64,
+    slopes: [DMatrix<f64>; 2],
+}
+
+/// How the rates of the state and of what is remembered change, at one instant.
+#[derive(Debug, Clone)]
+struct Linearised {
+    /// By the state and what is remembered: A.
+    by_state: DMatrix<f64>,
+    /// By the left and right wheel speed.
+    by_speeds: DMatrix<f64>,
+    /// By the parameters that act throughout, then by the gated ones: B.
+    by_parameters: DMatrix<f64>,
 }
 
 /// What the derivatives are taken by: the initial state, the delay of the wheel speeds, the
@@ -48,17 +63,11 @@ struct Columns {
     gate: usize,
 }
 
-const DELAY: usize = State::COUNT;
-
 impl Columns {
-    /// Column of a parameter's derivative in the gate that is open.
-    fn parameter(&self, index: usize) -> usize {
-        let gate = if index < self.throughout {
-            0
-        } else {
-            self.gate * self.gated
-        };
-        DELAY + 1 + gate + index
+    /// First column of the parameters that act throughout, and of those of the gate that is open.
+    fn parameters(&self) -> [usize; 2] {
+        let first = DELAY + 1;
+        [first, first + self.throughout + self.gate * self.gated]
     }
 
     fn all(&self) -> usize {
@@ -125,12 +134,15 @@ impl SensitiveSimulation {
                 columns,
                 by: identity(memory, &columns),
                 last: None,
+                length: 0.0,
+                slopes: [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)],
             },
         })
     }
 
     /// With derivatives from half the nodes in each direction of a contact: good to some 1e-3 of
-    /// themselves, and two to three times as fast. The motion stays as it is.
+    /// themselves, and two to three times as fast. The motion stays as it is within the integrator's
+    /// tolerance.
     #[must_use]
     pub fn with_coarse_derivatives(mut self) -> Self {
         self.variation.directions.coarsen();
@@ -154,6 +166,7 @@ impl SensitiveSimulation {
         self.variation.columns.gate = 0;
         self.variation.by = identity(memory, &self.variation.columns);
         self.variation.last = None;
+        self.variation.length = 0.0;
         Ok(())
     }
 
@@ -166,11 +179,11 @@ impl SensitiveSimulation {
         speeds: WheelSpeeds,
         rates: WheelSpeeds,
     ) -> Result<(), SimulationError> {
+        if !speeds.is_nearly(self.simulation.wheel_speeds()) {
+            self.variation.last = None;
+        }
         self.simulation.set_wheel_speeds(speeds)?;
-        self.simulation.set_wheel_accelerations(rates)?;
-        // B holds the rates.
-        self.variation.last = None;
-        Ok(())
+        self.simulation.set_wheel_accelerations(rates)
     }
 
     /// Closes the open gate and opens the next one; the last one stays open.
@@ -178,7 +191,6 @@ impl SensitiveSimulation {
         let columns = &mut self.variation.columns;
         if columns.gate + 1 < columns.gates {
             columns.gate += 1;
-            self.variation.last = None;
         }
     }
 
@@ -187,13 +199,30 @@ impl SensitiveSimulation {
     /// # Errors
     /// As [`Simulation::step`].
     pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
+        self.step_looking(seconds, |_| ())
+    }
+
+    /// As [`SensitiveSimulation::step`], with a look at each step that the integrator takes.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step_looking(
+        &mut self,
+        seconds: f64,
+        mut look: impl FnMut(&LastStep),
+    ) -> Result<(), SimulationError> {
         let variation = &mut self.variation;
         if variation.last.is_none() {
             self.simulation.evaluate()?;
-            variation.last = Some(variation.linearise(&self.simulation));
+            variation.last = Some(variation.linearise(&mut self.simulation));
         }
-        self.simulation.step_with(seconds, |simulation, step| {
-            variation.advance(simulation, step);
+        self.simulation.step_with(seconds, |simulation, length| {
+            variation.advance(simulation, length);
+            look(&LastStep {
+                simulation,
+                variation: Some(variation),
+                length,
+            });
             Ok(())
         })
     }
@@ -212,33 +241,10 @@ impl SensitiveSimulation {
         self.simulation.derivative()
     }
 
-    /// Derivatives of the state by the state at the restart.
+    /// Derivatives of the state.
     #[must_use]
-    pub fn by_initial(&self) -> SMatrix<f64, { State::COUNT }, { State::COUNT }> {
-        self.variation
-            .by
-            .fixed_view::<{ State::COUNT }, { State::COUNT }>(0, 0)
-            .into()
-    }
-
-    /// Derivative of the state by one of the parameters.
-    #[must_use]
-    pub fn by_parameter(&self, index: usize) -> [f64; State::COUNT] {
-        let column = DELAY + 1 + index;
-        std::array::from_fn(|row| self.variation.by[(row, column)])
-    }
-
-    /// Number of derivatives by parameters: those that act throughout, then the gated ones, gate
-    /// by gate.
-    #[must_use]
-    pub fn parameter_count(&self) -> usize {
-        self.variation.columns.all() - DELAY - 1
-    }
-
-    /// Derivative of the state by a delay of the wheel speeds \[per s\].
-    #[must_use]
-    pub fn by_wheel_delay(&self) -> [f64; State::COUNT] {
-        std::array::from_fn(|row| self.variation.by[(row, DELAY)])
+    pub fn derivatives(&self) -> Derivatives {
+        self.variation.within(0.0)
     }
 }
 
@@ -249,64 +255,121 @@ fn identity(memory: usize, columns: &Columns) -> DMatrix<f64> {
 }
 
 impl Variation {
-    /// A and B at the simulation's present state.
-    fn linearise(&mut self, simulation: &Simulation) -> (DMatrix<f64>, DMatrix<f64>) {
+    /// At the simulation's present state, for the integrator as well.
+    fn linearise(&mut self, simulation: &mut Simulation) -> Linearised {
         simulation.differentiate(&self.directions, &mut self.results);
+        simulation.take_jacobian(self.directions.list(), &self.results);
         let rows = self.by.nrows();
-        let mut a = DMatrix::zeros(rows, rows);
-        let mut b = DMatrix::zeros(rows, self.columns.begun() - DELAY);
+        let mut by_state = DMatrix::zeros(rows, rows);
+        let mut by_speeds = DMatrix::zeros(rows, 2);
+        let parameters = self.columns.throughout + self.columns.gated;
+        let mut by_parameters = DMatrix::zeros(rows, parameters);
         let kinematics = simulation.state().kinematic_jacobian().by_state;
-        a.view_mut((0, 0), (State::COUNT, State::COUNT))
+        by_state
+            .view_mut((0, 0), (State::COUNT, State::COUNT))
             .copy_from(&kinematics);
-        let rates = simulation.input_rates();
         let directions = self.directions.list().iter().zip(&self.places);
         for ((direction, place), result) in directions.zip(&self.results) {
             let wrench = &result.wrench;
             let change = [wrench.a_x, wrench.a_y, wrench.yaw_acceleration];
             let change = (3..).zip(change);
             let change = change.chain((State::COUNT..).zip(result.memory_rates.iter().copied()));
-            let (target, column, weight) = match *direction {
-                Direction::Position(axis) => (&mut a, axis, 1.0),
-                Direction::Heading => (&mut a, 2, 1.0),
-                Direction::Velocity(axis) => (&mut a, 3 + axis, 1.0),
-                Direction::YawRate => (&mut a, 5, 1.0),
-                Direction::Memory(index) => (&mut a, State::COUNT + index, 1.0),
-                // What came later came with the speed of before.
-                Direction::WheelSpeed(side) => (&mut b, 0, -[rates.left, rates.right][side]),
+            let (target, column) = match *direction {
+                Direction::Position(axis) => (&mut by_state, axis),
+                Direction::Heading => (&mut by_state, 2),
+                Direction::Velocity(axis) => (&mut by_state, 3 + axis),
+                Direction::YawRate => (&mut by_state, 5),
+                Direction::Memory(index) => (&mut by_state, State::COUNT + index),
+                Direction::WheelSpeed(side) => (&mut by_speeds, side),
                 Direction::Time => continue,
                 Direction::Parameter(_) => match place {
-                    Some(place) => (&mut b, self.columns.parameter(*place) - DELAY, 1.0),
+                    Some(place) => (&mut by_parameters, *place),
                     None => continue,
                 },
             };
             for (row, value) in change {
-                target[(row, column)] += weight * value;
+                target[(row, column)] += value;
             }
         }
-        (a, b)
+        Linearised {
+            by_state,
+            by_speeds,
+            by_parameters,
+        }
     }
 
     /// Follows one accepted step of the integrator.
-    fn advance(&mut self, simulation: &Simulation, step: f64) {
-        let (a1, b1) = self.linearise(simulation);
-        let (a0, b0) = self.last.take().unwrap_or_else(|| (a1.clone(), b1.clone()));
+    fn advance(&mut self, simulation: &mut Simulation, step: f64) {
+        let end = self.linearise(simulation);
+        let begin = self.last.take();
+        let begin = begin.as_ref().unwrap_or(&end);
+        let rates = simulation.input_rates();
+        // What came later came with the speed of before.
+        let delayed = Vector2::new(-rates.left, -rates.right);
         let rows = self.by.nrows();
         let identity = DMatrix::<f64>::identity(rows, rows);
-        let a = &a0 * (1.0 - GAMMA) + &a1 * GAMMA;
-        let mut by = self.by.columns_mut(0, self.columns.begun());
-        let pushed = DELAY..self.columns.begun();
-        let mut k1 = &a * &by;
-        let mut rates = k1.columns_range_mut(pushed.clone());
-        rates += &b0 * (1.0 - GAMMA) + &b1 * GAMMA;
-        let solved = (&identity - &a * (GAMMA * step)).lu().solve_mut(&mut k1);
-        let mut k2 = &a1 * (&by + &k1 * ((1.0 - GAMMA) * step));
-        let mut rates = k2.columns_range_mut(pushed);
-        rates += &b1;
-        let solved = (identity - &a1 * (GAMMA * step)).lu().solve_mut(&mut k2) && solved;
-        by += (k1 * (1.0 - GAMMA) + k2 * GAMMA) * step;
+        let early = begin.mixed(&end);
+        let columns = self.columns;
+        let mut by = self.by.columns_mut(0, columns.begun());
+        let mut k1 = &early.by_state * &by;
+        early.push(&mut k1, &columns, &delayed);
+        let system = &identity - &early.by_state * (GAMMA * step);
+        let solved = system.lu().solve_mut(&mut k1);
+        let mut k2 = &end.by_state * (&by + &k1 * ((1.0 - GAMMA) * step));
+        end.push(&mut k2, &columns, &delayed);
+        let system = identity - &end.by_state * (GAMMA * step);
+        let solved = system.lu().solve_mut(&mut k2) && solved;
+        by += (&k1 * (1.0 - GAMMA) + &k2 * GAMMA) * step;
+        self.length = step;
+        self.slopes = [k1, k2];
         if !solved {
             self.by.fill(f64::NAN);
         }
-        self.last = Some((a1, b1));
+        self.last = Some(end);
+    }
+}
+
+impl Variation {
+    /// Derivatives of the state `back` seconds before the end of the last step.
+    pub fn within(&self, back: f64) -> Derivatives {
+        let mut by = self.by.fixed_rows::<{ State::COUNT }>(0).into_owned();
+        if back > 0.0 && self.length > 0.0 {
+            let passed = share(self.length, back);
+            // The quadratic whose slopes at GAMMA and at the end are those of the stages.
+            let first = (passed - 0.5 * passed * passed) / (1.0 - GAMMA);
+            let second = passed - first;
+            let shares = [first - (1.0 - GAMMA), second - GAMMA];
+            for (slope, share) in self.slopes.iter().zip(shares) {
+                let mut begun = by.columns_mut(0, slope.ncols());
+                begun += slope.fixed_rows::<{ State::COUNT }>(0) * (share * self.length);
+            }
+        }
+        Derivatives(by)
+    }
+}
+
+impl Linearised {
+    /// A share GAMMA of the way to the end of a step.
+    fn mixed(&self, end: &Self) -> Self {
+        let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a * (1.0 - GAMMA) + b * GAMMA;
+        Self {
+            by_state: mix(&self.by_state, &end.by_state),
+            by_speeds: mix(&self.by_speeds, &end.by_speeds),
+            by_parameters: mix(&self.by_parameters, &end.by_parameters),
+        }
+    }
+
+    /// Adds what the delay and the parameters do besides to the rates of the derivatives.
+    fn push(&self, rates: &mut DMatrix<f64>, columns: &Columns, delayed: &Vector2<f64>) {
+        let mut delay = rates.column_mut(DELAY);
+        delay += &self.by_speeds * delayed;
+        let [throughout, open] = columns.parameters();
+        let counts = [columns.throughout, columns.gated];
+        let mut from = 0;
+        for (first, count) in [throughout, open].into_iter().zip(counts) {
+            let mut target = rates.columns_mut(first, count);
+            target += self.by_parameters.columns(from, count);
+            from += count;
+        }
     }
 }

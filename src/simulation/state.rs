@@ -127,4 +127,14 @@ impl WheelSpeeds {
             right: self.right + rates.right * seconds,
         }
     }
+
+    /// Whether two speeds differ by no more than rounding leaves where one was integrated from its
+    /// rate: no force shows it.
+    pub(super) fn is_nearly(self, other: Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING * (1.0 + a.abs());
+        near(self.left, other.left) && near(self.right, other.right)
+    }
 }
+
+/// Some ten roundings, as a share.
+const ROUNDING: f64 = 1e-14;

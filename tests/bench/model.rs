@@ -198,7 +198,7 @@ fn effects(c: &mut Criterion) {
         b.iter(|| {
             let mut drive = start.clone();
             drive.step(10.0).unwrap();
-            drive.by_parameter(0)
+            drive.derivatives().by_parameter(0)
         });
     });
     group.finish();

@@ -264,7 +264,7 @@ fn a_drive_across_a_window_is_differentiated() {
             };
             let found = difference(moved(step), moved(-step), step);
             let what = format!("{extent:?} {}", parameter.name());
-            compare(&what, exact.by_parameter(index), found);
+            compare(&what, exact.derivatives().by_parameter(index), found);
         }
     }
 }
@@ -279,8 +279,8 @@ fn nothing_depends_on_what_is_off_there() {
     let on = specification("sandy_loam", windowed(&on, &["drawbar"], late));
     let parameters = ["drawbar.force", "drag.coefficient"].map(|n| Parameter::find(n).unwrap());
     let drive = sensitive(&on, &parameters);
-    assert_eq!(drive.by_parameter(0), [0.0; 6]);
-    assert!(drive.by_parameter(1)[3] < 0.0);
+    assert_eq!(drive.derivatives().by_parameter(0), [0.0; 6]);
+    assert!(drive.derivatives().by_parameter(1)[3] < 0.0);
 }
 
 #[test]
@@ -289,7 +289,7 @@ fn an_effect_that_is_off_is_differentiated_within_its_window_alone() {
     let by_force = |value: f64, extent: Extent| {
         let some = with(&[("drawbar.force", value)]);
         let some = specification("sandy_loam", windowed(&some, &["drawbar"], extent));
-        sensitive(&some, &force).by_parameter(0)
+        sensitive(&some, &force).derivatives().by_parameter(0)
     };
     let [short, long] = [0.9, 1.4].map(|end| Extent::Time { start: 0.4, end });
     let (off, nearly) = (by_force(0.0, short), by_force(1e-6, short));

@@ -17,9 +17,9 @@ use ugv_terrain::fit::sensor::SensorValues;
 const TOLERANCE: f64 = 0.05;
 const COHESION_TOLERANCE: f64 = 0.08;
 const COHESION: usize = 6;
-/// The first column of a sensor's parameter, and the slope below which moving the times of the samples
-/// (and with them the integrator's steps) shows more than the parameter itself.
-const SENSORS: usize = 8;
+/// The soil's columns. In those of the start and of the sensors, the slope below which moving the start
+/// or the times of the samples (and with them the integrator's steps) shows more than the slope itself.
+const SOIL: std::ops::Range<usize> = 6..8;
 const LEAST_SLOPE: f64 = 0.1;
 
 #[test]
@@ -80,9 +80,14 @@ fn rows_are_the_slopes_of_the_residuals() {
         for (channel, samples) in segment.samples.iter().enumerate() {
             // Relative to the largest slope in the column: some samples see none at all.
             let slope = |k: usize| rows[channel].rows[k * width + column];
-            let largest = (0..samples.time.len())
-                .map(|k| slope(k).abs())
-                .fold(if column < SENSORS { 1e-9 } else { LEAST_SLOPE }, f64::max);
+            let largest = (0..samples.time.len()).map(|k| slope(k).abs()).fold(
+                if SOIL.contains(&column) {
+                    1e-9
+                } else {
+                    LEAST_SLOPE
+                },
+                f64::max,
+            );
             let mut off = 0.0;
             for k in 0..samples.time.len() {
                 let difference =
