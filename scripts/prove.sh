@@ -1,16 +1,24 @@
 #!/usr/bin/env bash
 # Proves `ugv diagnose`: draws new cases with a sealed truth from an independent simulator, has the tool and its peers
 # answer them, opens the truth afterwards, and writes DIR/proof.html and DIR/proof.json. Options: scripts/prove.sh --help.
-# `scripts/prove.sh altered` conceals changes in real recordings instead (UGV_DATA; scripts/prove.sh altered --help).
+# `scripts/prove.sh altered` conceals changes in real recordings instead (UGV_DATA; scripts/prove.sh altered --help),
+# `scripts/prove.sh draw` only draws cases (scripts/prove.sh draw --help).
 # UGV_TOOL names a binary to prove in place of the one that is built here.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 module=judge
-if [[ "${1:-}" == altered ]]; then
+case "${1:-}" in
+altered)
     module=altered
     shift
-fi
+    ;;
+draw)
+    shift
+    ./scripts/setup.sh >&2
+    PYTHONPATH=scripts/proof exec target/venv/bin/python -m generator "$@"
+    ;;
+esac
 ./scripts/setup.sh >&2
 tool=${UGV_TOOL:-target/release/ugv}
 if [[ -z "${UGV_TOOL:-}" && " $* " != *" --help "* && " $* " != *" -h "* ]]; then

@@ -1,4 +1,4 @@
-"""Command line: `python -m generator --out CASES --cases N --seed S`."""
+"""Command line: `scripts/prove.sh draw --out CASES --cases N --seed S`."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ unseen.* for the score), and sealed/CASE.json with the truth. The same seed give
 --cases are; a case that is complete is left as it is, so a run that was cut off goes on where it stopped.
 
 examples:
-  python -m generator --out target/cases --cases 300 --seed 7 --jobs 2
-  python -m generator --out /tmp/hidden --cases 10 --seed 1 --family absorbed
+  scripts/prove.sh draw --out target/cases --cases 300 --seed 7 --jobs 2
+  scripts/prove.sh draw --out hidden --cases 10 --seed 1 --family absorbed
 """
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog="generator", description="Make test recordings of skid-steer vehicles with physics that a model left out.",
+        prog="prove.sh draw", description="Make test recordings of skid-steer vehicles with physics that a model left out.",
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", required=True, type=Path, metavar="CASES", help="folder of the set; made if it is not there")
     parser.add_argument("--cases", type=int, default=300, metavar="N", help="how many [default: 300]")
