@@ -73,7 +73,7 @@ mod tests {
         assert_eq!(count(&configuration), 8);
         for effects in [
             r#"{"grade": {"profile": {"over": "time", "points": [[0, 0.1, 0]]}}}"#,
-            r#"{"grade": {"slope_east": 0.1}, "window": {"effects": ["grade"], "time": {"start": 1, "end": 2}}}"#,
+            r#"{"grade": {"slope_east": 0.1}, "window": {"effects": ["grade"], "time": [1, 2]}}"#,
         ] {
             configuration.effects = Effects::from_json(effects).unwrap();
             assert_eq!(count(&configuration), 9, "{effects}");
