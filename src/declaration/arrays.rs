@@ -46,6 +46,7 @@ pub enum Elements {
 
 impl Elements {
     /// Size of the array; `None` for a scalar.
+    #[inline]
     #[must_use]
     pub fn dimension(self) -> Option<usize> {
         match self {
@@ -55,12 +56,14 @@ impl Elements {
     }
 
     /// Number of quantities.
+    #[inline]
     #[must_use]
     pub fn count(self) -> usize {
         self.dimension().unwrap_or(1)
     }
 
     /// The quantity at a place, from 0.
+    #[inline]
     #[must_use]
     pub fn at(self, index: usize) -> Quantity {
         match self {
@@ -71,6 +74,7 @@ impl Elements {
     }
 
     /// All quantities in order.
+    #[inline]
     pub fn quantities(self) -> impl Iterator<Item = Quantity> {
         (0..self.count()).map(move |index| self.at(index))
     }
@@ -122,6 +126,7 @@ pub fn array_variables(configuration: &Configuration) -> Vec<ArrayVariable> {
 
 impl Naming {
     /// What a value reference stands for in the FMU of a configuration.
+    #[inline]
     #[must_use]
     pub fn find(
         self,

@@ -197,6 +197,7 @@ pub fn variables(configuration: &Configuration) -> Vec<Variable> {
 }
 
 /// The variable behind a value reference in the FMU of a configuration.
+#[inline]
 #[must_use]
 pub fn find(
     reference: u32,

@@ -19,6 +19,16 @@ pub(super) fn none_of(kind: &str, references: &[u32]) -> Outcome {
     }
 }
 
+/// Before the initialization there is nothing but what a variable starts with.
+fn check_start(reference: u32, attributes: &Attributes) -> Outcome {
+    match attributes.causality {
+        Causality::Input | Causality::Parameter => Ok(()),
+        _ => refuse(format!(
+            "the variable with value reference {reference} has no value before the initialization"
+        )),
+    }
+}
+
 impl Instance {
     /// What is behind a reference, which must be of the given type.
     pub(super) fn find(
@@ -55,10 +65,13 @@ impl Instance {
 
     pub(super) fn get_reals(&mut self, references: &[u32], values: &mut [f64]) -> Outcome {
         self.check_count(references, Kind::Real, values.len())?;
+        let early = self.core.mode == Mode::Instantiated;
         let mut places = values.iter_mut();
         for reference in references {
             let (elements, attributes) = self.find(*reference, Kind::Real)?;
-            self.check_readable(*reference, attributes)?;
+            if early {
+                check_start(*reference, attributes)?;
+            }
             for (quantity, place) in elements.quantities().zip(&mut places) {
                 *place = self.core.real(quantity)?;
             }
@@ -72,7 +85,7 @@ impl Instance {
         let mut given = values.iter();
         for reference in references {
             let (elements, attributes) = self.find(*reference, Kind::Real)?;
-            if !self.is_free_state(elements) {
+            if attributes.causality != Causality::Input && !self.is_free_state(elements) {
                 self.check_settable(*reference, attributes)?;
             }
             for (quantity, value) in elements.quantities().zip(&mut given) {
@@ -181,20 +194,6 @@ impl Instance {
             variables.iter().find(held).map(|v| v.reference)
         };
         Ok((quantities.iter().filter_map(of).collect(), kind))
-    }
-
-    /// Before the initialization there is nothing but what a variable starts with.
-    fn check_readable(&self, reference: u32, attributes: &Attributes) -> Outcome {
-        let starts = matches!(
-            attributes.causality,
-            Causality::Input | Causality::Parameter
-        );
-        if starts || self.core.mode != Mode::Instantiated {
-            return Ok(());
-        }
-        refuse(format!(
-            "the variable with value reference {reference} has no value before the initialization"
-        ))
     }
 
     /// In model exchange the states are the importer's, and some set them one by one.

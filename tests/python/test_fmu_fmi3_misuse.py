@@ -1,6 +1,7 @@
 """FMI 3.0: wrong order and wrong arguments are an error with a message, never a crash."""
 
 import enum
+import random
 import unittest
 from ctypes import (
     byref,
@@ -255,6 +256,49 @@ class Order(unittest.TestCase):
             for function, arguments in UNSUPPORTED.items():
                 self.assertEqual(instance.call(function, *arguments), fmi3Error)
                 self.assertRegex(instance.messages[-1].text, f"fmi3{function}: .*(no )")
+
+
+class Random(unittest.TestCase):
+    """Whatever is called, with whatever missing: a status and no crash."""
+
+    CALLS = 30_000
+    BY_VALUE = (bool, c_bool, c_double, c_size_t, c_uint)
+
+    def test_random_calls_return_ok_or_an_error_with_a_message(self) -> None:
+        generator = random.Random(20071121)
+        rows, time = table(), as_references(fmi3().references(["time"]))
+        names = sorted(rows)
+        instances = [
+            Instance3("ModelExchange") if number % 3 == 0 else Instance3(events=number % 2 == 0)
+            for number in range(6)
+        ]
+        succeeded = set()
+        for _ in range(self.CALLS):
+            instance = generator.choice(instances)
+            # What ends a simulation comes less often.
+            name = generator.choice(names)
+            if name in ("Terminate", "Reset") and generator.random() < 0.8:
+                continue
+            arguments = list(rows[name][0])
+            # What an earlier call has left there.
+            REAL[0], REALS[:] = 1.0, [0.0] * 6
+            if name == "DoStep":
+                now = c_double()
+                instance.call("GetFloat64", time, ONE, byref(now), ONE)
+                arguments[0] = now
+            places = [p for p, a in enumerate(arguments) if not isinstance(a, self.BY_VALUE)]
+            if places and generator.random() < 0.2:
+                arguments[generator.choice(places)] = None
+            instance.messages.clear()
+            status = instance.call(name, *arguments)
+            self.assertIn(status, (fmi3OK, fmi3Error), name)
+            if status == fmi3OK:
+                succeeded.add(name)
+            else:
+                self.assertTrue(instance.messages, name)
+        self.assertEqual(succeeded, set(names) - set(UNSUPPORTED))
+        for instance in instances:
+            instance.free()
 
 
 class Creation(unittest.TestCase):
