@@ -211,11 +211,25 @@ fn write_structure(xml: &mut Xml, model: &Model) -> io::Result<()> {
     for rate in rates() {
         write_unknown(xml, "ContinuousStateDerivative", rate, model)?;
     }
-    // At the start everything may depend on every parameter: no list says so.
+    // At the start everything may depend on whatever can be set, and the start time. To leave the
+    // list away would say the same, but CasADi 3.8 wants it.
+    let set = model
+        .variables
+        .iter()
+        .filter(|v| match v.attributes.causality {
+            Causality::Input | Causality::Parameter => true,
+            Causality::Independent => model.configuration.depends_on_time(),
+            Causality::Output | Causality::Local => false,
+        });
+    let set: Vec<String> = set.map(|v| v.reference.to_string()).collect();
+    let set = set.join(" ");
     for initial in outputs().chain(rates()) {
         let reference = initial.reference.to_string();
         xml.create_element("InitialUnknown")
-            .with_attribute(("valueReference", reference.as_str()))
+            .with_attributes([
+                ("valueReference", reference.as_str()),
+                ("dependencies", set.as_str()),
+            ])
             .write_empty()?;
     }
     Ok(())

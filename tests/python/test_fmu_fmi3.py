@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint
 from pathlib import Path
 
+import casadi
 import fmpy
 import numpy as np
 from fmi3_support import (
@@ -196,6 +197,15 @@ class Description(unittest.TestCase):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
 
+    def test_fmutool_finds_nothing_to_complain_about(self) -> None:
+        tool = Path(sys.executable).parent / "fmutool"
+        command = [str(tool), "-input", str(fmi3_path()), "-check"]
+        # The tool leaves its files in the current folder.
+        done = subprocess.run(command, cwd=scratch(), capture_output=True, text=True, check=False)
+        said = (done.stdout + done.stderr).splitlines()
+        self.assertEqual(done.returncode, 0, said)
+        self.assertEqual([line for line in said if not line.startswith("INFO")], [])
+
     def test_the_terminals_are_as_the_schema_wants_them(self) -> None:
         schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
         schema = etree.XMLSchema(file=str(schemas / "fmi3TerminalsAndIcons.xsd"))
@@ -358,6 +368,27 @@ def with_effects(effects: dict) -> dict[str, str]:
 
     folder = resources(change)
     return {"token": token_of(folder), "resources": f"{folder}/"}
+
+
+class Casadi(unittest.TestCase):
+    """CasADi, which takes the equations of motion (3.8 asks for no array as FMI 3.0 wants it)."""
+
+    def test_casadi_gets_the_rates_and_their_jacobian(self) -> None:
+        builder = casadi.DaeBuilder("ugv", str(fmi3().folder), {})
+        self.assertEqual([str(x) for x in builder.x()], list(STATES))
+        self.assertEqual([str(u) for u in builder.u()], list(INPUTS))
+        function, speeds = builder.create("f", ["x", "u"], ["ode"]), [4.0, 5.0]
+        jacobians = function.factory("j", ["x", "u"], ["jac:ode:x", "jac:ode:u"])
+        matrices = map(np.array, jacobians(STATE, speeds))
+        with model_exchange_3(dict(zip(INPUTS, speeds, strict=True))) as instance:
+            instance.set_states(STATE)
+            rates = np.array(function(STATE, speeds)).ravel()
+            # The same point, but for the first guess.
+            np.testing.assert_allclose(rates, instance.derivatives(), rtol=1e-9)
+            for matrix, knowns in zip(matrices, (STATES, INPUTS), strict=True):
+                for column, known in enumerate(knowns):
+                    expected = instance.directional(RATES, [known], [1.0])
+                    np.testing.assert_allclose(matrix[:, column], expected, rtol=1e-9, atol=1e-9)
 
 
 class Events(unittest.TestCase):
