@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the FMU's shared library, target/fmu/ugv.so (linux64), and checks it.
+# Builds the FMU's shared library, target/fmu/ugv.so (linux64), and checks it. It has the functions of
+# FMI 2.0 and of FMI 3.0, so that one library serves the FMUs of both.
 # It runs on glibc 2.17 and newer; with --native it is linked by gcc and needs about this machine's glibc.
 # The same source gives the same bytes wherever it is checked out.
 set -euo pipefail
@@ -27,8 +28,8 @@ CARGO_ENCODED_RUSTFLAGS="--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=/cargo$
 
 # 2. The shared library: only the FMI functions are visible, unused code is dropped (-u pulls the one object they are all in).
 exports=$target/fmu/exports.map
-echo '{ global: fmi2*; local: *; };' >"$exports"
-link=(-shared -o "$library" -Wl,-u,fmi2GetVersion "$target/fmu/libugv_terrain.a"
+echo '{ global: fmi2*; fmi3*; local: *; };' >"$exports"
+link=(-shared -o "$library" -Wl,-u,fmi2GetVersion -Wl,-u,fmi3GetVersion "$target/fmu/libugv_terrain.a"
     -Wl,--version-script="$exports" -Wl,-Bsymbolic -Wl,--gc-sections -Wl,-z,defs -Wl,--build-id=none -Wl,-s)
 if [[ ${1:-} == --native ]]; then
     gcc "${link[@]}" -static-libgcc -lm -lpthread -ldl
@@ -37,9 +38,9 @@ else
     "$venv/bin/python-zig" cc -target "x86_64-linux-gnu.$oldest_glibc" "${link[@]}" -lunwind
 fi
 
-# 3. Checks: every function of the standard's header and nothing else; old glibc; glibc's own libraries only; no path of this machine.
-header=$(find "$venv"/lib/ -path '*/fmpy/c-code/fmi2Functions.h')
-diff <(sed -nE 's/^ *FMI2_Export +fmi2\w+TYPE +(fmi2\w+);.*/\1/p' "$header" | LC_ALL=C sort) \
+# 3. Checks: every function of the standard's headers and nothing else; old glibc; glibc's own libraries only; no path of this machine.
+mapfile -t headers < <(find "$venv"/lib/ -path '*/fmpy/c-code/fmi[23]Functions.h')
+diff <(sed -nE 's/^ *FMI[23]_Export +fmi[23]\w+TYPE +(fmi[23]\w+);.*/\1/p' "${headers[@]}" | LC_ALL=C sort) \
     <(nm -D --defined-only "$library" | awk '{print $3}' | LC_ALL=C sort) ||
     fail "$library does not export exactly the FMI functions (< missing, > too much)"
 

@@ -34,7 +34,7 @@
 //! # Features
 //! - `cli` (default): the tool `ugv`, reading CSV and robots' logs (`import`), and [`package`],
 //!   which makes the FMU's archive.
-//! - `fmu`: the C interface of FMI 2.0; building it needs libclang.
+//! - `fmu`: the C interfaces of FMI 2.0 and 3.0; building it needs libclang.
 
 pub mod contact;
 pub mod declaration;

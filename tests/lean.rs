@@ -1,5 +1,5 @@
 //! The FMU and the bare library stay lean: few dependencies, and of the FMU's library nothing is
-//! visible but the functions of FMI 2.0, nor needs it a newer machine than it has to.
+//! visible but the functions of FMI 2.0 and 3.0, nor needs it a newer machine than it has to.
 
 #![cfg(feature = "cli")]
 
@@ -125,17 +125,21 @@ impl Library {
 }
 
 #[test]
-fn the_fmus_library_exports_the_44_functions_and_nothing_else() {
+fn the_fmus_library_exports_the_functions_of_both_standards_and_nothing_else() {
     let (Some(library), Some(standard)) = (Library::new(), support::standard_headers()) else {
         return;
     };
-    let header = std::fs::read_to_string(standard.join("fmi2Functions.h")).unwrap();
-    let declared: BTreeSet<&str> = header
-        .lines()
-        .filter(|line| line.contains("FMI2_Export fmi2"))
+    let headers = [2, 3].map(|version| {
+        let name = format!("fmi{version}Functions.h");
+        std::fs::read_to_string(standard.join(name)).unwrap()
+    });
+    let declared: BTreeSet<&str> = headers
+        .iter()
+        .flat_map(|header| header.lines())
+        .filter(|line| line.contains("FMI2_Export fmi2") || line.contains("FMI3_Export fmi3"))
         .filter_map(|line| line.trim_end().trim_end_matches(';').rsplit(' ').next())
         .collect();
-    assert_eq!(declared.len(), 44);
+    assert_eq!(declared.len(), 44 + 75);
     let symbols = library.ask("nm", &["--dynamic", "--defined-only"]);
     let exported: BTreeSet<&str> = symbols
         .lines()

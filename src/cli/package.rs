@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use ugv_terrain::declaration::Configuration;
-use ugv_terrain::package::{PackageError, Platform, write_fmu};
+use ugv_terrain::package::{PackageError, Platform, Standard, write_fmu};
 use ugv_terrain::vehicle::VehicleModel;
 
 const EXAMPLES: &str = "\
@@ -14,6 +14,7 @@ Examples:
   ugv package
   ugv package --vehicle mine.json --terrain soil.json --output mine.fmu
   ugv package --model model.json
+  ugv package --fmi 3
   ugv package --library linux64=target/fmu/ugv.so --library win64=ugv.dll";
 
 /// Make an FMU of a vehicle on a terrain.
@@ -28,15 +29,19 @@ pub struct Args {
     #[command(flatten)]
     model: ModelArgs,
 
-    /// The FMU to write
+    /// Version of the standard; to FMI 3 the quantities of rows and wheels are arrays
     #[arg(
         long,
-        short,
-        value_name = "FILE.fmu",
-        default_value = "ugv.fmu",
-        overrides_with = "output"
+        value_name = "VERSION",
+        value_parser = ["2", "3"],
+        default_value = "2",
+        overrides_with = "fmi"
     )]
-    output: PathBuf,
+    fmi: String,
+
+    /// The FMU to write [default: ugv.fmu, or ugv-fmi3.fmu with --fmi 3]
+    #[arg(long, short, value_name = "FILE.fmu", overrides_with = "output")]
+    output: Option<PathBuf>,
 
     /// Shared library of a platform (linux64, win64, darwin64, aarch64-linux), once for each
     /// [default: the ugv.so that scripts/package.sh built]
@@ -47,16 +52,22 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let configuration = configuration(args)?;
     let libraries = libraries(&args.library)?;
-    let folder = match args.output.parent() {
+    let (standard, default) = match args.fmi.as_str() {
+        "3" => (Standard::Fmi3, "ugv-fmi3.fmu"),
+        _ => (Standard::Fmi2, "ugv.fmu"),
+    };
+    let output = args.output.as_deref().unwrap_or(Path::new(default));
+    let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     let fail = |source| Failure::Write {
-        target: args.output.display().to_string(),
+        target: output.display().to_string(),
         source,
     };
     let mut file = NamedTempFile::new_in(folder).map_err(fail)?;
-    write_fmu(file.as_file_mut(), &configuration, &libraries).map_err(|error| match error {
+    let written = write_fmu(file.as_file_mut(), standard, &configuration, &libraries);
+    written.map_err(|error| match error {
         PackageError::Write(source) => fail(source),
         other => Failure::Argument {
             reason: other.to_string(),
@@ -64,8 +75,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         },
     })?;
     make_readable(file.as_file()).map_err(fail)?;
-    file.persist(&args.output)
-        .map_err(|error| fail(error.error))?;
+    file.persist(output).map_err(|error| fail(error.error))?;
     let platforms: Vec<&str> = libraries
         .iter()
         .map(|(platform, _)| platform.name())
@@ -81,7 +91,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     tell(&format!(
         "{} written, for {}{limits}",
-        args.output.display(),
+        output.display(),
         platforms.join(", ")
     ));
     Ok(())

@@ -4,11 +4,15 @@
 //! The build script turns that file into the tables included here; value references, the
 //! model description, its documentation and the C header follow from them.
 
+mod arrays;
 mod configuration;
+mod dependencies;
 mod effects;
 mod resources;
 
+pub use arrays::{ArrayVariable, Elements, Naming, array_variables};
 pub use configuration::{Configuration, TERRAIN_NAMES};
+pub use dependencies::{DependencyKind, dependencies};
 pub use resources::{ConfigurationError, guid};
 
 use crate::effects::ParameterName;
@@ -41,6 +45,8 @@ pub enum Quantity {
     Initial(usize),
     /// Whether to start at the velocities of rolling without slip.
     NoSlip,
+    /// The time.
+    Time,
 }
 
 /// How a variable is seen from outside.
@@ -54,16 +60,18 @@ pub enum Causality {
     Local,
     /// Set before the simulation starts.
     Parameter,
+    /// What all else is a function of: the time.
+    Independent,
 }
 
 /// Which of FMI's types carries a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// `fmi2Real`.
+    /// `fmi2Real`, `fmi3Float64`.
     Real,
-    /// `fmi2Boolean`.
+    /// `fmi2Boolean`, `fmi3Boolean`.
     Boolean,
-    /// `fmi2Integer`, one of the items of [`enumerations()`].
+    /// `fmi2Integer`, `fmi3Int64`: one of the items of [`enumerations()`].
     Enumeration,
 }
 
@@ -189,6 +197,7 @@ pub fn variables(configuration: &Configuration) -> Vec<Variable> {
 }
 
 /// The variable behind a value reference in the FMU of a configuration.
+#[inline]
 #[must_use]
 pub fn find(
     reference: u32,

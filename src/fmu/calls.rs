@@ -1,5 +1,8 @@
-//! Which function may be called when: the state machine of FMI 2.0.5, sections 3.2.3
-//! (model exchange) and 4.2.4 (co-simulation), as one table.
+//! Which function may be called when: the state machines of FMI 2.0.5, sections 3.2.3
+//! (model exchange) and 4.2.4 (co-simulation), and of FMI 3.0, sections 2.3, 3.2 and 4.2, as one
+//! table. Where the two agree a row serves both.
+
+use super::instance::Interface;
 
 /// Where an instance stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,10 +21,12 @@ pub(super) enum Mode {
     Error = 64,
     /// A panic was contained: nothing but freeing the instance is left.
     Poisoned = 128,
+    /// Co-simulation, at an event that the importer announced.
+    StepEvent = 256,
 }
 
 impl Mode {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Instantiated,
         Self::Initialization,
         Self::StepComplete,
@@ -30,6 +35,7 @@ impl Mode {
         Self::Terminated,
         Self::Error,
         Self::Poisoned,
+        Self::StepEvent,
     ];
 
     pub(super) fn from_code(code: u16) -> Option<Self> {
@@ -41,9 +47,9 @@ impl Mode {
             Self::Instantiated => "before initialization",
             Self::Initialization => "in initialization mode",
             Self::StepComplete => "between two steps",
-            Self::Event => "in event mode",
+            Self::Event | Self::StepEvent => "in event mode",
             Self::ContinuousTime => "in continuous-time mode",
-            Self::Terminated => "after fmi2Terminate",
+            Self::Terminated => "after the termination",
             Self::Error => "after an error",
             Self::Poisoned => "after an internal failure",
         }
@@ -79,6 +85,14 @@ pub(super) enum Call {
     GetDerivatives,
     GetContinuousStates,
     GetNominals,
+    // FMI 3.0 alone: what its table allows otherwise than that of FMI 2.0, and what is new.
+    GetOrStart,
+    GetStatesOrRates,
+    GetScales,
+    Count,
+    GetDependencies,
+    EnterStepMode,
+    Unsupported,
 }
 
 const INSTANTIATED: u16 = Mode::Instantiated as u16;
@@ -88,8 +102,9 @@ const EVENT: u16 = Mode::Event as u16;
 const CONTINUOUS: u16 = Mode::ContinuousTime as u16;
 const TERMINATED: u16 = Mode::Terminated as u16;
 const ERROR: u16 = Mode::Error as u16;
+const STEP_EVENT: u16 = Mode::StepEvent as u16;
 
-const RUNNING: u16 = STEP | EVENT | CONTINUOUS;
+const RUNNING: u16 = STEP | STEP_EVENT | EVENT | CONTINUOUS;
 const READABLE: u16 = INITIALIZATION | RUNNING | TERMINATED | ERROR;
 const ANY: u16 = INSTANTIATED | READABLE;
 
@@ -113,8 +128,9 @@ impl Call {
             // There is never a step in progress to be cancelled.
             Self::CancelStep => 0,
             Self::GetStatus => STEP | TERMINATED | ERROR,
-            Self::EnterEventMode => EVENT | CONTINUOUS,
-            Self::NewDiscreteStates | Self::EnterContinuousTimeMode => EVENT,
+            Self::EnterEventMode => STEP | EVENT | CONTINUOUS,
+            Self::NewDiscreteStates => EVENT | STEP_EVENT,
+            Self::EnterContinuousTimeMode => EVENT,
             Self::CompletedIntegratorStep | Self::SetContinuousStates => CONTINUOUS,
             Self::SetTime => EVENT | CONTINUOUS,
             Self::GetDerivatives => EVENT | CONTINUOUS | TERMINATED | ERROR,
@@ -122,19 +138,44 @@ impl Call {
             Self::GetNominals => {
                 INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR
             }
+            Self::GetOrStart | Self::Count | Self::GetDependencies | Self::Unsupported => ANY,
+            Self::GetStatesOrRates | Self::GetScales => {
+                INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR
+            }
+            Self::EnterStepMode => STEP_EVENT,
+        }
+    }
+
+    /// The table's other column: the only interface that has the call, where the modes do not tell.
+    fn only(self) -> Option<Interface> {
+        match self {
+            Self::GetStatesOrRates | Self::GetScales | Self::Count => {
+                Some(Interface::ModelExchange)
+            }
+            _ => None,
         }
     }
 
     /// Refuses a call that is out of order, in words.
-    pub(super) fn check(self, function: &str, mode: Mode) -> Result<(), String> {
+    pub(super) fn check(
+        self,
+        function: &str,
+        mode: Mode,
+        interface: Interface,
+    ) -> Result<(), String> {
+        let foreign = self.only().is_some_and(|only| only != interface);
         if self.allowed() & mode as u16 != 0 {
-            return Ok(());
+            return match foreign {
+                false => Ok(()),
+                true => Err(format!("{function} belongs to the other interface")),
+            };
         }
-        let allowed: Vec<&str> = Mode::ALL
+        let mut allowed: Vec<&str> = Mode::ALL
             .into_iter()
             .filter(|m| self.allowed() & *m as u16 != 0)
             .map(Mode::describe)
             .collect();
+        allowed.dedup();
         let now = mode.describe();
         Err(match (mode, allowed.is_empty()) {
             (Mode::Poisoned, _) => {
@@ -158,21 +199,29 @@ mod tests {
     #[test]
     fn a_poisoned_instance_allows_nothing() {
         for call in [Call::Get, Call::Reset, Call::SetDebugLogging, Call::DoStep] {
-            let error = call.check("f", Mode::Poisoned).unwrap_err();
+            let check = |interface| call.check("f", Mode::Poisoned, interface);
+            let error = check(Interface::CoSimulation).unwrap_err();
             assert!(error.contains("only be freed"));
         }
     }
 
     #[test]
     fn a_refusal_says_when_the_call_is_allowed() {
-        let error = Call::DoStep
-            .check("fmi2DoStep", Mode::Instantiated)
-            .unwrap_err();
+        let check = |mode| Call::DoStep.check("fmi2DoStep", mode, Interface::CoSimulation);
+        let error = check(Mode::Instantiated).unwrap_err();
         assert_eq!(
             error,
             "fmi2DoStep is not allowed before initialization, but between two steps"
         );
-        assert!(Call::DoStep.check("fmi2DoStep", Mode::StepComplete).is_ok());
+        assert!(check(Mode::StepComplete).is_ok());
+    }
+
+    #[test]
+    fn a_call_of_one_interface_is_refused_to_the_other() {
+        let check = |interface| Call::Count.check("f", Mode::Initialization, interface);
+        assert!(check(Interface::ModelExchange).is_ok());
+        let error = check(Interface::CoSimulation).unwrap_err();
+        assert_eq!(error, "f belongs to the other interface");
     }
 
     #[test]

@@ -2,10 +2,8 @@
 
 use super::calls::{Call, Mode};
 use super::instance::{Failure, Instance, Outcome, refuse};
-use fmi_sys::fmi2::{
-    fmi2Component, fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
-    fmi2Status_fmi2OK,
-};
+use super::status::Status;
+use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What a component handle points to.
@@ -15,10 +13,10 @@ pub(super) struct Handle {
     instance: Instance,
 }
 
-const MAGIC: u64 = u64::from_le_bytes(*b"ugv-fmu2");
+const MAGIC: u64 = u64::from_le_bytes(*b"ugv-inst");
 
 /// Hands an instance to C.
-pub(super) fn into_component(instance: Instance) -> fmi2Component {
+pub(super) fn into_component(instance: Instance) -> *mut c_void {
     let magic = MAGIC;
     Box::into_raw(Box::new(Handle { magic, instance })).cast()
 }
@@ -27,7 +25,7 @@ pub(super) fn into_component(instance: Instance) -> fmi2Component {
 ///
 /// # Safety
 /// `component` is null or came from [`into_component`] and has not been freed.
-pub(super) unsafe fn free(component: fmi2Component) {
+pub(super) unsafe fn free(component: *mut c_void) {
     // SAFETY: by the caller's promise the pointer is null or a live handle.
     let Some(handle) = (unsafe { component.cast::<Handle>().as_mut() }) else {
         return;
@@ -44,41 +42,56 @@ pub(super) unsafe fn free(component: fmi2Component) {
 }
 
 /// Calls into an instance: checks the handle and the order of calls, reports failures to
-/// the importer's logger, and contains panics, after which the instance is poisoned.
+/// the importer's logger, and contains panics, after which the instance is poisoned. The
+/// status comes in the type that the version of the standard has for it.
 ///
 /// # Safety
 /// `component` is null or a handle from [`into_component`] that has not been freed, and no
 /// other call with it is under way.
-pub(super) unsafe fn call(
-    component: fmi2Component,
+pub(super) unsafe fn call<S: From<u8>>(
+    component: *mut c_void,
     call: Call,
     function: &'static str,
     body: impl FnOnce(&mut Instance) -> Outcome,
-) -> fmi2Status {
+) -> S {
+    // SAFETY: the caller's promise.
+    unsafe { checked(component, call, function, body) }.code()
+}
+
+/// As [`call`].
+///
+/// # Safety
+/// As [`call`].
+unsafe fn checked(
+    component: *mut c_void,
+    call: Call,
+    function: &'static str,
+    body: impl FnOnce(&mut Instance) -> Outcome,
+) -> Status {
     // SAFETY: by the caller's promise the pointer is null or a live handle.
     let handle = match unsafe { component.cast::<Handle>().as_mut() } {
         Some(handle) if handle.magic == MAGIC => handle,
-        _ => return fmi2Status_fmi2Error,
+        _ => return Status::Error,
     };
     let instance = &mut handle.instance;
-    if let Err(message) = call.check(function, instance.core.mode) {
+    if let Err(message) = call.check(function, instance.core.mode, instance.interface) {
         instance.logger.error(&message);
-        return fmi2Status_fmi2Error;
+        return Status::Error;
     }
     match catch_unwind(AssertUnwindSafe(|| body(instance))) {
-        Ok(Ok(())) => fmi2Status_fmi2OK,
+        Ok(Ok(())) => Status::Ok,
         Ok(Err(Failure::Refused(message))) => {
             instance.logger.error(&format!("{function}: {message}"));
-            fmi2Status_fmi2Error
+            Status::Error
         }
         Ok(Err(Failure::Broken(message))) => {
             instance.core.mode = Mode::Error;
             instance.logger.error(&format!("{function}: {message}"));
-            fmi2Status_fmi2Error
+            Status::Error
         }
         Ok(Err(Failure::Unavailable(message))) => {
             instance.logger.warning(&format!("{function}: {message}"));
-            fmi2Status_fmi2Discard
+            Status::Discard
         }
         Err(panic) => {
             instance.core.mode = Mode::Poisoned;
@@ -86,7 +99,7 @@ pub(super) unsafe fn call(
             instance.logger.fatal(&format!(
                 "{function} failed internally ({message}); this instance can only be freed"
             ));
-            fmi2Status_fmi2Fatal
+            Status::Fatal
         }
     }
 }
@@ -145,12 +158,13 @@ pub(super) unsafe fn out<'a, T>(pointer: *mut T) -> Outcome<&'a mut T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::declaration::Configuration;
-    use crate::fmu::instance::Interface;
+    use crate::declaration::{Configuration, Naming};
+    use crate::fmu::instance::{Interface, Purpose};
     use crate::fmu::logger::Logger;
     use fmi_sys::fmi2::{
-        fmi2CallbackFunctions, fmi2CallbackLogger, fmi2ComponentEnvironment,
-        fmi2Status_fmi2Warning, fmi2String,
+        fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component, fmi2ComponentEnvironment,
+        fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
+        fmi2Status_fmi2OK, fmi2Status_fmi2Warning, fmi2String,
     };
     use std::cell::RefCell;
     use std::ffi::CStr;
@@ -184,13 +198,14 @@ mod tests {
             stepFinished: None,
             componentEnvironment: std::ptr::from_ref(environment).cast_mut().cast(),
         };
-        let logger = Logger::new(Some(&functions), c"test", false);
+        let logger = Logger::fmi2(Some(&functions), c"test", false);
         let configuration = Configuration::default();
-        into_component(Instance::new(
-            logger,
-            Interface::CoSimulation,
-            configuration,
-        ))
+        let purpose = Purpose {
+            interface: Interface::CoSimulation,
+            naming: Naming::Scalars,
+            has_events: false,
+        };
+        into_component(Instance::new(logger, purpose, configuration))
     }
 
     fn run(component: fmi2Component, body: impl FnOnce(&mut Instance) -> Outcome) -> fmi2Status {

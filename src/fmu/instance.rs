@@ -3,9 +3,8 @@
 use super::calls::Mode;
 use super::logger::Logger;
 use super::parameters::Parameters;
-use crate::declaration::{self, Attributes, Causality, Configuration, Kind, Quantity};
-use crate::simulation::{Simulation, State, WheelSpeeds};
-use crate::vehicle::{WheelOutputs, Wrench};
+use crate::declaration::{Configuration, Naming, state_nominals};
+use crate::simulation::{Simulation, SimulationError, State, WheelSpeeds};
 
 /// Why a call cannot be fulfilled.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,9 +31,21 @@ pub(super) enum Interface {
     CoSimulation,
 }
 
+/// What an instance is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Purpose {
+    pub interface: Interface,
+    /// What its value references stand for.
+    pub naming: Naming,
+    /// Whether the importer of a co-simulation tells of events.
+    pub has_events: bool,
+}
+
 pub(super) struct Instance {
     pub logger: Logger,
     pub interface: Interface,
+    pub naming: Naming,
+    pub has_events: bool,
     /// What the FMU's resources say: where a reset returns to.
     configuration: Configuration,
     pub core: Core,
@@ -62,11 +73,18 @@ const TIME_ROUNDING: f64 = 1e-6;
 const TIME_RESOLUTION: f64 = 1e-12;
 
 impl Instance {
-    pub(super) fn new(logger: Logger, interface: Interface, configuration: Configuration) -> Self {
+    pub(super) fn new(logger: Logger, purpose: Purpose, configuration: Configuration) -> Self {
         let core = Core::new(configuration.clone());
+        let Purpose {
+            interface,
+            naming,
+            has_events,
+        } = purpose;
         Self {
             logger,
             interface,
+            naming,
+            has_events,
             configuration,
             core,
         }
@@ -95,14 +113,17 @@ impl Instance {
         Ok(())
     }
 
+    pub(super) fn enter_initialization(&mut self) {
+        self.core.mode = Mode::Initialization;
+    }
+
     pub(super) fn exit_initialization(&mut self) -> Outcome {
         let time = self.core.time;
         let simulation = self.core.simulation()?;
         simulation.set_time(time);
-        simulation
-            .wrench()
-            .map_err(|e| Failure::Broken(e.to_string()))?;
+        simulation.wrench().map_err(broken)?;
         self.core.mode = match self.interface {
+            Interface::CoSimulation if self.has_events => Mode::StepEvent,
             Interface::CoSimulation => Mode::StepComplete,
             Interface::ModelExchange => Mode::Event,
         };
@@ -110,97 +131,47 @@ impl Instance {
         Ok(())
     }
 
-    /// The variable behind a reference, which must be of the given type.
-    pub(super) fn find(
-        &self,
-        reference: u32,
-        kind: Kind,
-    ) -> Outcome<(Quantity, &'static Attributes)> {
-        match declaration::find(reference, &self.configuration) {
-            Some((quantity, attributes)) if attributes.kind == kind => Ok((quantity, attributes)),
-            Some((_, attributes)) => refuse(format!(
-                "value reference {reference} is of type {:?}, not {kind:?}",
-                attributes.kind
-            )),
-            None => refuse(format!(
-                "there is no variable with value reference {reference}"
-            )),
-        }
-    }
-
-    pub(super) fn get_reals(&mut self, references: &[u32], values: &mut [f64]) -> Outcome {
-        for (reference, value) in references.iter().zip(values) {
-            let (quantity, _) = self.find(*reference, Kind::Real)?;
-            *value = self.core.real(quantity)?;
-        }
+    /// An event: of the importer in co-simulation, where it tells of them.
+    pub(super) fn enter_event_mode(&mut self) -> Outcome {
+        self.core.mode = match self.interface {
+            Interface::CoSimulation if self.has_events => Mode::StepEvent,
+            Interface::CoSimulation => {
+                return refuse("this instance was made for a co-simulation without event mode");
+            }
+            Interface::ModelExchange => Mode::Event,
+        };
         Ok(())
     }
 
-    pub(super) fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Outcome {
-        // First check them all, so that a refused call has changed nothing.
-        for (reference, value) in references.iter().zip(values) {
-            let (quantity, attributes) = self.find(*reference, Kind::Real)?;
-            if !self.is_free_state(quantity) {
-                self.check_settable(*reference, attributes)?;
-            }
-            if !value.is_finite() {
-                return refuse(format!(
-                    "value reference {reference} cannot be set to {value}"
-                ));
-            }
-            Configuration::check_parameter(quantity, *value)
-                .map_err(|e| Failure::Refused(e.to_string()))?;
-        }
-        for (reference, value) in references.iter().zip(values) {
-            let (quantity, _) = self.find(*reference, Kind::Real)?;
-            self.core.set_real(quantity, *value)?;
-        }
+    pub(super) fn enter_continuous_time_mode(&mut self) {
+        self.core.mode = Mode::ContinuousTime;
+    }
+
+    pub(super) fn enter_step_mode(&mut self) {
+        self.core.mode = Mode::StepComplete;
+    }
+
+    /// When effects that act for a while begin or end next, for the importer to stop there; in
+    /// co-simulation the steps themselves see to it.
+    pub(super) fn next_event(&mut self) -> Outcome<Option<f64>> {
+        let time = self.core.time;
+        let next = self.core.simulation()?.model().next_event(time);
+        Ok(next.filter(|_| self.interface == Interface::ModelExchange))
+    }
+
+    pub(super) fn terminate(&mut self) -> Outcome {
+        self.core.mode = Mode::Terminated;
+        let cost = self.core.simulation()?.counters();
+        self.logger.event(&format!("integration: {cost:?}"));
         Ok(())
     }
 
-    /// In model exchange the states are the importer's, and some set them one by one.
-    fn is_free_state(&self, quantity: Quantity) -> bool {
-        matches!(quantity, Quantity::State(_))
-            && matches!(self.core.mode, Mode::Event | Mode::ContinuousTime)
-    }
-
-    /// Inputs can be set at any time, parameters until the end of the initialization.
-    pub(super) fn check_settable(&self, reference: u32, attributes: &Attributes) -> Outcome {
-        let early = matches!(self.core.mode, Mode::Instantiated | Mode::Initialization);
-        match attributes.causality {
-            Causality::Input => Ok(()),
-            Causality::Parameter if early => Ok(()),
-            Causality::Parameter => refuse(format!(
-                "the parameter with value reference {reference} can only be set before the end of the initialization"
-            )),
-            Causality::Output | Causality::Local => refuse(format!(
-                "the variable with value reference {reference} is computed and cannot be set"
-            )),
+    pub(super) fn set_time(&mut self, time: f64) -> Outcome {
+        if !time.is_finite() {
+            return refuse(format!("time {time} is not finite"));
         }
-    }
-
-    pub(super) fn set_input_rates(
-        &mut self,
-        references: &[u32],
-        orders: &[i32],
-        values: &[f64],
-    ) -> Outcome {
-        let mut rates = self.core.rates;
-        for ((reference, order), value) in references.iter().zip(orders).zip(values) {
-            let (quantity, _) = self.find(*reference, Kind::Real)?;
-            if *order != 1 {
-                return refuse(format!("input derivatives are of order 1, not {order}"));
-            }
-            if !value.is_finite() {
-                return refuse(format!("an input derivative cannot be {value}"));
-            }
-            match quantity {
-                Quantity::Input(0) => rates.left = *value,
-                Quantity::Input(_) => rates.right = *value,
-                _ => return refuse(format!("value reference {reference} is no input")),
-            }
-        }
-        self.core.rates = rates;
+        self.core.time = time;
+        self.core.simulation()?.set_time(time);
         Ok(())
     }
 
@@ -253,6 +224,19 @@ impl Instance {
         }
     }
 
+    pub(super) fn get_states(&mut self, values: &mut [f64]) -> Outcome {
+        fill(values, self.core.simulation()?.state().to_array())
+    }
+
+    pub(super) fn get_rates(&mut self, values: &mut [f64]) -> Outcome {
+        let rates = self.core.simulation()?.derivative().map_err(broken)?;
+        fill(values, rates)
+    }
+
+    pub(super) fn get_nominals(values: &mut [f64]) -> Outcome {
+        fill(values, state_nominals())
+    }
+
     pub(super) fn set_states(&mut self, states: &[f64]) -> Outcome {
         let Ok(array) = <[f64; State::COUNT]>::try_from(states) else {
             return refuse(format!(
@@ -266,6 +250,23 @@ impl Instance {
             .set_state(State::from_array(array))
             .map_err(|e| Failure::Refused(e.to_string()))
     }
+}
+
+/// Fills an array with one number for each state.
+fn fill(values: &mut [f64], numbers: [f64; State::COUNT]) -> Outcome {
+    if values.len() != State::COUNT {
+        return refuse(format!(
+            "there are {} states, not {}",
+            State::COUNT,
+            values.len()
+        ));
+    }
+    values.copy_from_slice(&numbers);
+    Ok(())
+}
+
+pub(super) fn broken(error: SimulationError) -> Failure {
+    Failure::Broken(error.to_string())
 }
 
 impl Core {
@@ -302,86 +303,5 @@ impl Core {
             Some(simulation) => Ok(simulation),
             None => Err(Failure::Broken("there is no simulation".to_owned())),
         }
-    }
-
-    pub(super) fn real(&mut self, quantity: Quantity) -> Outcome<f64> {
-        let broken = |e: crate::simulation::SimulationError| Failure::Broken(e.to_string());
-        Ok(match quantity {
-            Quantity::Input(0) => self.speeds.left,
-            Quantity::Input(_) => self.speeds.right,
-            Quantity::State(index) => self.simulation()?.state().to_array()[index],
-            Quantity::Rate(index) => self.simulation()?.derivative().map_err(broken)?[index],
-            Quantity::Total(index) => total(self.simulation()?.wrench().map_err(broken)?, index),
-            Quantity::Wheel(wheel, field) => wheel_field(
-                &self.simulation()?.wrench().map_err(broken)?.wheels[wheel],
-                field,
-            ),
-            parameter => match self.parameters.real(parameter) {
-                Some(value) => value,
-                None => return refuse("that variable is no Real"),
-            },
-        })
-    }
-
-    pub(super) fn set_real(&mut self, quantity: Quantity, value: f64) -> Outcome {
-        if let Quantity::Input(side) = quantity {
-            if side == 0 {
-                self.speeds.left = value;
-            } else {
-                self.speeds.right = value;
-            }
-            return self.pass_on_speeds();
-        }
-        if let Quantity::State(index) = quantity {
-            let simulation = self.simulation()?;
-            let mut states = simulation.state().to_array();
-            states[index] = value;
-            return simulation
-                .set_state(State::from_array(states))
-                .map_err(|e| Failure::Refused(e.to_string()));
-        }
-        if self.parameters.set_real(quantity, value) {
-            self.simulation = None;
-            return Ok(());
-        }
-        refuse("that variable cannot be set")
-    }
-
-    fn pass_on_speeds(&mut self) -> Outcome {
-        let early = matches!(self.mode, Mode::Instantiated | Mode::Initialization);
-        if early && self.parameters.no_slip {
-            // The initial velocities follow from the wheel speeds.
-            self.simulation = None;
-        }
-        match &mut self.simulation {
-            Some(simulation) => simulation
-                .set_wheel_speeds(self.speeds)
-                .map_err(|e| Failure::Refused(e.to_string())),
-            None => Ok(()),
-        }
-    }
-}
-
-/// A total of the wrench by its number in [`Quantity::Total`].
-pub(super) fn total(wrench: &Wrench, index: usize) -> f64 {
-    match index {
-        0 => wrench.a_x,
-        1 => wrench.a_y,
-        2 => wrench.rolling_resistance,
-        3 => wrench.turning_resistance_moment,
-        _ => wrench.turning_moment,
-    }
-}
-
-/// A wheel's output by its number in [`Quantity::Wheel`].
-pub(super) fn wheel_field(wheel: &WheelOutputs, field: usize) -> f64 {
-    match field {
-        0 => wheel.longitudinal_slip,
-        1 => wheel.lateral_slip,
-        2 => wheel.load,
-        3 => wheel.sinkage,
-        4 => wheel.entry_angle,
-        5 => wheel.force_x,
-        _ => wheel.force_y,
     }
 }

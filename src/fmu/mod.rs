@@ -1,12 +1,15 @@
-//! The FMU: the model behind the C interface of FMI 2.0.
+//! The FMU: the model behind the C interfaces of FMI 2.0 and FMI 3.0.
 //!
-//! This is the only module with unsafe code. `exports` holds the standard's functions; each
-//! goes through `guard`, which checks the handle and the order of calls (one table, in
-//! `calls`) and contains panics; `instance` is safe code that knows no C.
+//! This is the only module with unsafe code. `exports` holds the functions of FMI 2.0, `fmi3` those
+//! of FMI 3.0; each goes through `guard`, which checks the handle and the order of calls (one table,
+//! in `calls`) and contains panics; `instance` is safe code that knows no C and no version of the
+//! standard, but for whether value references stand for scalars or arrays.
 #![allow(unsafe_code, reason = "the C interface")]
 
 mod calls;
+mod creation;
 mod exports;
+mod fmi3;
 mod guard;
 mod instance;
 mod logger;
@@ -14,3 +17,6 @@ mod parameters;
 mod resources;
 mod saved;
 mod sensitivity;
+mod status;
+mod stored;
+mod values;

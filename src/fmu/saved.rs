@@ -25,14 +25,17 @@ impl Instance {
             return refuse("the state was saved from another vehicle, or with other effects");
         }
         let foreign = match self.interface {
-            Interface::CoSimulation => &[Mode::Event, Mode::ContinuousTime][..],
-            Interface::ModelExchange => &[Mode::StepComplete],
+            Interface::CoSimulation => &[Mode::Event, Mode::ContinuousTime],
+            Interface::ModelExchange => &[Mode::StepComplete, Mode::StepEvent],
         };
         let integrable = self.interface == Interface::CoSimulation;
         if foreign.contains(&saved.core.mode)
             || !(integrable || configuration.remembering().is_empty())
         {
             return refuse("the state was saved from an instance of the other interface");
+        }
+        if saved.core.mode == Mode::StepEvent && !self.has_events {
+            return refuse("the state was saved in event mode, which this instance has not");
         }
         self.core = saved.core.clone();
         Ok(())

@@ -1,18 +1,32 @@
 //! Directional derivatives and derivatives in time, exact by dual numbers.
 
-use super::instance::{Failure, Instance, Outcome, refuse, total, wheel_field};
+use super::instance::{Instance, Outcome, broken, refuse};
+use super::values::{total, wheel_field};
 use crate::declaration::{Kind, Quantity};
-use crate::simulation::{SimulationError, State, WheelSpeeds};
+use crate::simulation::{State, WheelSpeeds};
 use crate::vehicle::{Motion, Wrench};
 
-/// A direction in which states and wheel speeds change.
+/// A direction in which states, wheel speeds and the time change.
 #[derive(Debug, Clone, Copy, Default)]
 struct Direction {
     state: [f64; State::COUNT],
     speeds: WheelSpeeds,
+    time: f64,
 }
 
 impl Direction {
+    /// Adds a change of a quantity; whether it is one that can be chosen.
+    fn add(&mut self, quantity: Quantity, seed: f64) -> bool {
+        match quantity {
+            Quantity::Input(0) => self.speeds.left += seed,
+            Quantity::Input(_) => self.speeds.right += seed,
+            Quantity::State(index) => self.state[index] += seed,
+            Quantity::Time => self.time += seed,
+            _ => return false,
+        }
+        true
+    }
+
     fn motion(&self) -> Motion {
         let [_, _, _, v_x, v_y, yaw_rate] = self.state;
         Motion {
@@ -68,7 +82,7 @@ impl Change {
 }
 
 impl Instance {
-    /// How outputs and state derivatives change when inputs and states change by `seeds`.
+    /// How outputs and state derivatives change when inputs, states and the time change by `seeds`.
     pub(super) fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -76,29 +90,72 @@ impl Instance {
         seeds: &[f64],
         values: &mut [f64],
     ) -> Outcome {
+        self.check_count(knowns, Kind::Real, seeds.len())?;
         let mut direction = Direction::default();
-        for (reference, seed) in knowns.iter().zip(seeds) {
-            let (quantity, _) = self.find(*reference, Kind::Real)?;
+        for ((reference, quantity), seed) in self.knowns(knowns)?.into_iter().zip(seeds) {
             if !seed.is_finite() {
                 return refuse(format!("a seed cannot be {seed}"));
             }
-            match quantity {
-                Quantity::Input(0) => direction.speeds.left += seed,
-                Quantity::Input(_) => direction.speeds.right += seed,
-                Quantity::State(index) => direction.state[index] += seed,
-                _ => {
-                    return refuse(format!(
-                        "value reference {reference} is neither an input nor a state"
-                    ));
-                }
+            if !direction.add(quantity, *seed) {
+                return no_known(reference);
             }
         }
+        self.along(direction, unknowns, values)
+    }
+
+    /// How the sum of outputs and state derivatives, each times its seed, changes with each of the
+    /// inputs, states and the time: one direction for each of these.
+    pub(super) fn adjoint_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seeds: &[f64],
+        values: &mut [f64],
+    ) -> Outcome {
+        self.check_count(unknowns, Kind::Real, seeds.len())?;
+        self.check_count(knowns, Kind::Real, values.len())?;
+        if let Some(seed) = seeds.iter().find(|seed| !seed.is_finite()) {
+            return refuse(format!("a seed cannot be {seed}"));
+        }
+        let mut column = vec![0.0; seeds.len()];
+        for ((reference, quantity), value) in self.knowns(knowns)?.into_iter().zip(values) {
+            let mut direction = Direction::default();
+            if !direction.add(quantity, 1.0) {
+                return no_known(reference);
+            }
+            self.along(direction, unknowns, &mut column)?;
+            *value = column
+                .iter()
+                .zip(seeds)
+                .map(|(change, seed)| change * seed)
+                .sum();
+        }
+        Ok(())
+    }
+
+    /// The quantities behind references, with the reference of each.
+    fn knowns(&self, references: &[u32]) -> Outcome<Vec<(u32, Quantity)>> {
+        let mut all = Vec::with_capacity(references.len());
+        for reference in references {
+            let (elements, _) = self.find(*reference, Kind::Real)?;
+            all.extend(elements.quantities().map(|quantity| (*reference, quantity)));
+        }
+        Ok(all)
+    }
+
+    /// How unknowns change along a direction.
+    fn along(&mut self, direction: Direction, unknowns: &[u32], values: &mut [f64]) -> Outcome {
         let simulation = self.core.simulation()?;
         let [x, y, heading, ..] = direction.state;
-        let wrench = simulation
+        let mut wrench = simulation
             .wrench_derivative(&direction.motion(), [x, y, heading])
             .map_err(broken)?
             .clone();
+        if direction.time != 0.0 {
+            let by_time = simulation.wrench_by_time().map_err(broken)?;
+            let held = wrench.clone();
+            wrench.combine([(&held, 1.0), (by_time, direction.time)].into_iter());
+        }
         let change = change(simulation.state(), direction, wrench);
         self.changes(&change, unknowns, values)
     }
@@ -116,7 +173,7 @@ impl Instance {
         let simulation = self.core.simulation()?;
         let direction = Direction {
             state: simulation.derivative().map_err(broken)?,
-            speeds: WheelSpeeds::default(),
+            ..Direction::default()
         };
         let wrench = simulation.wrench_rate().map_err(broken)?.clone();
         let change = change(simulation.state(), direction, wrench);
@@ -124,14 +181,18 @@ impl Instance {
     }
 
     fn changes(&self, change: &Change, references: &[u32], values: &mut [f64]) -> Outcome {
-        for (reference, value) in references.iter().zip(values) {
-            let (quantity, _) = self.find(*reference, Kind::Real)?;
-            match change.of(quantity) {
-                Some(number) => *value = number,
-                None => {
-                    return refuse(format!(
-                        "value reference {reference} is neither an output nor a state derivative"
-                    ));
+        self.check_count(references, Kind::Real, values.len())?;
+        let mut places = values.iter_mut();
+        for reference in references {
+            let (elements, _) = self.find(*reference, Kind::Real)?;
+            for (quantity, place) in elements.quantities().zip(&mut places) {
+                match change.of(quantity) {
+                    Some(number) => *place = number,
+                    None => {
+                        return refuse(format!(
+                            "value reference {reference} is neither an output nor a state derivative"
+                        ));
+                    }
                 }
             }
         }
@@ -139,6 +200,8 @@ impl Instance {
     }
 }
 
-fn broken(error: SimulationError) -> Failure {
-    Failure::Broken(error.to_string())
+fn no_known<T>(reference: u32) -> Outcome<T> {
+    refuse(format!(
+        "value reference {reference} is neither an input nor a state"
+    ))
 }

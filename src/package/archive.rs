@@ -1,6 +1,6 @@
 //! The FMU's archive.
 
-use super::{MODEL_IDENTIFIER, documentation, model_description};
+use super::{MODEL_IDENTIFIER, documentation, model_description, model_description_3};
 use crate::declaration::{Configuration, SOURCE};
 use std::fmt;
 use std::io::{self, Seek, Write};
@@ -11,6 +11,15 @@ const ICON: &[u8] = include_bytes!("../../modelDescription/model.png");
 const TERMINALS: &str = include_str!("../../modelDescription/terminalsAndIcons.xml");
 const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
+
+/// A version of the standard. One shared library serves them all; what differs is the archive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standard {
+    /// FMI 2.0.
+    Fmi2,
+    /// FMI 3.0.
+    Fmi3,
+}
 
 /// A platform that an FMU can hold a shared library for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +43,7 @@ impl Platform {
         Self::Aarch64Linux,
     ];
 
-    /// The name of its folder under `binaries/`.
+    /// Its name, that of its folder under `binaries/` in FMI 2.0.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,6 +51,17 @@ impl Platform {
             Self::Win64 => "win64",
             Self::Darwin64 => "darwin64",
             Self::Aarch64Linux => "aarch64-linux",
+        }
+    }
+
+    /// The name of its folder under `binaries/`.
+    #[must_use]
+    pub fn folder(self, standard: Standard) -> &'static str {
+        match (standard, self) {
+            (Standard::Fmi2, _) | (Standard::Fmi3, Self::Aarch64Linux) => self.name(),
+            (Standard::Fmi3, Self::Linux64) => "x86_64-linux",
+            (Standard::Fmi3, Self::Win64) => "x86_64-windows",
+            (Standard::Fmi3, Self::Darwin64) => "x86_64-darwin",
         }
     }
 
@@ -121,13 +141,14 @@ impl From<zip::result::ZipError> for PackageError {
     }
 }
 
-/// Writes the FMU of a configuration with the given shared libraries. The same input gives
-/// the same bytes: entries are in a fixed order and carry a fixed time.
+/// Writes the FMU of a configuration with the given shared libraries, for a version of the
+/// standard. The same input gives the same bytes: entries are in a fixed order and carry a fixed time.
 ///
 /// # Errors
 /// A library that does not fit, or a failure to write.
 pub fn write_fmu<W: Write + Seek>(
     target: W,
+    standard: Standard,
     configuration: &Configuration,
     libraries: &[(Platform, Vec<u8>)],
 ) -> Result<(), PackageError> {
@@ -150,14 +171,18 @@ pub fn write_fmu<W: Write + Seek>(
         zip.write_all(content)?;
         Ok(())
     };
-    add(
-        "modelDescription.xml",
-        model_description(configuration).as_bytes(),
-    )?;
-    add("model.png", ICON)?;
+    let description = match standard {
+        Standard::Fmi2 => model_description(configuration),
+        Standard::Fmi3 => model_description_3(configuration),
+    };
+    add("modelDescription.xml", description.as_bytes())?;
+    // FMI 3.0 has the icon beside the terminals alone.
+    if standard == Standard::Fmi2 {
+        add("model.png", ICON)?;
+    }
     add(
         "documentation/index.html",
-        documentation(configuration).as_bytes(),
+        documentation(standard, configuration).as_bytes(),
     )?;
     add(
         "documentation/licenses/LICENSE-MIT.txt",
@@ -176,7 +201,7 @@ pub fn write_fmu<W: Write + Seek>(
     )?;
     add("terminalsAndIcons/icon.png", ICON)?;
     for (platform, library) in libraries {
-        let (folder, extension) = (platform.name(), platform.extension());
+        let (folder, extension) = (platform.folder(standard), platform.extension());
         add(
             &format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}"),
             library,
@@ -214,7 +239,8 @@ mod tests {
 
     fn packed(libraries: &[(Platform, Vec<u8>)]) -> Result<Vec<u8>, PackageError> {
         let mut bytes = Cursor::new(Vec::new());
-        write_fmu(&mut bytes, &Configuration::default(), libraries)?;
+        let configuration = Configuration::default();
+        write_fmu(&mut bytes, Standard::Fmi2, &configuration, libraries)?;
         Ok(bytes.into_inner())
     }
 
@@ -241,6 +267,35 @@ mod tests {
             "documentation/index.html",
         ] {
             assert!(archive.by_name(name).is_ok(), "{name}");
+        }
+    }
+
+    #[test]
+    fn fmi_3_has_folders_and_an_icon_of_its_own() {
+        let libraries = [(Platform::Linux64, library())];
+        let mut bytes = Cursor::new(Vec::new());
+        let configuration = Configuration::default();
+        write_fmu(&mut bytes, Standard::Fmi3, &configuration, &libraries).unwrap();
+        let mut archive = zip::ZipArchive::new(bytes).unwrap();
+        for (name, there) in [
+            ("binaries/x86_64-linux/ugv.so", true),
+            ("terminalsAndIcons/icon.png", true),
+            ("terminalsAndIcons/terminalsAndIcons.xml", true),
+            ("binaries/linux64/ugv.so", false),
+            ("model.png", false),
+        ] {
+            assert_eq!(archive.by_name(name).is_ok(), there, "{name}");
+        }
+        let mut description = String::new();
+        let mut entry = archive.by_name("modelDescription.xml").unwrap();
+        entry.read_to_string(&mut description).unwrap();
+        assert!(description.contains("fmiVersion=\"3.0\""));
+        for text in [
+            "name=\"wheel.load\" valueReference=\"2002\"",
+            "<Dimension start=\"8\"/>",
+            "name=\"vehicle.row_positions\" valueReference=\"1000\"",
+        ] {
+            assert!(description.contains(text), "{text}");
         }
     }
 

@@ -1,16 +1,31 @@
 //! The page that the FMU carries as its documentation.
 
-use crate::declaration::{Causality, Configuration, Kind, TERRAIN_NAMES, Variable, variables};
+use super::Standard;
+use crate::declaration::{
+    ArrayVariable, Attributes, Causality, Configuration, Elements, Kind, TERRAIN_NAMES,
+    array_variables, variables,
+};
 use crate::effects::{CATALOGUE, Declaration, Kind as EffectKind};
 use quick_xml::escape::escape;
+
+/// What only FMI 2.0 has.
+const RAMPS: &str = "; input derivatives of order 1 make the wheel speeds
+change linearly within the step that follows";
 
 const TEMPLATE: &str = include_str!("../../modelDescription/documentation.html");
 
 /// The page with its tables of effects and variables.
 #[must_use]
-pub fn documentation(configuration: &Configuration) -> String {
-    let variables = variables(configuration);
+pub fn documentation(standard: Standard, configuration: &Configuration) -> String {
+    let variables = match standard {
+        Standard::Fmi2 => scalars(configuration),
+        Standard::Fmi3 => array_variables(configuration),
+    };
     let rows: Vec<String> = variables.iter().map(|v| row(v, configuration)).collect();
+    let (version, ramps) = match standard {
+        Standard::Fmi2 => ("2.0", RAMPS),
+        Standard::Fmi3 => ("3.0", ""),
+    };
     let interfaces = if configuration.remembering().is_empty() {
         "co-simulation and model exchange"
     } else {
@@ -18,6 +33,8 @@ pub fn documentation(configuration: &Configuration) -> String {
     };
     TEMPLATE
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
+        .replace("{{standard}}", version)
+        .replace("{{ramps}}", ramps)
         .replace("{{interfaces}}", interfaces)
         .replace("{{effects}}", &effects(configuration).join("\n"))
         .replace("{{variables}}", &rows.join("\n"))
@@ -44,27 +61,53 @@ fn effects(configuration: &Configuration) -> Vec<String> {
     physics.map(row).collect()
 }
 
-fn row(variable: &Variable, configuration: &Configuration) -> String {
+/// The variables of FMI 2.0, in the form of those of FMI 3.0.
+fn scalars(configuration: &Configuration) -> Vec<ArrayVariable> {
+    let variables = variables(configuration).into_iter();
+    variables
+        .map(|variable| ArrayVariable {
+            name: variable.name,
+            reference: variable.reference,
+            elements: Elements::One(variable.quantity),
+            attributes: variable.attributes,
+        })
+        .collect()
+}
+
+fn row(variable: &ArrayVariable, configuration: &Configuration) -> String {
     let attributes = variable.attributes;
     let causality = match attributes.causality {
         Causality::Input => "input",
         Causality::Output => "output",
         Causality::Local => "local",
         Causality::Parameter => "parameter",
+        Causality::Independent => "independent",
     };
     let start = match attributes.kind {
         Kind::Boolean => "false".to_owned(),
         Kind::Enumeration => TERRAIN_NAMES[configuration.selected].to_owned(),
-        Kind::Real => configuration
-            .parameter(variable.quantity)
-            .or(attributes.start)
-            .map_or(String::new(), |number| number.to_string()),
+        Kind::Real => numbers(variable.elements, attributes, configuration).join(" "),
+    };
+    let name = match variable.elements.dimension() {
+        Some(size) => format!("{}[{size}]", variable.name),
+        None => variable.name.clone(),
     };
     format!(
         "<tr><td><code>{}</code></td><td>{}</td><td>{causality}</td><td>{}</td><td>{start}</td><td>{}</td></tr>",
-        escape(&variable.name),
+        escape(&name),
         variable.reference,
         escape(attributes.unit),
         escape(attributes.description),
     )
+}
+
+fn numbers(
+    elements: Elements,
+    attributes: &Attributes,
+    configuration: &Configuration,
+) -> Vec<String> {
+    let starts = elements
+        .quantities()
+        .filter_map(|quantity| configuration.parameter(quantity).or(attributes.start));
+    starts.map(|number| number.to_string()).collect()
 }

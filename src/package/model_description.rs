@@ -1,21 +1,18 @@
 //! `modelDescription.xml` of FMI 2.0, written from the declaration of the variables.
 
 use super::MODEL_IDENTIFIER;
+use super::xml::{
+    ORIGIN, Xml, document, write_default_experiment, write_log_categories, write_units,
+};
 use crate::declaration::{
-    Causality, Configuration, Kind, Quantity, Unit, Variable, enumerations, guid, units, variables,
+    Causality, Configuration, Kind, Quantity, Variable, dependencies, enumerations, guid, variables,
 };
 use crate::simulation::State;
-use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, Event};
 use std::io;
-
-/// The time that every build carries, so that the same source gives the same bytes.
-const GENERATION_TIME: &str = "2026-11-21T00:00:00Z";
-
-type Xml = Writer<Vec<u8>>;
 
 /// Where each variable stands in the list, counted from 1 as the model structure does.
 struct Indices<'v> {
+    configuration: &'v Configuration,
     variables: &'v [Variable],
 }
 
@@ -40,51 +37,31 @@ impl Indices<'_> {
 /// Never: writing to memory does not fail.
 #[must_use]
 pub fn model_description(configuration: &Configuration) -> String {
-    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-    write(&mut xml, configuration).expect("writing to memory does not fail");
-    String::from_utf8(xml.into_inner()).expect("the writer passes UTF-8 on")
+    document(|xml| write(xml, configuration))
 }
 
 fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
     let variables = variables(configuration);
     let indices = Indices {
+        configuration,
         variables: &variables,
     };
     let guid = guid(configuration);
-    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     xml.create_element("fmiModelDescription")
         .with_attributes([
             ("fmiVersion", "2.0"),
             ("modelName", MODEL_IDENTIFIER),
             ("guid", guid.as_str()),
-            (
-                "description",
-                "Wheel-terrain model of a skid-steer UGV after Tran, Kwok, Scheding and Ha (2007)",
-            ),
-            ("author", "The ugv-terrain developers"),
-            ("version", env!("CARGO_PKG_VERSION")),
-            ("license", "MIT OR Apache-2.0"),
-            (
-                "generationTool",
-                concat!("ugv-terrain ", env!("CARGO_PKG_VERSION")),
-            ),
-            ("generationDateAndTime", GENERATION_TIME),
-            ("variableNamingConvention", "structured"),
-            ("numberOfEventIndicators", "0"),
         ])
+        .with_attributes(ORIGIN)
+        .with_attribute(("numberOfEventIndicators", "0"))
         .write_inner_content(|xml| {
             write_interfaces(xml, configuration)?;
-            xml.create_element("UnitDefinitions")
-                .write_inner_content(|xml| {
-                    units().iter().try_for_each(|unit| write_unit(xml, unit))
-                })?;
+            write_units(xml)?;
             xml.create_element("TypeDefinitions")
                 .write_inner_content(write_enumerations)?;
-            xml.create_element("LogCategories")
-                .write_inner_content(write_log_categories)?;
-            xml.create_element("DefaultExperiment")
-                .with_attributes([("startTime", "0"), ("stopTime", "10"), ("stepSize", "0.01")])
-                .write_empty()?;
+            write_log_categories(xml, "; always reported")?;
+            write_default_experiment(xml)?;
             xml.create_element("ModelVariables")
                 .write_inner_content(|xml| {
                     variables
@@ -95,7 +72,6 @@ fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
                 .write_inner_content(|xml| write_structure(xml, &indices))?;
             Ok(())
         })?;
-    xml.get_mut().push(b'\n');
     Ok(())
 }
 
@@ -122,27 +98,6 @@ fn write_interfaces(xml: &mut Xml, configuration: &Configuration) -> io::Result<
             ("maxOutputDerivativeOrder", "1"),
         ])
         .write_empty()?;
-    Ok(())
-}
-
-fn write_unit(xml: &mut Xml, unit: &Unit) -> io::Result<()> {
-    let element = xml
-        .create_element("Unit")
-        .with_attribute(("name", unit.name));
-    // Exponents that depend on the soil cannot be told.
-    let Some(base) = unit.base else {
-        return element.write_empty().map(drop);
-    };
-    element.write_inner_content(|xml| {
-        let mut element = xml.create_element("BaseUnit");
-        for (name, exponent) in base {
-            element = element.with_attribute((*name, exponent.to_string().as_str()));
-        }
-        if let Some(factor) = unit.factor {
-            element = element.with_attribute(("factor", factor.to_string().as_str()));
-        }
-        element.write_empty().map(drop)
-    })?;
     Ok(())
 }
 
@@ -174,25 +129,6 @@ fn write_enumerations(xml: &mut Xml) -> io::Result<()> {
     Ok(())
 }
 
-fn write_log_categories(xml: &mut Xml) -> io::Result<()> {
-    for (name, description) in [
-        (
-            "logStatusError",
-            "Calls that fail, and why; always reported",
-        ),
-        (
-            "logStatusWarning",
-            "What the user should know, such as a lifted wheel; always reported",
-        ),
-        ("logEvents", "What the integration has cost, at the end"),
-    ] {
-        xml.create_element("Category")
-            .with_attributes([("name", name), ("description", description)])
-            .write_empty()?;
-    }
-    Ok(())
-}
-
 fn write_variable(
     xml: &mut Xml,
     variable: &Variable,
@@ -205,6 +141,7 @@ fn write_variable(
         Causality::Output => ("output", "continuous", Some("calculated")),
         Causality::Local => ("local", "continuous", Some("calculated")),
         Causality::Parameter => ("parameter", "fixed", Some("exact")),
+        Causality::Independent => ("independent", "continuous", None),
     };
     let reference = variable.reference.to_string();
     let mut element = xml.create_element("ScalarVariable").with_attributes([
@@ -260,29 +197,6 @@ fn write_variable(
     Ok(())
 }
 
-/// What a state or rate depends on: its own state alone, or the quantities of its equation.
-fn dependencies(quantity: Quantity, indices: &Indices) -> (Vec<usize>, &'static str) {
-    let states = |range: &[usize]| -> Vec<usize> {
-        range
-            .iter()
-            .map(|index| indices.of(Quantity::State(*index)))
-            .collect()
-    };
-    // On the pose only effects depend: a grade, and a boundary on the map.
-    let everything = || {
-        let mut all = states(&[0, 1, 2, 3, 4, 5]);
-        all.extend([0, 1].map(|side| indices.of(Quantity::Input(side))));
-        all.sort_unstable();
-        all
-    };
-    match quantity {
-        Quantity::State(index) => (states(&[index]), "constant"),
-        Quantity::Rate(0 | 1) => (states(&[2, 3, 4]), "dependent"),
-        Quantity::Rate(2) => (states(&[5]), "constant"),
-        _ => (everything(), "dependent"),
-    }
-}
-
 fn write_structure(xml: &mut Xml, indices: &Indices) -> io::Result<()> {
     let outputs = indices.where_(|v| v.attributes.causality == Causality::Output);
     let rates: Vec<usize> = (0..State::COUNT)
@@ -318,8 +232,12 @@ fn write_structure(xml: &mut Xml, indices: &Indices) -> io::Result<()> {
 
 fn write_unknown(xml: &mut Xml, index: usize, indices: &Indices) -> io::Result<()> {
     let quantity = indices.variables[index - 1].quantity;
-    let (known, kind) = dependencies(quantity, indices);
-    let kinds = vec![kind; known.len()].join(" ");
+    let (known, kind) = dependencies(quantity, indices.configuration);
+    // The time is no variable here.
+    let known = known.into_iter().filter(|q| *q != Quantity::Time);
+    let mut known: Vec<usize> = known.map(|quantity| indices.of(quantity)).collect();
+    known.sort_unstable();
+    let kinds = vec![kind.name(); known.len()].join(" ");
     let known: Vec<String> = known.iter().map(usize::to_string).collect();
     xml.create_element("Unknown")
         .with_attributes([

@@ -224,6 +224,25 @@ impl Simulation {
         Ok(&self.work.partial)
     }
 
+    /// The derivative of the wrench by the time itself, all else being held: there is one where
+    /// effects are functions of the time.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wrench_by_time(&mut self) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        if self.model.altered().is_none() {
+            return self.wrench_derivative(&Motion::default(), [0.0; 3]);
+        }
+        let mut results = Vec::new();
+        let list = vec![Direction::Time];
+        self.differentiate(&self.model.directions(list), &mut results);
+        self.work
+            .partial
+            .combine(results.iter().map(|r| (&r.wrench, 1.0)));
+        Ok(&self.work.partial)
+    }
+
     /// Derivatives of the state's rate of change by the state and the wheel speeds.
     ///
     /// # Errors

@@ -1,15 +1,14 @@
 //! Creation, initialization, directional derivatives.
 
 use super::conforms;
-use crate::declaration::{Configuration, guid};
-use crate::fmu::calls::{Call, Mode};
-use crate::fmu::guard::{call, free, into_component, panic_message, read, write};
-use crate::fmu::instance::{Instance, Interface, Outcome, refuse};
-use crate::fmu::logger::{CATEGORIES, Logger};
-use crate::fmu::resources;
+use crate::declaration::Naming;
+use crate::fmu::calls::Call;
+use crate::fmu::creation::{Package, create, set_logging, text};
+use crate::fmu::guard::{call, free, read, write};
+use crate::fmu::instance::{Interface, Purpose};
+use crate::fmu::logger::Logger;
 use fmi_sys::fmi2::*;
-use std::ffi::{CStr, c_char};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ffi::c_char;
 
 conforms! {
     fmi2GetTypesPlatformTYPE = fmi2GetTypesPlatform;
@@ -54,32 +53,9 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
             component,
             Call::SetDebugLogging,
             "fmi2SetDebugLogging",
-            |instance| {
-                for &category in read(categories, n_categories)? {
-                    let known = text(category)?;
-                    if !CATEGORIES.contains(&known) {
-                        let known: Vec<_> =
-                            CATEGORIES.iter().map(|c| c.to_string_lossy()).collect();
-                        return refuse(format!("the log categories are {}", known.join(", ")));
-                    }
-                }
-                instance.logger.verbose = logging_on != 0;
-                Ok(())
-            },
+            |instance| set_logging(instance, logging_on != 0, read(categories, n_categories)?),
         )
     }
-}
-
-/// A string that C hands over.
-///
-/// # Safety
-/// `string` is null or ends in a zero byte and lives as long as the result is used.
-unsafe fn text<'a>(string: fmi2String) -> Outcome<&'a CStr> {
-    if string.is_null() {
-        return refuse("a string is a null pointer");
-    }
-    // SAFETY: not null; the caller promises the rest.
-    Ok(unsafe { CStr::from_ptr(string) })
 }
 
 /// Creates an instance, or reports why not and returns null.
@@ -96,75 +72,27 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: fmi2Boolean,
     logging_on: fmi2Boolean,
 ) -> fmi2Component {
-    // SAFETY: the caller keeps the standard's promises; a null pointer is no reference.
-    let (functions, name) = unsafe { (functions.as_ref(), text(instance_name)) };
-    let name = name.unwrap_or(c"ugv");
-    let logger = Logger::new(functions, name, logging_on != 0);
-    let created = catch_unwind(AssertUnwindSafe(|| {
-        // SAFETY: as above.
-        let (guid, location) = unsafe { (text(fmu_guid), text(fmu_resource_location)) };
-        let Ok(guid) = guid else {
-            return Err("the guid is a null pointer".to_owned());
-        };
-        configure(&logger, fmu_type, guid, location.unwrap_or(c""))
-    }));
-    let message = match created {
-        Ok(Ok((interface, configuration))) => {
-            return into_component(Instance::new(logger, interface, configuration));
-        }
-        Ok(Err(message)) => message,
-        Err(panic) => panic_message(panic.as_ref()).to_owned(),
-    };
-    logger.error(&format!("fmi2Instantiate: {message}"));
-    std::ptr::null_mut()
-}
-
-/// What the instance is to be, from what the importer says and the resources hold.
-fn configure(
-    logger: &Logger,
-    fmu_type: fmi2Type,
-    expected_guid: &CStr,
-    location: &CStr,
-) -> Result<(Interface, Configuration), String> {
     let interface = match fmu_type {
-        fmi2Type_fmi2ModelExchange => Interface::ModelExchange,
-        fmi2Type_fmi2CoSimulation => Interface::CoSimulation,
-        other => return Err(format!("there is no FMU type {other}")),
+        fmi2Type_fmi2ModelExchange => Ok(Interface::ModelExchange),
+        fmi2Type_fmi2CoSimulation => Ok(Interface::CoSimulation),
+        other => Err(format!("there is no FMU type {other}")),
     };
-    let location = location
-        .to_str()
-        .map_err(|_| "the resource location is not UTF-8".to_owned())?;
-    let folder = resources::folder(location)?;
-    let configuration = match &folder {
-        Some(folder) if folder.is_dir() => {
-            Configuration::from_resources(|file| resources::read(folder, file))
-                .map_err(|error| error.to_string())?
-        }
-        Some(folder) => {
-            let folder = folder.display();
-            logger.warning(&format!(
-                "{folder} is no folder; the built-in vehicle and terrains serve"
-            ));
-            Configuration::default()
-        }
-        None => Configuration::default(),
-    };
-    let actual = guid(&configuration);
-    let expected = expected_guid.to_string_lossy();
-    if expected.trim_matches(['{', '}']) != actual {
-        return Err(format!(
-            "the model description's guid {expected} is not {actual}, the one of this library with these resources; \
-             package the FMU anew with \"ugv package\""
-        ));
+    let purpose = interface.map(|interface| Purpose {
+        interface,
+        naming: Naming::Scalars,
+        has_events: false,
+    });
+    // SAFETY: the caller keeps the standard's promises; a null pointer is no reference.
+    unsafe {
+        let name = text(instance_name).unwrap_or(c"ugv");
+        let logger = Logger::fmi2(functions.as_ref(), name, logging_on != 0);
+        let package = Package {
+            identity_name: "guid",
+            identity: fmu_guid,
+            resources: fmu_resource_location,
+        };
+        create("fmi2Instantiate", logger, purpose, &package)
     }
-    let remembering = configuration.remembering();
-    if interface == Interface::ModelExchange && !remembering.is_empty() {
-        return Err(format!(
-            "this FMU is for co-simulation alone: with {} its model has states that model exchange does not see",
-            remembering.join(", ")
-        ));
-    }
-    Ok((interface, configuration))
 }
 
 /// Frees an instance; nothing for null.
@@ -215,7 +143,7 @@ pub unsafe extern "C" fn fmi2EnterInitializationMode(component: fmi2Component) -
             Call::EnterInitializationMode,
             "fmi2EnterInitializationMode",
             |instance| {
-                instance.core.mode = Mode::Initialization;
+                instance.enter_initialization();
                 Ok(())
             },
         )
@@ -248,10 +176,7 @@ pub unsafe extern "C" fn fmi2Terminate(component: fmi2Component) -> fmi2Status {
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Terminate, "fmi2Terminate", |instance| {
-            instance.core.mode = Mode::Terminated;
-            let cost = instance.core.simulation()?.counters();
-            instance.logger.event(&format!("integration: {cost:?}"));
-            Ok(())
+            instance.terminate()
         })
     }
 }

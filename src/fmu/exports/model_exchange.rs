@@ -1,11 +1,9 @@
 //! Model exchange: the importer integrates the six states.
 
 use super::conforms;
-use crate::declaration::state_nominals;
-use crate::fmu::calls::{Call, Mode};
+use crate::fmu::calls::Call;
 use crate::fmu::guard::{call, out, read, write};
-use crate::fmu::instance::{Failure, Outcome, refuse};
-use crate::simulation::State;
+use crate::fmu::instance::{Instance, refuse};
 use fmi_sys::fmi2::*;
 
 conforms! {
@@ -33,10 +31,7 @@ pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Sta
             component,
             Call::EnterEventMode,
             "fmi2EnterEventMode",
-            |instance| {
-                instance.core.mode = Mode::Event;
-                Ok(())
-            },
+            |instance| instance.enter_event_mode(),
         )
     }
 }
@@ -58,8 +53,7 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(
             Call::NewDiscreteStates,
             "fmi2NewDiscreteStates",
             |instance| {
-                let time = instance.core.time;
-                let next = instance.core.simulation()?.model().next_event(time);
+                let next = instance.next_event()?;
                 *out(event_info)? = fmi2EventInfo {
                     newDiscreteStatesNeeded: 0,
                     terminateSimulation: 0,
@@ -87,7 +81,7 @@ pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -
             Call::EnterContinuousTimeMode,
             "fmi2EnterContinuousTimeMode",
             |instance| {
-                instance.core.mode = Mode::ContinuousTime;
+                instance.enter_continuous_time_mode();
                 Ok(())
             },
         )
@@ -129,12 +123,7 @@ pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::SetTime, "fmi2SetTime", |instance| {
-            if !time.is_finite() {
-                return refuse(format!("time {time} is not finite"));
-            }
-            instance.core.time = time;
-            instance.core.simulation()?.set_time(time);
-            Ok(())
+            instance.set_time(time)
         })
     }
 }
@@ -160,19 +149,6 @@ pub unsafe extern "C" fn fmi2SetContinuousStates(
     }
 }
 
-/// Fills an array with one number for each state.
-fn fill(values: &mut [f64], numbers: [f64; State::COUNT]) -> Outcome {
-    if values.len() != State::COUNT {
-        return refuse(format!(
-            "there are {} states, not {}",
-            State::COUNT,
-            values.len()
-        ));
-    }
-    values.copy_from_slice(&numbers);
-    Ok(())
-}
-
 /// Rates of change of the states.
 ///
 /// # Safety
@@ -189,13 +165,7 @@ pub unsafe extern "C" fn fmi2GetDerivatives(
             component,
             Call::GetDerivatives,
             "fmi2GetDerivatives",
-            |instance| {
-                let rates = instance.core.simulation()?.derivative();
-                fill(
-                    write(derivatives, count)?,
-                    rates.map_err(|e| Failure::Broken(e.to_string()))?,
-                )
-            },
+            |instance| instance.get_rates(write(derivatives, count)?),
         )
     }
 }
@@ -240,12 +210,7 @@ pub unsafe extern "C" fn fmi2GetContinuousStates(
             component,
             Call::GetContinuousStates,
             "fmi2GetContinuousStates",
-            |instance| {
-                fill(
-                    write(states, count)?,
-                    instance.core.simulation()?.state().to_array(),
-                )
-            },
+            |instance| instance.get_states(write(states, count)?),
         )
     }
 }
@@ -266,7 +231,7 @@ pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
             component,
             Call::GetNominals,
             "fmi2GetNominalsOfContinuousStates",
-            |_| fill(write(nominals, count)?, state_nominals()),
+            |_| Instance::get_nominals(write(nominals, count)?),
         )
     }
 }

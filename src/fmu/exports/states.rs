@@ -2,9 +2,8 @@
 
 use super::conforms;
 use crate::fmu::calls::Call;
-use crate::fmu::guard::{call, out, read, write};
-use crate::fmu::instance::{Outcome, refuse};
-use crate::fmu::saved::Saved;
+use crate::fmu::guard::call;
+use crate::fmu::stored;
 use fmi_sys::fmi2::*;
 
 conforms! {
@@ -14,35 +13,6 @@ conforms! {
     fmi2SerializedFMUstateSizeTYPE = fmi2SerializedFMUstateSize;
     fmi2SerializeFMUstateTYPE = fmi2SerializeFMUstate;
     fmi2DeSerializeFMUstateTYPE = fmi2DeSerializeFMUstate;
-}
-
-/// A state that C holds.
-///
-/// # Safety
-/// `state` is null or came from [`fmi2GetFMUstate`] or [`fmi2DeSerializeFMUstate`] and has
-/// not been freed.
-unsafe fn saved<'a>(state: fmi2FMUstate) -> Outcome<&'a Saved> {
-    // SAFETY: the caller's promise.
-    match unsafe { state.cast::<Saved>().as_ref() } {
-        Some(saved) => Ok(saved),
-        None => refuse("the state is a null pointer"),
-    }
-}
-
-/// Hands a state to C, in place of the one that it may hold there.
-///
-/// # Safety
-/// `place` points to null or to a live state.
-unsafe fn hand_over(state: Saved, place: *mut fmi2FMUstate) -> Outcome {
-    // SAFETY: the caller's promise.
-    let place = unsafe { out(place) }?;
-    if place.is_null() {
-        *place = Box::into_raw(Box::new(state)).cast();
-    } else {
-        // SAFETY: not null, so by the caller's promise a live state.
-        unsafe { *place.cast::<Saved>() = state };
-    }
-    Ok(())
 }
 
 /// Saves the instance's state.
@@ -57,7 +27,7 @@ pub unsafe extern "C" fn fmi2GetFMUstate(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::GetState, "fmi2GetFMUstate", |instance| {
-            hand_over(instance.save(), state)
+            stored::get(instance, state)
         })
     }
 }
@@ -74,7 +44,7 @@ pub unsafe extern "C" fn fmi2SetFMUstate(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::SetState, "fmi2SetFMUstate", |instance| {
-            instance.restore(saved(state)?)
+            stored::set(instance, state)
         })
     }
 }
@@ -88,14 +58,10 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(
     component: fmi2Component,
     state: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    // SAFETY: the caller keeps the standard's promises; the box is not used after this.
+    // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::GetState, "fmi2FreeFMUstate", |_| {
-            if let Some(state) = state.as_mut().filter(|state| !state.is_null()) {
-                drop(Box::from_raw(state.cast::<Saved>()));
-                *state = std::ptr::null_mut();
-            }
-            Ok(())
+            stored::free(state)
         })
     }
 }
@@ -116,10 +82,7 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
             component,
             Call::Serialize,
             "fmi2SerializedFMUstateSize",
-            |instance| {
-                *out(size)? = instance.serialize(saved(state)?).len();
-                Ok(())
-            },
+            |instance| stored::size(instance, state, size),
         )
     }
 }
@@ -141,15 +104,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
             component,
             Call::Serialize,
             "fmi2SerializeFMUstate",
-            |instance| {
-                let bytes = instance.serialize(saved(state)?);
-                let room = write(serialized.cast::<u8>(), size)?;
-                match room.get_mut(..bytes.len()) {
-                    Some(room) => room.copy_from_slice(&bytes),
-                    None => return refuse(format!("{} bytes are needed, not {size}", bytes.len())),
-                }
-                Ok(())
-            },
+            |instance| stored::serialize(instance, state, serialized.cast(), size),
         )
     }
 }
@@ -171,12 +126,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
             component,
             Call::Serialize,
             "fmi2DeSerializeFMUstate",
-            |instance| {
-                hand_over(
-                    instance.deserialize(read(serialized.cast::<u8>(), size)?)?,
-                    state,
-                )
-            },
+            |instance| stored::deserialize(instance, serialized.cast(), size, state),
         )
     }
 }

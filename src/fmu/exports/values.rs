@@ -1,10 +1,9 @@
 //! Reading and writing variables.
 
 use super::conforms;
-use crate::declaration::Kind;
 use crate::fmu::calls::Call;
 use crate::fmu::guard::{call, read, write};
-use crate::fmu::instance::{Outcome, refuse};
+use crate::fmu::values::none_of;
 use fmi_sys::fmi2::*;
 
 conforms! {
@@ -70,12 +69,7 @@ pub unsafe extern "C" fn fmi2GetInteger(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Get, "fmi2GetInteger", |instance| {
-            let values = write(values, count)?;
-            for (reference, value) in read(references, count)?.iter().zip(values) {
-                instance.find(*reference, Kind::Enumeration)?;
-                *value = instance.core.parameters.configuration.selected as fmi2Integer + 1;
-            }
-            Ok(())
+            instance.get_enumerations(read(references, count)?, write(values, count)?)
         })
     }
 }
@@ -94,20 +88,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Set, "fmi2SetInteger", |instance| {
-            let values = read(values, count)?;
-            for (reference, value) in read(references, count)?.iter().zip(values) {
-                let (_, attributes) = instance.find(*reference, Kind::Enumeration)?;
-                instance.check_settable(*reference, attributes)?;
-                if !(1..=5).contains(value) {
-                    return refuse(format!("terrain {value} is not one of 1 to 5"));
-                }
-            }
-            // The only one is the terrain.
-            if let Some(value) = values.last() {
-                instance.core.parameters.configuration.selected = *value as usize - 1;
-                instance.core.simulation = None;
-            }
-            Ok(())
+            instance.set_enumerations(read(references, count)?, read(values, count)?)
         })
     }
 }
@@ -126,12 +107,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Get, "fmi2GetBoolean", |instance| {
-            let values = write(values, count)?;
-            for (reference, value) in read(references, count)?.iter().zip(values) {
-                instance.find(*reference, Kind::Boolean)?;
-                *value = fmi2Boolean::from(instance.core.parameters.no_slip);
-            }
-            Ok(())
+            instance.get_booleans(read(references, count)?, write(values, count)?)
         })
     }
 }
@@ -151,16 +127,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     unsafe {
         call(component, Call::Set, "fmi2SetBoolean", |instance| {
             let values = read(values, count)?;
-            for reference in read(references, count)? {
-                let (_, attributes) = instance.find(*reference, Kind::Boolean)?;
-                instance.check_settable(*reference, attributes)?;
-            }
-            // The only one is whether to start without slip.
-            if let Some(value) = values.last() {
-                instance.core.parameters.no_slip = *value != 0;
-                instance.core.simulation = None;
-            }
-            Ok(())
+            instance.set_booleans(read(references, count)?, values, |value| value != 0)
         })
     }
 }
@@ -179,7 +146,7 @@ pub unsafe extern "C" fn fmi2GetString(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Get, "fmi2GetString", |_| {
-            no_strings(read(references, count)?)
+            none_of("String", read(references, count)?)
         })
     }
 }
@@ -198,16 +165,7 @@ pub unsafe extern "C" fn fmi2SetString(
     // SAFETY: the caller keeps the standard's promises.
     unsafe {
         call(component, Call::Set, "fmi2SetString", |_| {
-            no_strings(read(references, count)?)
+            none_of("String", read(references, count)?)
         })
-    }
-}
-
-fn no_strings(references: &[fmi2ValueReference]) -> Outcome {
-    match references.first() {
-        Some(reference) => refuse(format!(
-            "value reference {reference} is no String; there are none"
-        )),
-        None => Ok(()),
     }
 }

@@ -1,0 +1,82 @@
+//! What outputs and rates depend on while the simulation runs.
+
+use super::{Configuration, Quantity};
+use crate::effects::{Boundary, Extent, SlopeProfile};
+
+/// How an unknown depends on what it depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DependencyKind {
+    /// As a constant factor.
+    Constant,
+    /// In any way.
+    Dependent,
+}
+
+impl DependencyKind {
+    /// The name in the model description, the same in every version of the standard.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Dependent => "dependent",
+        }
+    }
+}
+
+/// What an output or the rate of a state depends on: its own state alone, or the quantities of its
+/// equation; the inputs first, then the states, the time last. Empty for what is neither.
+#[must_use]
+pub fn dependencies(
+    quantity: Quantity,
+    configuration: &Configuration,
+) -> (Vec<Quantity>, DependencyKind) {
+    let states = |indices: &[usize]| indices.iter().copied().map(Quantity::State).collect();
+    match quantity {
+        Quantity::State(index) => (states(&[index]), DependencyKind::Constant),
+        Quantity::Rate(0 | 1) => (states(&[2, 3, 4]), DependencyKind::Dependent),
+        Quantity::Rate(2) => (states(&[5]), DependencyKind::Constant),
+        // On the pose only effects depend: a grade, and a boundary on the map.
+        Quantity::Rate(_) | Quantity::Total(_) | Quantity::Wheel(..) => {
+            let inputs = (0..2).map(Quantity::Input);
+            let mut all: Vec<Quantity> = inputs.chain((0..6).map(Quantity::State)).collect();
+            if configuration.depends_on_time() {
+                all.push(Quantity::Time);
+            }
+            (all, DependencyKind::Dependent)
+        }
+        _ => (Vec::new(), DependencyKind::Dependent),
+    }
+}
+
+impl Configuration {
+    /// Whether forces may depend on the time itself: a boundary, slopes or a window over it.
+    #[must_use]
+    pub fn depends_on_time(&self) -> bool {
+        let effects = &self.effects;
+        let window = effects.window.as_ref().map(|window| window.extent);
+        effects.boundary == Boundary::Time
+            || matches!(effects.slope_profile, Some(SlopeProfile::Time(_)))
+            || matches!(window, Some(Extent::Time { .. }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Effects;
+
+    #[test]
+    fn forces_depend_on_the_time_where_effects_do() {
+        let mut configuration = Configuration::default();
+        let count =
+            |configuration: &Configuration| dependencies(Quantity::Total(0), configuration).0.len();
+        assert_eq!(count(&configuration), 8);
+        for effects in [
+            r#"{"grade": {"profile": {"over": "time", "points": [[0, 0.1, 0]]}}}"#,
+            r#"{"grade": {"slope_east": 0.1}, "window": {"effects": ["grade"], "time": [1, 2]}}"#,
+        ] {
+            configuration.effects = Effects::from_json(effects).unwrap();
+            assert_eq!(count(&configuration), 9, "{effects}");
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Creation of instances, and the choice of what they report.
+
+use super::guard::{into_component, panic_message};
+use super::instance::{Instance, Interface, Outcome, Purpose, refuse};
+use super::logger::{CATEGORIES, Logger};
+use super::resources;
+use crate::declaration::{Configuration, guid};
+use std::ffi::{CStr, c_char, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// A string that C hands over.
+///
+/// # Safety
+/// `string` is null or ends in a zero byte and lives as long as the result is used.
+pub(super) unsafe fn text<'a>(string: *const c_char) -> Outcome<&'a CStr> {
+    if string.is_null() {
+        return refuse("a string is a null pointer");
+    }
+    // SAFETY: not null; the caller promises the rest.
+    Ok(unsafe { CStr::from_ptr(string) })
+}
+
+/// What the importer says of the unpacked FMU.
+pub(super) struct Package {
+    /// What the standard calls the identity of the model description.
+    pub identity_name: &'static str,
+    pub identity: *const c_char,
+    /// Where the resources are.
+    pub resources: *const c_char,
+}
+
+/// Creates an instance for a purpose, or reports why not and returns null.
+///
+/// # Safety
+/// The strings of `package` are null or end in zero.
+pub(super) unsafe fn create(
+    function: &str,
+    logger: Logger,
+    purpose: Result<Purpose, String>,
+    package: &Package,
+) -> *mut c_void {
+    let created = catch_unwind(AssertUnwindSafe(|| {
+        // SAFETY: the caller's promise.
+        let (identity, location) = unsafe { (text(package.identity), text(package.resources)) };
+        let name = package.identity_name;
+        let Ok(identity) = identity else {
+            return Err(format!("the {name} is a null pointer"));
+        };
+        let purpose = purpose?;
+        let location = location.unwrap_or(c"");
+        let configuration = configure(&logger, purpose.interface, (name, identity), location)?;
+        Ok((purpose, configuration))
+    }));
+    let message = match created {
+        Ok(Ok((purpose, configuration))) => {
+            return into_component(Instance::new(logger, purpose, configuration));
+        }
+        Ok(Err(message)) => message,
+        Err(panic) => panic_message(panic.as_ref()).to_owned(),
+    };
+    logger.refusal(&format!("{function}: {message}"));
+    std::ptr::null_mut()
+}
+
+/// What the instance is to be, from what the importer says and the resources hold.
+fn configure(
+    logger: &Logger,
+    interface: Interface,
+    (identity_name, expected): (&str, &CStr),
+    location: &CStr,
+) -> Result<Configuration, String> {
+    let location = location
+        .to_str()
+        .map_err(|_| "the resource location is not UTF-8".to_owned())?;
+    let folder = resources::folder(location)?;
+    let configuration = match &folder {
+        Some(folder) if folder.is_dir() => {
+            Configuration::from_resources(|file| resources::read(folder, file))
+                .map_err(|error| error.to_string())?
+        }
+        Some(folder) => {
+            let folder = folder.display();
+            logger.warning(&format!(
+                "{folder} is no folder; the built-in vehicle and terrains serve"
+            ));
+            Configuration::default()
+        }
+        None => Configuration::default(),
+    };
+    let actual = guid(&configuration);
+    let expected = expected.to_string_lossy();
+    if expected.trim_matches(['{', '}']) != actual {
+        return Err(format!(
+            "the model description's {identity_name} {expected} is not {actual}, the one of this library with these \
+             resources; package the FMU anew with \"ugv package\""
+        ));
+    }
+    let remembering = configuration.remembering();
+    if interface == Interface::ModelExchange && !remembering.is_empty() {
+        return Err(format!(
+            "this FMU is for co-simulation alone: with {} its model has states that model exchange does not see",
+            remembering.join(", ")
+        ));
+    }
+    Ok(configuration)
+}
+
+/// Chooses what an instance reports, by the names of categories.
+///
+/// # Safety
+/// Each of `categories` is null or ends in zero.
+pub(super) unsafe fn set_logging(
+    instance: &mut Instance,
+    on: bool,
+    categories: &[*const c_char],
+) -> Outcome {
+    let mut named = [false; CATEGORIES.len()];
+    for &category in categories {
+        // SAFETY: the caller's promise.
+        let name = unsafe { text(category) }?;
+        match CATEGORIES.iter().position(|known| *known == name) {
+            Some(index) => named[index] = true,
+            None => {
+                let known: Vec<_> = CATEGORIES.iter().map(|c| c.to_string_lossy()).collect();
+                return refuse(format!("the log categories are {}", known.join(", ")));
+            }
+        }
+    }
+    instance.logger.choose(on, named);
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! What the model descriptions of both versions of the standard have in common.
+
+use crate::declaration::{Unit, units};
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, Event};
+use std::io;
+
+pub(super) type Xml = Writer<Vec<u8>>;
+
+/// The time that every build carries, so that the same source gives the same bytes.
+const GENERATION_TIME: &str = "2026-11-21T00:00:00Z";
+
+/// Attributes that tell where the FMU comes from.
+pub(super) const ORIGIN: [(&str, &str); 7] = [
+    (
+        "description",
+        "Wheel-terrain model of a skid-steer UGV after Tran, Kwok, Scheding and Ha (2007)",
+    ),
+    ("author", "The ugv-terrain developers"),
+    ("version", env!("CARGO_PKG_VERSION")),
+    ("license", "MIT OR Apache-2.0"),
+    (
+        "generationTool",
+        concat!("ugv-terrain ", env!("CARGO_PKG_VERSION")),
+    ),
+    ("generationDateAndTime", GENERATION_TIME),
+    ("variableNamingConvention", "structured"),
+];
+
+/// A document with what `write` writes in it.
+pub(super) fn document(write: impl FnOnce(&mut Xml) -> io::Result<()>) -> String {
+    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+    let declaration = Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None));
+    xml.write_event(declaration)
+        .and_then(|()| write(&mut xml))
+        .expect("writing to memory does not fail");
+    xml.get_mut().push(b'\n');
+    String::from_utf8(xml.into_inner()).expect("the writer passes UTF-8 on")
+}
+
+pub(super) fn write_units(xml: &mut Xml) -> io::Result<()> {
+    xml.create_element("UnitDefinitions")
+        .write_inner_content(|xml| units().iter().try_for_each(|unit| write_unit(xml, unit)))?;
+    Ok(())
+}
+
+fn write_unit(xml: &mut Xml, unit: &Unit) -> io::Result<()> {
+    let element = xml
+        .create_element("Unit")
+        .with_attribute(("name", unit.name));
+    // Exponents that depend on the soil cannot be told.
+    let Some(base) = unit.base else {
+        return element.write_empty().map(drop);
+    };
+    element.write_inner_content(|xml| {
+        let mut element = xml.create_element("BaseUnit");
+        for (name, exponent) in base {
+            element = element.with_attribute((*name, exponent.to_string().as_str()));
+        }
+        if let Some(factor) = unit.factor {
+            element = element.with_attribute(("factor", factor.to_string().as_str()));
+        }
+        element.write_empty().map(drop)
+    })?;
+    Ok(())
+}
+
+/// With what is said of those that cannot be switched off.
+pub(super) fn write_log_categories(xml: &mut Xml, always: &str) -> io::Result<()> {
+    xml.create_element("LogCategories")
+        .write_inner_content(|xml| write_categories(xml, always))?;
+    Ok(())
+}
+
+fn write_categories(xml: &mut Xml, always: &str) -> io::Result<()> {
+    for (name, description, always) in [
+        ("logStatusError", "Calls that fail, and why", always),
+        (
+            "logStatusWarning",
+            "What the user should know, such as a lifted wheel",
+            always,
+        ),
+        ("logEvents", "What the integration has cost, at the end", ""),
+    ] {
+        let description = format!("{description}{always}");
+        xml.create_element("Category")
+            .with_attributes([("name", name), ("description", description.as_str())])
+            .write_empty()?;
+    }
+    Ok(())
+}
+
+pub(super) fn write_default_experiment(xml: &mut Xml) -> io::Result<()> {
+    xml.create_element("DefaultExperiment")
+        .with_attributes([("startTime", "0"), ("stopTime", "10"), ("stepSize", "0.01")])
+        .write_empty()?;
+    Ok(())
+}
