@@ -3,13 +3,12 @@
 Standard input: JSON, `{"fmu": FILE, "drives": [{"read": [NAMES], "do": [OPERATIONS]}, ...]}`.
 Operations: `["start", {NAME: VALUE}]`, `["load", FILE]` (go on from a stored state),
 `["store", FILE]`, `["speeds", LEFT, RIGHT]`, `["rates", LEFT, RIGHT]` (for the next step),
-`["step", SECONDS]`, `["save"]`, `["restore"]`, `["leave"]` (end the process without freeing anything).
+`["step", SECONDS]`, `["save"]`, `["restore"]`.
 After each start, load, step and restore: one line of the time and the variables to read, each
 as the 16 hexadecimal digits of its bits.
 """
 
 import json
-import os
 import shutil
 import struct
 import sys
@@ -89,11 +88,6 @@ class Drive:
         """Returns to the saved state."""
         self.fmu.setFMUstate(self.saved)
         self.fmu.freeFMUstate(self.saved)
-
-    def leave(self) -> None:
-        """Ends the process at once: fmpy's client of a remote FMU may wait forever when it is freed."""
-        sys.__stdout__.flush()
-        os._exit(0)
 
     def read(self) -> str:
         """The time and the outputs as bits."""
