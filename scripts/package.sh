@@ -1,13 +1,54 @@
 #!/usr/bin/env bash
-# Builds the FMU's shared library and the tool, and leaves target/ugv.fmu (FMI 2.0) and
-# target/ugv-fmi3.fmu (FMI 3.0), both with that library.
-# Arguments are passed on to `ugv package` (--vehicle, --terrain, --output ...).
+# Builds the FMU's shared libraries and the tool, and leaves target/ugv.fmu (FMI 2.0) and
+# target/ugv-fmi3.fmu (FMI 3.0), both with those libraries.
+# --platforms LIST names the platforms, separated by commas (default: linux64); all stands for those that can
+# be built on Linux: linux64,win64,aarch64-linux. See build_fmu_library.sh for each.
+# Other arguments are passed on to `ugv package` (--vehicle, --terrain, --output ...).
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
-"$here/setup.sh"
-"$here/build_fmu_library.sh"
+
+fail() {
+    echo "package: $1" >&2
+    exit 1
+}
+
+platforms=linux64
+arguments=()
+while [[ $# -gt 0 ]]; do
+    case $1 in
+    --platforms)
+        [[ $# -gt 1 ]] || fail "--platforms needs a list: linux64,win64,aarch64-linux, or all"
+        platforms=$2
+        shift
+        ;;
+    --platforms=*) platforms=${1#*=} ;;
+    *) arguments+=("$1") ;;
+    esac
+    shift
+done
+[[ $platforms != all ]] || platforms=linux64,win64,aarch64-linux
 target=${CARGO_TARGET_DIR:-$here/../target}
+libraries=()
+others=()
+for platform in ${platforms//,/ }; do
+    case $platform in
+    linux64) file=$target/fmu/ugv.so ;;
+    aarch64-linux) file=$target/fmu/$platform/ugv.so ;;
+    win64) file=$target/fmu/$platform/ugv.dll ;;
+    darwin64) file=$target/fmu/$platform/ugv.dylib ;;
+    *) fail "no such platform: $platform; there are linux64, win64, aarch64-linux and, on a Mac, darwin64" ;;
+    esac
+    libraries+=(--library "$platform=$file")
+    case $platform in aarch64-linux | win64) others+=("$platform") ;; esac
+done
+[[ ${#libraries[@]} -gt 0 ]] || fail "--platforms names none"
+
+"$here/setup.sh"
+[[ ${#others[@]} -eq 0 ]] || "$here/setup_platforms.sh" "${others[@]}"
+for platform in ${platforms//,/ }; do
+    "$here/build_fmu_library.sh" "$platform"
+done
 cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet
-package=("$target/release/ugv" package --library "linux64=$target/fmu/ugv.so")
-"${package[@]}" "$@" --fmi 3 --output "$target/ugv-fmi3.fmu"
-"${package[@]}" --output "$target/ugv.fmu" "$@"
+package=("$target/release/ugv" package "${libraries[@]}")
+"${package[@]}" "${arguments[@]+"${arguments[@]}"}" --fmi 3 --output "$target/ugv-fmi3.fmu"
+"${package[@]}" --output "$target/ugv.fmu" "${arguments[@]+"${arguments[@]}"}"

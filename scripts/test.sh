@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Sets up what is missing, builds the FMU, and runs every test: Rust (unit, golden, limits,
 # properties, tool, C interface) and Python (the FMU through its importers, the demo).
+# With UGV_PLATFORMS=all the FMU has, and the tests drive, the libraries for win64 and aarch64-linux as well.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 export UGV_DATA=${UGV_DATA:-../shared/data}
-./scripts/package.sh
+./scripts/package.sh --platforms "${UGV_PLATFORMS:-linux64}"
 echo "test: Rust"
 cargo test --locked --release --features fmu
 echo "test: Python"

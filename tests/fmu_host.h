@@ -1,12 +1,23 @@
-/* What fmu_host.c calls: the functions of FMI 2.0, and random numbers. */
+/* What fmu_host.c and fmu_drive.c call: the functions of FMI 2.0, and random numbers. */
 #ifndef FMU_HOST_H
 #define FMU_HOST_H
 
 #include "fmi2Functions.h"
 
-#include <dlfcn.h>
 #include <math.h>
 #include <stdint.h>
+
+#ifdef _WIN32
+#include <windows.h>
+static void *open_library(const char *path) { return LoadLibraryA(path); }
+static void *find_function(void *library, const char *name) { return (void *)GetProcAddress(library, name); }
+static const char *loading_error(void) { return "the library or one that it needs cannot be loaded"; }
+#else
+#include <dlfcn.h>
+static void *open_library(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
+static void *find_function(void *library, const char *name) { return dlsym(library, name); }
+static const char *loading_error(void) { return dlerror(); }
+#endif
 
 #define FUNCTIONS(X)                                                                               \
     X(GetTypesPlatform) X(GetVersion) X(SetDebugLogging) X(Instantiate) X(FreeInstance)            \
@@ -30,10 +41,10 @@ static struct { FUNCTIONS(MEMBER) } fmu;
 
 /* Loads the functions; returns what is wrong, or a null pointer. */
 static const char *load(const char *path) {
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!library) return dlerror();
+    void *library = open_library(path);
+    if (!library) return loading_error();
 #define LOAD(name) \
-    if (!(fmu.name = (fmi2##name##TYPE *)dlsym(library, "fmi2" #name))) return "fmi2" #name " is missing";
+    if (!(fmu.name = (fmi2##name##TYPE *)find_function(library, "fmi2" #name))) return "fmi2" #name " is missing";
     FUNCTIONS(LOAD)
     return NULL;
 }

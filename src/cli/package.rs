@@ -3,10 +3,11 @@
 use super::model::{ModelArgs, load_terrain};
 use super::{Failure, tell};
 use std::fs;
+use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use ugv_terrain::declaration::Configuration;
-use ugv_terrain::package::{PackageError, Platform, Standard, write_fmu};
+use ugv_terrain::package::{MergeError, PackageError, Platform, Standard, merge_fmus, write_fmu};
 use ugv_terrain::vehicle::VehicleModel;
 
 const EXAMPLES: &str = "\
@@ -15,7 +16,8 @@ Examples:
   ugv package --vehicle mine.json --terrain soil.json --output mine.fmu
   ugv package --model model.json
   ugv package --fmi 3
-  ugv package --library linux64=target/fmu/ugv.so --library win64=ugv.dll";
+  ugv package --library linux64=target/fmu/ugv.so --library win64=target/fmu/win64/ugv.dll
+  ugv package --merge linux.fmu mac.fmu --output ugv.fmu";
 
 /// Make an FMU of a vehicle on a terrain.
 ///
@@ -47,9 +49,22 @@ pub struct Args {
     /// [default: the ugv.so that scripts/package.sh built]
     #[arg(long, value_name = "PLATFORM=FILE")]
     library: Vec<String>,
+
+    /// FMUs of the same model with libraries of different platforms, to be made one FMU with all of
+    /// them; everything else in them has to be equal
+    #[arg(
+        long,
+        value_name = "FILE.fmu",
+        num_args = 2..,
+        conflicts_with_all = ["library", "vehicle", "terrain", "model", "effects"]
+    )]
+    merge: Vec<PathBuf>,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if !args.merge.is_empty() {
+        return merge(args);
+    }
     let configuration = configuration(args)?;
     let libraries = libraries(&args.library)?;
     let (standard, default) = match args.fmi.as_str() {
@@ -57,25 +72,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => (Standard::Fmi2, "ugv.fmu"),
     };
     let output = args.output.as_deref().unwrap_or(Path::new(default));
-    let folder = match output.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let fail = |source| Failure::Write {
-        target: output.display().to_string(),
-        source,
-    };
-    let mut file = NamedTempFile::new_in(folder).map_err(fail)?;
-    let written = write_fmu(file.as_file_mut(), standard, &configuration, &libraries);
-    written.map_err(|error| match error {
-        PackageError::Write(source) => fail(source),
-        other => Failure::Argument {
-            reason: other.to_string(),
-            hint: Some("build the library anew with scripts/package.sh".into()),
-        },
+    replace(output, |file| {
+        write_fmu(file, standard, &configuration, &libraries).map_err(|error| match error {
+            PackageError::Write(source) => cannot_write(output, source),
+            other => Failure::Argument {
+                reason: other.to_string(),
+                hint: Some("build the library anew with scripts/package.sh".into()),
+            },
+        })
     })?;
-    make_readable(file.as_file()).map_err(fail)?;
-    file.persist(output).map_err(|error| fail(error.error))?;
     let platforms: Vec<&str> = libraries
         .iter()
         .map(|(platform, _)| platform.name())
@@ -97,8 +102,66 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Makes one FMU of several.
+fn merge(args: &Args) -> Result<(), Failure> {
+    let mut parts = Vec::new();
+    for path in &args.merge {
+        parts.push((path.display().to_string(), Cursor::new(read(path)?)));
+    }
+    let output = args.output.as_deref().unwrap_or(Path::new("ugv.fmu"));
+    let merged = replace(output, |file| {
+        merge_fmus(file, parts).map_err(|error| match error {
+            MergeError::Write(source) => cannot_write(output, source),
+            other => Failure::Argument {
+                hint: Some(remedy(&other).into()),
+                reason: other.to_string(),
+            },
+        })
+    })?;
+    tell(&format!(
+        "{} written, with {}",
+        output.display(),
+        merged.join(", ")
+    ));
+    Ok(())
+}
+
+fn remedy(error: &MergeError) -> &'static str {
+    match error {
+        MergeError::Read { .. } => "name FMUs that `ugv package` wrote",
+        MergeError::Differs { entry, .. } if entry.starts_with("binaries/") => {
+            "build each platform once, and merge FMUs of one source only"
+        }
+        _ => "package each with the same vehicle, terrain and effects, by the same version of ugv",
+    }
+}
+
+/// Writes beside the file and renames, so that at no moment half an FMU stands there.
+fn replace<T>(
+    path: &Path,
+    write: impl FnOnce(&mut fs::File) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let fail = |source| cannot_write(path, source);
+    let mut file = NamedTempFile::new_in(folder).map_err(fail)?;
+    let written = write(file.as_file_mut())?;
+    make_readable(file.as_file()).map_err(fail)?;
+    file.persist(path).map_err(|error| fail(error.error))?;
+    Ok(written)
+}
+
+fn cannot_write(path: &Path, source: io::Error) -> Failure {
+    Failure::Write {
+        target: path.display().to_string(),
+        source,
+    }
+}
+
 /// A temporary file is its owner's alone; an FMU is like any other file.
-fn make_readable(file: &fs::File) -> std::io::Result<()> {
+fn make_readable(file: &fs::File) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

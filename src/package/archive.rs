@@ -22,13 +22,13 @@ pub enum Standard {
 }
 
 /// A platform that an FMU can hold a shared library for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Platform {
     /// 64-bit Linux on x86.
     Linux64,
     /// 64-bit Windows on x86.
     Win64,
-    /// 64-bit macOS.
+    /// 64-bit macOS, on x86 or both there and on ARM.
     Darwin64,
     /// 64-bit Linux on ARM.
     Aarch64Linux,
@@ -142,7 +142,8 @@ impl From<zip::result::ZipError> for PackageError {
 }
 
 /// Writes the FMU of a configuration with the given shared libraries, for a version of the
-/// standard. The same input gives the same bytes: entries are in a fixed order and carry a fixed time.
+/// standard. The same input gives the same bytes, in whatever order the libraries come: entries are
+/// in a fixed order and carry a fixed time.
 ///
 /// # Errors
 /// A library that does not fit, or a failure to write.
@@ -161,16 +162,7 @@ pub fn write_fmu<W: Write + Seek>(
         }
     }
     let mut zip = ZipWriter::new(target);
-    let mut add = |name: &str, content: &[u8]| -> Result<(), PackageError> {
-        let executable = name.starts_with("binaries/");
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Deflated)
-            .last_modified_time(DateTime::default())
-            .unix_permissions(if executable { 0o755 } else { 0o644 });
-        zip.start_file(name, options)?;
-        zip.write_all(content)?;
-        Ok(())
-    };
+    let mut add = |name: &str, content: &[u8]| add(&mut zip, name, content);
     let description = match standard {
         Standard::Fmi2 => model_description(configuration),
         Standard::Fmi3 => model_description_3(configuration),
@@ -200,6 +192,8 @@ pub fn write_fmu<W: Write + Seek>(
         TERMINALS.as_bytes(),
     )?;
     add("terminalsAndIcons/icon.png", ICON)?;
+    let mut libraries: Vec<&(Platform, Vec<u8>)> = libraries.iter().collect();
+    libraries.sort_by_key(|(platform, _)| *platform);
     for (platform, library) in libraries {
         let (folder, extension) = (platform.folder(standard), platform.extension());
         add(
@@ -209,6 +203,21 @@ pub fn write_fmu<W: Write + Seek>(
     }
     zip.finish()?;
     Ok(())
+}
+
+/// Adds a file: the same name and content give the same bytes.
+pub(super) fn add<W: Write + Seek>(
+    zip: &mut ZipWriter<W>,
+    name: &str,
+    content: &[u8],
+) -> io::Result<()> {
+    let executable = name.starts_with("binaries/");
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(if executable { 0o755 } else { 0o644 });
+    zip.start_file(name, options).map_err(io::Error::other)?;
+    zip.write_all(content)
 }
 
 fn contains(haystack: &[u8], needle: &[u8]) -> bool {

@@ -6,6 +6,7 @@ mod diagnose;
 mod effects;
 mod fit;
 mod inspect;
+mod package;
 mod refusals;
 mod score;
 mod simulate;

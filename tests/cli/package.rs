@@ -1,0 +1,107 @@
+//! `ugv package` with libraries for several platforms, and what it merges.
+
+use super::*;
+use predicates::str::contains;
+
+/// What marks a library of this version.
+const MARK: &[u8] = include_bytes!("../../modelDescription/variables.json");
+
+impl Bench {
+    /// Writes what passes for a library of a platform.
+    fn library(&self, name: &str, magic: &[u8], machine: u8) {
+        let mut library = magic.to_vec();
+        library.resize(64, 0);
+        library[18] = machine;
+        self.write(name, [&library, MARK].concat());
+    }
+
+    fn packaged(arguments: &str) -> Self {
+        let bench = Self::new();
+        bench.library("ugv.so", b"\x7fELF", 62);
+        bench.library("arm.so", b"\x7fELF", 183);
+        bench.library("ugv.dll", b"MZ", 0);
+        for (platform, file) in [
+            ("linux64", "ugv.so"),
+            ("aarch64-linux", "arm.so"),
+            ("win64", "ugv.dll"),
+        ] {
+            let package = format!("package --library {platform}={file} --output {platform}.fmu");
+            bench.ugv(&package).assert().success();
+        }
+        bench.ugv(arguments).assert().success();
+        bench
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+}
+
+#[test]
+fn merged_fmus_are_what_packaging_at_once_gives() {
+    let bench = Bench::packaged(
+        "package --library win64=ugv.dll --library aarch64-linux=arm.so --library linux64=ugv.so",
+    );
+    bench
+        .ugv("package --merge win64.fmu linux64.fmu aarch64-linux.fmu --output merged.fmu")
+        .assert()
+        .success()
+        .stdout("")
+        .stderr(
+            "ugv: merged.fmu written, with binaries/linux64/ugv.so, binaries/win64/ugv.dll, \
+             binaries/aarch64-linux/ugv.so\n",
+        );
+    assert_eq!(bench.bytes("merged.fmu"), bench.bytes("ugv.fmu"));
+    // Into one of them.
+    bench
+        .ugv("package --merge win64.fmu merged.fmu --output win64.fmu")
+        .assert()
+        .success();
+    assert_eq!(bench.bytes("win64.fmu"), bench.bytes("ugv.fmu"));
+}
+
+#[test]
+fn what_cannot_be_merged_is_named_and_nothing_is_written() {
+    let bench =
+        Bench::packaged("package --terrain dry_sand --library win64=ugv.dll --output sand.fmu");
+    bench.write("rubbish.fmu", "rubbish");
+    bench.write("merged.fmu", "precious");
+    let files = bench.files();
+    for (arguments, expected) in [
+        (
+            "--merge linux64.fmu sand.fmu",
+            "modelDescription.xml differs between linux64.fmu and sand.fmu",
+        ),
+        (
+            "--merge linux64.fmu rubbish.fmu",
+            "rubbish.fmu is no FMU that can be read: ",
+        ),
+        (
+            "--merge linux64.fmu nowhere.fmu",
+            "cannot read nowhere.fmu: ",
+        ),
+        ("--merge linux64.fmu", "2 values"),
+        (
+            "--merge linux64.fmu win64.fmu --terrain dry_sand",
+            "cannot be used with",
+        ),
+        (
+            "--library linux64=ugv.dll",
+            "the library for linux64 is none for that platform",
+        ),
+        (
+            "--library amiga=ugv.dll",
+            "--library amiga=ugv.dll: PLATFORM=FILE is expected",
+        ),
+    ] {
+        let message = bench.fails(&format!("package {arguments} --output merged.fmu"), 2);
+        assert!(message.contains(expected), "{message}");
+    }
+    assert_eq!(bench.read("merged.fmu"), "precious");
+    assert_eq!(bench.files(), files);
+    bench
+        .ugv("package --merge linux64.fmu win64.fmu --output nowhere/ugv.fmu")
+        .assert()
+        .code(1)
+        .stderr(contains("cannot write nowhere/ugv.fmu: "));
+}
