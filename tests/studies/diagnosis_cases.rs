@@ -4,8 +4,7 @@
 //! cargo run --release --example diagnosis_cases -- --out DIR --cases 100 --seed 1
 //! ```
 //!
-//! `DIR/CASE/` holds what the tool may see, `DIR/CASE.truth.json` what is behind it;
-//! `scripts/score_diagnosis.py` compares the two.
+//! `DIR/CASE/` holds what the tool may see, `DIR/CASE.truth.json` what is behind it.
 
 #[path = "../diagnosis/cases/mod.rs"]
 mod cases;
