@@ -76,6 +76,8 @@ struct Sensors {
     pose_latency: f64,
     wheel_latency: f64,
     gyro: bool,
+    /// What the gyro adds [rad/s].
+    gyro_bias: f64,
     /// Size of the errors of x and y [m].
     position_noise: f64,
 }
@@ -84,6 +86,7 @@ const PERFECT: Sensors = Sensors {
     pose_latency: 0.0,
     wheel_latency: 0.0,
     gyro: true,
+    gyro_bias: 0.0,
     position_noise: 0.0,
 };
 
@@ -118,7 +121,10 @@ fn record(label: &str, truth: &Truth, sensors: Sensors) -> Run {
         )
         .with(Channel::Heading, sample(10, pose, &|row| row[3]));
     if sensors.gyro {
-        run.with(Channel::YawRate, sample(5, 0.0, &|row| row[6]))
+        run.with(
+            Channel::YawRate,
+            sample(5, 0.0, &|row| row[6] + sensors.gyro_bias),
+        )
     } else {
         run
     }
@@ -257,12 +263,13 @@ fn straight_drives_leave_the_track_open_and_few_windows_everything() {
 fn latencies_are_recovered() {
     let truth = kinematic_world(NOMINAL, 90.0);
     for (pose_latency, wheel_latency) in [(0.35, 0.12), (0.0, 0.0), (0.8, 0.2)] {
-        for gyro in [true, false] {
+        for (gyro, gyro_bias) in [(true, 0.0), (true, 0.1), (true, -0.1), (false, 0.0)] {
             let sensors = Sensors {
                 pose_latency,
                 wheel_latency,
                 gyro,
-                position_noise: 0.0,
+                gyro_bias,
+                ..PERFECT
             };
             let drive = recording(vec![record("", &truth, sensors)]);
             let found = Latencies::estimate(&Signals::of(&drive).unwrap());

@@ -51,6 +51,11 @@ impl Increments {
         Self { lags, blocks }
     }
 
+    /// All pairs of changes, at all lags.
+    pub fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.blocks.iter().flatten().flatten().copied()
+    }
+
     /// The pairs of changes at one lag.
     pub fn at_lag<'a>(
         pairs: impl Iterator<Item = (&'a Series, &'a Series)>,

@@ -74,7 +74,8 @@ impl Latencies {
         }
         let pose = gyros().zip(headings()).filter_map(|(g, h)| Some((g?, h)));
         let wheels = gyros().zip(&twists).filter_map(|(g, t)| Some((g?, t)));
-        let pose = Increments::over_lags(pose, grid(POSE)).best_lag(&Equal);
+        let pose = Increments::over_lags(pose, grid(POSE));
+        let pose = pose.best_lag(&Equal { bias: bias(&pose) });
         let wheels = Increments::over_lags(wheels, grid(WHEELS)).best_lag(&Proportional);
         Self {
             pose: Latency::from_search(pose),
@@ -88,15 +89,31 @@ fn grid((least, most): (f64, f64)) -> Vec<f64> {
     (0..=count).map(|k| least + STEP * k as f64).collect()
 }
 
-/// Both change by the same angle: Huber's loss of the difference.
-struct Equal;
+/// By how much more one changes than the other, in the middle of all increments at all lags: a
+/// gyro's bias, which would cost alike at every lag and hide the best one.
+fn bias(increments: &Increments) -> f64 {
+    let mut strays: Vec<f64> = increments
+        .pairs()
+        .map(|(gyro, pose)| wrapped(pose - gyro))
+        .collect();
+    if strays.is_empty() {
+        return 0.0;
+    }
+    let middle = strays.len() / 2;
+    *strays.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Both change by the same angle but for a bias: Huber's loss of the difference.
+struct Equal {
+    bias: f64,
+}
 
 impl Cost for Equal {
     type Sums = f64;
 
     fn sums(&self, pairs: &[(f64, f64)]) -> f64 {
         let loss = |(gyro, pose): &(f64, f64)| {
-            let stray = wrapped(pose - gyro).abs();
+            let stray = wrapped(pose - gyro - self.bias).abs();
             if stray < OUTLIER {
                 stray * stray
             } else {
@@ -111,26 +128,32 @@ impl Cost for Equal {
     }
 }
 
-/// One changes in proportion to the other, by a factor that is not known: the share of its
-/// squares that the best factor leaves.
+/// One changes in proportion to the other, by a factor and a bias that are not known: the share of
+/// its variance that the best ones leave.
 struct Proportional;
 
 impl Cost for Proportional {
-    type Sums = [f64; 3];
+    /// Count, sums and sums of squares and products.
+    type Sums = [f64; 6];
 
-    fn sums(&self, pairs: &[(f64, f64)]) -> [f64; 3] {
-        pairs.iter().fold([0.0; 3], |sums, (a, b)| {
-            [sums[0] + a * a, sums[1] + a * b, sums[2] + b * b]
+    fn sums(&self, pairs: &[(f64, f64)]) -> [f64; 6] {
+        pairs.iter().fold([0.0; 6], |sums, (a, b)| {
+            add(sums, [1.0, *a, *b, a * a, a * b, b * b])
         })
     }
 
-    fn total(&self, blocks: impl Iterator<Item = [f64; 3]>) -> f64 {
-        let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-        let [aa, ab, bb] = blocks.fold([0.0; 3], add);
+    fn total(&self, blocks: impl Iterator<Item = [f64; 6]>) -> f64 {
+        let [count, a, b, aa, ab, bb] = blocks.fold([0.0; 6], add);
+        let centred = |product: f64, a: f64, b: f64| product - a * b / count;
+        let (aa, ab, bb) = (centred(aa, a, a), centred(ab, a, b), centred(bb, b, b));
         if aa > 0.0 && bb > 0.0 {
             1.0 - ab * ab / (aa * bb)
         } else {
             1.0
         }
     }
+}
+
+fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| a[k] + b[k])
 }
