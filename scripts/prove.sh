@@ -14,14 +14,16 @@ altered)
     shift
     ;;
 draw)
+    module=generator
     shift
-    ./scripts/setup.sh >&2
-    PYTHONPATH=scripts/proof exec target/venv/bin/python -m generator "$@"
     ;;
 esac
 ./scripts/setup.sh >&2
-tool=${UGV_TOOL:-target/release/ugv}
-if [[ -z "${UGV_TOOL:-}" && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
-    cargo build --locked --release --bin ugv >&2
+arguments=()
+if [[ $module != generator ]]; then
+    arguments=(--tool "${UGV_TOOL:-target/release/ugv}")
+    if [[ -z "${UGV_TOOL:-}" && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
+        cargo build --locked --release --bin ugv >&2
+    fi
 fi
-PYTHONPATH=scripts/proof exec target/venv/bin/python -m "$module" --tool "$tool" "$@"
+PYTHONPATH=scripts/proof exec target/venv/bin/python -m "$module" "${arguments[@]}" "$@"

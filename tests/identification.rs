@@ -263,7 +263,7 @@ fn straight_drives_leave_the_track_open_and_few_windows_everything() {
 fn latencies_are_recovered() {
     let truth = kinematic_world(NOMINAL, 90.0);
     for (pose_latency, wheel_latency) in [(0.35, 0.12), (0.0, 0.0), (0.8, 0.2)] {
-        for (gyro, gyro_bias) in [(true, 0.0), (true, 0.1), (true, -0.1), (false, 0.0)] {
+        for (gyro, gyro_bias) in [(true, 0.0), (true, 0.3), (true, -0.3), (false, 0.0)] {
             let sensors = Sensors {
                 pose_latency,
                 wheel_latency,

@@ -56,7 +56,7 @@ pub struct Args {
         long,
         value_name = "FILE.fmu",
         num_args = 2..,
-        conflicts_with_all = ["library", "vehicle", "terrain", "model", "effects"]
+        conflicts_with_all = ["fmi", "library", "vehicle", "terrain", "model", "effects"]
     )]
     merge: Vec<PathBuf>,
 }

@@ -1,9 +1,10 @@
 //! By how much pose and wheel speeds trail the yaw rate.
 
+use super::estimate::median;
 use super::increments::{Cost, Increments};
 use super::signals::wrapped;
 use super::{Estimate, Signals};
-use crate::recording::Series;
+use crate::recording::{Moments, Series};
 
 /// Step of the search \[s\].
 const STEP: f64 = 0.01;
@@ -92,15 +93,8 @@ fn grid((least, most): (f64, f64)) -> Vec<f64> {
 /// By how much more one changes than the other, in the middle of all increments at all lags: a
 /// gyro's bias, which would cost alike at every lag and hide the best one.
 fn bias(increments: &Increments) -> f64 {
-    let mut strays: Vec<f64> = increments
-        .pairs()
-        .map(|(gyro, pose)| wrapped(pose - gyro))
-        .collect();
-    if strays.is_empty() {
-        return 0.0;
-    }
-    let middle = strays.len() / 2;
-    *strays.select_nth_unstable_by(middle, f64::total_cmp).1
+    let strays = increments.pairs().map(|(gyro, pose)| wrapped(pose - gyro));
+    median(&mut strays.collect::<Vec<f64>>())
 }
 
 /// Both change by the same angle but for a bias: Huber's loss of the difference.
@@ -133,27 +127,20 @@ impl Cost for Equal {
 struct Proportional;
 
 impl Cost for Proportional {
-    /// Count, sums and sums of squares and products.
-    type Sums = [f64; 6];
+    type Sums = Moments;
 
-    fn sums(&self, pairs: &[(f64, f64)]) -> [f64; 6] {
-        pairs.iter().fold([0.0; 6], |sums, (a, b)| {
-            add(sums, [1.0, *a, *b, a * a, a * b, b * b])
-        })
-    }
-
-    fn total(&self, blocks: impl Iterator<Item = [f64; 6]>) -> f64 {
-        let [count, a, b, aa, ab, bb] = blocks.fold([0.0; 6], add);
-        let centred = |product: f64, a: f64, b: f64| product - a * b / count;
-        let (aa, ab, bb) = (centred(aa, a, a), centred(ab, a, b), centred(bb, b, b));
-        if aa > 0.0 && bb > 0.0 {
-            1.0 - ab * ab / (aa * bb)
-        } else {
-            1.0
+    fn sums(&self, pairs: &[(f64, f64)]) -> Moments {
+        let mut moments = Moments::default();
+        for (a, b) in pairs {
+            moments.push(*a, *b);
         }
+        moments
     }
-}
 
-fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
-    std::array::from_fn(|k| a[k] + b[k])
+    fn total(&self, blocks: impl Iterator<Item = Moments>) -> f64 {
+        1.0 - blocks
+            .fold(Moments::default(), Moments::and)
+            .correlation()
+            .powi(2)
+    }
 }

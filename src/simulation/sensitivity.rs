@@ -327,9 +327,7 @@ impl Variation {
         }
         self.last = Some(end);
     }
-}
 
-impl Variation {
     /// Derivatives of the state `back` seconds before the end of the last step.
     pub fn within(&self, back: f64) -> Derivatives {
         let mut by = self.by.fixed_rows::<{ State::COUNT }>(0).into_owned();
