@@ -2,7 +2,8 @@
 
 use super::MODEL_IDENTIFIER;
 use super::xml::{
-    ORIGIN, Xml, document, write_default_experiment, write_log_categories, write_units,
+    ORIGIN, Xml, document, role, write_default_experiment, write_items, write_log_categories,
+    write_units,
 };
 use crate::declaration::{
     Causality, Configuration, Kind, Quantity, Variable, dependencies, enumerations, guid, variables,
@@ -110,20 +111,8 @@ fn write_enumerations(xml: &mut Xml) -> io::Result<()> {
             ])
             .write_inner_content(|xml| {
                 xml.create_element("Enumeration")
-                    .write_inner_content(|xml| {
-                        for (name, value, description) in enumeration.items {
-                            let value = value.to_string();
-                            xml.create_element("Item")
-                                .with_attributes([
-                                    ("name", *name),
-                                    ("value", value.as_str()),
-                                    ("description", *description),
-                                ])
-                                .write_empty()?;
-                        }
-                        Ok(())
-                    })?;
-                Ok(())
+                    .write_inner_content(|xml| write_items(xml, enumeration))
+                    .map(drop)
             })?;
     }
     Ok(())
@@ -136,13 +125,7 @@ fn write_variable(
     configuration: &Configuration,
 ) -> io::Result<()> {
     let attributes = variable.attributes;
-    let (causality, variability, initial) = match attributes.causality {
-        Causality::Input => ("input", "continuous", None),
-        Causality::Output => ("output", "continuous", Some("calculated")),
-        Causality::Local => ("local", "continuous", Some("calculated")),
-        Causality::Parameter => ("parameter", "fixed", Some("exact")),
-        Causality::Independent => ("independent", "continuous", None),
-    };
+    let (causality, variability, initial) = role(attributes.causality);
     let reference = variable.reference.to_string();
     let mut element = xml.create_element("ScalarVariable").with_attributes([
         ("name", variable.name.as_str()),

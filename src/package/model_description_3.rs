@@ -2,7 +2,8 @@
 
 use super::MODEL_IDENTIFIER;
 use super::xml::{
-    ORIGIN, Xml, document, write_default_experiment, write_log_categories, write_units,
+    ORIGIN, Xml, document, role, write_default_experiment, write_items, write_log_categories,
+    write_units,
 };
 use crate::declaration::{
     ArrayVariable, Causality, Configuration, Elements, Kind, Quantity, array_variables,
@@ -104,32 +105,14 @@ fn write_enumerations(xml: &mut Xml) -> io::Result<()> {
                 ("name", enumeration.name),
                 ("description", enumeration.description),
             ])
-            .write_inner_content(|xml| {
-                for (name, value, description) in enumeration.items {
-                    let value = value.to_string();
-                    xml.create_element("Item")
-                        .with_attributes([
-                            ("name", *name),
-                            ("value", value.as_str()),
-                            ("description", *description),
-                        ])
-                        .write_empty()?;
-                }
-                Ok(())
-            })?;
+            .write_inner_content(|xml| write_items(xml, enumeration))?;
     }
     Ok(())
 }
 
 fn write_variable(xml: &mut Xml, variable: &ArrayVariable, model: &Model) -> io::Result<()> {
     let attributes = variable.attributes;
-    let (causality, variability, initial) = match attributes.causality {
-        Causality::Input => ("input", "continuous", None),
-        Causality::Output => ("output", "continuous", Some("calculated")),
-        Causality::Local => ("local", "continuous", Some("calculated")),
-        Causality::Parameter => ("parameter", "fixed", Some("exact")),
-        Causality::Independent => ("independent", "continuous", None),
-    };
+    let (causality, variability, initial) = role(attributes.causality);
     let mut given = vec![
         ("name", variable.name.clone()),
         ("valueReference", variable.reference.to_string()),

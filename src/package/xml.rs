@@ -1,6 +1,6 @@
 //! What the model descriptions of both versions of the standard have in common.
 
-use crate::declaration::{Unit, units};
+use crate::declaration::{Causality, Enumeration, Unit, units};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use std::io;
@@ -85,6 +85,34 @@ fn write_categories(xml: &mut Xml, always: &str) -> io::Result<()> {
         let description = format!("{description}{always}");
         xml.create_element("Category")
             .with_attributes([("name", name), ("description", description.as_str())])
+            .write_empty()?;
+    }
+    Ok(())
+}
+
+/// How a variable of some causality is declared: causality, variability, and what its start is.
+pub(super) const fn role(
+    causality: Causality,
+) -> (&'static str, &'static str, Option<&'static str>) {
+    match causality {
+        Causality::Input => ("input", "continuous", None),
+        Causality::Output => ("output", "continuous", Some("calculated")),
+        Causality::Local => ("local", "continuous", Some("calculated")),
+        Causality::Parameter => ("parameter", "fixed", Some("exact")),
+        Causality::Independent => ("independent", "continuous", None),
+    }
+}
+
+/// The names of an enumeration's values.
+pub(super) fn write_items(xml: &mut Xml, enumeration: &Enumeration) -> io::Result<()> {
+    for (name, value, description) in enumeration.items {
+        let value = value.to_string();
+        xml.create_element("Item")
+            .with_attributes([
+                ("name", *name),
+                ("value", value.as_str()),
+                ("description", *description),
+            ])
             .write_empty()?;
     }
     Ok(())

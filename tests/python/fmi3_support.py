@@ -15,9 +15,9 @@ from typing import NamedTuple, Self
 
 import fmpy
 from fmpy import extract, read_model_description
-from fmpy.fmi3 import fmi3LogMessageCallback, fmi3OK
+from fmpy.fmi3 import fmi3LogMessageCallback
 from fmpy.model_description import ModelDescription, ScalarVariable
-from fmu_support import ANY_GUID, REPOSITORY, STATES, as_reals, as_references, scratch
+from fmu_support import ANY_GUID, REPOSITORY, STATES, Calls, as_reals, as_references, scratch
 
 # The functions that the standard's header declares, without their prefix.
 STANDARD = set(
@@ -94,20 +94,10 @@ class Message(NamedTuple):
     text: str
 
 
-class Failed3(Exception):
-    """A call that did not return fmi3OK."""
+class Instance3(Calls):
+    """One instance of the FMI 3.0 FMU."""
 
-    def __init__(self, function: str, status: int, messages: Sequence[Message]) -> None:
-        super().__init__(f"{function}: status {status}, {[m.text for m in messages]}")
-        self.status = status
-        self.text = messages[-1].text if messages else ""
-
-
-class Instance3:
-    """One instance; every call but `call` itself raises `Failed3` unless it returns fmi3OK.
-
-    `handle` is None where the FMU refused to create it; `messages` says why.
-    """
+    prefix = "fmi3"
 
     def __init__(
         self,
@@ -122,6 +112,7 @@ class Instance3:
         intermediate: Sequence[int] = (),
     ) -> None:
         self.fmu = fmi3()
+        self.library = self.fmu.library
         self.messages: list[Message] = []
         # Kept alive as long as the instance: C holds its address.
         self.callback = fmi3LogMessageCallback(self._log)
@@ -148,27 +139,6 @@ class Instance3:
 
     def _log(self, environment: int, status: int, category: bytes, text: bytes) -> None:
         self.messages.append(Message(environment, status, category.decode(), text.decode()))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.free()
-
-    def free(self) -> None:
-        """Frees the instance once."""
-        handle, self.handle = self.handle, None
-        self.fmu.library.fmi3FreeInstance(c_void_p(handle))
-
-    def call(self, function: str, *arguments: object) -> int:
-        """Calls `fmi3<function>` with whatever arguments and returns its status."""
-        return getattr(self.fmu.library, "fmi3" + function)(c_void_p(self.handle), *arguments)
-
-    def do(self, function: str, *arguments: object) -> None:
-        """As `call`, but anything except fmi3OK raises `Failed3`."""
-        status = self.call(function, *arguments)
-        if status != fmi3OK:
-            raise Failed3("fmi3" + function, status, self.messages)
 
     def initialize(self, time: float = 0.0, stop: float | None = None) -> None:
         """Begins the initialization."""

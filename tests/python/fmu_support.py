@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import NamedTuple, Protocol, Self
 
 import fmpy
 from fmpy import extract, read_model_description
@@ -106,20 +106,58 @@ class Message(NamedTuple):
     text: str
 
 
-class Failed(Exception):
-    """A call that did not return fmi2OK."""
+class Told(Protocol):
+    """A message of either version of the standard."""
 
-    def __init__(self, function: str, status: int, messages: Sequence[Message]) -> None:
+    text: str
+
+
+class Failed(Exception):
+    """A call that did not return OK."""
+
+    def __init__(self, function: str, status: int, messages: Sequence[Told]) -> None:
         super().__init__(f"{function}: status {status}, {[m.text for m in messages]}")
         self.status = status
         self.text = messages[-1].text if messages else ""
 
 
-class Instance:
-    """One instance; every call but `call` itself raises `Failed` unless it returns fmi2OK.
+class Calls:
+    """The calls of an instance; each but `call` itself raises `Failed` unless it returns OK.
 
     `handle` is None where the FMU refused to create it; `messages` says why.
     """
+
+    prefix: str
+    library: ctypes.CDLL
+    handle: int | None
+    messages: Sequence[Told]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.free()
+
+    def free(self) -> None:
+        """Frees the instance once."""
+        handle, self.handle = self.handle, None
+        getattr(self.library, self.prefix + "FreeInstance")(c_void_p(handle))
+
+    def call(self, function: str, *arguments: object) -> int:
+        """Calls a function, named without its prefix, with whatever arguments; returns its status."""
+        return getattr(self.library, self.prefix + function)(c_void_p(self.handle), *arguments)
+
+    def do(self, function: str, *arguments: object) -> None:
+        """As `call`, but anything except OK raises `Failed`."""
+        status = self.call(function, *arguments)
+        if status != fmi2OK:
+            raise Failed(self.prefix + function, status, self.messages)
+
+
+class Instance(Calls):
+    """One instance of the FMI 2.0 FMU."""
+
+    prefix = "fmi2"
 
     def __init__(
         self,
@@ -133,6 +171,7 @@ class Instance:
         environment: int | None = None,
     ) -> None:
         self.fmu = of or fmu()
+        self.library = self.fmu.library
         self.messages: list[Message] = []
         # Kept alive as long as the instance: C holds its address.
         self.callbacks = fmi2CallbackFunctions()
@@ -155,27 +194,6 @@ class Instance:
     ) -> None:
         message = Message(environment, name.decode(), status, category.decode(), text.decode())
         self.messages.append(message)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.free()
-
-    def free(self) -> None:
-        """Frees the instance once."""
-        handle, self.handle = self.handle, None
-        self.fmu.library.fmi2FreeInstance(c_void_p(handle))
-
-    def call(self, function: str, *arguments: object) -> int:
-        """Calls `fmi2<function>` with whatever arguments and returns its status."""
-        return getattr(self.fmu.library, "fmi2" + function)(c_void_p(self.handle), *arguments)
-
-    def do(self, function: str, *arguments: object) -> None:
-        """As `call`, but anything except fmi2OK raises `Failed`."""
-        status = self.call(function, *arguments)
-        if status != fmi2OK:
-            raise Failed("fmi2" + function, status, self.messages)
 
     def start(
         self,

@@ -17,14 +17,13 @@ from ctypes import (
 
 from fmi3_support import (
     STANDARD,
-    Failed3,
     Instance3,
     fmi3,
     model_exchange_3,
     refusal_3,
 )
 from fmpy.fmi3 import fmi3Error, fmi3OK
-from fmu_support import ANY_GUID, INPUTS, Instance, as_reals, as_references
+from fmu_support import ANY_GUID, INPUTS, Failed, Instance, as_reals, as_references
 
 NULL = c_void_p()
 ZERO, ONE, TWO, SIX = (c_size_t(count) for count in (0, 1, 2, 6))
@@ -243,12 +242,12 @@ class Order(unittest.TestCase):
 
     def test_events_are_for_those_who_said_so(self) -> None:
         with Instance3().start() as instance:
-            with self.assertRaisesRegex(Failed3, "a co-simulation without event mode"):
+            with self.assertRaisesRegex(Failed, "a co-simulation without event mode"):
                 instance.do("EnterEventMode")
             instance.step(0.1)
             with Instance3(events=True).start() as other:
                 data = other.serialize()
-            with self.assertRaisesRegex(Failed3, "saved in event mode, which this instance"):
+            with self.assertRaisesRegex(Failed, "saved in event mode, which this instance"):
                 instance.take_over(data)
 
     def test_what_is_not_supported_says_why(self) -> None:
@@ -457,28 +456,28 @@ class Arguments(unittest.TestCase):
                 ("wheel.load", [1.0] * 8, "is computed and cannot be set"),
                 ("effects.grade.slope_east", 0.4, "outside its range"),
             ):
-                with self.subTest(name), self.assertRaisesRegex(Failed3, reason):
+                with self.subTest(name), self.assertRaisesRegex(Failed, reason):
                     instance.set({name: value})
-            with self.assertRaisesRegex(Failed3, "start time"):
+            with self.assertRaisesRegex(Failed, "start time"):
                 instance.initialize(NAN)
             instance.start(stop=0.3)
             for name in ("vehicle.mass", "vehicle.row_positions"):
                 value = instance.get([name])
-                with self.assertRaisesRegex(Failed3, "only be set before the end"):
+                with self.assertRaisesRegex(Failed, "only be set before the end"):
                     instance.set({name: value})
             for size, reason in ((0.0, "is not positive"), (NAN, "is not positive"), (0.4, "stop")):
-                with self.assertRaisesRegex(Failed3, reason):
+                with self.assertRaisesRegex(Failed, reason):
                     instance.step(size)
             instance.time = 0.1
-            with self.assertRaisesRegex(Failed3, "is not the current time"):
+            with self.assertRaisesRegex(Failed, "is not the current time"):
                 instance.step(0.1)
             instance.time = 0.0
             instance.step(0.3)
-            with self.assertRaisesRegex(Failed3, "a seed cannot be NaN"):
+            with self.assertRaisesRegex(Failed, "a seed cannot be NaN"):
                 instance.adjoint(["a_x"], ["v_x"], [NAN])
-            with self.assertRaisesRegex(Failed3, "is neither an input nor a state"):
+            with self.assertRaisesRegex(Failed, "is neither an input nor a state"):
                 instance.adjoint(["a_x"], ["wheel.load"], [1.0])
-            with self.assertRaisesRegex(Failed3, "neither an output nor a state derivative"):
+            with self.assertRaisesRegex(Failed, "neither an output nor a state derivative"):
                 instance.directional(["omega_left"], ["v_x"], [1.0])
 
     def test_a_step_that_fails_tells_how_far_it_came(self) -> None:
@@ -490,7 +489,7 @@ class Arguments(unittest.TestCase):
             arguments = (c_double(0.1), c_double(0.1), c_bool(True), *results)
             self.assertEqual(instance.call("DoStep", *arguments), fmi3Error)
             self.assertEqual(reached.value, 0.1)
-            with self.assertRaisesRegex(Failed3, "is not allowed after an error"):
+            with self.assertRaisesRegex(Failed, "is not allowed after an error"):
                 instance.step(0.1)
             instance.do("Reset")
             instance.start({"omega_left": 5.0}).step(0.1)
