@@ -8,11 +8,11 @@
 
 use super::likelihood::{SKETCH, own_noise, tune_until};
 use super::naming::Named;
-use super::verdict::temperature;
 use crate::fit::problem::Weighing;
 
-/// They are close within so many temperatures of the verdict ...
-const CLOSE: f64 = 3.0;
+/// They are close within so much and this share of the largest log odds ...
+const CLOSE: f64 = 4.5;
+const CLOSE_SHARE: f64 = 0.045;
 /// ... and where so much is at stake that noise may hold a part of it \[log odds\].
 const AT_STAKE: f64 = 20.0;
 /// At most so many contend.
@@ -27,7 +27,7 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
     if best < AT_STAKE {
         return;
     }
-    let near = |named: &&Named| named.odds() > best - CLOSE * temperature(best);
+    let near = |named: &&Named| named.odds() > best - CLOSE - CLOSE_SHARE * best;
     let count = fitted.iter().take(MOST).take_while(near).count();
     let close = &mut fitted[..count];
     if count < 2 {

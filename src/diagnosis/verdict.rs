@@ -1,8 +1,9 @@
 //! What it all amounts to: probabilities, and the verdict.
 //!
 //! Each hypothesis that was fitted has a weight, its Bayes factor times its prior, softened by a
-//! temperature that grows with the evidence: noise, linearisation and the way down to the best fit are
-//! never quite as the model of the likelihood has it, and what they cost is a share of what is at stake.
+//! temperature that grows as the root of the evidence, which is how the evidence itself scatters from one
+//! recording to the next: noise and the way down to the best fit are never quite as the likelihood has
+//! them.
 //! Where something without a name is needed besides a name, the name is doubted; where a law stands alone,
 //! an effect whose fit lost its way may be behind it. These numbers were chosen on development cases
 //! from another simulator (see the docs).
@@ -14,9 +15,9 @@ use super::{Subject, Verdict};
 /// Share of the probability that stays with "unknown" whatever the evidence: now and then something
 /// outside the catalogue looks exactly like something inside.
 const DOUBT: f64 = 0.03;
-/// Softens log Bayes factors: so much, and this share of the largest.
-const TEMPERATURE: f64 = 1.5;
-const PER_EVIDENCE: f64 = 0.015;
+/// Softens log Bayes factors: so much, and so many roots of the largest.
+const TEMPERATURE: f64 = 2.0;
+const PER_ROOT: f64 = 0.2;
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;
 const MOST_DOUBT: f64 = 0.5;
@@ -39,9 +40,8 @@ const WORTH_TELLING: f64 = 0.05;
 const ENOUGH: f64 = 0.3;
 
 /// Softens differences of log odds where the largest are these.
-#[must_use]
-pub fn temperature(top: f64) -> f64 {
-    TEMPERATURE + PER_EVIDENCE * top.max(0.0)
+fn temperature(top: f64) -> f64 {
+    TEMPERATURE + PER_ROOT * top.max(0.0).sqrt()
 }
 
 /// Probabilities of subjects; they sum to 1.
@@ -249,11 +249,15 @@ mod tests {
     #[test]
     fn probabilities_sum_to_one_and_follow_the_evidence() {
         let (a, b) = (Subject::Effect(0), Subject::Effect(1));
-        let odds = Odds::new(&[(a, 12.0), (b, 4.0), (a, 3.0)], NOTHING);
+        let odds = Odds::new(&[(a, 20.0), (b, 4.0), (a, 3.0)], NOTHING);
         let sum: f64 = odds.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12);
         assert!(odds.of(a) > 0.95 && odds.of(b) < odds.of(a));
         assert!((odds.of(Subject::Unknown) - DOUBT).abs() < 1e-12);
+        // The same lead says less where more is at stake.
+        let ahead = |top: f64| Odds::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
+        assert!(ahead(20.0) > ahead(200.0) && ahead(200.0) > ahead(2000.0));
+        assert!(ahead(2000.0) > 0.5);
         let shared = odds.with(Subject::Unknown, 0.5);
         let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);

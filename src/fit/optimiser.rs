@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt within bounds.
 //!
 //! Damping after H. B. Nielsen, "Damping parameter in Marquardt's method" (IMM-REP-1999-05).
-//! A step is also cut where it would carry a parameter too far at once, in units of its prior:
+//! A step is also damped where it would carry a parameter too far at once, in units of its prior:
 //! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
 //! Bounds by an active set: a parameter that stands on its bound and is pushed outward is
 //! held for the step, and a step is cut at the bounds (D. P. Bertsekas' projection).
@@ -53,6 +53,10 @@ const SMALLEST_REACH: f64 = 1e-6;
 /// they cost several times as much as residuals.
 const LINEAR: f64 = 0.25;
 const CHORDS: usize = 3;
+
+/// How the damping that keeps a step within reach is looked for.
+const TENFOLD: f64 = 10.0;
+const HALVINGS: usize = 6;
 
 /// A step and the gain that the linearised problem expects of it.
 struct Step {
@@ -239,13 +243,9 @@ fn propose<P: Predictor>(
         matrix[(k, k)] *= 1.0 + damping;
     }
     hold_at_bounds(problem, point, &mut matrix, &mut gradient);
-    let mut wanted = matrix.cholesky()?.solve(&gradient);
-    let far = problem.parameters.iter().zip(wanted.iter());
-    let far = far.map(|(p, step)| step.abs() / p.prior.deviation);
-    let far = far.fold(0.0, f64::max);
-    if far > reach {
-        wanted *= reach / far;
-    }
+    let deviations = problem.parameters.iter().map(|p| p.prior.deviation);
+    let deviations = DVector::from_iterator(matrix.nrows(), deviations);
+    let (wanted, far) = within(&matrix, &gradient, &deviations, reach)?;
     let mut next = point.clone();
     for (k, parameter) in problem.parameters.iter().enumerate() {
         let (low, high) = parameter.bounds();
@@ -266,8 +266,53 @@ fn propose<P: Predictor>(
     (expected_gain.is_finite() && finite).then_some(Step {
         point: next,
         expected_gain,
-        reach: far.min(reach),
+        reach: far,
     })
+}
+
+/// The step that lowers the linearised cost most and carries no parameter further than `reach`
+/// deviations, and how far it goes.
+///
+/// Where the full step goes beyond, damping in units of the deviations holds back what the data hardly
+/// tell, and leaves what they tell clearly (J. J. Moré, "The Levenberg-Marquardt algorithm:
+/// implementation and theory", 1978).
+fn within(
+    matrix: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    deviations: &DVector<f64>,
+    reach: f64,
+) -> Option<(DVector<f64>, f64)> {
+    let solved = |damping: f64| {
+        let mut damped = matrix.clone();
+        for (k, deviation) in deviations.iter().enumerate() {
+            damped[(k, k)] += damping / deviation.powi(2);
+        }
+        let step = damped.cholesky()?.solve(gradient);
+        let far = step.component_div(deviations).amax();
+        Some((step, far))
+    };
+    let full = solved(0.0)?;
+    if full.1 <= reach {
+        return Some(full);
+    }
+    let (mut little, mut enough) = (0.0, 1.0);
+    while solved(enough)?.1 > reach {
+        little = enough;
+        enough *= TENFOLD;
+    }
+    for _ in 0..HALVINGS {
+        let middle = if little > 0.0 {
+            f64::sqrt(little * enough)
+        } else {
+            enough / TENFOLD
+        };
+        if solved(middle)?.1 > reach {
+            little = middle;
+        } else {
+            enough = middle;
+        }
+    }
+    solved(enough)
 }
 
 fn matrix_of(eliminated: &[Eliminated], precision: &DVector<f64>) -> DMatrix<f64> {
@@ -294,5 +339,24 @@ fn hold_at_bounds<P: Predictor>(
             matrix[(k, k)] = 1.0;
             gradient[k] = 0.0;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_data_hardly_tell_does_not_hold_back_what_they_tell() {
+        // The full step is (2, 500); the second number is all but free.
+        let matrix = DMatrix::from_row_slice(2, 2, &[1e4, 0.0, 0.0, 1e-2]);
+        let gradient = DVector::from_vec(vec![2e4, 5.0]);
+        let deviations = DVector::from_vec(vec![1.0, 2.0]);
+        let (step, far) = within(&matrix, &gradient, &deviations, 3.0).unwrap();
+        assert!((1.99..2.0).contains(&step[0]), "{step}");
+        assert!(far <= 3.0 && far > 2.0, "{far}");
+        assert!((step[1] / 2.0 - far).abs() < 1e-12);
+        let (full, far) = within(&matrix, &gradient, &deviations, 300.0).unwrap();
+        assert!((full - DVector::from_vec(vec![2.0, 500.0])).amax() < 1e-9 && far < 300.0);
     }
 }
