@@ -2,8 +2,7 @@
 //!
 //! Damping after H. B. Nielsen, "Damping parameter in Marquardt's method" (IMM-REP-1999-05).
 //! A step is also held back where it would carry a parameter too far at once, in units of its prior:
-//! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those. It is either
-//! shortened, or damped in these units, whichever costs less there.
+//! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
 //! Bounds by an active set: a parameter that stands on its bound and is pushed outward is
 //! held for the step, and a step is cut at the bounds (D. P. Bertsekas' projection).
 
@@ -20,6 +19,19 @@ pub struct Stop {
     pub steps: usize,
     /// The cost, a chi-square, need not fall by more than this any further.
     pub gain: f64,
+    /// What becomes of steps that go too far.
+    pub beyond: Beyond,
+}
+
+/// What becomes of a step that would carry a parameter too far at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beyond {
+    /// It is shortened. From far away, where the linearised problem says little.
+    Shortened,
+    /// It is damped in units of the priors, which holds back what the data hardly tell and leaves what
+    /// they tell clearly (J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory",
+    /// 1978). Along the valleys in which an effect and the soil that imitates it trade places.
+    Damped,
 }
 
 /// Where the search ended.
@@ -65,28 +77,6 @@ struct Step {
     expected_gain: f64,
     /// How far it carries a parameter at most, in standard deviations of its prior.
     reach: f64,
-}
-
-/// A step with what it has led to.
-struct Trial {
-    step: Step,
-    /// Nothing where it cannot be driven.
-    residuals: Option<Vec<Tables>>,
-    cost: f64,
-}
-
-impl Trial {
-    fn new<P: Predictor>(problem: &Problem<P>, step: Step, by: &Weighing) -> Self {
-        let residuals = problem.evaluate(&step.point, false).ok();
-        let cost = residuals.as_ref().map_or(f64::INFINITY, |residuals| {
-            problem.cost(residuals, &step.point, by)
-        });
-        Self {
-            step,
-            residuals,
-            cost,
-        }
-    }
 }
 
 /// Where the search stands.
@@ -161,28 +151,28 @@ pub fn minimise<P: Predictor>(
     let mut steps = 0;
     let (converged, promised) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
-        let proposed = propose(problem, &here, damping, reach);
-        let gains = proposed.iter().map(|step| step.expected_gain);
-        let promised = gains.fold(0.0, f64::max);
-        let little = !proposed.is_empty() && promised < stop.gain;
+        let step = propose(problem, &here, damping, reach, stop.beyond);
+        let little = step.as_ref().is_some_and(|s| s.expected_gain < stop.gain);
         if (ended || little) && here.age > 0 {
             // Only derivatives of this point tell whether it is the end.
             here = renewed(here, &mut sure);
             continue;
         }
         if ended || little {
-            break (little, promised);
+            break (little, step.map_or(0.0, |step| step.expected_gain));
         }
         steps += 1;
-        let trials = proposed.into_iter().map(|s| Trial::new(problem, s, by));
-        let Some(trial) = trials.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
+        let Some(step) = step else {
             damping *= 10.0;
             continue;
         };
-        let Trial { step, .. } = trial;
-        let ratio = (here.cost - trial.cost) / step.expected_gain;
+        let trial = problem.evaluate(&step.point, false).ok();
+        let trial_cost = trial.as_ref().map_or(f64::INFINITY, |residuals| {
+            problem.cost(residuals, &step.point, by)
+        });
+        let ratio = (here.cost - trial_cost) / step.expected_gain;
         // A point whose neighbours cannot be predicted is as good as none.
-        let moved = match trial.residuals {
+        let moved = match trial {
             Some(residuals) if (ratio - 1.0).abs() < LINEAR && here.age < CHORDS => {
                 Some(here.moved(problem, step.point, &residuals, by))
             }
@@ -209,7 +199,7 @@ pub fn minimise<P: Predictor>(
                 break (true, step.expected_gain);
             }
             reach = 0.3 * reach.min(step.reach);
-            if trial.cost.is_finite() {
+            if trial_cost.is_finite() {
                 damping *= growth;
                 growth *= 2.0;
             }
@@ -243,21 +233,19 @@ fn total<P: Predictor>(problem: &Problem<P>, normals: &[Normal], point: &Point) 
     normals.iter().map(|normal| normal.cost).sum::<f64>() + problem.prior_cost(&point.coordinates)
 }
 
-/// The steps that are worth trying; none where the equations cannot be solved.
 fn propose<P: Predictor>(
     problem: &Problem<P>,
     here: &Stand,
     damping: f64,
     reach: f64,
-) -> Vec<Step> {
+    beyond: Beyond,
+) -> Option<Step> {
     let Stand { point, normals, .. } = here;
     let eliminated: Vec<Option<Eliminated>> = normals
         .par_iter()
         .map(|normal| Eliminated::new(normal, damping))
         .collect();
-    let Some(eliminated) = eliminated.into_iter().collect::<Option<Vec<Eliminated>>>() else {
-        return Vec::new();
-    };
+    let eliminated: Vec<Eliminated> = eliminated.into_iter().collect::<Option<_>>()?;
     let (precision, pull) = problem.prior(&point.coordinates);
     let mut matrix = DMatrix::from_diagonal(&precision);
     let mut gradient = pull;
@@ -265,53 +253,46 @@ fn propose<P: Predictor>(
         matrix += &one.matrix;
         gradient += &one.gradient;
     }
-    let undamped = matrix.clone();
     for k in 0..matrix.nrows() {
         matrix[(k, k)] *= 1.0 + damping;
     }
     hold_at_bounds(problem, point, &mut matrix, &mut gradient);
     let deviations = problem.parameters.iter().map(|p| p.prior.deviation);
     let deviations = DVector::from_iterator(matrix.nrows(), deviations);
-    let step = |wanted: DVector<f64>| {
-        let mut next = point.clone();
-        for (k, parameter) in problem.parameters.iter().enumerate() {
-            let (low, high) = parameter.bounds();
-            next.coordinates[k] = (point.coordinates[k] + wanted[k]).clamp(low, high);
+    let (wanted, far) = within(&matrix, &gradient, &deviations, reach, beyond)?;
+    let mut next = point.clone();
+    for (k, parameter) in problem.parameters.iter().enumerate() {
+        let (low, high) = parameter.bounds();
+        next.coordinates[k] = (point.coordinates[k] + wanted[k]).clamp(low, high);
+    }
+    let taken = &next.coordinates - &point.coordinates;
+    // What the linearised cost would fall by: the start's share, and that of the parameters,
+    // of which damping leaves at least half.
+    let mut expected_gain =
+        2.0 * gradient.dot(&taken) - taken.dot(&(&matrix_of(&eliminated, &precision) * &taken));
+    for (one, (normal, start)) in eliminated.iter().zip(normals.iter().zip(&mut next.starts)) {
+        expected_gain += one.start_gain;
+        for (value, step) in start.iter_mut().zip(one.start_step(normal, &taken)) {
+            *value += step;
         }
-        let taken = &next.coordinates - &point.coordinates;
-        // What the linearised cost would fall by: the start's share, and that of the parameters,
-        // of which damping leaves at least half.
-        let mut expected_gain = 2.0 * gradient.dot(&taken) - taken.dot(&(&undamped * &taken));
-        for (one, (normal, start)) in eliminated.iter().zip(normals.iter().zip(&mut next.starts)) {
-            expected_gain += one.start_gain;
-            for (value, step) in start.iter_mut().zip(one.start_step(normal, &taken)) {
-                *value += step;
-            }
-        }
-        let finite = next.starts.iter().flatten().all(|v| v.is_finite());
-        (expected_gain.is_finite() && finite).then_some(Step {
-            point: next,
-            expected_gain,
-            reach: wanted.component_div(&deviations).amax(),
-        })
-    };
-    let wanted = within(&matrix, &gradient, &deviations, reach);
-    wanted.into_iter().flatten().filter_map(step).collect()
+    }
+    let finite = next.starts.iter().flatten().all(|v| v.is_finite());
+    (expected_gain.is_finite() && finite).then_some(Step {
+        point: next,
+        expected_gain,
+        reach: far,
+    })
 }
 
-/// Steps that lower the linearised cost and carry no parameter further than `reach` deviations: the full
-/// one, or two where that goes beyond.
-///
-/// The first is the full step shortened. The second is damped in units of the deviations until it is within
-/// reach, which holds back what the data hardly tell and leaves what they tell clearly (J. J. Moré,
-/// "The Levenberg-Marquardt algorithm: implementation and theory", 1978). On a long curved valley the
-/// second goes further, on a short one the first.
+/// The step that lowers the linearised cost, held back so as to carry no parameter further than `reach`
+/// deviations, and how far it goes.
 fn within(
     matrix: &DMatrix<f64>,
     gradient: &DVector<f64>,
     deviations: &DVector<f64>,
     reach: f64,
-) -> Option<Vec<DVector<f64>>> {
+    beyond: Beyond,
+) -> Option<(DVector<f64>, f64)> {
     let solved = |damping: f64| {
         let mut damped = matrix.clone();
         for (k, deviation) in deviations.iter().enumerate() {
@@ -323,7 +304,10 @@ fn within(
     };
     let (full, far) = solved(0.0)?;
     if far <= reach {
-        return Some(vec![full]);
+        return Some((full, far));
+    }
+    if beyond == Beyond::Shortened {
+        return Some((full * (reach / far), reach));
     }
     let (mut little, mut enough) = (0.0, 1.0);
     while solved(enough)?.1 > reach {
@@ -342,7 +326,15 @@ fn within(
             enough = middle;
         }
     }
-    Some(vec![full * (reach / far), solved(enough)?.0])
+    solved(enough)
+}
+
+fn matrix_of(eliminated: &[Eliminated], precision: &DVector<f64>) -> DMatrix<f64> {
+    let mut matrix = DMatrix::from_diagonal(precision);
+    for one in eliminated {
+        matrix += &one.matrix;
+    }
+    matrix
 }
 
 /// Takes parameters out of the system that stand on a bound and are pushed outward.
@@ -374,15 +366,16 @@ mod tests {
         let matrix = DMatrix::from_row_slice(2, 2, &[1e4, 0.0, 0.0, 1e-2]);
         let gradient = DVector::from_vec(vec![2e4, 5.0]);
         let deviations = DVector::from_vec(vec![1.0, 2.0]);
-        let steps = within(&matrix, &gradient, &deviations, 3.0).unwrap();
-        let [shortened, damped] = steps.as_slice() else {
-            panic!("{steps:?}");
-        };
-        assert!((shortened - DVector::from_vec(vec![0.024, 6.0])).amax() < 1e-12);
-        assert!((1.99..2.0).contains(&damped[0]), "{damped}");
-        assert!((4.0..=6.0).contains(&damped[1]), "{damped}");
-        let full = within(&matrix, &gradient, &deviations, 300.0).unwrap();
-        assert_eq!(full.len(), 1);
-        assert!((&full[0] - DVector::from_vec(vec![2.0, 500.0])).amax() < 1e-9);
+        let held = |beyond| within(&matrix, &gradient, &deviations, 3.0, beyond).unwrap();
+        let (step, far) = held(Beyond::Damped);
+        assert!((1.99..2.0).contains(&step[0]), "{step}");
+        assert!(far <= 3.0 && far > 2.0, "{far}");
+        assert!((step[1] / 2.0 - far).abs() < 1e-12);
+        let (step, far) = held(Beyond::Shortened);
+        assert!((step - DVector::from_vec(vec![0.024, 6.0])).amax() < 1e-12 && far == 3.0);
+        for beyond in [Beyond::Damped, Beyond::Shortened] {
+            let (full, far) = within(&matrix, &gradient, &deviations, 300.0, beyond).unwrap();
+            assert!((full - DVector::from_vec(vec![2.0, 500.0])).amax() < 1e-9 && far < 300.0);
+        }
     }
 }
