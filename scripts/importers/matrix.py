@@ -1,0 +1,202 @@
+"""Has every importer drive the FMU through the same manoeuvre, and compares what comes out with the library itself.
+
+Each importer has a virtual environment of its own below target/importers, with the versions of scripts/importers/requirements.
+One that cannot be installed, or fails, is told and does not stop the others. Exit status: 0 when all that was asked for gave what
+is expected of it, 1 when something did not, 2 for wrong arguments.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import task
+from comparison import Deviation, Unfit, compare, read
+from runs import FMI_2, IMPORTERS, RUNS, Run
+
+HERE = Path(__file__).resolve().parent
+TARGET = HERE.parent.parent / "target"
+MARKS = ("<!-- written by scripts/importers.sh -->", "<!-- end -->")
+LAST_LINES = 12  # of what a failing importer said
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of a run."""
+
+    run: Run
+    version: str
+    deviation: Deviation | None = None
+    failure: str = ""
+
+    @property
+    def expected(self) -> bool:
+        """Whether it is what the run expects."""
+        if self.run.fault:
+            return self.deviation is None and re.search(self.run.fault, self.failure) is not None
+        if self.run.check_only:
+            return not self.failure
+        return self.deviation is not None and self.deviation.share <= self.run.tolerance
+
+    @property
+    def verdict(self) -> str:
+        """One or two words."""
+        if self.run.fault:
+            return "importer's fault" if self.expected else "NOT AS DESCRIBED"
+        return "passed" if self.expected else "FAILED"
+
+    def cells(self) -> list[str]:
+        """The row of the table."""
+        deviation = str(self.deviation) if self.deviation else ("no complaint" if not self.failure else "none to compare")
+        allowed = "" if self.run.fault or self.run.check_only else f"{self.run.tolerance:g}"
+        return [self.run.importer, self.version, self.run.interface, self.run.what, deviation, allowed, self.verdict]
+
+
+HEADER = ["importer", "version", "interface", "what it did", "largest deviation", "allowed", "verdict"]
+
+
+def markdown(results: Iterable[Result]) -> str:
+    """The table."""
+    rows = [HEADER, ["---"] * len(HEADER), *(result.cells() for result in results)]
+    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def say(text: str) -> None:
+    print(f"importers: {text}", file=sys.stderr, flush=True)
+
+
+def run_command(command: list[object], **options: object) -> str:
+    """Runs a program; why it failed, or nothing."""
+    try:
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True, errors="replace", check=False, **options)
+    except subprocess.TimeoutExpired as late:
+        return f"not done after {late.timeout:.0f} s"
+    except OSError as error:
+        return str(error)
+    if done.returncode == 0:
+        return ""
+    lines = (done.stdout + done.stderr).strip().splitlines()[-LAST_LINES:]
+    return "\n".join([*lines, f"(exit status {done.returncode})"])
+
+
+def install(name: str) -> str:
+    """Sets up an importer, unless it is there as it should be; why that failed, or nothing."""
+    folder, importer = TARGET / "importers" / name, IMPORTERS[name]
+    stamp = f"{sys.version}\n{importer.pinned(HERE)}"
+    if (folder / "stamp").is_file() and (folder / "stamp").read_text() == stamp:
+        return ""
+    say(f"installing {name}")
+    shutil.rmtree(folder, ignore_errors=True)
+    for command, environment in importer.install(HERE, folder, TARGET):
+        if failure := run_command(command, env=os.environ | environment):
+            return failure
+    (folder / "stamp").write_text(stamp)
+    return ""
+
+
+def drive(run: Run, fmus: dict[str, Path], scratch: Path, limit: float) -> tuple[Path, str]:
+    """Has an importer drive: where the motion is, and why it failed, or nothing."""
+    folder = scratch / run.name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    fmu = Path(shutil.copy(fmus[run.fmu], folder / "ugv.fmu"))
+    output = folder / "motion.csv"
+    program = IMPORTERS[run.importer].program(HERE, TARGET / "importers" / run.importer)
+    command = [*program, run.drive, fmu, scratch / run.start, output]
+    failure = run_command(command, cwd=folder, timeout=limit, env=os.environ | {"PYTHONPATH": str(HERE), "TMPDIR": str(folder)})
+    if not failure and not run.check_only and not output.is_file():
+        failure = f"{output} was not written"
+    return output, failure
+
+
+def judged(run: Run, fmus: dict[str, Path], scratch: Path, limit: float) -> Result:
+    """A run and its comparison."""
+    version = IMPORTERS[run.importer].version(HERE)
+    if failure := install(run.importer):
+        return Result(run, version, failure=f"cannot be installed:\n{failure}")
+    motion, failure = drive(run, fmus, scratch, limit)
+    if failure or run.check_only:
+        return Result(run, version, failure=failure)
+    try:
+        native = read(scratch / run.start / "motion.csv", run.side)
+        return Result(run, version, compare(read(motion), native, run.first, run.omitted))
+    except Unfit as error:
+        return Result(run, version, failure=str(error))
+
+
+def prepare(scratch: Path, native: Path) -> None:
+    """Writes the manoeuvre, and has the library drive it."""
+    for name, start in task.starts().items():
+        folder = scratch / name
+        folder.mkdir(parents=True, exist_ok=True)
+        rows = ["time,omega_left,omega_right", *(",".join(map(repr, row)) for row in task.manoeuvre())]
+        (folder / "drive.csv").write_text("\n".join(rows) + "\n")
+        (folder / "start.json").write_text(json.dumps(start))
+        command = [native, folder / "drive.csv", folder / "start.json", folder / "motion.csv"]
+        if failure := run_command(command):
+            sys.exit(f"importers: the library itself cannot drive:\n{failure}")
+
+
+def write_page(page: Path, table: str) -> None:
+    """Puts the table between the page's marks."""
+    text = page.read_text(encoding="utf-8")
+    before, begin, rest = text.partition(MARKS[0])
+    _, end, after = rest.partition(MARKS[1])
+    if not begin or not end:
+        sys.exit(f"importers: {page} lacks the lines {MARKS[0]} and {MARKS[1]}, between which the table belongs")
+    beside = page.with_name(f".{page.name}")
+    beside.write_text(f"{before}{begin}\n\n{table}\n{end}{after}", encoding="utf-8")
+    beside.replace(page)
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="importers.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("names", nargs="*", metavar="NAME", help=f"importers to run, of {', '.join(IMPORTERS)} [default: all]")
+    add("--fmu", type=Path, default=TARGET / "ugv.fmu", help="FMU of FMI 2.0 [default: target/ugv.fmu]")
+    add("--fmu3", type=Path, default=TARGET / "ugv-fmi3.fmu", help="the same of FMI 3.0 [default: target/ugv-fmi3.fmu]")
+    add("--limit", type=float, default=900, metavar="S", help="seconds that one drive may take [default: 900]")
+    add("--page", type=Path, help="Markdown page to put the table into, between its marks")
+    add("--native", type=Path, required=True, help=argparse.SUPPRESS)
+    args = parser.parse_args()
+    if unknown := set(args.names) - set(IMPORTERS):
+        parser.error(f"no such importer: {', '.join(sorted(unknown))}; there are {', '.join(IMPORTERS)}")
+    if args.page and args.names:
+        parser.error("--page takes the table of all importers; give no NAME with it")
+    for path in (args.fmu, args.fmu3, args.native):
+        if not path.is_file():
+            parser.error(f"{path} is not there; scripts/package.sh builds the FMUs")
+    return args
+
+
+def main() -> int:
+    """Runs what is asked for, and prints the table."""
+    args = arguments()
+    scratch = TARGET / "importers" / "drives"
+    prepare(scratch, args.native.resolve())
+    fmus = {FMI_2: args.fmu.resolve(), "3.0": args.fmu3.resolve()}
+    runs = [run for run in RUNS if not args.names or run.importer in args.names]
+    results, begun = [], time.monotonic()
+    for number, run in enumerate(runs, 1):
+        result = judged(run, fmus, scratch, args.limit)
+        results.append(result)
+        left = (time.monotonic() - begun) / number * (len(runs) - number)
+        say(f"{number}/{len(runs)} {run.name}: {result.verdict}, {result.cells()[4]}; about {left:.0f} s left")
+        if result.failure:
+            say("\n  ".join(["it said:", *result.failure.splitlines()]))
+    table = markdown(results)
+    print(table)
+    if args.page:
+        write_page(args.page, table)
+    return int(any(not result.expected for result in results))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
