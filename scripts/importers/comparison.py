@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SAME_TIME = 1e-6  # s: importers add up their steps
+STATES = {"x", "y", "heading", "v_x", "v_y", "yaw_rate"}
+MOTION, FORCES = "pose and velocities", "forces and slips"
 
 
 class Unfit(Exception):
@@ -15,18 +17,16 @@ class Unfit(Exception):
 
 @dataclass(frozen=True)
 class Deviation:
-    """The largest deviation of all, as a share of that output's largest value (or of 1)."""
+    """The largest deviation of some outputs, as a share of that output's largest value (or of 1)."""
 
     share: float
     output: str
     time: float
-    outputs: int
-    rows: int
 
     def __str__(self) -> str:
         if self.share == 0.0:
-            return "none: the same bits"
-        return f"{self.share:.1e} (`{self.output}` at {self.time:g} s)"
+            return "same bits"
+        return f"{self.share:.1e} (`{self.output}`, {self.time:g} s)"
 
 
 Rows = dict[float, dict[str, float]]
@@ -55,25 +55,34 @@ def read(path: Path, side: str | None = None) -> Rows:
     return rows
 
 
-def compare(motion: Rows, native: Rows, first: int = 0, omitted: int = 0) -> Deviation:
-    """The deviation of a motion from the library's.
+def compare(motion: Rows, native: Rows, first: int = 0, omitted: int = 0) -> dict[str, Deviation]:
+    """The deviations of a motion from the library's: of pose and velocities (`MOTION`), and of all other outputs (`FORCES`).
 
     The motion needs a row for each of the library's from number `first` on, and each of its outputs but `omitted` ones.
     """
-    outputs = list(next(iter(native.values())))
-    if unknown := set(next(iter(motion.values()))) - set(outputs):
+    outputs, columns = list(next(iter(native.values()))), next(iter(motion.values()))
+    if unknown := set(columns) - set(outputs):
         raise Unfit(f"the motion has columns that are no outputs: {', '.join(sorted(unknown)[:3])}")
-    there = [name for name in outputs if name in next(iter(motion.values()))]
-    if len(outputs) - len(there) != omitted:
-        missing = [name for name in outputs if name not in there]
-        raise Unfit(f"the motion lacks {len(missing)} of {len(outputs)} outputs ({', '.join(missing[:3])} ...), expected {omitted}")
-    times, sampled, nearest = sorted(native)[first:], sorted(motion), {}
+    missing = [name for name in outputs if name not in columns]
+    if len(missing) != omitted:
+        raise Unfit(f"the motion lacks {len(missing)} of {len(outputs)} outputs ({', '.join(missing[:3])}), expected {omitted}")
+    times, nearest = sorted(native)[first:], same_times(motion, sorted(native)[first:])
+    worst = {}
+    for group, chosen in (MOTION, STATES), (FORCES, set(outputs) - STATES):
+        for name in chosen & set(columns):
+            scale = max(1.0, *(abs(row[name]) for row in native.values()))
+            largest = max((abs(motion[nearest[time]][name] - native[time][name]) / scale, name, time) for time in times)
+            worst[group] = max(worst.get(group, largest), largest)
+    return {group: Deviation(*found) for group, found in worst.items()}
+
+
+def same_times(motion: Rows, times: list[float]) -> dict[float, float]:
+    """The motion's time for each of the library's."""
+    sampled, nearest = sorted(motion), {}
     for time in times:
         after = bisect(sampled, time)
         found = min(sampled[max(0, after - 1) : after + 1], key=lambda other: abs(other - time))
         if abs(found - time) > SAME_TIME:
             raise Unfit(f"the motion has no row at {time:g} s; the nearest is at {found!r} s")
         nearest[time] = found
-    scale = {name: max(1.0, *(abs(row[name]) for row in native.values())) for name in there}
-    worst = max((abs(motion[nearest[time]][name] - native[time][name]) / scale[name], name, time) for time in times for name in there)
-    return Deviation(*worst, len(there), len(times))
+    return nearest

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import task
@@ -33,30 +33,45 @@ class Result:
 
     run: Run
     version: str
-    deviation: Deviation | None = None
+    deviations: dict[str, Deviation] = field(default_factory=dict)
     failure: str = ""
 
     @property
     def expected(self) -> bool:
         """Whether it is what the run expects."""
-        if self.run.fault:
-            return self.deviation is None and re.search(self.run.fault, self.failure) is not None
-        if self.run.check_only:
-            return not self.failure
-        return self.deviation is not None and self.deviation.share <= self.run.tolerance
+        run = self.run
+        if run.fault:
+            return re.search(run.fault, self.failure) is not None
+        if self.failure:
+            return False
+        if run.wrong_by:
+            return max(deviation.share for deviation in self.deviations.values()) >= run.wrong_by
+        return all(deviation.share <= run.allowed[group] for group, deviation in self.deviations.items())
 
     @property
     def verdict(self) -> str:
         """One or two words."""
-        if self.run.fault:
+        if self.run.fault or self.run.wrong_by:
             return "importer's fault" if self.expected else "NOT AS DESCRIBED"
         return "passed" if self.expected else "FAILED"
 
+    @property
+    def finding(self) -> str:
+        """The deviations, or why there are none."""
+        if self.failure:
+            return "refused" if self.run.fault and self.expected else "failed"
+        if self.run.check_only:
+            return "no complaint"
+        worst = max(self.deviations.values(), key=lambda deviation: deviation.share)
+        if len(set(self.run.allowed.values())) == 1 or self.run.wrong_by:
+            return str(worst)
+        return "; ".join(f"{group} {deviation}" for group, deviation in self.deviations.items())
+
     def cells(self) -> list[str]:
         """The row of the table."""
-        deviation = str(self.deviation) if self.deviation else ("no complaint" if not self.failure else "none to compare")
-        allowed = "" if self.run.fault or self.run.check_only else f"{self.run.tolerance:g}"
-        return [self.run.importer, self.version, self.run.interface, self.run.what, deviation, allowed, self.verdict]
+        run = self.run
+        allowed = "" if run.fault or run.wrong_by or run.check_only else "; ".join(f"{share:g}" for share in dict.fromkeys(run.allowed.values()))
+        return [run.importer, self.version, run.interface, run.what, self.finding, allowed, self.verdict]
 
 
 HEADER = ["importer", "version", "interface", "what it did", "largest deviation", "allowed", "verdict"]
@@ -188,7 +203,7 @@ def main() -> int:
         result = judged(run, fmus, scratch, args.limit)
         results.append(result)
         left = (time.monotonic() - begun) / number * (len(runs) - number)
-        say(f"{number}/{len(runs)} {run.name}: {result.verdict}, {result.cells()[4]}; about {left:.0f} s left")
+        say(f"{number}/{len(runs)} {run.name}: {result.verdict}, {result.finding}; about {left:.0f} s left")
         if result.failure:
             say("\n  ".join(["it said:", *result.failure.splitlines()]))
     table = markdown(results)

@@ -20,5 +20,5 @@ def simulate(task: Task, kind: str, **more: object) -> None:
 
 main(
     cs=lambda task: simulate(task, "CoSimulation"),
-    me=lambda task: simulate(task, "ModelExchange", solver="CVode", relative_tolerance=1e-9),
+    me=lambda task: simulate(task, "ModelExchange", solver="CVode", relative_tolerance=1e-8),
 )

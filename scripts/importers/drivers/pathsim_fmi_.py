@@ -7,7 +7,7 @@ from pathsim_fmi import CoSimulationFMU, ModelExchangeFMU
 from pathsim_fmi.wrapper import FMUWrapper
 from task import STEP, Task, main
 
-TOLERANCE = 1e-9
+TOLERANCE = 1e-7
 
 
 def allow_enumerations() -> None:

@@ -29,16 +29,20 @@ def system(task: Task, folder: Path) -> Path:
     return path
 
 
-def simulate(task: Task, late: float) -> None:
-    """Each row carries the time at which its step begins, which `late` makes up for."""
+def simulate(task: Task, lead: float, late: float) -> None:
+    """fmpy hands inputs over a step late, which `lead` makes up for; a row carries the time at which its step begins: `late`."""
     parameters = ParameterSet(name="start")
     for name, value in task.start.items():
         parameters.parameters.append(Parameter(name=f"ugv.{name}", type="Real", value=value))
-    signals = {v.name: (lambda time, side=side: task.speeds(time)[side]) for side, v in enumerate(task.inputs)}
+    signals = {v.name: (lambda time, side=side: task.speeds(time + lead)[side]) for side, v in enumerate(task.inputs)}
     path = system(task, task.output.parent)
     result = simulate_ssp(str(path), stop_time=task.drive[-1][0], step_size=STEP, parameter_set=parameters, input=signals)
     names = [f"ugv.{variable.name}" for variable in task.outputs]
     task.write([row["time"] + late, *(row[name] for name in names)] for row in result)
 
 
-main(cs=lambda task: simulate(task, STEP), early=lambda task: simulate(task, 0.0))
+main(
+    cs=lambda task: simulate(task, lead=STEP, late=STEP),
+    inputs=lambda task: simulate(task, lead=0.0, late=STEP),
+    times=lambda task: simulate(task, lead=STEP, late=0.0),
+)
