@@ -6,6 +6,7 @@ is expected of it, 1 when something did not, 2 for wrong arguments.
 """
 
 import argparse
+import hashlib
 import json
 import os
 import re
@@ -14,7 +15,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import task
@@ -131,6 +132,35 @@ def drive(run: Run, fmus: dict[str, Path], scratch: Path, limit: float) -> tuple
     return output, failure
 
 
+def identity(run: Run, fmus: dict[str, Path], scratch: Path) -> str:
+    """Changes with whatever a run's result may depend on."""
+    texts = [repr(run), IMPORTERS[run.importer].pinned(HERE)]
+    files = [fmus[run.fmu], scratch / run.start / "motion.csv", scratch / run.start / "start.json", *sorted(HERE.glob("*.py"))]
+    files += [path for path in IMPORTERS[run.importer].program(HERE, TARGET / "importers" / run.importer)[1:] if Path(path).suffix == ".py"]
+    digest = hashlib.sha256("\n".join(texts).encode())
+    for path in files:
+        digest.update(Path(path).read_bytes())
+    return digest.hexdigest()
+
+
+def remembered(run: Run, scratch: Path, key: str) -> Result | None:
+    """The result of an earlier run of the very same."""
+    try:
+        told = json.loads((scratch / run.name / "result.json").read_text())
+        deviations = {group: Deviation(**found) for group, found in told["deviations"].items()}
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return Result(run, IMPORTERS[run.importer].version(HERE), deviations, told["failure"]) if told["key"] == key else None
+
+
+def remember(result: Result, scratch: Path, key: str) -> None:
+    """Keeps a result for the next time, if it is what is expected: what is not is tried again."""
+    if result.expected:
+        deviations = {group: asdict(found) for group, found in result.deviations.items()}
+        told = {"key": key, "deviations": deviations, "failure": result.failure}
+        (scratch / result.run.name / "result.json").write_text(json.dumps(told))
+
+
 def judged(run: Run, fmus: dict[str, Path], scratch: Path, limit: float) -> Result:
     """A run and its comparison."""
     version = IMPORTERS[run.importer].version(HERE)
@@ -178,6 +208,7 @@ def arguments() -> argparse.Namespace:
     add("--fmu", type=Path, default=TARGET / "ugv.fmu", help="FMU of FMI 2.0 [default: target/ugv.fmu]")
     add("--fmu3", type=Path, default=TARGET / "ugv-fmi3.fmu", help="the same of FMI 3.0 [default: target/ugv-fmi3.fmu]")
     add("--limit", type=float, default=900, metavar="S", help="seconds that one drive may take [default: 900]")
+    add("--again", action="store_true", help="also run what gave the expected with the same FMU, importer and driver before")
     add("--page", type=Path, help="Markdown page to put the table into, between its marks")
     add("--native", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args()
@@ -200,7 +231,11 @@ def main() -> int:
     runs = [run for run in RUNS if not args.names or run.importer in args.names]
     results, begun = [], time.monotonic()
     for number, run in enumerate(runs, 1):
-        result = judged(run, fmus, scratch, args.limit)
+        key = identity(run, fmus, scratch)
+        result = None if args.again else remembered(run, scratch, key)
+        if result is None:
+            result = judged(run, fmus, scratch, args.limit)
+            remember(result, scratch, key)
         results.append(result)
         left = (time.monotonic() - begun) / number * (len(runs) - number)
         say(f"{number}/{len(runs)} {run.name}: {result.verdict}, {result.finding}; about {left:.0f} s left")

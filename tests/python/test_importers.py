@@ -122,6 +122,20 @@ class Verdicts(unittest.TestCase):
 class Matrix(unittest.TestCase):
     """The runs and the page."""
 
+    def test_only_what_is_expected_is_remembered(self) -> None:
+        scratch = Path(tempfile.mkdtemp())
+        (scratch / RUN.name).mkdir()
+        version = IMPORTERS[RUN.importer].version(Path(matrix.__file__).parent)
+        good = matrix.Result(RUN, version, {MOTION: Deviation(0.0, "x", 0.0)})
+        matrix.remember(replace(good, failure="it crashed"), scratch, "key")
+        self.assertIsNone(matrix.remembered(RUN, scratch, "key"))
+        matrix.remember(good, scratch, "key")
+        self.assertEqual(matrix.remembered(RUN, scratch, "key"), good)
+        self.assertIsNone(matrix.remembered(RUN, scratch, "another FMU"))
+
+    def test_runs_have_folders_of_their_own(self) -> None:
+        self.assertEqual(len({run.name for run in RUNS}), len(RUNS))
+
     def test_the_manoeuvre_starts_turns_reverses_pivots_and_stops(self) -> None:
         rows = task.manoeuvre()
         self.assertEqual(len(rows), task.STEPS + 1)
@@ -158,7 +172,7 @@ class Matrix(unittest.TestCase):
         here = Path(matrix.__file__).parent
         for run in RUNS:
             row = f"| {run.importer} | {IMPORTERS[run.importer].version(here)} | {run.interface} | {run.what} |"
-            self.assertIn(row, text, "run scripts/importers.sh --page src/docs/importers.md")
+            self.assertTrue(row in text, f"no row {row} on the page: run scripts/importers.sh --page src/docs/importers.md")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,12 @@ from task import Task, main
 TOLERANCE = 1e-7  # the FMU solves for loads and entry angles itself, to 1e-9: much tighter, CVODES meets that noise and gives up
 
 
+def initial(task: Task, names: list[str]) -> list[float]:
+    """The first states: without slip at wheel speeds of nothing it stands still."""
+    still = {"v_x", "v_y", "yaw_rate"} if task.start.get("initial.no_slip") else set()
+    return [0.0 if name in still else float(task.start.get(f"initial.{name}", 0.0)) for name in names]
+
+
 def simulate(task: Task, outputs: bool = True) -> None:
     builder = casadi.DaeBuilder("ugv", str(task.fmu), {})
     for name, value in task.start.items():
@@ -19,8 +25,7 @@ def simulate(task: Task, outputs: bool = True) -> None:
     dae = {"x": x, "u": u, "ode": function(x, u)[0] if outputs else function(x, u)}
     options = {"reltol": TOLERANCE, "abstol": TOLERANCE}
     integrator = casadi.integrator("i", "cvodes", dae, times[0], times[1:], options)
-    pose = [task.start.get(f"initial.{name}", 0.0) for name in ("x", "y", "heading")]
-    solution = np.array(integrator(x0=[*pose, 0.0, 0.0, 0.0], u=speeds)["xf"])
+    solution = np.array(integrator(x0=initial(task, names), u=speeds)["xf"])
     if not outputs:
         task.write(([time, *state] for time, state in zip(times[1:], solution.T, strict=True)), names)
         return
