@@ -109,7 +109,6 @@ def install(name: str) -> str:
     if (folder / "stamp").is_file() and (folder / "stamp").read_text() == stamp:
         return ""
     say(f"installing {name}")
-    shutil.rmtree(folder, ignore_errors=True)
     for command, environment in importer.install(HERE, folder, TARGET):
         if failure := run_command(command, env=os.environ | environment):
             return failure
@@ -135,7 +134,7 @@ def drive(run: Run, fmus: dict[str, Path], scratch: Path, limit: float) -> tuple
 def identity(run: Run, fmus: dict[str, Path], scratch: Path) -> str:
     """Changes with whatever a run's result may depend on."""
     texts = [repr(run), IMPORTERS[run.importer].pinned(HERE)]
-    files = [fmus[run.fmu], scratch / run.start / "motion.csv", scratch / run.start / "start.json", *sorted(HERE.glob("*.py"))]
+    files = [fmus[run.fmu], scratch / run.start / "motion.csv", scratch / run.start / "start.json", HERE / "task.py", HERE / "comparison.py"]
     files += [path for path in IMPORTERS[run.importer].program(HERE, TARGET / "importers" / run.importer)[1:] if Path(path).suffix == ".py"]
     digest = hashlib.sha256("\n".join(texts).encode())
     for path in files:

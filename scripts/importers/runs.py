@@ -30,7 +30,7 @@ class Importer:
     def install(self, here: Path, folder: Path, target: Path) -> list[Command]:
         """The commands that install it."""
         pip = [folder / "bin" / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary=:all:"]
-        return [([sys.executable, "-m", "venv", folder], {}), ([*pip, "-r", here / "requirements" / f"{self.name}.txt"], {})]
+        return [([sys.executable, "-m", "venv", "--clear", folder], {}), ([*pip, "-r", here / "requirements" / f"{self.name}.txt"], {})]
 
     def program(self, here: Path, folder: Path) -> list[object]:
         """What drives with it."""
@@ -161,6 +161,7 @@ RUNS = [
     Run("fmuloader", "cs3", FMI_3, CS_3, what=SCALARS, omitted=IN_ARRAYS),
     Run("fmuloader", "cs3_arrays", FMI_3, CS_3, what=ARRAYS, fault="fmi3GetFloat64 returned ERROR"),
     Run("fmi-sim", "cs", FMI_2, CS_2, tolerance=ROUNDING),
+    Run("fmi-sim", "cs", FMI_3, CS_3, what=ARRAYS, fault="."),
     Run("fmi-rs", "cs", FMI_2, CS_2, tolerance=ROUNDING),
     Run("fmi-rs", "cs", FMI_3, CS_3, tolerance=ROUNDING),
     Run("casadi", "me", FMI_2, ME_2, tolerance=INTEGRATED, first=1),
