@@ -25,6 +25,7 @@ from runs import FMI_2, IMPORTERS, RUNS, Run
 HERE = Path(__file__).resolve().parent
 TARGET = HERE.parent.parent / "target"
 MARKS = ("<!-- written by scripts/importers.sh -->", "<!-- end -->")
+NOT_RUN = "not run"
 LAST_LINES = 12  # of what a failing importer said
 
 
@@ -52,6 +53,8 @@ class Result:
     @property
     def verdict(self) -> str:
         """One or two words."""
+        if self.failure == NOT_RUN:
+            return NOT_RUN
         if self.run.fault or self.run.wrong_by:
             return "importer's fault" if self.expected else "NOT AS DESCRIBED"
         return "passed" if self.expected else "FAILED"
@@ -59,6 +62,8 @@ class Result:
     @property
     def finding(self) -> str:
         """The deviations, or why there are none."""
+        if self.failure == NOT_RUN:
+            return ""
         if self.failure:
             return "refused" if self.run.fault and self.expected else "failed"
         if self.run.check_only:
@@ -188,6 +193,15 @@ def prepare(scratch: Path, native: Path) -> None:
             sys.exit(f"importers: the library itself cannot drive:\n{failure}")
 
 
+def results_of_all(results: list[Result], fmus: dict[str, Path], scratch: Path) -> list[Result]:
+    """Results of every run, in the order of the table: new ones, earlier ones, or that it was not run."""
+    new, found = {result.run.name: result for result in results}, []
+    for run in RUNS:
+        earlier = new.get(run.name) or remembered(run, scratch, identity(run, fmus, scratch))
+        found.append(earlier or Result(run, IMPORTERS[run.importer].version(HERE), failure=NOT_RUN))
+    return found
+
+
 def write_page(page: Path, table: str) -> None:
     """Puts the table between the page's marks."""
     text = page.read_text(encoding="utf-8")
@@ -208,13 +222,11 @@ def arguments() -> argparse.Namespace:
     add("--fmu3", type=Path, default=TARGET / "ugv-fmi3.fmu", help="the same of FMI 3.0 [default: target/ugv-fmi3.fmu]")
     add("--limit", type=float, default=900, metavar="S", help="seconds that one drive may take [default: 900]")
     add("--again", action="store_true", help="also run what gave the expected with the same FMU, importer and driver before")
-    add("--page", type=Path, help="Markdown page to put the table into, between its marks")
+    add("--page", type=Path, help="Markdown page to put the table into, between its marks; of importers that are not run, with what they gave before")
     add("--native", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args()
     if unknown := set(args.names) - set(IMPORTERS):
         parser.error(f"no such importer: {', '.join(sorted(unknown))}; there are {', '.join(IMPORTERS)}")
-    if args.page and args.names:
-        parser.error("--page takes the table of all importers; give no NAME with it")
     for path in (args.fmu, args.fmu3, args.native):
         if not path.is_file():
             parser.error(f"{path} is not there; scripts/package.sh builds the FMUs")
@@ -243,7 +255,7 @@ def main() -> int:
     table = markdown(results)
     print(table)
     if args.page:
-        write_page(args.page, table)
+        write_page(args.page, markdown(results_of_all(results, fmus, scratch)))
     return int(any(not result.expected for result in results))
 
 

@@ -166,7 +166,7 @@ RUNS = [
     Run("fmi-rs", "cs", FMI_3, CS_3, tolerance=ROUNDING),
     Run("casadi", "me", FMI_2, ME_2, tolerance=INTEGRATED, first=1),
     Run("casadi", "me3", FMI_3, ME_3, what=f"pose and velocities; {REALS}", tolerance=INTEGRATED, start="reals", first=1, omitted=61),
-    Run("casadi", "me3", FMI_3, ME_3, what=ENUMERATION, fault="fmi3SetInt32 failed"),
+    Run("casadi", "me3", FMI_3, ME_3, what=ENUMERATION, fault="FmuInternal::set_values failed"),
     Run("casadi", "me3", FMI_3, ME_3, what="start value of type Boolean", start="plain", fault="fmu3.cpp:[0-9]+: Broken"),
     Run("casadi", "me3_outputs", FMI_3, ME_3, what=ARRAYS, start="reals", fault="Evaluation failed"),
     Run("pathsim-fmi", "cs", FMI_2, CS_2, tolerance=ROUNDING, first=1),
