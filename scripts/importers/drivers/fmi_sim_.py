@@ -1,9 +1,9 @@
 """fmi-sim: the tool, with the wheel speeds in a file."""
 
 import csv
+import os
 import subprocess
 import sys
-from pathlib import Path
 
 from task import STEP, Task, main
 
@@ -22,12 +22,13 @@ def simulate(task: Task, interface: str, **more: str) -> None:
     start = [f"--init-values={name}={literal(value)}" for name, value in task.start.items()]
     times = ["-s", "0", "-f", str(task.drive[-1][0]), "--output-interval", str(STEP), "--step", str(STEP)]
     command = [TOOL, "--model", str(task.fmu), "-i", str(inputs), "-o", str(result), interface, *times, *start]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False)
+    quiet = os.environ | {"RUST_BACKTRACE": "0"}
+    done = subprocess.run(command, cwd=folder, env=quiet, capture_output=True, text=True, errors="replace", check=False)
     if done.returncode:
         sys.exit(f"{done.stdout[-1000:]}{done.stderr[-3000:]}")
     with result.open(newline="") as file:
         rows = list(csv.DictReader(file))
-    names = [name for variable in task.outputs for name in [variable.name]]
+    names = [variable.name for variable in task.outputs]
     task.write([row["time"], *(row[name] for name in names)] for row in rows)
 
 
