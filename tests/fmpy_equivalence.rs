@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use ugv_terrain::declaration::{Causality, Configuration, Quantity, Variable, variables};
+use support::outputs;
+use ugv_terrain::declaration::{Causality, Configuration, Variable, variables};
 use ugv_terrain::effects::Effects;
 use ugv_terrain::simulation::{Simulation, State, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
@@ -113,37 +114,8 @@ impl Drive {
 
     fn read(&mut self) {
         let simulation = &mut self.simulation;
-        let (speeds, state) = (simulation.wheel_speeds(), simulation.state().to_array());
-        let rates = simulation.derivative().unwrap();
-        let wrench = simulation.wrench().unwrap().clone();
-        let value = |variable: &Variable| match variable.quantity {
-            Quantity::Input(0) => speeds.left,
-            Quantity::Input(_) => speeds.right,
-            Quantity::State(index) => state[index],
-            Quantity::Rate(index) => rates[index],
-            Quantity::Total(index) => [
-                wrench.a_x,
-                wrench.a_y,
-                wrench.rolling_resistance,
-                wrench.turning_resistance_moment,
-                wrench.turning_moment,
-            ][index],
-            Quantity::Wheel(wheel, field) => {
-                let wheel = &wrench.wheels[wheel];
-                [
-                    wheel.longitudinal_slip,
-                    wheel.lateral_slip,
-                    wheel.load,
-                    wheel.sinkage,
-                    wheel.entry_angle,
-                    wheel.force_x,
-                    wheel.force_y,
-                ][field]
-            }
-            other => panic!("{other:?} is not read"),
-        };
         let mut row = vec![simulation.time()];
-        row.extend(self.variables.iter().map(value));
+        row.extend(outputs::values(simulation, &self.variables));
         self.expected.push(row);
     }
 

@@ -31,11 +31,11 @@ impl Mode {
         Self::Initialization,
         Self::StepComplete,
         Self::Event,
+        Self::StepEvent,
         Self::ContinuousTime,
         Self::Terminated,
         Self::Error,
         Self::Poisoned,
-        Self::StepEvent,
     ];
 
     pub(super) fn from_code(code: u16) -> Option<Self> {
@@ -214,6 +214,15 @@ mod tests {
             "fmi2DoStep is not allowed before initialization, but between two steps"
         );
         assert!(check(Mode::StepComplete).is_ok());
+    }
+
+    #[test]
+    fn modes_of_one_name_are_told_once() {
+        let refused = Call::Terminate.check("f", Mode::Initialization, Interface::CoSimulation);
+        assert_eq!(
+            refused.unwrap_err(),
+            "f is not allowed in initialization mode, but between two steps, in event mode, in continuous-time mode"
+        );
     }
 
     #[test]

@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Has every importer drive the FMU, each in a virtual environment of its own, and compares it with the library itself:
+# `scripts/importers.sh [NAME...]`, `scripts/importers.sh --help`. The first time it installs and compiles (some minutes, 2 GB in
+# target/importers). `--page src/docs/importers.md` puts the table into the docs. UGV_HELD_DRIVE names a built example held_drive.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+./scripts/setup.sh >&2
+native=${UGV_HELD_DRIVE:-target/release/examples/held_drive}
+if [[ " $* " != *" --help "* && " $* " != *" -h "* ]]; then
+    [[ -f target/ugv.fmu && -f target/ugv-fmi3.fmu || " $* " == *" --fmu "* ]] || ./scripts/package.sh >&2
+    [[ -n "${UGV_HELD_DRIVE:-}" ]] || cargo build --locked --release --example held_drive >&2
+fi
+PYTHONPATH=scripts/importers exec target/venv/bin/python scripts/importers/matrix.py --native "$native" "$@"
