@@ -15,10 +15,10 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import controllers.slalom
 from controllers.slalom.drivers import Lap, lap, scripted, straight
-from controllers.slalom.environment import GATES, HALF_WIDTH, PASSED, SPACING
+from controllers.slalom.environment import GATES, HALF_WIDTH, PASSED, SCALE
 
 FMU = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "ugv.fmu"
-COURSES = range(8)
+COURSES = range(5)
 
 
 def make() -> gymnasium.Env:
@@ -69,12 +69,12 @@ class Slalom(unittest.TestCase):
     def test_observations_are_in_the_vehicle_s_frame(self) -> None:
         observation, _ = self.environment.reset(seed=5)
         gates = self.environment.unwrapped.gates
-        np.testing.assert_allclose(observation[:4], (gates[:2] / SPACING).ravel(), rtol=1e-6)
+        np.testing.assert_allclose(observation[:4] * SCALE[:4], gates[:2].ravel(), rtol=1e-6)
         for _ in range(10):  # to the left
             observation, *_, info = self.environment.step(np.array([-0.4, 0.8], dtype=np.float32))
         self.assertGreater(info["heading"], 0.1)
         away = (gates[:2] - [info["x"], info["y"]]) @ [1, 1j] * np.exp(-1j * info["heading"])
-        np.testing.assert_allclose(observation[:4] * SPACING, np.column_stack([away.real, away.imag]).ravel(), rtol=1e-5)
+        np.testing.assert_allclose(observation[:4] * SCALE[:4], np.column_stack([away.real, away.imag]).ravel(), rtol=1e-5)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from .drivers import Driver, Lap, lap, scripted, straight
 from .environment import FMU, GATES
 from .training import train
 
-STEPS = 120_000
+STEPS = 60_000
 JUDGED = range(1_000_000, 1_000_050)  # seeds of the courses on which drivers are compared
 
 

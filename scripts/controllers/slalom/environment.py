@@ -27,7 +27,7 @@ PASSED, MISSED = 5.0, -5.0  # reward of a gate; a metre nearer to the next one i
 SLIP_COST = 0.05  # of either side's slip, each step
 STATE = ["x", "y", "heading", "v_x", "v_y", "yaw_rate", "wheel[1].longitudinal_slip", "wheel[2].longitudinal_slip"]
 LARGEST = 20.0  # of an observation
-SCALE = np.array([SPACING, SPACING, SPACING, SPACING, 1.0, 1.0, 1.0, 1.0, 1.0])  # to numbers near 1
+SCALE = np.array([SPACING, 1.0, SPACING, 1.0, 1.0, 0.1, 0.3, 1.0, 1.0])  # to numbers near 1
 
 
 class UgvSlalom(gymnasium.Env[np.ndarray, np.ndarray]):

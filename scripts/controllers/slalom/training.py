@@ -24,6 +24,7 @@ from .drivers import Driver
 ENVIRONMENTS, ROLLOUT = 64, 32  # environments side by side; steps of each between two updates
 FIRST_LOG_STD = -0.7  # of the actions, by which exploration begins
 HIDDEN = (64, 64)
+REWARD_SCALE = 0.1  # so that the values to be learned are near 1
 
 
 class Episodes(gymnasium.Wrapper):
@@ -108,8 +109,9 @@ def train(make: Callable[[], gymnasium.Env], steps: int, seed: int) -> Trained:
     memory = RandomMemory(memory_size=ROLLOUT, num_envs=ENVIRONMENTS)
     with tempfile.TemporaryDirectory() as folder:
         settings = PPO_CFG(
-            rollouts=ROLLOUT, learning_epochs=6, mini_batches=4, learning_rate=1e-3, discount_factor=0.98, gae_lambda=0.95,
+            rollouts=ROLLOUT, learning_epochs=10, mini_batches=8, learning_rate=5e-4, discount_factor=0.98, gae_lambda=0.95,
             entropy_loss_scale=0.0, value_loss_scale=0.5, grad_norm_clip=0.5, time_limit_bootstrap=True,
+            rewards_shaper=lambda reward, *_: REWARD_SCALE * reward,
             experiment={"directory": folder, "write_interval": 0, "checkpoint_interval": 0},
         )  # fmt: skip
         agent = PPO(models=models, memory=memory, cfg=settings, **spaces)
