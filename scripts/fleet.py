@@ -55,7 +55,7 @@ class Place:
         for name, content in answer.files.items():
             (part / name).write_bytes(content)
         told = {"mark": self.mark, "status": answer.status, "error": answer.error, "cpu_seconds": round(answer.cpu_seconds, 3),
-                "wall_seconds": round(answer.wall_seconds, 3), "peak_mb": round(answer.peak_mb, 1)}
+                "wall_seconds": round(answer.wall_seconds, 3), "peak_mb": answer.peak_mb and round(answer.peak_mb, 1)}
         files.save(part / RUN, told)
         shutil.rmtree(self.folder, ignore_errors=True)
         os.replace(part, self.folder)
@@ -202,7 +202,7 @@ def main() -> None:
     write_table(arguments.out / "fleet.parquet", rows, {"ugv-fleet/1": json.dumps(made_of)})
     done = sum(row["status"] == "done" for row in rows)
     cost = sum(row["cpu_seconds"] for row in rows)
-    print(f"{len(rows)} recordings, {done} answered, {cost:.1f} s of processor time, at most {max(row['peak_mb'] for row in rows):.0f} MB; "
+    print(f"{len(rows)} recordings, {done} answered, {cost:.1f} s of processor time, at most {max(row['peak_mb'] or 0.0 for row in rows):.0f} MB; "
           f"{arguments.out / 'fleet.parquet'}")
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 STATE = ["x", "y", "heading", "v_x", "v_y", "yaw_rate"]
@@ -110,11 +111,11 @@ class Vehicle:
             slave.enterInitializationMode()
             # Builds the model: whatever is wrong with the parameters comes out here.
             self.rows[0, :len(STATE)] = slave.getReal([self.variables[name].valueReference for name in STATE])
-        except fmpy.FMICallException:
+        except FMICallException:
             raise WrongParameters(self.message) from None
         try:
             slave.exitInitializationMode()
-        except fmpy.FMICallException:
+        except FMICallException:
             return self.message
         return None
 

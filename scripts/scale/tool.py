@@ -47,7 +47,7 @@ class Answer:
     files: dict[str, bytes]
     cpu_seconds: float
     wall_seconds: float
-    peak_mb: float
+    peak_mb: float | None  # None where it ended before it was looked at
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Fleet:
             return Answer(recording.name, status, "" if status == "done" else said, {path.name: path.read_bytes() for path in found}, *cost)
 
 
-def run(words: list[str], place: Path, limit: float) -> tuple[str, str, tuple[float, float, float]]:
+def run(words: list[str], place: Path, limit: float) -> tuple[str, str, tuple[float, float, float | None]]:
     """How a process ended, what it said, and what it cost: seconds of processor and of clock, most memory [MB]."""
     begin, peak, status = time.monotonic(), 0.0, None
     with (place / "said").open("wb") as said:
@@ -107,7 +107,7 @@ def run(words: list[str], place: Path, limit: float) -> tuple[str, str, tuple[fl
     child.returncode = os.waitstatus_to_exitcode(code)
     status = status or ENDS.get(child.returncode, f"ended by signal {-child.returncode}")
     text = (place / "said").read_text(errors="replace").strip() or status
-    return status, text, (usage.ru_utime + usage.ru_stime, time.monotonic() - begin, peak)
+    return status, text, (usage.ru_utime + usage.ru_stime, time.monotonic() - begin, peak or None)
 
 
 def high_water(pid: int) -> float:

@@ -58,7 +58,7 @@ impl<'a> Setup<'a> {
                 Failure::Model(error) => Failure::Argument {
                     reason: format!("sample {}: {error}", sample.index),
                     hint: Some(
-                        "bound what is drawn: normal:MEAN,SD,LOW,HIGH or log-normal:MEDIAN,FACTOR,LOW,HIGH".into(),
+                        "bound what is drawn (normal:MEAN,SD,LOW,HIGH, log-normal:MEDIAN,FACTOR,LOW,HIGH), or take the row out of the table".into(),
                     ),
                 },
                 other => other,
