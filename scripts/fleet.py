@@ -24,6 +24,7 @@ from scale.tool import ANSWERS, Answer, Fleet, Recording
 
 TARGET = Path(__file__).resolve().parent.parent / "target"
 RUN = "run.json"  # how an answer came about
+LOST = "its workers ended one after the other; it may need more memory than they have"
 EPILOG = """\
 examples:
   scripts/fleet.py recordings/ --out target/fleet
@@ -47,8 +48,11 @@ class Place:
         """Whether this very recording has an answer by this very tool."""
         return (files.load(self.folder / RUN) or {}).get("mark") == self.mark
 
-    def save(self, answer: Answer) -> None:
-        """Writes an answer beside its place, and renames it."""
+    def save(self, answer: Answer | cluster.Lost) -> None:
+        """Writes an answer beside its place, and renames it. One that was lost is looked for again the next time."""
+        if isinstance(answer, cluster.Lost):
+            files.save(self.folder / RUN, {"status": "lost", "error": LOST, **dict.fromkeys(("cpu_seconds", "wall_seconds", "peak_mb"))})
+            return
         part = self.folder.with_name(self.folder.name + ".part")
         shutil.rmtree(part, ignore_errors=True)
         part.mkdir(parents=True)
@@ -149,7 +153,7 @@ def column(name: str, values: list[Any]) -> pa.Array:
     """A column, of the same type also where no recording has anything to tell."""
     if name == "error":
         return table.texts(values)
-    array = pa.array(values)
+    array = pa.array(values)  # of None alone it has no type
     return array.cast(pa.float64()) if pa.types.is_null(array.type) else array
 
 
@@ -186,12 +190,11 @@ def main() -> None:
     if len(left) < len(all_places) and not arguments.quiet:
         print(f"fleet: {len(all_places) - len(left)} of {len(all_places)} have an answer already", file=sys.stderr)
     if left:
-        by_name = {place.name: place for place in left}
         pieces = (Recording.read(place.name, place.path) for place in left)
         answers = cluster.do_all(arguments, fleet, pieces)
         try:
-            for _, answer in cluster.with_progress("fleet", answers, len(left), arguments.quiet):
-                by_name[answer.name].save(answer)
+            for number, answer in cluster.with_progress("fleet", answers, len(left), arguments.quiet):
+                left[number].save(answer)
         except RuntimeError as error:
             sys.exit(f"fleet: {error}; what is done is kept, the same command goes on from here")
         except KeyboardInterrupt:
@@ -201,7 +204,7 @@ def main() -> None:
     made_of = {"command": arguments.command, "arguments": passed, "tool": files.fingerprint(arguments.tool)}
     write_table(arguments.out / "fleet.parquet", rows, {"ugv-fleet/1": json.dumps(made_of)})
     done = sum(row["status"] == "done" for row in rows)
-    cost = sum(row["cpu_seconds"] for row in rows)
+    cost = sum(row["cpu_seconds"] or 0.0 for row in rows)
     print(f"{len(rows)} recordings, {done} answered, {cost:.1f} s of processor time, at most {max(row['peak_mb'] or 0.0 for row in rows):.0f} MB; "
           f"{arguments.out / 'fleet.parquet'}")
 

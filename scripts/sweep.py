@@ -123,6 +123,8 @@ def main() -> None:
     try:
         results = cluster.with_progress("sweep", cluster.do_all(arguments, sweep, pieces), len(pieces), arguments.quiet)
         blocks = [block for _, block in sorted(results, key=lambda result: result[0])]
+        if any(isinstance(block, cluster.Lost) for block in blocks):
+            sys.exit("sweep: a piece of work took its workers down, one after the other; give them more memory, or a smaller --batch")
     except (WrongParameters, RuntimeError) as error:
         sys.exit(f"sweep: {error}")
     passed = time.monotonic() - begin

@@ -10,20 +10,19 @@ import logging
 import sys
 import tempfile
 import time
+import zipfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
 
-import cloudpickle
 import dask
-from distributed import Client, KilledWorker, LocalCluster, WorkerPlugin, as_completed, get_worker
-
-import scale
+from distributed import CancelledError, Client, KilledWorker, LocalCluster, WorkerPlugin, as_completed, get_worker
 
 IN_FLIGHT = 4  # pieces per worker thread that are on their way: none waits for work, and the scheduler holds few
 LOST = 3  # workers that a piece may take down before it is given up
+PACKAGE = Path(__file__).resolve().parent
 PATIENCE = 60  # s to wait for the first worker
 
 
@@ -37,6 +36,10 @@ class Job(Protocol):
 
     def do(self, piece: Any) -> Any:
         """Does one piece; may be called from several threads."""
+
+
+class Lost:
+    """Stands for the result of a piece that took one worker after the other down with it."""
 
 
 class Shipped(WorkerPlugin):
@@ -69,11 +72,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @contextmanager
 def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
     """A client of the scheduler, or of workers on this machine that live as long as it does."""
-    # The workers need none of these files.
-    cloudpickle.register_pickle_by_value(scale)
     if scheduler:
         try:
             client = Client(scheduler, timeout=PATIENCE)
+            logging.getLogger("distributed").setLevel(logging.CRITICAL)
         except (OSError, ValueError, TimeoutError) as error:
             sys.exit(f"no scheduler answers at {scheduler} ({error}); start one with: dask scheduler")
         with client:
@@ -81,6 +83,7 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
                 client.wait_for_workers(1, timeout=PATIENCE)
             except TimeoutError:
                 sys.exit(f"the scheduler at {scheduler} has no workers; start some with: dask worker {scheduler} --nthreads 1")
+            upload_sources(client)
             yield client
         return
     # A lost worker is told by what follows; Dask's own words about it fill the screen.
@@ -88,6 +91,16 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
     with (LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL) as cluster,
           Client(cluster) as client):
         yield client
+
+
+def upload_sources(client: Client) -> None:
+    """Gives this package to the scheduler and to its workers, which need none of these files; those that join later get it as well."""
+    with tempfile.TemporaryDirectory() as folder:
+        archive = Path(folder) / f"{PACKAGE.name}.zip"
+        with zipfile.ZipFile(archive, "w") as files:
+            for path in sorted(PACKAGE.glob("*.py")):
+                files.write(path, path.relative_to(PACKAGE.parent))
+        client.upload_file(str(archive))
 
 
 def spread(client: Client, job: Job, pieces: Iterable[Any]) -> Iterator[tuple[int, Any]]:
@@ -109,8 +122,10 @@ def spread(client: Client, job: Job, pieces: Iterable[Any]) -> Iterator[tuple[in
         number = numbers.pop(future.key)
         try:
             result = future.result()
-        except KilledWorker as error:
-            raise RuntimeError(f"piece {number} took {LOST + 1} workers down with it; it may need more memory than they have") from error
+        except KilledWorker:
+            result = Lost()
+        except CancelledError:
+            raise RuntimeError("the scheduler is lost") from None
         yield number, result
         fill()
 
