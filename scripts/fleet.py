@@ -27,9 +27,9 @@ RUN = "run.json"  # how an answer came about
 LOST = "its workers ended one after the other; it may need more memory than they have"
 EPILOG = """\
 examples:
-  scripts/fleet.py recordings/ --out target/fleet
-  scripts/fleet.py score monday/*.csv --out target/scores --scheduler tcp://10.0.0.1:8786
-  scripts/fleet.py fit recordings/ --out target/fits -- --terrain dry_sand --starts 0
+  target/venv/bin/python scripts/fleet.py recordings/ --out target/fleet
+  target/venv/bin/python scripts/fleet.py monday/*.csv --command score --out target/scores --scheduler tcp://10.0.0.1:8786
+  target/venv/bin/python scripts/fleet.py recordings/ --command fit --out target/fits -- --terrain dry_sand --starts 0
 
 NAME.json beside NAME.csv travels with it. What stands behind -- goes to the tool; files named there must be on the workers.
 """

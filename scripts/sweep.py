@@ -30,8 +30,8 @@ BATCH_STEPS = 50_000  # of a piece of work: about a second
 EPILOG = """\
 examples:
   ugv sweep --vary soil.cohesion=log-normal:1040,1.3 --samples 10000 --samples-only --output samples.csv
-  scripts/sweep.py --input drive.csv --table samples.csv --terrain dry_sand --output ends.parquet --map ends.png
-  scripts/sweep.py --input drive.csv --table samples.csv --fmu mine.fmu --scheduler tcp://10.0.0.1:8786 --output ends.parquet
+  target/venv/bin/python scripts/sweep.py --input drive.csv --table samples.csv --terrain dry_sand --output ends.parquet --map ends.png
+  target/venv/bin/python scripts/sweep.py --input drive.csv --table samples.csv --fmu mine.fmu --scheduler tcp://10.0.0.1:8786 --output ends.parquet
 
 A vehicle, soil or effects of your own: package an FMU with them (ugv package --model model.json --output mine.fmu).
 A drive that does not reach the end has the reason in the column `error`; its other columns tell of the last row that it reached.
@@ -104,7 +104,7 @@ def main() -> None:
     add("--terrain", choices=TERRAINS, help="[default: the FMU's]; the parameters soil.* begin with its values")
     add("--initial", nargs="+", default=[], metavar="KEY=VALUE|no-slip", help="where it starts, as for ugv simulate")
     add("--map", type=Path, metavar="FILE.png", help="draw where the vehicle ends up")
-    add("--batch", type=int, metavar="N", help="drives in a piece of work [default: as many as take about a second]")
+    add("--batch", type=cluster.at_least_one, metavar="N", help="drives in a piece of work [default: as many as take about a second]")
     add("--quiet", action="store_true", help="no progress")
     cluster.add_arguments(parser)
     arguments = parser.parse_args()
@@ -117,7 +117,7 @@ def main() -> None:
     check_names(arguments.fmu, names, arguments.table)
     common = fixed(arguments.fmu, arguments.terrain, arguments.initial, names)
     sweep = Sweep(arguments.fmu.read_bytes(), clock, speeds, names, common)
-    size = max(1, arguments.batch or BATCH_STEPS // len(clock))
+    size = arguments.batch or max(1, BATCH_STEPS // len(clock))
     pieces = [(numbers[at:at + size], values[at:at + size]) for at in range(0, len(values), size)]
     begin = time.monotonic()
     try:

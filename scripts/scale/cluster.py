@@ -21,6 +21,7 @@ import dask
 from distributed import CancelledError, Client, KilledWorker, LocalCluster, WorkerPlugin, as_completed, get_worker
 
 IN_FLIGHT = 4  # pieces per worker thread that are on their way: none waits for work, and the scheduler holds few
+COUNT_EVERY = 2.0  # s between two counts of the workers, who may come and go
 LOST = 3  # workers that a piece may take down before it is given up
 PACKAGE = Path(__file__).resolve().parent
 PATIENCE = 60  # s to wait for the first worker
@@ -65,8 +66,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--scheduler", metavar="tcp://HOST:PORT",
                        help="a Dask scheduler whose workers have Python %d.%d and the packages of scripts/requirements.txt "
                             "[default: workers on this machine]" % sys.version_info[:2])
-    where.add_argument("--workers", type=int, metavar="N", help="processes on this machine [default: one per processor]")
+    where.add_argument("--workers", type=at_least_one, metavar="N", help="processes on this machine [default: one per processor]")
     where.add_argument("--serial", action="store_true", help="in this process, one after the other, without Dask")
+
+
+def at_least_one(text: str) -> int:
+    """A count."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"found `{text}`, expected 1 or more")
+    return int(text)
 
 
 @contextmanager
@@ -88,7 +96,7 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         return
     # A lost worker is told by what follows; Dask's own words about it fill the screen.
     dask.config.set({"distributed.scheduler.allowed-failures": LOST})
-    with (LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL) as cluster,
+    with (LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0", silence_logs=logging.CRITICAL) as cluster,
           Client(cluster) as client):
         yield client
 
@@ -109,10 +117,13 @@ def spread(client: Client, job: Job, pieces: Iterable[Any]) -> Iterator[tuple[in
     left = enumerate(pieces)
     numbers: dict[str, int] = {}
     running = as_completed()
+    threads, asked = 1, -COUNT_EVERY
 
     def fill() -> None:
-        room = IN_FLIGHT * max(1, sum(client.nthreads().values())) - len(numbers)
-        for number, piece in islice(left, max(0, room)):
+        nonlocal threads, asked
+        if time.monotonic() - asked > COUNT_EVERY:
+            threads, asked = max(1, sum(client.nthreads().values())), time.monotonic()
+        for number, piece in islice(left, max(0, IN_FLIGHT * threads - len(numbers))):
             future = client.submit(_do, job.name, piece, pure=False)
             numbers[future.key] = number
             running.add(future)

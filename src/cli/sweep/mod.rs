@@ -30,20 +30,20 @@ const EXAMPLES: &str = "\
 Examples:
   ugv sweep --input drive.csv --terrain dry_sand --vary soil.cohesion=log-normal:1040,1.3 \\
       --vary soil.friction_angle_deg=normal:28,2.5,15,45 --samples 10000 --output ends.csv
-  ugv sweep --input drive.csv --vary vehicle.mass=grid:400,600,5 --vary effects.payload.mass=list:0,50
+  ugv sweep --input drive.csv --vary vehicle.mass=grid:400,600,5 --vary initial.v_x=list:0,1
   ugv sweep --vary soil.cohesion=uniform:500,2000 --samples 1000 --samples-only --output samples.csv
-  ugv sweep --input drive.csv --table samples.csv --output ends.csv     # scripts/sweep.py takes it as well
+  ugv sweep --input drive.csv --table samples.csv --output ends.csv    # as scripts/sweep.py does
 
 Distributions:  uniform:LOW,HIGH   log-uniform:LOW,HIGH   list:A,B,...   grid:LOW,HIGH,COUNT
-                normal:MEAN,SD     log-normal:MEDIAN,FACTOR (two thirds lie within MEDIAN / and * FACTOR);
-                of both, ,LOW,HIGH behind it leaves out what lies beyond
-Parameters:     the FMU's: soil.*, vehicle.*, initial.*, effects.* (NAME.PARAMETER of `ugv effects`), SI
-                units and degrees where the name says so. What is not varied comes from the model.
-Output:         one row per drive: index, its parameters, the time reached, pose and velocities there,
-                distance, largest and mean |longitudinal slip| and largest sinkage over wheels and rows,
-                work against the rolling resistance [J], and in `error` why a drive did not reach the end
-                (a bogged vehicle, say); then the other columns tell of the last row that it reached.
-                The same bits whatever --jobs.";
+                normal:MEAN,SD     log-normal:MEDIAN,FACTOR (two thirds lie between MEDIAN / FACTOR
+                and MEDIAN * FACTOR); with ,LOW,HIGH behind them nothing lies beyond
+Parameters:     the FMU's: soil.*, vehicle.*, initial.*, effects.* (effects.payload.mass), in SI
+                units, or degrees where the name says so. The model gives those that are not varied.
+Output:         one row per drive: index; its parameters; the time that it reached; pose and
+                velocities there; distance; largest and mean |longitudinal slip| and largest sinkage
+                over wheels and rows; work against the rolling resistance [J]; and in `error` why it
+                did not reach the end (a bogged vehicle, say): then the other columns tell of the
+                last row that it reached. The same bits whatever --jobs.";
 
 /// Drive the same wheel speeds with many sets of parameters; a table of where each drive ends.
 #[derive(clap::Args)]
