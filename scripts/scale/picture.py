@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from scipy.ndimage import gaussian_filter
 
 SHARES = {0.9: "--", 0.5: "-"}  # of the drives that a region holds
-CELLS, SMOOTHING = 160, 2.5  # cells along the map's longer side, and how many of them a drive is spread over
+CELLS, SMOOTHING = 160, 4.0  # cells along the map's longer side, and how many of them a drive is spread over
 NOMINAL, LOST = "#d97706", "#dc2626"
 
 
@@ -51,5 +51,5 @@ def draw(path: Path, ends: np.ndarray, reached: np.ndarray, nominal: np.ndarray)
     figure.legend(handles=entries, loc="outside upper center", ncols=2, frameon=False, fontsize="small")
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
-    figure.savefig(part, dpi=110, format=path.suffix[1:] or "png")
+    figure.savefig(part, dpi=100, format=path.suffix[1:] or "png")
     part.replace(path)
