@@ -15,8 +15,10 @@ mod output;
 mod package;
 mod plot;
 mod presets;
+mod progress;
 mod score;
 mod simulate;
+mod sweep;
 
 pub use failure::Failure;
 
@@ -26,6 +28,7 @@ use output::write_stdout;
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
+  ugv sweep --input drive.csv --vary soil.cohesion=uniform:500,2000 --samples 1000 --output ends.csv
   ugv import drive.mcap --output drive.csv
   ugv inspect field.csv --page field.html
   ugv score drive.csv          # how well do models predict what was recorded?
@@ -48,6 +51,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Args),
+    Sweep(sweep::Args),
     Diagnose(diagnose::Args),
     Fit(fit::Args),
     Import(import::Args),
@@ -71,6 +75,7 @@ pub fn run() -> Result<(), Failure> {
     };
     match cli.command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Import(args) => import::run(&args),

@@ -11,6 +11,7 @@ mod refusals;
 mod score;
 mod simulate;
 mod streams;
+mod sweep;
 
 use assert_cmd::Command;
 use std::fs;

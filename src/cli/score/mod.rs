@@ -3,15 +3,14 @@
 mod contest;
 mod entries;
 mod json;
-mod progress;
 mod table;
 
 use super::model::{check_piecewise, load_effects, load_model, load_terrain, load_vehicle};
 use super::output::{Output, write_stdout};
+use super::progress::Progress;
 use super::{Failure, tell};
 use contest::{Contest, Outcome, pool};
 use entries::Entry;
-use progress::Progress;
 use rayon::prelude::*;
 use std::io::Write;
 use std::path::PathBuf;

@@ -81,7 +81,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let specification = args.model.specification()?;
     let effects = names(&specification.effects, Kind::Physics);
     let model = VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
-    let recording = read(&args.input)?;
+    let recording = read_input(&args.input)?;
     let state = initial_state(
         &args.initial,
         model.vehicle(),
@@ -133,7 +133,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn read(path: &Path) -> Result<Drive, Failure> {
+/// Reads wheel speeds from a file, or from standard input for `-`.
+pub fn read_input(path: &Path) -> Result<Drive, Failure> {
     if path == Path::new("-") {
         return read_drive("standard input", io::stdin().lock()).map_err(Failure::Recording);
     }

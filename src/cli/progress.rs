@@ -1,4 +1,4 @@
-//! A bar on the terminal while windows are predicted.
+//! A bar on the terminal while many like things are done.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Jobs shorter than this need no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How many predictions are done; may be counted from any thread.
+/// How many are done; may be counted from any thread.
 pub struct Progress {
     started: Instant,
     quiet: bool,
@@ -14,9 +14,9 @@ pub struct Progress {
 }
 
 impl Progress {
-    pub fn new(predictions: u64, quiet: bool) -> Self {
+    pub fn new(count: u64, quiet: bool) -> Self {
         let style = ProgressStyle::with_template("{bar:40} {percent} %, {eta} left");
-        let bar = ProgressBar::with_draw_target(Some(predictions), ProgressDrawTarget::hidden())
+        let bar = ProgressBar::with_draw_target(Some(count), ProgressDrawTarget::hidden())
             .with_style(style.expect("the template is valid"));
         Self {
             started: Instant::now(),

@@ -1,0 +1,233 @@
+//! Where a parameter's values come from: `NAME=DISTRIBUTION` of `--vary`.
+
+use statrs::distribution::{ContinuousCDF, Normal};
+use std::str::FromStr;
+
+const FORMS: &str = "uniform:LOW,HIGH, log-uniform:LOW,HIGH, normal:MEAN,SD[,LOW,HIGH], \
+                     log-normal:MEDIAN,FACTOR[,LOW,HIGH], list:A,B,... or grid:LOW,HIGH,COUNT";
+/// A grid of more values is a slip of the pen.
+const MOST_VALUES: f64 = 1e6;
+
+/// A parameter that differs from drive to drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// The FMU's name of it.
+    pub name: String,
+    pub values: Values,
+}
+
+/// What values it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// These, each with every sample.
+    Listed(Vec<f64>),
+    /// One for each sample.
+    Drawn(Distribution),
+}
+
+/// A distribution, on a logarithmic scale or a plain one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distribution {
+    shape: Shape,
+    is_log: bool,
+    /// No value lies outside.
+    range: (f64, f64),
+}
+
+/// On the scale of the distribution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    Uniform,
+    Normal { mean: f64, deviation: f64 },
+}
+
+impl Distribution {
+    /// The value below which a share of them lies, for 0 < share < 1.
+    pub fn quantile(&self, share: f64) -> f64 {
+        let (low, high) = self.range;
+        let scaled = |value: f64| if self.is_log { value.ln() } else { value };
+        let value = match self.shape {
+            Shape::Uniform => scaled(low) + share * (scaled(high) - scaled(low)),
+            Shape::Normal { mean, deviation } => {
+                let normal = Normal::standard();
+                let [below, within] =
+                    [low, high].map(|end| normal.cdf((scaled(end) - mean) / deviation));
+                mean + deviation * normal.inverse_cdf(below + share * (within - below))
+            }
+        };
+        let value = if self.is_log { value.exp() } else { value };
+        value.clamp(low, high)
+    }
+}
+
+impl FromStr for Varied {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some((name, values)) = text.split_once('=') else {
+            return Err(format!("found `{text}`, expected NAME=DISTRIBUTION"));
+        };
+        Ok(Self {
+            name: name.trim().into(),
+            values: values.trim().parse()?,
+        })
+    }
+}
+
+impl FromStr for Values {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (form, numbers) = text.split_once(':').unwrap_or((text, ""));
+        let numbers = numbers.split(',').map(number);
+        let numbers = numbers.collect::<Result<Vec<f64>, String>>();
+        match (form, numbers?.as_slice()) {
+            ("list", values) => Ok(Self::Listed(values.into())),
+            ("grid", [low, high, count]) => grid(*low, *high, *count).map(Self::Listed),
+            (form, numbers) => drawn(form, numbers).map(Self::Drawn),
+        }
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(value) if f64::is_finite(value) => Ok(value),
+        _ => Err(format!("found `{text}`, expected a number in {FORMS}")),
+    }
+}
+
+fn grid(low: f64, high: f64, count: f64) -> Result<Vec<f64>, String> {
+    if !(2.0..=MOST_VALUES).contains(&count) || count.fract() != 0.0 {
+        return Err(format!(
+            "a grid of {count} values: expected a whole number of 2 or more, at most {MOST_VALUES:.0e}"
+        ));
+    }
+    let share = |index: u32| f64::from(index) / (count - 1.0);
+    Ok((0..count as u32)
+        .map(|index| low * (1.0 - share(index)) + high * share(index))
+        .collect())
+}
+
+fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
+    let everywhere = |is_log| match is_log {
+        true => (f64::MIN_POSITIVE, f64::MAX),
+        false => (f64::MIN, f64::MAX),
+    };
+    let (is_log, form) = match form.strip_prefix("log-") {
+        Some(form) => (true, form),
+        None => (false, form),
+    };
+    let (shape, range) = match (form, numbers) {
+        ("uniform", [low, high]) => (None, (*low, *high)),
+        ("normal", [centre, spread]) => (Some((*centre, *spread)), everywhere(is_log)),
+        ("normal", [centre, spread, low, high]) => (Some((*centre, *spread)), (*low, *high)),
+        _ => return Err(format!("expected {FORMS}")),
+    };
+    if range.0 >= range.1 {
+        let (low, high) = range;
+        return Err(format!(
+            "the low end {low} is not below the high end {high}"
+        ));
+    }
+    if is_log && range.0 <= 0.0 {
+        return Err(format!(
+            "{} has no logarithm: expected numbers above 0",
+            range.0
+        ));
+    }
+    let shape = match shape {
+        None => Shape::Uniform,
+        Some((median, factor)) if is_log => {
+            if median <= 0.0 || factor <= 1.0 {
+                return Err(format!(
+                    "log-normal:{median},{factor}: expected a median above 0, and a factor above 1 \
+                     (two thirds of the values lie between median / factor and median * factor)"
+                ));
+            }
+            Shape::Normal {
+                mean: median.ln(),
+                deviation: factor.ln(),
+            }
+        }
+        Some((_, deviation)) if deviation <= 0.0 => {
+            return Err(format!(
+                "a standard deviation of {deviation} is not above 0"
+            ));
+        }
+        Some((mean, deviation)) => Shape::Normal { mean, deviation },
+    };
+    Ok(Distribution {
+        shape,
+        is_log,
+        range,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What statrs leaves of the error function's inverse.
+    const ROUNDING: f64 = 1e-9;
+
+    fn quantile(text: &str, share: f64) -> f64 {
+        match text.parse().unwrap() {
+            Values::Drawn(distribution) => distribution.quantile(share),
+            Values::Listed(_) => panic!("{text} is a list"),
+        }
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        for (text, share, expected) in [
+            ("uniform:2,4", 0.25, 2.5),
+            ("log-uniform:1,100", 0.5, 10.0),
+            ("normal:3,2", 0.5, 3.0),
+            ("normal:3,2", 0.975, 3.0 + 2.0 * 1.959963984540054),
+            ("log-normal:1000,2", 0.5, 1000.0),
+            ("log-normal:1000,2", 0.841_344_746_068_542_9, 2000.0),
+            // Half of a normal: its median is the quartile of the whole.
+            ("normal:0,1,0,1e9", 0.5, 0.674_489_750_196_081_7),
+        ] {
+            let found = quantile(text, share);
+            assert!(
+                (found - expected).abs() < ROUNDING * expected.abs().max(1.0),
+                "{text} at {share}: {found}, expected {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn nothing_lies_outside_the_range() {
+        for share in [1e-16, 0.3, 1.0 - 1e-16] {
+            assert!((0.5..=2.0).contains(&quantile("normal:1,5,0.5,2", share)));
+            assert!((0.5..=2.0).contains(&quantile("log-normal:9,3,0.5,2", share)));
+        }
+    }
+
+    #[test]
+    fn lists_and_grids_name_their_values() {
+        let listed = |text: &str| text.parse::<Values>();
+        assert_eq!(listed("list:3,1"), Ok(Values::Listed(vec![3.0, 1.0])));
+        let grid = Values::Listed(vec![1.0, 1.5, 2.0]);
+        assert_eq!(listed("grid:1,2,3"), Ok(grid));
+    }
+
+    #[test]
+    fn faults_are_explained() {
+        for (text, expected) in [
+            ("soil.cohesion", "expected NAME=DISTRIBUTION"),
+            ("a=gauss:1,2", "expected uniform:LOW,HIGH"),
+            ("a=uniform:1", "expected uniform:LOW,HIGH"),
+            ("a=uniform:1,x", "found `x`, expected a number"),
+            ("a=uniform:2,1", "the low end 2 is not below the high end 1"),
+            ("a=log-uniform:0,1", "0 has no logarithm"),
+            ("a=normal:1,0", "a standard deviation of 0"),
+            ("a=log-normal:5,0.5", "a factor above 1"),
+            ("a=grid:1,2,1.5", "a grid of 1.5 values"),
+        ] {
+            let message = text.parse::<Varied>().unwrap_err();
+            assert!(message.contains(expected), "{text}: {message}");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! One drive, and what is kept of it.
+
+use std::io::{self, Write};
+use ugv_terrain::recording::Drive;
+use ugv_terrain::simulation::{Simulation, SimulationError, State};
+use ugv_terrain::vehicle::{VehicleModel, Wrench};
+
+/// Columns of what is kept, behind the parameters.
+pub const COLUMNS: &str = "time,x,y,heading,v_x,v_y,yaw_rate,distance,largest_slip,mean_slip,\
+                           largest_sinkage,resistance_work,error";
+
+/// Where a drive ended, and what happened on the way; looked at in the rows of the input.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Seconds from the start to the last row that was reached.
+    time: f64,
+    /// Pose and velocities there.
+    state: State,
+    /// Length of the path \[m\].
+    distance: f64,
+    slip: Slip,
+    /// Largest sinkage of any wheel \[m\].
+    largest_sinkage: f64,
+    /// Integral of rolling resistance times |v_x| over time \[J\].
+    resistance_work: f64,
+    /// Why the drive ended before its last row.
+    pub error: Option<String>,
+}
+
+/// |longitudinal slip| of all wheels in all rows but the first, where they are set in motion.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Slip {
+    largest: f64,
+    sum: f64,
+    count: u64,
+}
+
+/// Drives along the rows of the input as an importer steps the FMU: wheel speeds and their rates
+/// set, a step to the next row, then a look at the outputs.
+pub fn drive(rows: &Drive, model: VehicleModel, start: State) -> Outcome {
+    let mut outcome = Outcome {
+        time: 0.0,
+        state: start,
+        distance: 0.0,
+        slip: Slip::default(),
+        largest_sinkage: 0.0,
+        resistance_work: 0.0,
+        error: None,
+    };
+    let mut simulation = Simulation::new(model);
+    let driven = simulation
+        .set_state(start)
+        .and_then(|()| along(rows, &mut simulation, &mut outcome));
+    outcome.error = driven.err().map(|error| error.to_string());
+    outcome
+}
+
+fn along(
+    rows: &Drive,
+    simulation: &mut Simulation,
+    outcome: &mut Outcome,
+) -> Result<(), SimulationError> {
+    simulation.set_wheel_speeds(rows.wheel_speeds(0).into())?;
+    let mut power = outcome.first(simulation.wrench()?);
+    for row in 1..rows.len() {
+        let time = rows.time[row - 1] - rows.time[0];
+        simulation.set_wheel_speeds(rows.wheel_speeds(row - 1).into())?;
+        simulation.set_time(time);
+        simulation.set_wheel_accelerations(rows.wheel_accelerations(row - 1).into())?;
+        simulation.step(rows.time[row] - rows.time[row - 1])?;
+        let state = simulation.state();
+        let seconds = rows.time[row] - rows.time[row - 1];
+        power = outcome.next(state, simulation.wrench()?, power, seconds);
+        outcome.time = rows.time[row] - rows.time[0];
+    }
+    Ok(())
+}
+
+/// Power lost to rolling resistance \[W\].
+fn power(state: &State, wrench: &Wrench) -> f64 {
+    wrench.rolling_resistance * state.v_x.abs()
+}
+
+impl Outcome {
+    fn first(&mut self, wrench: &Wrench) -> f64 {
+        self.sink(wrench);
+        power(&self.state, wrench)
+    }
+
+    fn next(&mut self, state: State, wrench: &Wrench, power_before: f64, seconds: f64) -> f64 {
+        let (east, north) = (state.x - self.state.x, state.y - self.state.y);
+        // Not hypot, whose last bit differs between mathematical libraries.
+        self.distance += (east * east + north * north).sqrt();
+        self.state = state;
+        self.sink(wrench);
+        for wheel in &wrench.wheels {
+            let slip = wheel.longitudinal_slip.abs();
+            self.slip.largest = self.slip.largest.max(slip);
+            self.slip.sum += slip;
+            self.slip.count += 1;
+        }
+        let power = power(&state, wrench);
+        self.resistance_work += 0.5 * (power_before + power) * seconds;
+        power
+    }
+
+    fn sink(&mut self, wrench: &Wrench) {
+        let sinkages = wrench.wheels.iter().map(|wheel| wheel.sinkage);
+        self.largest_sinkage = sinkages.fold(self.largest_sinkage, f64::max);
+    }
+
+    /// Writes the cells, each behind a comma; empty where there is nothing to tell. The numbers
+    /// read back to the last bit.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let (slip, count) = (&self.slip, self.slip.count);
+        let slips = (count > 0).then(|| [slip.largest, slip.sum / count as f64]);
+        write!(out, ",{:?}", self.time)?;
+        for value in self.state.to_array() {
+            write!(out, ",{:?}", value + 0.0)?;
+        }
+        write!(out, ",{:?}", self.distance)?;
+        match slips {
+            Some([largest, mean]) => write!(out, ",{largest:?},{mean:?}")?,
+            None => write!(out, ",,")?,
+        }
+        let (sinkage, work) = (self.largest_sinkage + 0.0, self.resistance_work + 0.0);
+        write!(out, ",{sinkage:?},{work:?},")?;
+        if let Some(error) = &self.error {
+            write!(out, "\"{}\"", error.replace('"', "\"\""))?;
+        }
+        writeln!(out)
+    }
+}
