@@ -97,7 +97,7 @@ class Message(NamedTuple):
 class Instance3(Calls):
     """One instance of the FMI 3.0 FMU."""
 
-    prefix = "fmi3"
+    prefix, state, deserializer = "fmi3", "FMUState", "DeserializeFMUState"
 
     def __init__(
         self,
@@ -224,35 +224,6 @@ class Instance3(Calls):
         orders = (c_int * len(names))(*[order] * len(names))
         self.do("GetOutputDerivatives", *places, orders, values, c_size_t(count))
         return list(values)
-
-    def save(self) -> c_void_p:
-        """A saved state, to be freed with `free_state`."""
-        state = c_void_p()
-        self.do("GetFMUState", byref(state))
-        return state
-
-    def restore(self, state: c_void_p) -> None:
-        """Returns to a saved state."""
-        self.do("SetFMUState", state)
-
-    def free_state(self, state: c_void_p) -> None:
-        """Frees a saved state."""
-        self.do("FreeFMUState", byref(state))
-
-    def serialize(self) -> bytes:
-        """The present state as bytes."""
-        state, size = self.save(), c_size_t()
-        self.do("SerializedFMUStateSize", state, byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        self.do("SerializeFMUState", state, buffer, size)
-        self.free_state(state)
-        return buffer.raw
-
-    def deserialize(self, data: bytes) -> c_void_p:
-        """The state behind bytes, to be freed with `free_state`."""
-        state = c_void_p()
-        self.do("DeserializeFMUState", data, c_size_t(len(data)), byref(state))
-        return state
 
     def take_over(self, data: bytes) -> Self:
         """Goes on from the state behind bytes."""

@@ -127,7 +127,10 @@ class Calls:
     `handle` is None where the FMU refused to create it; `messages` says why.
     """
 
+    # As the version of the standard spells them.
     prefix: str
+    state: str
+    deserializer: str
     library: ctypes.CDLL
     handle: int | None
     messages: Sequence[Told]
@@ -153,11 +156,40 @@ class Calls:
         if status != fmi2OK:
             raise Failed(self.prefix + function, status, self.messages)
 
+    def save(self) -> c_void_p:
+        """A saved state, to be freed with `free_state`."""
+        state = c_void_p()
+        self.do(f"Get{self.state}", byref(state))
+        return state
+
+    def restore(self, state: c_void_p) -> None:
+        """Returns to a saved state."""
+        self.do(f"Set{self.state}", state)
+
+    def free_state(self, state: c_void_p) -> None:
+        """Frees a saved state."""
+        self.do(f"Free{self.state}", byref(state))
+
+    def serialize(self) -> bytes:
+        """The present state as bytes."""
+        state, size = self.save(), c_size_t()
+        self.do(f"Serialized{self.state}Size", state, byref(size))
+        buffer = ctypes.create_string_buffer(size.value)
+        self.do(f"Serialize{self.state}", state, buffer, size)
+        self.free_state(state)
+        return buffer.raw
+
+    def deserialize(self, data: bytes) -> c_void_p:
+        """The state behind bytes, to be freed with `free_state`."""
+        state = c_void_p()
+        self.do(self.deserializer, data, c_size_t(len(data)), byref(state))
+        return state
+
 
 class Instance(Calls):
     """One instance of the FMI 2.0 FMU."""
 
-    prefix = "fmi2"
+    prefix, state, deserializer = "fmi2", "FMUstate", "DeSerializeFMUstate"
 
     def __init__(
         self,
@@ -264,35 +296,6 @@ class Instance(Calls):
         """Rates of both wheel speeds in the next step."""
         references, orders = as_references(self.fmu.references(INPUTS)), (c_int * 2)(order, order)
         self.do("SetRealInputDerivatives", references, c_size_t(2), orders, as_reals(rates))
-
-    def save(self) -> c_void_p:
-        """A saved state, to be freed with `free_state`."""
-        state = c_void_p()
-        self.do("GetFMUstate", byref(state))
-        return state
-
-    def restore(self, state: c_void_p) -> None:
-        """Returns to a saved state."""
-        self.do("SetFMUstate", state)
-
-    def free_state(self, state: c_void_p) -> None:
-        """Frees a saved state."""
-        self.do("FreeFMUstate", byref(state))
-
-    def serialize(self) -> bytes:
-        """The present state as bytes."""
-        state, size = self.save(), c_size_t()
-        self.do("SerializedFMUstateSize", state, byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        self.do("SerializeFMUstate", state, buffer, size)
-        self.free_state(state)
-        return buffer.raw
-
-    def deserialize(self, data: bytes) -> c_void_p:
-        """The state behind bytes, to be freed with `free_state`."""
-        state = c_void_p()
-        self.do("DeSerializeFMUstate", data, c_size_t(len(data)), byref(state))
-        return state
 
     # Model exchange
 
