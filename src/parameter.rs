@@ -112,10 +112,13 @@ impl fmt::Display for ParameterError {
             unit,
             range,
         } = self;
-        write!(
-            f,
-            "{name} = {value} {unit} is outside its range {range} {unit}"
-        )
+        match *unit {
+            "1" => write!(f, "{name} = {value} is outside its range {range}"),
+            _ => write!(
+                f,
+                "{name} = {value} {unit} is outside its range {range} {unit}"
+            ),
+        }
     }
 }
 
@@ -148,5 +151,9 @@ mod tests {
             error.to_string(),
             "mass = -3 kg is outside its range (0, 1000000] kg"
         );
+        let error = Bounds::closed("share", "1", 0.0, 1.0)
+            .check(2.0)
+            .unwrap_err();
+        assert_eq!(error.to_string(), "share = 2 is outside its range [0, 1]");
     }
 }

@@ -127,7 +127,7 @@ class BadParameters(unittest.TestCase):
             ("vehicle.row_positions[2]", 1.0, "row_positions = 1 m is outside its range"),
             ("soil.cohesion", -1.0, "cohesion = -1 Pa is outside its range [0, 100000000] Pa"),
             ("soil.friction_angle_deg", 90.0, "friction_angle_deg = 90 deg is outside its range"),
-            ("soil.sinkage_exponent", 0.0, "sinkage_exponent = 0 1 is outside its range (0, 3] 1"),
+            ("soil.sinkage_exponent", 0.0, "sinkage_exponent = 0 is outside its range (0, 3]"),
             ("soil.shear_modulus", 0.0, "shear_modulus = 0 m is outside its range (0, 1] m"),
         ):
             with self.subTest(name), Instance() as instance:
