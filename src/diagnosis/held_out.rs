@@ -14,7 +14,7 @@ use super::likelihood::{Block, Tuned, blocks};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::observation::observe;
-use crate::fit::optimiser::{Beyond, Stop, minimise};
+use crate::fit::optimiser::{Stop, minimise};
 use crate::fit::problem::{Point, Problem, Weighing};
 use crate::fit::segment::{Segment, Signal};
 use nalgebra::{DMatrix, DVector};
@@ -31,7 +31,6 @@ const STEPS: usize = 2;
 const START_STOP: Stop = Stop {
     steps: 10,
     gain: 0.5,
-    beyond: Beyond::Damped,
 };
 /// Weight of samples that are not seen.
 const UNSEEN: f64 = 1e-8;

@@ -9,7 +9,7 @@
 use super::hypothesis::{Given, Solution};
 use crate::fit::noise_estimate;
 use crate::fit::normal::{Eliminated, Normal};
-use crate::fit::optimiser::{Beyond, Stop, minimise, normals};
+use crate::fit::optimiser::{Stop, minimise, normals};
 use crate::fit::predictor::{PredictionError, Predictor};
 use crate::fit::problem::{Point, Problem, Tables, Weighing};
 use crate::fit::weighing::reweigh;
@@ -36,19 +36,16 @@ pub struct Tuned {
 pub const SKETCH: Stop = Stop {
     steps: 5,
     gain: 1.0,
-    beyond: Beyond::Damped,
 };
 /// The same where the way is long.
 pub const LONG_SKETCH: Stop = Stop {
     steps: 12,
     gain: 2.0,
-    beyond: Beyond::Damped,
 };
 /// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
 pub const HELD: Stop = Stop {
     steps: 20,
     gain: 1.0,
-    beyond: Beyond::Damped,
 };
 /// Turns of motion and noise at most, and when they end.
 const TURNS: usize = 8;
@@ -57,12 +54,10 @@ const STILL_NOISE: f64 = 0.1;
 const FIRST: Stop = Stop {
     steps: 40,
     gain: 0.5,
-    beyond: Beyond::Damped,
 };
 const NEXT: Stop = Stop {
     steps: 8,
     gain: 0.1,
-    beyond: Beyond::Damped,
 };
 
 /// Fits the soil and these knobs, the noise held.

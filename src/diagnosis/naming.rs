@@ -19,7 +19,7 @@ use crate::fit::segment::CLOCK;
 const HOPELESS: f64 = 1000.0;
 
 /// Shares of a proposal's steps that its fit may begin with: the cheapest is taken.
-const SHARES: [f64; 4] = [1.0, 0.4, 0.15, 0.05];
+const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
 /// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
 /// lost its way.
 const LOST: f64 = 5.0;

@@ -16,7 +16,7 @@ use super::{Subject, Verdict};
 /// outside the catalogue looks exactly like something inside.
 const DOUBT: f64 = 0.03;
 /// Softens log Bayes factors: so much, and so many roots of the largest.
-const TEMPERATURE: f64 = 2.0;
+const TEMPERATURE: f64 = 1.5;
 const PER_ROOT: f64 = 0.2;
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;

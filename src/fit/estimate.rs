@@ -3,7 +3,7 @@
 use super::error::{FitError, SHORTEST};
 use super::identifiability::{Limit, limits};
 use super::noise_estimate;
-use super::optimiser::{Beyond, Stop, minimise};
+use super::optimiser::{Stop, minimise};
 use super::parameter::Parameter;
 use super::predictor::Predictor;
 use super::problem::{Point, Problem, Tables, Weighing};
@@ -109,14 +109,12 @@ const STILL_NOISE: f64 = 0.1;
 const TURN: Stop = Stop {
     steps: 6,
     gain: 0.05,
-    beyond: Beyond::Shortened,
 };
 /// The first turn goes all the way: noise estimated half way down would take the misfit for slow
 /// noise, and hold the fit there.
 const FIRST_TURN: Stop = Stop {
     steps: 40,
     gain: 0.5,
-    beyond: Beyond::Shortened,
 };
 /// Samples go to other segments when the pose proves later by more than this \[s\].
 const LATER: f64 = 0.03;

@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt within bounds.
 //!
 //! Damping after H. B. Nielsen, "Damping parameter in Marquardt's method" (IMM-REP-1999-05).
-//! A step is also held back where it would carry a parameter too far at once, in units of its prior:
+//! A step is also cut where it would carry a parameter too far at once, in units of its prior:
 //! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
 //! Bounds by an active set: a parameter that stands on its bound and is pushed outward is
 //! held for the step, and a step is cut at the bounds (D. P. Bertsekas' projection).
@@ -19,19 +19,6 @@ pub struct Stop {
     pub steps: usize,
     /// The cost, a chi-square, need not fall by more than this any further.
     pub gain: f64,
-    /// What becomes of steps that go too far.
-    pub beyond: Beyond,
-}
-
-/// What becomes of a step that would carry a parameter too far at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Beyond {
-    /// It is shortened. From far away, where the linearised problem says little.
-    Shortened,
-    /// It is damped in units of the priors, which holds back what the data hardly tell and leaves what
-    /// they tell clearly (J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory",
-    /// 1978). Along the valleys in which an effect and the soil that imitates it trade places.
-    Damped,
 }
 
 /// Where the search ended.
@@ -66,10 +53,6 @@ const SMALLEST_REACH: f64 = 1e-6;
 /// they cost several times as much as residuals.
 const LINEAR: f64 = 0.25;
 const CHORDS: usize = 3;
-
-/// How the damping that keeps a step within reach is looked for.
-const TENFOLD: f64 = 10.0;
-const HALVINGS: usize = 6;
 
 /// A step and the gain that the linearised problem expects of it.
 struct Step {
@@ -151,7 +134,7 @@ pub fn minimise<P: Predictor>(
     let mut steps = 0;
     let (converged, promised) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
-        let step = propose(problem, &here, damping, reach, stop.beyond);
+        let step = propose(problem, &here, damping, reach);
         let little = step.as_ref().is_some_and(|s| s.expected_gain < stop.gain);
         if (ended || little) && here.age > 0 {
             // Only derivatives of this point tell whether it is the end.
@@ -238,7 +221,6 @@ fn propose<P: Predictor>(
     here: &Stand,
     damping: f64,
     reach: f64,
-    beyond: Beyond,
 ) -> Option<Step> {
     let Stand { point, normals, .. } = here;
     let eliminated: Vec<Option<Eliminated>> = normals
@@ -257,9 +239,13 @@ fn propose<P: Predictor>(
         matrix[(k, k)] *= 1.0 + damping;
     }
     hold_at_bounds(problem, point, &mut matrix, &mut gradient);
-    let deviations = problem.parameters.iter().map(|p| p.prior.deviation);
-    let deviations = DVector::from_iterator(matrix.nrows(), deviations);
-    let (wanted, far) = within(&matrix, &gradient, &deviations, reach, beyond)?;
+    let mut wanted = matrix.cholesky()?.solve(&gradient);
+    let far = problem.parameters.iter().zip(wanted.iter());
+    let far = far.map(|(p, step)| step.abs() / p.prior.deviation);
+    let far = far.fold(0.0, f64::max);
+    if far > reach {
+        wanted *= reach / far;
+    }
     let mut next = point.clone();
     for (k, parameter) in problem.parameters.iter().enumerate() {
         let (low, high) = parameter.bounds();
@@ -280,53 +266,8 @@ fn propose<P: Predictor>(
     (expected_gain.is_finite() && finite).then_some(Step {
         point: next,
         expected_gain,
-        reach: far,
+        reach: far.min(reach),
     })
-}
-
-/// The step that lowers the linearised cost, held back so as to carry no parameter further than `reach`
-/// deviations, and how far it goes.
-fn within(
-    matrix: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    deviations: &DVector<f64>,
-    reach: f64,
-    beyond: Beyond,
-) -> Option<(DVector<f64>, f64)> {
-    let solved = |damping: f64| {
-        let mut damped = matrix.clone();
-        for (k, deviation) in deviations.iter().enumerate() {
-            damped[(k, k)] += damping / deviation.powi(2);
-        }
-        let step = damped.cholesky()?.solve(gradient);
-        let far = step.component_div(deviations).amax();
-        Some((step, far))
-    };
-    let (full, far) = solved(0.0)?;
-    if far <= reach {
-        return Some((full, far));
-    }
-    if beyond == Beyond::Shortened {
-        return Some((full * (reach / far), reach));
-    }
-    let (mut little, mut enough) = (0.0, 1.0);
-    while solved(enough)?.1 > reach {
-        little = enough;
-        enough *= TENFOLD;
-    }
-    for _ in 0..HALVINGS {
-        let middle = if little > 0.0 {
-            f64::sqrt(little * enough)
-        } else {
-            enough / TENFOLD
-        };
-        if solved(middle)?.1 > reach {
-            little = middle;
-        } else {
-            enough = middle;
-        }
-    }
-    solved(enough)
 }
 
 fn matrix_of(eliminated: &[Eliminated], precision: &DVector<f64>) -> DMatrix<f64> {
@@ -352,30 +293,6 @@ fn hold_at_bounds<P: Predictor>(
             matrix.column_mut(k).fill(0.0);
             matrix[(k, k)] = 1.0;
             gradient[k] = 0.0;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_the_data_hardly_tell_does_not_hold_back_what_they_tell() {
-        // The full step is (2, 500); the second number is all but free.
-        let matrix = DMatrix::from_row_slice(2, 2, &[1e4, 0.0, 0.0, 1e-2]);
-        let gradient = DVector::from_vec(vec![2e4, 5.0]);
-        let deviations = DVector::from_vec(vec![1.0, 2.0]);
-        let held = |beyond| within(&matrix, &gradient, &deviations, 3.0, beyond).unwrap();
-        let (step, far) = held(Beyond::Damped);
-        assert!((1.99..2.0).contains(&step[0]), "{step}");
-        assert!(far <= 3.0 && far > 2.0, "{far}");
-        assert!((step[1] / 2.0 - far).abs() < 1e-12);
-        let (step, far) = held(Beyond::Shortened);
-        assert!((step - DVector::from_vec(vec![0.024, 6.0])).amax() < 1e-12 && far == 3.0);
-        for beyond in [Beyond::Damped, Beyond::Shortened] {
-            let (full, far) = within(&matrix, &gradient, &deviations, 300.0, beyond).unwrap();
-            assert!((full - DVector::from_vec(vec![2.0, 500.0])).amax() < 1e-9 && far < 300.0);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::estimate::{Options, Stage};
 use super::normal::Eliminated;
-use super::optimiser::{Beyond, Stop, minimise, normals};
+use super::optimiser::{Stop, minimise, normals};
 use super::parameter::Parameter;
 use super::predictor::Predictor;
 use super::problem::{Point, Problem, Weighing};
@@ -55,7 +55,6 @@ const SAME: f64 = 1.0;
 const DESCENT: Stop = Stop {
     steps: 12,
     gain: 0.1,
-    beyond: Beyond::Shortened,
 };
 /// Turns of motion and weights on the way down.
 const TURNS: usize = 6;
