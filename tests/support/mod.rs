@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test uses some of it")]
 
+pub mod host;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
