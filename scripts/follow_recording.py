@@ -7,6 +7,7 @@ the model's, added up over the whole drive.
 
 import argparse
 import csv
+import math
 import sys
 from pathlib import Path
 
@@ -19,34 +20,117 @@ STANDSTILL = 0.05  # rad/s
 COLORS = ["#d97706", "#059669", "#2563eb", "#9333ea"]
 
 
-def column(rows: list[dict[str, str]], name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values of a column's samples."""
-    told = [(float(row["time"]), float(row[name])) for row in rows if row.get(name)]
-    if len(told) < 2:
-        sys.exit(f"follow_recording: the recording has no {name}")
-    time, values = np.array(told).T
-    return time, values
+NEEDED = ("omega_left", "omega_right", "x", "y", "heading")
+
+Series = tuple[np.ndarray, np.ndarray]
 
 
-def drive(fmu: Path, rows: list[dict[str, str]], seconds: float) -> np.ndarray:
+class Refused(Exception):
+    """What the user has to put right."""
+
+
+def read(path: Path) -> dict[str, Series]:
+    """Times and values of each column that is needed; cells may be empty."""
+    try:
+        lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise Refused(f"{path}: no CSV in UTF-8 ({error})") from error
+    header = [name.strip() for name in lines[0]] if lines else []
+    for name in ("time", *NEEDED):
+        if name not in header:
+            raise Refused(f"{path}: line 1: there is no column {name}; needed are time, {', '.join(NEEDED)}")
+    told: dict[str, list[tuple[float, float]]] = {name: [] for name in NEEDED}
+    last = -math.inf
+    for number, cells in enumerate(lines[1:], 2):
+        if not any(cells):
+            continue
+        if len(cells) != len(header):
+            raise Refused(f"{path}: line {number}: {len(cells)} cells, not {len(header)} as in the header")
+        row = dict(zip(header, cells, strict=True))
+        values = {name: finite(row[name], f"{path}: line {number}: {name}") for name in NEEDED if row[name].strip()}
+        time = finite(row["time"], f"{path}: line {number}: time")
+        if time <= last:
+            raise Refused(f"{path}: line {number}: time {time:g} is not after {last:g}; cut out one run")
+        last = time
+        for name, value in values.items():
+            told[name].append((time, value))
+    for name, samples in told.items():
+        if len(samples) < 2:
+            raise Refused(f"{path}: fewer than two values of {name}")
+    return {name: tuple(np.array(samples).T) for name, samples in told.items()}
+
+
+def finite(text: str, place: str) -> float:
+    """The number in a cell."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise Refused(f"{place} is `{text}`, not a finite number")
+    return value
+
+
+def drive(fmu: Path, recording: dict[str, Series], seconds: float) -> np.ndarray:
     """Time, east and north of an FMU."""
-    wheels = [column(rows, name) for name in ("omega_left", "omega_right")]
+    wheels = [recording[name] for name in ("omega_left", "omega_right")]
     begin = max(time[0] for time, _ in wheels)
     end = min(begin + seconds, *(time[-1] for time, _ in wheels))
     clock = np.arange(begin, end, STEP)
+    if len(clock) < 2:
+        raise Refused("the recording has no two moments with both wheel speeds; name one that is longer")
     speeds = [np.interp(clock, *series) for series in wheels]
     kind = [("time", float), ("omega_left", float), ("omega_right", float)]
     signals = np.array(list(zip(clock, *speeds, strict=True)), dtype=kind)
-    start = {f"initial.{name}": values[0] for name in ("x", "y", "heading") for _, values in [column(rows, name)]}
+    start = {f"initial.{name}": values[0] for name in ("x", "y", "heading") for _, values in [recording[name]]}
     start |= {"omega_left": speeds[0][0], "omega_right": speeds[1][0]}
     start["initial.no_slip"] = bool(max(abs(speed[0]) for speed in speeds) > STANDSTILL)
-    result = fmpy.simulate_fmu(str(fmu), start_time=begin, stop_time=clock[-1], output_interval=STEP, input=signals,
-                               start_values=start, output=["x", "y"], fmi_type="CoSimulation")
+    try:
+        result = fmpy.simulate_fmu(str(fmu), start_time=begin, stop_time=clock[-1], output_interval=STEP, input=signals,
+                                   start_values=start, output=["x", "y"], fmi_type="CoSimulation")
+    except Exception as error:  # fmpy raises whatever the archive, its description or its library give rise to
+        raise Refused(f"{fmu}: {error}; name an FMU that `ugv package` made for this platform") from error
     return np.array([result["time"], result["x"], result["y"]])
 
 
+def save(figure: Figure, path: Path) -> None:
+    """Writes the picture beside and renames it."""
+    part = path.with_name(f".{path.name}.part{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(part, dpi=150)
+        part.replace(path)
+    except (OSError, ValueError) as error:
+        part.unlink(missing_ok=True)
+        raise Refused(f"{path} cannot be written ({error}); name another picture with --output") from error
+
+
+def follow(recording: Path, fmus: list[Path], seconds: float) -> Figure:
+    """Drives and draws, and prints a line for each FMU."""
+    series = read(recording)
+    figure = Figure(figsize=(6, 7), layout="constrained")
+    ground, error = figure.subplots(2, height_ratios=[3, 1])
+    (time, east), (other, north) = series["x"], series["y"]
+    north = np.interp(time, other, north)
+    shown = time < time[0] + seconds
+    ground.plot(east[shown], north[shown], color="black", linewidth=3, alpha=0.35, label=f"recorded: {recording.name}")
+    for fmu, color in zip(fmus, COLORS * len(fmus), strict=False):
+        clock, x, y = drive(fmu, series, seconds)
+        at = shown & (time >= clock[0]) & (time <= clock[-1])
+        if not at.any():
+            raise Refused(f"{recording}: no pose while the wheel speeds are there")
+        away = np.hypot(np.interp(time[at], clock, x) - east[at], np.interp(time[at], clock, y) - north[at])
+        ground.plot(x, y, color=color, label=fmu.name)
+        error.plot(time[at], away, color=color)
+        print(f"{fmu.name}: {np.sqrt(np.mean(away**2)):.3f} m RMS, {away[-1]:.3f} m after {time[at][-1] - time[at][0]:.0f} s")
+    ground.set(xlabel="East (m)", ylabel="North (m)", aspect="equal")
+    ground.legend(frameon=False)
+    error.set(xlabel="Time (s)", ylabel="Distance (m)")
+    return figure
+
+
 def main() -> None:
-    """Reads the arguments, drives, draws, and prints a line for each FMU."""
+    """Reads the arguments, and does what they say."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     add = parser.add_argument
     add("recording", type=Path, help="recording (CSV) with wheel speeds and pose, of one run")
@@ -57,25 +141,14 @@ def main() -> None:
     for path in (arguments.recording, *arguments.fmus):
         if not path.is_file():
             parser.error(f"{path} is not there")
-    with arguments.recording.open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    figure = Figure(figsize=(6, 7), layout="constrained")
-    ground, error = figure.subplots(2, height_ratios=[3, 1])
-    (time, east), (_, north) = column(rows, "x"), column(rows, "y")
-    shown = time < time[0] + arguments.seconds
-    ground.plot(east[shown], north[shown], color="black", linewidth=3, alpha=0.35, label=f"recorded: {arguments.recording.name}")
-    for fmu, color in zip(arguments.fmus, COLORS * len(arguments.fmus), strict=False):
-        clock, x, y = drive(fmu, rows, arguments.seconds)
-        at = shown & (time >= clock[0]) & (time <= clock[-1])
-        away = np.hypot(np.interp(time[at], clock, x) - east[at], np.interp(time[at], clock, y) - north[at])
-        ground.plot(x, y, color=color, label=fmu.name)
-        error.plot(time[at], away, color=color)
-        print(f"{fmu.name}: {np.sqrt(np.mean(away**2)):.3f} m RMS, {away[-1]:.3f} m after {time[at][-1] - time[at][0]:.0f} s")
-    ground.set(xlabel="East (m)", ylabel="North (m)", aspect="equal")
-    ground.legend(frameon=False)
-    error.set(xlabel="Time (s)", ylabel="Distance (m)")
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(arguments.output, dpi=150)
+    if not 0.0 < arguments.seconds < math.inf:
+        parser.error(f"--seconds {arguments.seconds} is no time to drive; give more than 0")
+    if arguments.output.is_dir():
+        parser.error(f"--output {arguments.output} is a folder; name a picture, such as {arguments.output / 'follow.png'}")
+    try:
+        save(follow(arguments.recording, arguments.fmus, arguments.seconds), arguments.output)
+    except Refused as error:
+        sys.exit(f"follow_recording: {error}")
 
 
 if __name__ == "__main__":

@@ -11,95 +11,23 @@
  * Prints how often each function returned each status. Exit code: 0, or 1 if something is wrong.
  */
 #include "fmu_host.h"
-#include "ugv.h"
 
-#include <pthread.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#define COUNT FUNCTION_COUNT
+#define FUNCTION_NAMES NAMES
+#include "fmu_random.h"
 
-enum { ACTORS = 4, SLOTS = 3, STATES = 4, MOST = 8, STATUSES = 6 };
-
-/* An instance, and the time that it should have reached. */
-struct slot {
-    fmi2Component component;
-    double time;
-};
-
-struct actor {
-    uint64_t random, digest;
-    struct slot slots[SLOTS];
-    fmi2FMUstate states[STATES];
-    double state_times[STATES];
-    fmi2Byte *bytes;
-    size_t size;
-    double bytes_time;
-    unsigned long count[FUNCTION_COUNT][STATUSES];
-    long calls;
-};
-
-static const char *resources, *guid;
-
-static void fail(const char *what) {
-    fprintf(stderr, "fmu_host: %s\n", what);
-    exit(1);
-}
-
-static int integer(struct actor *a) { return percent(&a->random, 90) ? 1 + (int)below(&a->random, 5) : (int)draw(&a->random); }
-
-static void digest(struct actor *a, const void *data, size_t size) {
-    const unsigned char *bytes = data;
-    for (size_t i = 0; i < size; i++) a->digest = (a->digest ^ bytes[i]) * 0x100000001b3u;
-}
+static const char *load_functions(const char *path) { return load(path); }
 
 static void logger(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,
                    fmi2String category, fmi2String message, ...) {
-    struct actor *a = environment;
-    if (!name || !category || !message) fail("the logger got a null pointer");
-    if (strpbrk(message, "%#")) fail("a message could be taken for a format");
-    if (strncmp(category, "log", 3) != 0) fail("a log category is not declared");
-    digest(a, &status, sizeof status);
-    digest(a, message, strlen(message));
+    if (!name) fail("the logger got a null pointer");
+    if (strchr(message, '%')) fail("a message could be taken for a format");
+    take_note(environment, status, category, message);
 }
 
-/* Arrays have exactly the size that is told, for a memory checker to see what goes beyond. */
-static void *array(struct actor *a, size_t count, size_t size) {
-    if (percent(&a->random, count ? 2 : 50)) return NULL;
-    void *memory = calloc(count ? count : 1, size);
-    if (!memory) fail("out of memory");
-    return memory;
-}
-
-static fmi2Real *reals(struct actor *a, size_t count, double size) {
-    fmi2Real *values = array(a, count, sizeof *values);
-    for (size_t i = 0; values && i < count; i++) values[i] = real(&a->random, size);
-    return values;
-}
-
-static fmi2Integer *integers(struct actor *a, size_t count) {
-    fmi2Integer *values = array(a, count, sizeof *values);
+static int *integers(struct actor *a, size_t count) {
+    int *values = array(a, count, sizeof *values);
     for (size_t i = 0; values && i < count; i++) values[i] = integer(a);
-    return values;
-}
-
-/* Mostly inputs, outputs or parameters that are there. */
-static fmi2ValueReference reference(struct actor *a) {
-    switch (below(&a->random, 10)) {
-    case 0: return below(&a->random, 60);
-    case 1: return 1000 + below(&a->random, 5);
-    case 2: case 3: return 2000 + 16 * below(&a->random, 8) + below(&a->random, 7);
-    case 4: return percent(&a->random, 70) ? below(&a->random, 13) : (fmi2ValueReference)draw(&a->random);
-    case 5: case 6: return 2 + below(&a->random, 11);
-    case 7: return 500 + 16 * below(&a->random, 21) + below(&a->random, 7);
-    default: return below(&a->random, 2);
-    }
-}
-
-static fmi2ValueReference *references(struct actor *a, size_t count, int inputs) {
-    fmi2ValueReference *values = array(a, count, sizeof *values);
-    for (size_t i = 0; values && i < count; i++)
-        values[i] = inputs && percent(&a->random, 85) ? below(&a->random, 2) : reference(a);
     return values;
 }
 
@@ -115,7 +43,7 @@ static fmi2Component instantiate(struct actor *a) {
 }
 
 /* One call; what it gave goes into the digest. */
-static int call(struct actor *a, enum function function) {
+static int call(struct actor *a, int function) {
     unsigned which = below(&a->random, SLOTS), kept = below(&a->random, STATES);
     struct slot *slot = &a->slots[which];
     fmi2Component c = percent(&a->random, 1) ? NULL : slot->component;
@@ -129,7 +57,7 @@ static int call(struct actor *a, enum function function) {
     fmi2Status status = fmi2OK, value = fmi2OK;
     fmi2StatusKind kind = (fmi2StatusKind)below(&a->random, 5);
 
-    switch (function) {
+    switch ((enum function)function) {
     case F_GetTypesPlatform: status = strcmp(fmu.GetTypesPlatform(), "default") ? fmi2Error : fmi2OK; break;
     case F_GetVersion: status = strcmp(fmu.GetVersion(), "2.0") ? fmi2Error : fmi2OK; break;
     case F_SetDebugLogging: {
@@ -212,7 +140,7 @@ static int call(struct actor *a, enum function function) {
     case F_DeSerializeFMUstate:
         if (a->bytes && percent(&a->random, 20)) {
             /* Damaged, cut short, or both; the next ones will be whole again. */
-            if (percent(&a->random, 70)) a->bytes[below(&a->random, (unsigned)a->size)] ^= (fmi2Byte)(1 + below(&a->random, 255));
+            if (percent(&a->random, 70)) ((fmi2Byte *)a->bytes)[below(&a->random, (unsigned)a->size)] ^= (fmi2Byte)(1 + below(&a->random, 255));
             size = a->size - (percent(&a->random, 50) ? below(&a->random, (unsigned)a->size) : 0);
             status = fmu.DeSerializeFMUstate(c, a->bytes, size, state);
             if (c && status == fmi2OK && size != a->size) fail("a part of a state was taken for a whole one");
@@ -292,7 +220,7 @@ static int call(struct actor *a, enum function function) {
 }
 
 /* What is needed to get anywhere comes more often than what ends a simulation. */
-static enum function choose(struct actor *a) {
+static int choose(struct actor *a) {
     static const enum function often[] = {
         F_EnterInitializationMode, F_ExitInitializationMode, F_DoStep, F_DoStep, F_DoStep, F_GetReal, F_SetReal,
         F_SetReal, F_EnterContinuousTimeMode, F_SetContinuousStates, F_GetDerivatives, F_SetRealInputDerivatives,
@@ -316,21 +244,6 @@ static void begin(struct actor *a, struct slot *slot) {
     fmu.EnterContinuousTimeMode(slot->component);
 }
 
-static void one_call(struct actor *a) {
-    if (percent(&a->random, 5)) begin(a, &a->slots[below(&a->random, SLOTS)]);
-    enum function function = choose(a);
-    int status = call(a, function);
-    a->count[function][status]++;
-    digest(a, &status, sizeof status);
-    a->calls--;
-}
-
-static void *all_calls(void *actor) {
-    struct actor *a = actor;
-    while (a->calls > 0) one_call(a);
-    return NULL;
-}
-
 /* Frees everything, through an instance that makes sure of one. */
 static void finish(struct actor *a) {
     const fmi2CallbackFunctions functions = {logger, NULL, NULL, NULL, a};
@@ -343,53 +256,3 @@ static void finish(struct actor *a) {
     free(a->bytes);
 }
 
-static void run(struct actor *actors, const char *way, uint64_t seed, long calls) {
-    uint64_t schedule = seed;
-    memset(actors, 0, ACTORS * sizeof *actors);
-    for (unsigned k = 0; k < ACTORS; k++) {
-        actors[k].random = draw(&schedule);
-        actors[k].calls = calls / ACTORS;
-    }
-    if (strcmp(way, "threads") == 0) {
-        pthread_t threads[ACTORS];
-        for (unsigned k = 0; k < ACTORS; k++)
-            if (pthread_create(&threads[k], NULL, all_calls, &actors[k]) != 0) fail("no thread");
-        for (unsigned k = 0; k < ACTORS; k++) pthread_join(threads[k], NULL);
-    } else if (strcmp(way, "mixed") == 0) {
-        for (long done = 0; done < calls / ACTORS * ACTORS;) {
-            struct actor *a = &actors[below(&schedule, ACTORS)];
-            if (a->calls > 0) one_call(a), done++;
-        }
-    } else if (strcmp(way, "serial") == 0) {
-        for (unsigned k = 0; k < ACTORS; k++) all_calls(&actors[k]);
-    } else {
-        fail("the ways are mixed, serial and threads");
-    }
-    for (unsigned k = 0; k < ACTORS; k++) finish(&actors[k]);
-}
-
-int main(int argc, char **argv) {
-    static struct actor first[ACTORS], again[ACTORS];
-    if (argc < 7) fail("usage: fmu_host LIBRARY RESOURCES GUID SEED CALLS WAY...");
-    const char *missing = load(argv[1]);
-    if (missing) fail(missing);
-    resources = argv[2], guid = argv[3];
-    uint64_t seed = strtoull(argv[4], NULL, 10);
-    long calls = strtol(argv[5], NULL, 10);
-    run(first, argv[6], seed, calls);
-    for (int way = 7; way < argc; way++) {
-        run(again, argv[way], seed, calls);
-        for (unsigned k = 0; k < ACTORS; k++)
-            if (again[k].digest != first[k].digest) fail("the ways saw different things");
-    }
-    for (unsigned f = 0; f < FUNCTION_COUNT; f++) {
-        printf("%s", NAMES[f]);
-        for (unsigned status = fmi2OK; status <= fmi2Error; status++) {
-            unsigned long sum = 0;
-            for (unsigned k = 0; k < ACTORS; k++) sum += first[k].count[f][status];
-            printf(" %lu", sum);
-        }
-        printf("\n");
-    }
-    return 0;
-}

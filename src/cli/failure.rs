@@ -120,6 +120,9 @@ impl Failure {
             Self::Json { .. } => Some(
                 "`ugv vehicle`, `ugv terrains NAME`, `ugv effects NAME` and `ugv model` print files that are right".into(),
             ),
+            Self::Write { source, .. } if is_place(source) => {
+                Some("name a place in a folder that is there and can be written".into())
+            }
             Self::Simulation(SimulationError::Balance {
                 source: BalanceError::Bogged { .. },
                 ..
@@ -134,6 +137,21 @@ impl Failure {
             _ => None,
         }
     }
+}
+
+/// Whether it is the place that cannot be written, rather than the content.
+fn is_place(error: &io::Error) -> bool {
+    use io::ErrorKind::{
+        IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem,
+    };
+    let kinds = [
+        IsADirectory,
+        NotADirectory,
+        NotFound,
+        PermissionDenied,
+        ReadOnlyFilesystem,
+    ];
+    kinds.contains(&error.kind())
 }
 
 impl From<RecordingError> for Failure {

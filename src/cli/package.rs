@@ -132,7 +132,9 @@ fn remedy(error: &MergeError) -> &'static str {
         MergeError::Differs { entry, .. } if entry.starts_with("binaries/") => {
             "build each platform once, and merge FMUs of one source only"
         }
-        _ => "package each with the same vehicle, terrain and effects, by the same version of ugv",
+        _ => {
+            "package each with the same --fmi, vehicle, terrain and effects, by the same version of ugv"
+        }
     }
 }
 

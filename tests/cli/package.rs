@@ -1,6 +1,7 @@
 //! `ugv package` with libraries for several platforms, and what it merges.
 
 use super::*;
+use predicates::prelude::*;
 use predicates::str::contains;
 
 /// What marks a library of this version.
@@ -64,7 +65,13 @@ fn merged_fmus_are_what_packaging_at_once_gives() {
 fn what_cannot_be_merged_is_named_and_nothing_is_written() {
     let bench =
         Bench::packaged("package --terrain dry_sand --library win64=ugv.dll --output sand.fmu");
+    bench
+        .ugv("package --library win64=ugv.dll --fmi 3 --output three.fmu")
+        .assert()
+        .success();
     bench.write("rubbish.fmu", "rubbish");
+    let whole = bench.bytes("win64.fmu");
+    bench.write("cut.fmu", &whole[..whole.len() / 2]);
     bench.write("merged.fmu", "precious");
     let files = bench.files();
     for (arguments, expected) in [
@@ -72,6 +79,15 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
             "--merge linux64.fmu sand.fmu",
             "modelDescription.xml differs between linux64.fmu and sand.fmu",
         ),
+        (
+            "--merge linux64.fmu three.fmu",
+            "hint: package each with the same --fmi, ",
+        ),
+        (
+            "--merge linux64.fmu cut.fmu",
+            "cut.fmu is no FMU that can be read: ",
+        ),
+        ("--fmi 4", "invalid value '4' for '--fmi <VERSION>'"),
         (
             "--merge linux64.fmu rubbish.fmu",
             "rubbish.fmu is no FMU that can be read: ",
@@ -103,5 +119,7 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
         .ugv("package --merge linux64.fmu win64.fmu --output nowhere/ugv.fmu")
         .assert()
         .code(1)
-        .stderr(contains("cannot write nowhere/ugv.fmu: "));
+        .stderr(contains("cannot write nowhere/ugv.fmu: ").and(contains(
+            "\nugv: hint: name a place in a folder that is there and can be written\n",
+        )));
 }

@@ -56,6 +56,46 @@ class Follow(unittest.TestCase):
                 self.assertTrue(least <= after <= most, said.getvalue())
                 self.assertGreater(matplotlib.image.imread(picture).std(), 0.05)
 
+    def test_what_is_wrong_is_told_in_a_line_and_no_picture_is_left(self) -> None:
+        header = "time,omega_left,omega_right,x,y,heading"
+        rows = [f"{0.1 * k:.1f},1,1,0,0,0" for k in range(4)]
+        whole = "\n".join([header, *rows])
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            broken = folder / "broken.fmu"
+            broken.write_bytes(FMU.read_bytes()[:5000])
+            for text, arguments, complaint in (
+                ("", [], "drive.csv: line 1: there is no column time"),
+                (whole.replace("time", "t"), [], "drive.csv: line 1: there is no column time"),
+                (whole.replace("x,", "z,"), [], "drive.csv: line 1: there is no column x"),
+                (whole.replace("0.1,1", "0.1,fast"), [], "drive.csv: line 3: omega_left is `fast`, not a finite number"),
+                (whole.replace("0.1,1", "0.1,nan"), [], "drive.csv: line 3: omega_left is `nan`, not a finite number"),
+                (whole.replace("0.2,", "inf,"), [], "drive.csv: line 4: time is `inf`, not a finite number"),
+                (whole.replace("0.2,1,1", "0.2,1"), [], "drive.csv: line 4: 5 cells, not 6 as in the header"),
+                (whole.replace("0.3,", "0.1,"), [], "drive.csv: line 5: time 0.1 is not after 0.2"),
+                ("\n".join([header, rows[0]]), [], "drive.csv: fewer than two values of omega_left"),
+                (b"\xff\xfe\x9f", [], "drive.csv: .* UTF-8"),
+                (whole, [str(broken)], "broken.fmu: .* zip"),
+                (whole, ["--seconds", "nan"], "--seconds nan"),
+                (whole, ["--seconds", "0"], "--seconds 0"),
+                (whole, ["--output", "/proc/x.png"], "/proc/x.png cannot be written"),
+                (whole, ["--output", str(folder)], "is a folder; name a picture"),
+            ):
+                with self.subTest(complaint):
+                    recording, picture = folder / "drive.csv", folder / "follow.png"
+                    recording.write_bytes(text if isinstance(text, bytes) else text.encode())
+                    command = ["follow", str(recording), str(FMU), "--output", str(picture), *arguments]
+                    if arguments[:1] == [str(broken)]:
+                        command[2] = str(broken)
+                        del command[-1]
+                    said = io.StringIO()
+                    with mock.patch.object(sys, "argv", command), contextlib.redirect_stderr(said):
+                        with self.assertRaises(SystemExit) as stopped:
+                            follow_recording.main()
+                    told = f"{said.getvalue()}{stopped.exception.code}"
+                    self.assertRegex(told, complaint)
+                    self.assertEqual(sorted(path.name for path in folder.iterdir()), ["broken.fmu", "drive.csv"])
+
 
 if __name__ == "__main__":
     unittest.main()

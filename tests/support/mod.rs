@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test uses some of it")]
 
+pub mod host;
 pub mod outputs;
 
 use std::io::Write;

@@ -69,6 +69,7 @@ def main() -> None:
     data = args.data / "recordings"
     if not data.is_dir():
         sys.exit(f"prove: {data} is not there: skipped (UGV_DATA names the folder that holds recordings/)")
+    files.make_folder(args.out)
     chosen = [case for case in cases() if not args.only or case.name in args.only]
     processes, tool = Processes(), args.tool.resolve()
 

@@ -43,14 +43,16 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         parser.error(f"--jobs {arguments.jobs} is not 1 or 2; give one of them")
     if arguments.out.exists() and not arguments.out.is_dir():
         parser.error(f"--out {arguments.out} is a file; give a folder")
+    try:
+        (arguments.out / "sealed").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        parser.error(f"--out {arguments.out} cannot be made ({error.strerror}); give a folder that can be written")
     return arguments
 
 
 def main(argv: list[str] | None = None) -> int:
     """0 done, 1 some cases failed, 2 wrong arguments."""
     a = _arguments(argv)
-    a.out.mkdir(parents=True, exist_ok=True)
-    (a.out / "sealed").mkdir(exist_ok=True)
     write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed,
                                     "cases": [case_name(i) for i in range(a.cases)]})
     tasks = [(a.out, a.seed, i, a.family) for i in range(a.cases) if not is_complete(a.out, i)]

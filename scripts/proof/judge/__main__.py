@@ -93,7 +93,7 @@ def judged(name: str, truth: dict, results: Path, own: str) -> Judged:
 def main() -> None:
     args = arguments()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    args.out.mkdir(parents=True, exist_ok=True)
+    files.make_folder(args.out)
     sets, seed = ([args.set], None) if args.set else draw(args)
     root = (args.set or args.out / "cases").resolve()
     names, results = listed([folder.resolve() for folder in sets], root), (args.out / "results").resolve()

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,14 @@ def write(path: Path, text: str) -> None:
 def save(path: Path, value: Any) -> None:
     """Writes JSON beside and renames."""
     write(path, json.dumps(value, indent=1, allow_nan=False) + "\n")
+
+
+def make_folder(path: Path) -> None:
+    """Makes a folder if it is not there, or ends the program and says why not."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        sys.exit(f"prove: --out {path} cannot be made ({error.strerror}); give a folder that can be written")
 
 
 def fingerprint(path: Path) -> str:

@@ -3,8 +3,7 @@
 use super::{BLOCK, Channel, Ending, Input, Progress, Visit};
 use crate::import::ImportError;
 use mcap::McapError;
-use mcap::parse_record;
-use mcap::records::{Record, op};
+use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::HashMap;
 
@@ -41,28 +40,33 @@ pub(super) fn read(
                 ..
             }) => return Ok(Ending::Whole),
             Ok(LinearReadEvent::Record { opcode, data }) => match channels.take(opcode, data) {
-                Ok(Some((channel, log_time, data))) => visit(channel, log_time, &data)?,
+                Ok(Some((channel, log_time, data))) => visit(channel, log_time, data)?,
                 Ok(None) => {}
-                Err(error) => return Ok(broken(&input, &error)),
+                Err(reason) => return Ok(broken(&input, reason)),
             },
-            Err(error) => return Ok(broken(&input, &error)),
+            Err(error) => return Ok(broken(&input, describe(&error))),
         }
     }
     Ok(Ending::Whole)
 }
 
-fn broken(input: &Input, error: &McapError) -> Ending {
-    let reason = match error {
-        McapError::UnexpectedEof => "the file ends in the middle".into(),
-        McapError::Parse(_) => "a record does not parse".into(),
-        McapError::Io(source) => format!("a chunk does not unpack: {source}"),
-        other => other.to_string(),
-    };
+fn broken(input: &Input, reason: String) -> Ending {
     Ending::Broken {
         offset: input.place,
         reason,
     }
 }
+
+fn describe(error: &McapError) -> String {
+    match error {
+        McapError::UnexpectedEof => "the file ends in the middle".into(),
+        McapError::Parse(_) => UNREADABLE.into(),
+        McapError::Io(source) => format!("a chunk does not unpack: {source}"),
+        other => other.to_string(),
+    }
+}
+
+const UNREADABLE: &str = "a record does not parse";
 
 /// What the file has said so far about its topics.
 #[derive(Default)]
@@ -71,33 +75,135 @@ struct Channels {
     channels: HashMap<u16, Channel>,
 }
 
-type Shown<'c, 'd> = (&'c Channel, i64, std::borrow::Cow<'d, [u8]>);
+type Shown<'c, 'd> = (&'c Channel, i64, &'d [u8]);
 
 impl Channels {
     /// Learns from a record, or returns it if it is a message.
-    fn take<'d>(&mut self, opcode: u8, data: &'d [u8]) -> Result<Option<Shown<'_, 'd>>, McapError> {
-        match parse_record(opcode, data)? {
-            Record::Schema { header, .. } => {
-                self.schemas.insert(header.id, header.name);
-            }
-            Record::Channel(channel) => {
-                let message_type = self.schemas.get(&channel.schema_id);
-                let known = Channel {
-                    topic: channel.topic,
-                    message_type: message_type.cloned().unwrap_or_default(),
-                    encoding: channel.message_encoding,
-                };
-                self.channels.insert(channel.id, known);
-            }
-            Record::Message { header, data } => {
-                let id = header.channel_id;
+    fn take<'d>(&mut self, opcode: u8, data: &'d [u8]) -> Result<Option<Shown<'_, 'd>>, String> {
+        self.read(opcode, Fields(data))
+            .ok_or_else(|| UNREADABLE.to_owned())?
+            .map(|(id, time, data)| {
                 let channel = self.channels.get(&id);
-                let channel = channel.ok_or(McapError::UnknownChannel(header.sequence, id))?;
-                let time = header.log_time.min(LATEST) as i64;
-                return Ok(Some((channel, time, data)));
+                let channel = channel.ok_or("a message belongs to no topic")?;
+                Ok((channel, time.min(LATEST) as i64, data))
+            })
+            .transpose()
+    }
+
+    /// As [`Channels::take`], with the number of the message's channel; `None` if the record is damaged.
+    fn read<'d>(
+        &mut self,
+        opcode: u8,
+        mut fields: Fields<'d>,
+    ) -> Option<Option<(u16, u64, &'d [u8])>> {
+        match opcode {
+            op::SCHEMA => {
+                let (id, name) = (fields.u16()?, fields.text()?);
+                self.schemas.insert(id, name);
+            }
+            op::CHANNEL => {
+                let (id, schema) = (fields.u16()?, fields.u16()?);
+                let known = Channel {
+                    topic: fields.text()?,
+                    message_type: self.schemas.get(&schema).cloned().unwrap_or_default(),
+                    encoding: fields.text()?,
+                };
+                self.channels.insert(id, known);
+            }
+            op::MESSAGE => {
+                let (id, _sequence) = (fields.u16()?, fields.u32()?);
+                let (log_time, _publish_time) = (fields.u64()?, fields.u64()?);
+                return Some(Some((id, log_time, fields.0)));
             }
             _ => {}
         }
-        Ok(None)
+        Some(None)
+    }
+}
+
+/// What is left of a record. The format's crate asks for as much memory as the length of a text
+/// says before it looks whether there is as much text, and a damaged length may say anything.
+struct Fields<'a>(&'a [u8]);
+
+impl Fields<'_> {
+    fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (number, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*number)
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        self.number().map(u16::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.number().map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        self.number().map(u64::from_le_bytes)
+    }
+
+    fn text(&mut self) -> Option<String> {
+        let length = self.u32()? as usize;
+        let (text, rest) = self.0.split_at_checked(length)?;
+        self.0 = rest;
+        String::from_utf8(text.to_vec()).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A schema of number 1, a channel of it of number 2, and a message there.
+    const RECORDS: [(u8, &[u8]); 3] = [
+        (op::SCHEMA, b"\x01\0\x04\0\0\0type\0\0\0\0\0\0\0\0"),
+        (
+            op::CHANNEL,
+            b"\x02\0\x01\0\x05\0\0\0topic\x03\0\0\0cdr\0\0\0\0",
+        ),
+        (
+            op::MESSAGE,
+            b"\x02\0\x07\0\0\0\x09\0\0\0\0\0\0\0\x08\0\0\0\0\0\0\0data",
+        ),
+    ];
+
+    #[test]
+    fn records_are_understood() {
+        let mut channels = Channels::default();
+        for (opcode, data) in &RECORDS[..2] {
+            assert_eq!(channels.take(*opcode, data), Ok(None));
+        }
+        let channel = Channel {
+            topic: "topic".into(),
+            message_type: "type".into(),
+            encoding: "cdr".into(),
+        };
+        let message = channels.take(RECORDS[2].0, RECORDS[2].1);
+        assert_eq!(message, Ok(Some((&channel, 9, &b"data"[..]))));
+        let mut empty = Channels::default();
+        let nowhere = empty.take(RECORDS[2].0, RECORDS[2].1);
+        assert!(nowhere.unwrap_err().contains("no topic"));
+    }
+
+    fn refused(opcode: u8, data: &[u8]) -> bool {
+        Channels::default().take(opcode, data) == Err(UNREADABLE.to_owned())
+    }
+
+    #[test]
+    fn records_that_are_cut_off_or_tell_a_wrong_length_take_no_memory() {
+        for (opcode, data) in RECORDS {
+            for length in 0..8 {
+                assert!(refused(opcode, &data[..length]), "{opcode} {length}");
+            }
+        }
+        for (opcode, place) in [(op::SCHEMA, 2), (op::CHANNEL, 4)] {
+            let (_, data) = RECORDS.iter().find(|(other, _)| *other == opcode).unwrap();
+            let mut damaged = data.to_vec();
+            damaged[place..place + 4].fill(0xff);
+            let used = allocation_counter::measure(|| assert!(refused(opcode, &damaged)));
+            assert!(used.bytes_max < 10_000, "{used:?}");
+        }
     }
 }

@@ -1,0 +1,42 @@
+//! Recordings and drives as CSV: what is read has finite values at increasing times, and can be
+//! looked at.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use std::fs;
+use ugv_terrain::inspection::inspect;
+use ugv_terrain::recording::{read_drive, read_recording};
+use ugv_terrain_fuzz::scratch;
+
+/// Between the CSV and the JSON beside it; neither has it.
+const BETWEEN: u8 = 0;
+
+/// An inspection takes its time: of so many runs at most.
+const RUNS: usize = 3;
+
+fuzz_target!(|data: &[u8]| {
+    let mut parts = data.splitn(2, |byte| *byte == BETWEEN);
+    let (csv, json) = (parts.next().unwrap_or_default(), parts.next());
+    let (path, beside) = (scratch("csv"), scratch("json"));
+    fs::write(&path, csv).unwrap();
+    match json {
+        Some(json) => fs::write(&beside, json).unwrap(),
+        None => drop(fs::remove_file(&beside)),
+    }
+    if let Ok(drive) = read_drive("drive.csv", csv) {
+        assert!(drive.time.is_sorted_by(|a, b| a < b));
+    }
+    let Ok(recording) = read_recording(&path) else {
+        return;
+    };
+    for (channel, series) in recording.runs.iter().flat_map(|run| run.channels()) {
+        assert!(series.time.is_sorted_by(|a, b| a < b), "{channel:?}");
+        assert!(
+            series.value.iter().all(|value| value.is_finite()),
+            "{channel:?}"
+        );
+    }
+    if recording.runs.len() <= RUNS {
+        let _ = inspect(&recording);
+    }
+});
