@@ -10,8 +10,9 @@ effect! {
     /// Each wheel carries the depth z_m to which the soil that it meets was pressed before, a state
     /// that follows the row ahead over the distance L between the two (the first-order
     /// approximation of the transport by the vehicle's motion): dz_m/dt = |V| / L (memory o z_ahead -
-    /// z_m), with o = 1 / (1 + (L tan(beta) / b)^2) the overlap of the tracks when the vehicle moves
-    /// aside. At rest the memory stays.
+    /// z_m), with o = 1 / (1 + (d / b)^2) the overlap of the wheel's track with that of the row ahead
+    /// which it misses least: d = L_j tan(beta_j), beta_j the sideslip midway between it and row j. In a turn about
+    /// the vehicle's middle the last row runs in the first one's rut. At rest the memory stays.
     Multipass: "multipass", Physics,
     lifts "homogeneous ground: every row meets untouched soil",
     equation "sigma = K_e (z - z_p) up to z_m, k z^n beyond; K_e = ratio k z_m^(n-1), z_p = z_m (1 - 1/ratio)",
@@ -42,13 +43,11 @@ impl<S: Scalar> Multipass<S> {
         }
     }
 
-    /// The depth that a row's soil should have been pressed to, when the row ahead runs
-    /// `distance` \[m\] before it at the depth `ahead` \[m\] and each metre forward carries the
-    /// vehicle `aside` metres sideways, for wheels of this width \[m\].
+    /// The depth that a row's soil should have been pressed to, when the row ahead runs at the depth
+    /// `ahead` \[m\]; `missed` is the square of the distance between their tracks over a wheel's width.
     #[inline(always)]
-    pub fn arriving(&self, ahead: S, distance: S, aside: S, width: S) -> S {
-        let missed = distance * aside / width;
-        self.memory * ahead / (missed * missed).offset(1.0)
+    pub fn arriving(&self, ahead: S, missed: S) -> S {
+        self.memory * ahead / missed.offset(1.0)
     }
 }
 
@@ -74,13 +73,13 @@ mod tests {
 
     #[test]
     fn a_track_beside_the_rut_meets_untouched_soil() {
-        let straight = EFFECT.arriving(0.02, 0.6, 0.0, 0.25);
+        let straight = EFFECT.arriving(0.02, 0.0);
         assert_eq!(straight, 0.02);
-        assert!(EFFECT.arriving(0.02, 0.6, 2.0, 0.25) < 0.02 * 0.05);
+        assert!(EFFECT.arriving(0.02, 25.0) < 0.02 * 0.05);
         let off = Multipass {
             memory: 0.0,
             ..EFFECT
         };
-        assert_eq!(off.arriving(0.02, 0.6, 0.0, 0.25), 0.0);
+        assert_eq!(off.arriving(0.02, 0.0), 0.0);
     }
 }

@@ -92,6 +92,25 @@ fn forces_lag_the_motion_for_longer_with_a_longer_relaxation() {
 }
 
 #[test]
+fn in_a_turn_the_last_row_runs_in_the_rut_of_the_first() {
+    // Both are as far from the middle about which the vehicle turns; the second row runs inside.
+    let entry_angles = |memory: f64| {
+        let mut drive = Simulation::new(model("dry_sand", &[("multipass.memory", memory)]));
+        drive.set_wheel_speeds(speeds(2.0, 6.0)).unwrap();
+        drive.step(15.0).unwrap();
+        assert!(drive.state().yaw_rate > 0.1);
+        let wrench = drive.wrench().unwrap();
+        [0, 1, 2, 3].map(|row| wrench.wheels[2 * row].entry_angle)
+    };
+    let (plain, remembering) = (entry_angles(1e-9), entry_angles(1.0));
+    let share = |row: usize| remembering[row] / plain[row];
+    assert!(share(0) > 0.9, "{plain:?} {remembering:?}");
+    for row in [2, 3] {
+        assert!(share(row) < 0.75, "{plain:?} {remembering:?}");
+    }
+}
+
+#[test]
 fn rows_behind_run_in_the_rut_of_the_rows_ahead() {
     for terrain in Terrain::PRESETS {
         let run = |memory: f64, omega: f64| {

@@ -1,8 +1,8 @@
 //! What a vehicle and its ground remember: states besides position and velocity.
 
-use super::{Chassis, Situation};
-use crate::contact::{Regularisation, WheelLaw, WheelMemory};
-use crate::effects::{Boundary, Displacement, Effects, Multipass, SlopeProfile};
+use super::{Chassis, Situation, rut};
+use crate::contact::{Regularisation, WheelMemory};
+use crate::effects::{Boundary, Displacement, Effects, SlopeProfile};
 use crate::scalar::{Elementary, Scalar};
 use crate::vehicle::Specification;
 
@@ -21,11 +21,9 @@ pub(crate) struct MemoryLayout {
 /// Number of values of a wheel's shear displacement.
 const SHEAR: usize = WheelMemory::COUNT - 1;
 /// Least speed over distance \[m\] with a slope: keeps the speed's root smooth.
-const SPEED_FLOOR: f64 = 1e-18;
+pub(super) const SPEED_FLOOR: f64 = 1e-18;
 /// Entry angle \[rad\] below which a wheel's relaxation length no longer shrinks.
 const SHORTEST_ARC: f64 = 0.02;
-/// Distance \[m\] below which two rows are taken as one behind the other.
-const CLOSEST_ROWS: f64 = 1e-3;
 
 impl MemoryLayout {
     pub fn new(specification: &Specification) -> Self {
@@ -147,58 +145,16 @@ impl MemoryLayout {
                 rates.extend([rate.forward, rate.lateral, rate.yaw, rate.rim]);
             }
             if let (true, Some(effect)) = (self.rut, &chassis.effects.multipass) {
-                // Which row goes ahead depends on where the wheel travels to.
-                let onward =
-                    (motion.forward.scale(1.0 / regularisation.travel_speed)).smooth_step();
-                let speed = (motion.forward * motion.forward + motion.lateral * motion.lateral)
-                    .offset(SPEED_FLOOR)
-                    .sqrt();
-                let aside =
-                    motion.lateral / motion.forward.rounded_abs(regularisation.travel_speed);
-                let mut rate = S::constant(0.0);
-                for (share, ahead) in [
-                    (onward, index.checked_sub(2)),
-                    (
-                        S::constant(1.0) - onward,
-                        Some(index + 2).filter(|i| *i < wheels.len()),
-                    ),
-                ] {
-                    // The leading row meets untouched soil, as if a row of its own length ahead.
-                    let neighbour = ahead.or(if index >= 2 {
-                        Some(index - 2)
-                    } else {
-                        Some(index + 2)
-                    });
-                    let Some(neighbour) = neighbour.filter(|i| *i < wheels.len()) else {
-                        continue;
-                    };
-                    let apart = (chassis.wheels[index].place[0]
-                        - chassis.wheels[neighbour].place[0])
-                        .rounded_abs(CLOSEST_ROWS);
-                    let arriving = match ahead {
-                        Some(row) => {
-                            let (entry, before) = &wheels[row];
-                            let depth = depth(&law, effect, *entry, before);
-                            effect.arriving(depth, apart, aside, S::constant(law.width))
-                        }
-                        None => S::constant(0.0),
-                    };
-                    rate += share * speed / apart * (arriving - memory.pressed);
-                }
-                rates.push(rate);
+                rates.push(rut::rate(
+                    chassis,
+                    effect,
+                    &motion,
+                    &law,
+                    regularisation,
+                    wheels,
+                    index,
+                ));
             }
         }
     }
-}
-
-/// Depth of a wheel's lowest point below the untouched surface \[m\].
-fn depth<S: Scalar>(
-    law: &WheelLaw<S>,
-    effect: &Multipass<S>,
-    entry: S,
-    memory: &WheelMemory<S>,
-) -> S {
-    let (sine, _) = entry.scale(0.5).sin_cos_small();
-    let below = law.circle * (sine * sine).scale(2.0);
-    below + effect.rut(memory.pressed).ground
 }

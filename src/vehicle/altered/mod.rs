@@ -9,6 +9,7 @@ mod direction;
 mod directions;
 mod loads;
 mod memory;
+mod rut;
 mod solve;
 mod surroundings;
 
