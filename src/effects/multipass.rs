@@ -10,12 +10,12 @@ effect! {
     /// Each wheel carries the depth z_m to which the soil that it meets was pressed before, a state
     /// that follows the row ahead over the distance L between the two (the first-order
     /// approximation of the transport by the vehicle's motion): dz_m/dt = |V| / L (memory o z_ahead -
-    /// z_m), with o = 1 / (1 + (d / b)^2) the overlap of the wheel's track with that of the row ahead
-    /// which it misses least: d = L_j tan(beta_j), beta_j the sideslip midway between it and row j. In a turn about
-    /// the vehicle's middle the last row runs in the first one's rut. At rest the memory stays.
+    /// z_m), with o = 1 / (1 + (d / b)^2) the overlap of its track with that of the row ahead which it
+    /// misses least: d = L_j tan(beta_j), beta_j the sideslip midway between it and row j. In a turn
+    /// about the vehicle's middle the last row runs in the rut of the first. At rest the memory stays.
     Multipass: "multipass", Physics,
     lifts "homogeneous ground: every row meets untouched soil",
-    equation "sigma = K_e (z - z_p) up to z_m, k z^n beyond; K_e = ratio k z_m^(n-1), z_p = z_m (1 - 1/ratio)",
+    equation "sigma = K_e (z - z_p) up to z_m, k z^n beyond; K_e = ratio k z_m^(n-1), z_p = z_m (1 - 1/ratio); dz_m/dt = |V| / L (memory z_ahead / (1 + (d/b)^2) - z_m), d between the tracks",
     source "elastic reloading below the greatest pressure so far: Wong, Theory of Ground Vehicles, ch. 2; Krenn & Hirzinger, SCM, ASTRA 2009",
     {
         memory ["1"] 0.0..1.0, off 0.0, normal(1.0, 0.3), "Share of the rut ahead that a row meets";
