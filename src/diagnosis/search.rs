@@ -9,6 +9,7 @@ use super::naming::Named;
 use super::proposal::{Kind, Proposal};
 use super::prune::{prune, without};
 use super::stage::{Looked, Stage, look, try_all};
+use super::verdict::standing;
 use super::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
@@ -279,10 +280,12 @@ fn worth_it<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage) -> impl Iterator<Ite
 }
 
 fn choose<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage, prefer: Prefer) -> Option<&'n Named<'a>> {
+    let top = fitted.iter().map(Named::odds).fold(0.0, f64::max);
+    let stands = |named: &Named| standing(named.proposal.subject, named.odds(), top);
     let best = |names: bool| {
         worth_it(fitted, stage)
             .filter(|named| !names || named.proposal.kind() != Kind::Law)
-            .max_by(|a, b| a.odds().total_cmp(&b.odds()))
+            .max_by(|a, b| stands(a).total_cmp(&stands(b)))
     };
     let named = (prefer == Prefer::Names).then(|| best(true)).flatten();
     named.or_else(|| best(false))

@@ -106,8 +106,8 @@ mod tests {
     fn rows_ahead_are_those_of_the_same_side() {
         let ahead = |way: Way, index| way.rows_ahead(index, 8).collect::<Vec<_>>();
         assert_eq!(ahead(Way::Onward, 5), [3, 1]);
-        assert_eq!(ahead(Way::Onward, 0), []);
+        assert!(ahead(Way::Onward, 0).is_empty());
         assert_eq!(ahead(Way::Back, 2), [4, 6]);
-        assert_eq!(ahead(Way::Back, 7), []);
+        assert!(ahead(Way::Back, 7).is_empty());
     }
 }
