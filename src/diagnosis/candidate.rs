@@ -64,19 +64,26 @@ const SECANTS: [(&str, f64); 3] = [
 const SHAPES: [&str; 2] = ["payload.ahead", "payload.left"];
 /// Effects whose parameters belong to the place of a drive.
 const PLACE_BOUND: [&str; 1] = ["grade"];
+/// Terms of laws that have a direction on the map.
+const DIRECTIONS: [&str; 2] = ["east", "north"];
 
 impl Candidates {
-    /// All effects of the catalogue, and the laws' features, where the given model lacks them.
+    /// All effects of the catalogue, and the laws' features, where the given model lacks them. What has
+    /// a direction on the map is left out where runs have no map in common.
     #[must_use]
-    pub fn new(nominal: &Specification) -> Self {
+    pub fn new(nominal: &Specification, one_map: bool) -> Self {
         let (mut knobs, mut subjects) = (Vec::new(), Vec::new());
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
-            if nominal.effects.is_on(effect) {
+            let on_the_map = PLACE_BOUND.contains(&declaration.name);
+            if nominal.effects.is_on(effect) || (on_the_map && !one_map) {
                 continue;
             }
             let first = knobs.len();
             match declaration.kind {
-                Kind::Physics => knobs.extend(physics(effect, declaration)),
+                Kind::Physics => {
+                    let all = physics(effect, declaration).into_iter();
+                    knobs.extend(all.filter(|knob| one_map || !DIRECTIONS.contains(&knob.name)));
+                }
                 Kind::Measurement => knobs.extend(sensors(effect, declaration)),
             }
             // A change of terrain begins at a boundary that has to be found first: see `boundary`.
@@ -221,7 +228,7 @@ mod tests {
     fn every_effect_but_a_change_of_terrain_has_knobs_that_are_off() {
         let nominal =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
-        let candidates = Candidates::new(&nominal);
+        let candidates = Candidates::new(&nominal, true);
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
             let subject = Subject::Effect(effect);
             let found = candidates.subjects.contains(&subject);
@@ -235,10 +242,13 @@ mod tests {
             assert!(low <= off && off <= high, "{knob:?}");
             assert!(knob.parameter.prior.deviation > 0.0, "{knob:?}");
         }
+        let apart = Candidates::new(&nominal, false);
+        assert_eq!(apart.subjects.len(), candidates.subjects.len() - 1);
+        assert_eq!(apart.laws().count(), candidates.laws().count() - 6);
         let mut sloped = nominal.clone();
         sloped.effects = sloped.effects.with("grade.slope_east", 0.1).unwrap();
         assert!(
-            !Candidates::new(&sloped)
+            !Candidates::new(&sloped, true)
                 .subjects
                 .contains(&Subject::Effect(0))
         );

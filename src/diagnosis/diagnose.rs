@@ -233,7 +233,15 @@ fn others(odds: &Odds, screened: &[Candidate], nominal: &Specification) -> Vec<C
 fn held_out(searched: &Searched) -> Option<HeldOut> {
     let (given, by) = (&searched.given, &searched.by);
     let retuned = refitted(given, &searched.retuned, by)?;
-    let augmented = refitted(&searched.placed, &searched.augmented, by)?;
+    let of_retuned = errors(given, &searched.retuned, &retuned, by);
+    // With nothing found the two are one.
+    let (of_augmented, gain) = if searched.members.is_empty() {
+        (of_retuned, (0.0, 0.0))
+    } else {
+        let augmented = refitted(&searched.placed, &searched.augmented, by)?;
+        let errors = errors(&searched.placed, &searched.augmented, &augmented, by);
+        (errors, augmented.gain_over(&retuned))
+    };
     let length = given
         .segments
         .iter()
@@ -241,9 +249,9 @@ fn held_out(searched: &Searched) -> Option<HeldOut> {
         .fold(0.0, f64::max);
     Some(HeldOut {
         nominal: nominal_errors(given, by).unwrap_or(Errors::NONE),
-        retuned: errors(given, &searched.retuned, &retuned, by),
-        augmented: errors(&searched.placed, &searched.augmented, &augmented, by),
-        gain: augmented.gain_over(&retuned),
+        retuned: of_retuned,
+        augmented: of_augmented,
+        gain,
         horizon: length - SEEN,
         stretches: given.segments.len(),
     })

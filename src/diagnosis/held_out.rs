@@ -11,6 +11,7 @@
 use super::Errors;
 use super::hypothesis::Given;
 use super::likelihood::{Block, Tuned, blocks};
+use crate::fit::bounded::{hold, step_within};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::observation::observe;
@@ -46,13 +47,26 @@ pub struct Scores {
     pub(super) coordinates: Vec<DVector<f64>>,
 }
 
-/// Which fold each of so many segments belongs to.
+/// Which fold each segment belongs to. Each recording has stretches in every fold, so that what is its
+/// own (a slope, a latency) is told by the others as well.
 #[must_use]
-pub(super) fn folds(count: usize) -> Vec<usize> {
-    let folds = (count / SMALLEST_FOLD).clamp(1, FOLDS);
-    (0..count)
-        .map(|index| index * folds / count.max(1))
-        .collect()
+pub(super) fn folds(segments: &[Segment]) -> Vec<usize> {
+    let folds = (segments.len() / SMALLEST_FOLD).clamp(1, FOLDS);
+    let together = segments.chunk_by(|a, b| a.recording == b.recording);
+    let of_recording = |(place, own): (usize, &[Segment])| -> Vec<usize> {
+        let count = own.len();
+        let fold = |index: usize| (index * folds / count + place) % folds;
+        (0..count).map(fold).collect()
+    };
+    together.enumerate().flat_map(of_recording).collect()
+}
+
+/// Whether a segment or a neighbour of it in the same recording is in a fold.
+#[must_use]
+pub(super) fn near(segments: &[Segment], fold: &[usize], out: usize, index: usize) -> bool {
+    let ours = |other: usize| segments.get(other).map(|s| s.recording);
+    (index.saturating_sub(1)..=index + 1)
+        .any(|other| fold.get(other) == Some(&out) && ours(other) == ours(index))
 }
 
 /// Judges a fitted hypothesis. `None` where there is too little to hold out.
@@ -62,8 +76,8 @@ pub fn scores(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
     let problem = given.problem(&predictor, &tuned.knobs);
     let point = given.point(&problem, &tuned.knobs, &tuned.solution);
     let blocks = blocks(&problem, &tuned.tables, &point, by)?;
-    let fold = folds(blocks.len());
-    let count = fold.last()? + 1;
+    let fold = folds(&given.segments);
+    let count = fold.iter().max()? + 1;
     if count < 2 {
         return None;
     }
@@ -74,9 +88,7 @@ pub fn scores(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
     };
     for out in 0..count {
         let step = without(&problem, &point, &blocks, |index| {
-            let near = |other: usize| fold.get(other) == Some(&out);
-            let neighbours = index.saturating_sub(1)..=index + 1;
-            !neighbours.into_iter().any(near)
+            !near(&given.segments, &fold, out, index)
         })?;
         for (index, block) in blocks.iter().enumerate().filter(|(k, _)| fold[*k] == out) {
             let quadratic = step.dot(&(&block.matrix * &step));
@@ -108,19 +120,19 @@ fn without(
         let near = 1e-9 * (high - low);
         let at = point.coordinates[k];
         if (at <= low + near && gradient[k] < 0.0) || (at >= high - near && gradient[k] > 0.0) {
-            matrix.row_mut(k).fill(0.0);
-            matrix.column_mut(k).fill(0.0);
-            matrix[(k, k)] = 1.0;
-            gradient[k] = 0.0;
+            hold(&mut matrix, &mut gradient, k);
         }
     }
-    let mut step = matrix.cholesky()?.solve(&gradient);
-    for (k, parameter) in problem.parameters.iter().enumerate() {
-        let (low, high) = parameter.bounds();
-        let at = point.coordinates[k];
-        step[k] = (at + step[k]).clamp(low, high) - at;
-    }
-    Some(step)
+    let room: Vec<(f64, f64)> = problem
+        .parameters
+        .iter()
+        .zip(point.coordinates.iter())
+        .map(|(parameter, at)| {
+            let (low, high) = parameter.bounds();
+            ((low - at).min(0.0), (high - at).max(0.0))
+        })
+        .collect();
+    step_within(&matrix, &gradient, &room)
 }
 
 impl Scores {

@@ -9,10 +9,12 @@ use crate::fit::segment::Segment;
 use crate::fit::sensor::{SensorParameter, SensorValues};
 use crate::identification::{Latencies, Signals};
 use crate::parameter::ParameterError;
-use crate::recording::Recording;
+use crate::recording::{Channel, Recording, Run};
 use crate::vehicle::{Parameter, Specification};
 use nalgebra::DVector;
 
+/// Two sensors' readings are never as close as this by chance \[m\].
+const SAME_PLACE: f64 = 1e-6;
 /// The soil's number that carries the vehicle.
 const STIFFNESS: &str = "frictional_modulus";
 
@@ -34,6 +36,9 @@ pub struct Given<'a> {
     /// By how much pose and wheel speeds of each recording trail as curves compared tell; zero where
     /// they do not tell.
     pub late: Vec<SensorValues>,
+    /// Whether a place is the same place in every run: runs that all begin at one point count from
+    /// their own beginning.
+    pub one_map: bool,
     /// The frictional modulus that re-tuning begins with, as a multiple of the given one: more than 1
     /// where the given soil cannot carry the vehicle.
     pub stiffening: f64,
@@ -54,15 +59,17 @@ impl<'a> Given<'a> {
     /// Everything at hand, nothing cut yet.
     #[must_use]
     pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
+        let one_map = recordings.iter().all(is_on_one_map);
         let found = DEFAULT_FREE.iter().filter_map(|name| find(name).ok());
         Self {
             nominal: nominal.clone(),
             recordings,
             names: recordings.iter().map(|r| r.name.clone()).collect(),
             soil: found.collect(),
-            candidates: Candidates::new(nominal),
+            candidates: Candidates::new(nominal, one_map),
             segments: Vec::new(),
             late: recordings.iter().map(late).collect(),
+            one_map,
             stiffening: 1.0,
         }
     }
@@ -285,4 +292,14 @@ fn late(recording: &Recording) -> SensorValues {
         values[SensorParameter::WheelLatency.index()] = latencies.wheels.value();
     }
     values
+}
+/// Whether a recording's runs share a map. Runs that begin at one point to the micrometre do not.
+fn is_on_one_map(recording: &Recording) -> bool {
+    let begins = |run: &Run| {
+        let first = |channel| Some(*run.series(channel)?.value.first()?);
+        first(Channel::X).zip(first(Channel::Y))
+    };
+    let begins: Vec<(f64, f64)> = recording.runs.iter().filter_map(begins).collect();
+    let same = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) < SAME_PLACE;
+    !begins.windows(2).any(|pair| same(&pair[0], &pair[1]))
 }

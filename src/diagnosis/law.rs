@@ -73,6 +73,8 @@ fn select(
 ) -> Option<(Vec<usize>, f64)> {
     let projection = Projection::new(system, nuisance, segments)?;
     let (mut chosen, mut best): (Vec<usize>, f64) = (Vec::new(), 0.0);
+    // Logarithm of the number of sets of so many terms.
+    let mut price = 0.0;
     while chosen.len() < most {
         let with = |knob: &usize| {
             let set: Vec<usize> = chosen
@@ -87,7 +89,8 @@ fn select(
         let left = knobs.iter().filter(|knob| !chosen.contains(knob));
         let next = left.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let choice = ((knobs.len() - chosen.len()) as f64 / (chosen.len() + 1) as f64).ln();
-        let evidence = next.1 - choice;
+        price += choice;
+        let evidence = next.1 - price;
         if evidence < best + WORTH {
             break;
         }

@@ -105,7 +105,7 @@ pub fn cost(given: &Given, knobs: &[usize], at: &Solution, by: &Weighing) -> f64
     let predictor = given.predictor(knobs);
     let problem = given.problem(&predictor, knobs);
     let point = given.point(&problem, knobs, at);
-    let residuals = problem.evaluate(&point, false);
+    let residuals = problem.evaluate_unless_one_fails(&point, false);
     residuals.map_or(f64::INFINITY, |r| 0.5 * problem.cost(&r, &point, by))
 }
 

@@ -20,6 +20,8 @@ const HOPELESS: f64 = 1000.0;
 
 /// Shares of a proposal's steps that its fit may begin with: the cheapest is taken.
 const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
+/// Two fits of the same thing that are so close have come to one place.
+const TWINS: f64 = 1.0;
 /// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
 /// lost its way.
 const LOST: f64 = 5.0;
@@ -61,6 +63,14 @@ impl Sketch<'_> {
     #[must_use]
     pub fn odds(&self) -> f64 {
         self.gain + self.proposal.log_prior()
+    }
+
+    /// Whether it is the same thing as another, fitted as far.
+    #[must_use]
+    pub fn is_twin_of(&self, other: &Self) -> bool {
+        (self.proposal.subject, &self.proposal.extent)
+            == (other.proposal.subject, &other.proposal.extent)
+            && (self.odds() - other.odds()).abs() < TWINS
     }
 
     /// The same with what the next step promises: so far it may come.

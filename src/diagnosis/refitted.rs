@@ -4,7 +4,7 @@
 //! `held_out`). Where much is missing from a model, as from the one that is only re-tuned, that step may
 //! lead far off; what is told in the end is therefore fitted without the fold indeed.
 
-use super::held_out::{Scores, folds, scores};
+use super::held_out::{Scores, folds, near, scores};
 use super::hypothesis::Given;
 use super::likelihood::{Block, SKETCH, Tuned, blocks};
 use crate::fit::exact::ExactPredictor;
@@ -24,10 +24,10 @@ pub fn refitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
     let predictor = given.predictor(&tuned.knobs);
     let problem = given.problem(&predictor, &tuned.knobs);
     let point = given.point(&problem, &tuned.knobs, &tuned.solution);
-    let fold = folds(problem.segments.len());
-    for out in 0..=*fold.last()? {
+    let fold = folds(&given.segments);
+    for out in 0..=*fold.iter().max()? {
         let within = |index: usize| fold.get(index) == Some(&out);
-        let apart = |index: &usize| !(index.saturating_sub(1)..=index + 1).any(within);
+        let apart = |index: &usize| !near(&given.segments, &fold, out, *index);
         let all = 0..fold.len();
         let mut kept = Part::new(&problem, &point, by, all.clone().filter(apart).collect());
         if minimise(&kept.problem, &mut kept.point, &kept.by, SKETCH).is_err() {

@@ -74,7 +74,7 @@ pub fn chains(given: &Given, system: &System) -> Vec<Chain> {
                 gate,
                 start: edges[0],
                 end: edges[1],
-                place: x.zip(y).map(|(x, y)| [x, y]),
+                place: x.zip(y).filter(|_| given.one_map).map(|(x, y)| [x, y]),
             });
         }
     }

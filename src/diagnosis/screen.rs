@@ -262,7 +262,7 @@ impl<'a> Projection<'a> {
         let neighbours = self.segments.windows(2).zip(pulls.windows(2));
         for (pair, pulls) in neighbours {
             let [a, b] = [pair[0], pair[1]].map(|k| &self.system.segments[k]);
-            if a.recording == b.recording && a.edges.last() == b.edges.first() {
+            if a.recording == b.recording && a.joins(b) {
                 sum += pulls[0] * pulls[1];
             }
         }

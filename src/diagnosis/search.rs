@@ -9,7 +9,6 @@ use super::naming::Named;
 use super::proposal::{Kind, Proposal};
 use super::prune::{prune, without};
 use super::stage::{Looked, Stage, look, try_all};
-use super::verdict::standing;
 use super::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
@@ -170,8 +169,8 @@ impl<'a> Path<'a> {
         progress: &Progress,
     ) -> Result<Self, DiagnosisError> {
         for round in self.members.len() + 1..=ROUNDS {
-            let rivals = fitted.iter().map(|n| (n.proposal.subject, n.odds()));
-            let rivals = rivals.collect();
+            let rival = |n: &Named| (n.proposal.subject, sound_odds(n, &self.stage));
+            let rivals = fitted.iter().map(rival).collect();
             let Some(best) = choose(&fitted, &self.stage, prefer) else {
                 self.refused = rivals;
                 break;
@@ -271,21 +270,29 @@ fn held_out_gain(named: &Named, stage: &Stage) -> Option<(f64, f64)> {
     pair.map(|(with, without)| with.gain_over(without))
 }
 
+/// Log odds; what predicts worse what it was not fitted to is no likelier than nothing.
+fn sound_odds(named: &Named, stage: &Stage) -> f64 {
+    let sound = held_out_gain(named, stage).is_none_or(|(mean, error)| mean > -error);
+    if sound {
+        named.odds()
+    } else {
+        named.odds().min(0.0)
+    }
+}
+
 /// What outweighs chance and does not predict worse.
 fn worth_it<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage) -> impl Iterator<Item = &'n Named<'a>> {
     fitted.iter().filter(move |named| {
-        let sound = held_out_gain(named, stage).is_some_and(|(mean, error)| mean > -error);
-        sound && named.odds() > NOTHING + TAKE
+        let told = held_out_gain(named, stage).is_some();
+        told && sound_odds(named, stage) > NOTHING + TAKE
     })
 }
 
 fn choose<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage, prefer: Prefer) -> Option<&'n Named<'a>> {
-    let top = fitted.iter().map(Named::odds).fold(0.0, f64::max);
-    let stands = |named: &Named| standing(named.proposal.subject, named.odds(), top);
     let best = |names: bool| {
         worth_it(fitted, stage)
             .filter(|named| !names || named.proposal.kind() != Kind::Law)
-            .max_by(|a, b| stands(a).total_cmp(&stands(b)))
+            .max_by(|a, b| a.odds().total_cmp(&b.odds()))
     };
     let named = (prefer == Prefer::Names).then(|| best(true)).flatten();
     named.or_else(|| best(false))

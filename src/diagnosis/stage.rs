@@ -134,6 +134,8 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
         .filter_map(|proposal| sketch(&stage.given, proposal, &stage.tuned, by));
     let mut begun: Vec<Sketch> = begun.collect();
     begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+    // What was proposed twice, as seen and as hidden, and came to the same is finished once.
+    begun.dedup_by(|later, earlier| later.is_twin_of(earlier));
     let best = begun.iter().map(Sketch::odds).fold(0.0, f64::max);
     let mut fitted: Vec<Named> = begun
         .into_iter()

@@ -6,6 +6,7 @@ use super::sensitivity::{Layout, SegmentTable};
 use crate::fit::normal::START;
 use crate::fit::parameter::Parameter;
 use crate::fit::problem::{Tables, Weighing};
+use crate::fit::segment::SAME_TIME;
 use crate::fit::weighing::reweigh;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rayon::prelude::*;
@@ -153,6 +154,13 @@ impl SegmentSystem {
     #[must_use]
     pub fn gates(&self) -> usize {
         self.edges.len() - 1
+    }
+
+    /// Whether the other begins where it ends.
+    #[must_use]
+    pub fn joins(&self, next: &Self) -> bool {
+        let apart = self.edges.last().zip(next.edges.first());
+        apart.is_some_and(|(end, begin)| (begin - end).abs() < SAME_TIME)
     }
 }
 

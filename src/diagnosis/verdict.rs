@@ -3,8 +3,7 @@
 //! Each hypothesis that was fitted has a weight, its Bayes factor times its prior, softened by a
 //! temperature that grows as the root of the evidence, which is how the evidence itself scatters from one
 //! recording to the next: noise and the way down to the best fit are never quite as the likelihood has
-//! them. The prior against what has no name is not softened: a few terms of a law bend to look like many
-//! an effect, so of a name and a law that are close the name is taken.
+//! them.
 //! Where something without a name is needed besides a name, the name is doubted; where a law stands alone,
 //! an effect whose fit lost its way may be behind it. These numbers were chosen on development cases
 //! from another simulator (see the docs).
@@ -19,8 +18,6 @@ const DOUBT: f64 = 0.03;
 /// Softens log Bayes factors: so much, and so many roots of the largest.
 const TEMPERATURE: f64 = 1.5;
 const PER_ROOT: f64 = 0.2;
-/// What has no name has to be ahead of a name by so many temperatures.
-const UNNAMED_LEAD: f64 = 1.5;
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;
 const MOST_DOUBT: f64 = 0.5;
@@ -47,15 +44,6 @@ fn temperature(top: f64) -> f64 {
     TEMPERATURE + PER_ROOT * top.max(0.0).sqrt()
 }
 
-/// Log odds of a subject with the prior against what has no name, where the largest are `top`.
-#[must_use]
-pub fn standing(subject: Subject, log: f64, top: f64) -> f64 {
-    match subject {
-        Subject::Unknown => log - UNNAMED_LEAD * temperature(top),
-        _ => log,
-    }
-}
-
 /// Probabilities of subjects; they sum to 1.
 #[derive(Debug, Clone)]
 pub struct Odds(pub Vec<(Subject, f64)>);
@@ -67,11 +55,9 @@ impl Odds {
         let logs = likeliest_first(&all);
         let top = logs[0].1;
         let temperature = temperature(top);
-        let weight = |(subject, log): &(Subject, f64)| {
-            ((standing(*subject, *log, top) - top) / temperature).exp()
-        };
-        let sum: f64 = logs.iter().map(weight).sum();
-        let share = |one: &(Subject, f64)| (one.0, weight(one) / sum);
+        let weight = |log: f64| ((log - top) / temperature).exp();
+        let sum: f64 = logs.iter().map(|(_, log)| weight(*log)).sum();
+        let share = |(subject, log): &(Subject, f64)| (*subject, weight(*log) / sum);
         Self(logs.iter().map(share).collect()).with(Subject::Unknown, DOUBT)
     }
 
@@ -272,9 +258,6 @@ mod tests {
         let ahead = |top: f64| Odds::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
         assert!(ahead(20.0) > ahead(200.0) && ahead(200.0) > ahead(2000.0));
         assert!(ahead(2000.0) > 0.5);
-        // A name that is level with a law is likelier.
-        let level = Odds::new(&[(a, 20.0), (Subject::Unknown, 20.0)], NOTHING);
-        assert!(level.of(a) > 0.7 && level.of(Subject::Unknown) > 0.15);
         let shared = odds.with(Subject::Unknown, 0.5);
         let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);

@@ -145,7 +145,7 @@ pub fn smooth(
         value: Vec::new(),
         deviation: Vec::new(),
     };
-    let joined = |a: usize, b: usize| segments[a].edges.last() == segments[b].edges.first();
+    let joined = |a: usize, b: usize| segments[a].joins(segments[b]);
     for index in 0..segments.len() {
         let first = if index > 0 && joined(index - 1, index) {
             index - 1

@@ -3,7 +3,7 @@
 //! Multiple shooting: recordings are cut into segments of some seconds, each with a start of
 //! its own ([`segment`]); a model predicts each ([`predictor`], [`exact`]), sensors report of it
 //! ([`observation`]), and the parameters that all segments share are found by
-//! Levenberg–Marquardt with the starts eliminated ([`optimiser`], [`normal`]). The noise of
+//! Levenberg–Marquardt with the starts eliminated ([`optimiser`], [`bounded`], [`normal`]). The noise of
 //! each channel, white and coloured, comes from the data ([`noise`], [`noise_estimate`]),
 //! heavy tails by weights ([`robust`]). What the data fix, and how well, is told by
 //! [`uncertainty`] and [`identifiability`]; [`starts`] asks whether there is another answer.
@@ -11,6 +11,7 @@
 //! Segments are computed side by side and summed in their order: the result does not depend
 //! on the number of threads.
 
+pub mod bounded;
 pub mod catalogue;
 pub mod error;
 pub mod estimate;

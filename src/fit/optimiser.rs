@@ -4,9 +4,11 @@
 //! A step is also cut where it would carry a parameter too far at once, in units of its prior:
 //! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
 //! Bounds by an active set: a parameter that stands on its bound and is pushed outward is
-//! held for the step, and a step is cut at the bounds (D. P. Bertsekas' projection).
+//! held for the step, and what comes to its bound on the way stays there while the rest goes on.
 
+use super::bounded::{hold, step_within};
 use super::normal::{Eliminated, Normal};
+use super::parameter::Parameter;
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{Point, Problem, Tables, Weighing};
 use nalgebra::{DMatrix, DVector};
@@ -149,7 +151,7 @@ pub fn minimise<P: Predictor>(
             damping *= 10.0;
             continue;
         };
-        let trial = problem.evaluate(&step.point, false).ok();
+        let trial = problem.evaluate_unless_one_fails(&step.point, false);
         let trial_cost = trial.as_ref().map_or(f64::INFINITY, |residuals| {
             problem.cost(residuals, &step.point, by)
         });
@@ -239,12 +241,27 @@ fn propose<P: Predictor>(
         matrix[(k, k)] *= 1.0 + damping;
     }
     hold_at_bounds(problem, point, &mut matrix, &mut gradient);
-    let mut wanted = matrix.cholesky()?.solve(&gradient);
-    let far = problem.parameters.iter().zip(wanted.iter());
-    let far = far.map(|(p, step)| step.abs() / p.prior.deviation);
-    let far = far.fold(0.0, f64::max);
-    if far > reach {
-        wanted *= reach / far;
+    let bounds = problem.parameters.iter().map(Parameter::bounds);
+    let room: Vec<(f64, f64)> = bounds
+        .zip(point.coordinates.iter())
+        .map(|((low, high), at)| ((low - at).min(0.0), (high - at).max(0.0)))
+        .collect();
+    let shortened = |mut wanted: DVector<f64>| {
+        let far = problem.parameters.iter().zip(wanted.iter());
+        let far = far.map(|(p, step)| step.abs() / p.prior.deviation);
+        let far = far.fold(0.0, f64::max);
+        if far > reach {
+            wanted *= reach / far;
+        }
+        (wanted, far.min(reach))
+    };
+    let crosses = |wanted: &DVector<f64>| {
+        let mut pairs = wanted.iter().zip(&room);
+        pairs.any(|(step, (low, high))| step < low || step > high)
+    };
+    let (mut wanted, mut far) = shortened(matrix.clone().cholesky()?.solve(&gradient));
+    if crosses(&wanted) {
+        (wanted, far) = shortened(step_within(&matrix, &gradient, &room)?);
     }
     let mut next = point.clone();
     for (k, parameter) in problem.parameters.iter().enumerate() {
@@ -266,7 +283,7 @@ fn propose<P: Predictor>(
     (expected_gain.is_finite() && finite).then_some(Step {
         point: next,
         expected_gain,
-        reach: far.min(reach),
+        reach: far,
     })
 }
 
@@ -289,10 +306,7 @@ fn hold_at_bounds<P: Predictor>(
         let (low, high) = parameter.bounds();
         let at = point.coordinates[k];
         if (at <= low && gradient[k] < 0.0) || (at >= high && gradient[k] > 0.0) {
-            matrix.row_mut(k).fill(0.0);
-            matrix.column_mut(k).fill(0.0);
-            matrix[(k, k)] = 1.0;
-            gradient[k] = 0.0;
+            hold(matrix, gradient, k);
         }
     }
 }

@@ -203,6 +203,21 @@ impl<'a, P: Predictor> Problem<'a, P> {
         self.evaluate_each(point, derivatives).into_iter().collect()
     }
 
+    /// As [`Problem::evaluate`], `None` as soon as one segment cannot be predicted: what a vehicle that can
+    /// hardly drive does takes long.
+    #[must_use]
+    pub fn evaluate_unless_one_fails(
+        &self,
+        point: &Point,
+        derivatives: bool,
+    ) -> Option<Vec<Tables>> {
+        let values = self.values(point);
+        let pairs = self.segments.par_iter().zip(&point.starts);
+        pairs
+            .map(|pair| self.predicted(pair, point, &values, derivatives).ok())
+            .collect()
+    }
+
     /// As [`Problem::evaluate`], for each segment whether the others can be predicted or not.
     #[must_use]
     pub fn evaluate_each(
@@ -210,25 +225,39 @@ impl<'a, P: Predictor> Problem<'a, P> {
         point: &Point,
         derivatives: bool,
     ) -> Vec<Result<Tables, PredictionError>> {
-        let recordings = 0..self.recordings.len();
-        let values: Vec<Vec<f64>> = recordings
-            .map(|recording| self.model_values(recording, &point.coordinates))
-            .collect();
-        let one = |(segment, start): (&Segment, &[f64; START])| {
-            let values = &values[segment.recording];
-            let sensors = self.sensor_values(segment.recording, &point.coordinates);
-            let observed = observation::observe(
-                self.predictor,
-                segment,
-                start,
-                values,
-                &sensors,
-                derivatives,
-            )?;
-            Ok(self.tables(segment.recording, values, &observed, derivatives))
-        };
+        let values = self.values(point);
         let pairs = self.segments.par_iter().zip(&point.starts);
-        pairs.map(one).collect()
+        pairs
+            .map(|pair| self.predicted(pair, point, &values, derivatives))
+            .collect()
+    }
+
+    /// The model's values for each recording.
+    fn values(&self, point: &Point) -> Vec<Vec<f64>> {
+        let recordings = 0..self.recordings.len();
+        recordings
+            .map(|recording| self.model_values(recording, &point.coordinates))
+            .collect()
+    }
+
+    fn predicted(
+        &self,
+        (segment, start): (&Segment, &[f64; START]),
+        point: &Point,
+        values: &[Vec<f64>],
+        derivatives: bool,
+    ) -> Result<Tables, PredictionError> {
+        let values = &values[segment.recording];
+        let sensors = self.sensor_values(segment.recording, &point.coordinates);
+        let observed = observation::observe(
+            self.predictor,
+            segment,
+            start,
+            values,
+            &sensors,
+            derivatives,
+        )?;
+        Ok(self.tables(segment.recording, values, &observed, derivatives))
     }
 
     /// Keeps the derivatives by what is free, and turns values into coordinates.

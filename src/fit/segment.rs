@@ -163,6 +163,18 @@ pub struct Segment {
     pub start_deviation: [f64; 6],
 }
 
+/// Ends and beginnings within so many seconds of each other are one time.
+pub const SAME_TIME: f64 = 1e-6;
+
+impl Segment {
+    /// Whether it goes on where another of the same run ends.
+    #[must_use]
+    pub fn follows(&self, before: &Self) -> bool {
+        (self.recording, self.run) == (before.recording, before.run)
+            && (self.start - before.end).abs() < SAME_TIME
+    }
+}
+
 /// Standard deviations of the start's prior: pose \[m, m, rad\], then velocities.
 const START_DEVIATION: [f64; 6] = [0.5, 0.5, 0.3, 0.5, 0.4, 0.5];
 /// The same for velocities that follow from the wheel speeds alone.

@@ -105,10 +105,9 @@ fn scatter<P: Predictor>(
     for (index, pull) in pulls.iter().enumerate() {
         scatter += pull * pull.transpose();
         let segments = &problem.segments;
-        let neighbour = segments.get(index + 1).filter(|next| {
-            let this = &segments[index];
-            (next.recording, next.run) == (this.recording, this.run) && next.start == this.end
-        });
+        let neighbour = segments
+            .get(index + 1)
+            .filter(|next| next.follows(&segments[index]));
         if neighbour.is_some() {
             let product = pull * pulls[index + 1].transpose();
             scatter += (&product + product.transpose()) * 0.5;

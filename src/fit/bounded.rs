@@ -1,0 +1,83 @@
+//! Steps of a linearised problem within bounds.
+
+use nalgebra::{DMatrix, DVector};
+
+/// The step s that raises g^T s - s^T H s / 2 from s = 0 without leaving `room`, how far down and up
+/// each number may go (from at most 0 to at least 0).
+///
+/// An active set: what comes to its bound on the way stays there, and the rest goes on to where it is best
+/// beside that (J. Nocedal & S. Wright, "Numerical Optimization", ch. 16). A step that is cut at the bounds
+/// instead may lead uphill where numbers are correlated. `None` where H is not positive definite.
+#[must_use]
+pub fn step_within(
+    matrix: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    room: &[(f64, f64)],
+) -> Option<DVector<f64>> {
+    let count = gradient.len();
+    let mut taken = DVector::zeros(count);
+    let mut held = vec![false; count];
+    loop {
+        let mut system = matrix.clone();
+        let mut left = gradient - matrix * &taken;
+        for k in (0..count).filter(|k| held[*k]) {
+            hold(&mut system, &mut left, k);
+        }
+        let step = system.cholesky()?.solve(&left);
+        let share_to_bound = |k: usize| {
+            let (low, high) = room[k];
+            let end = taken[k] + step[k];
+            let bound = end.clamp(low, high);
+            let share = ((bound - taken[k]) / step[k]).max(0.0);
+            (bound != end && !held[k]).then_some((k, bound, share))
+        };
+        let first = (0..count).filter_map(share_to_bound);
+        let Some((k, bound, share)) = first.min_by(|a, b| a.2.total_cmp(&b.2)) else {
+            return Some(taken + step);
+        };
+        taken += step * share;
+        taken[k] = bound;
+        held[k] = true;
+    }
+}
+
+/// Takes an unknown out of a system: its step is zero.
+pub fn hold(matrix: &mut DMatrix<f64>, gradient: &mut DVector<f64>, k: usize) {
+    matrix.row_mut(k).fill(0.0);
+    matrix.column_mut(k).fill(0.0);
+    matrix[(k, k)] = 1.0;
+    gradient[k] = 0.0;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gain(matrix: &DMatrix<f64>, gradient: &DVector<f64>, step: &DVector<f64>) -> f64 {
+        gradient.dot(step) - 0.5 * step.dot(&(matrix * step))
+    }
+
+    #[test]
+    fn correlated_numbers_at_a_bound_still_make_a_step_uphill() {
+        // The free step is (-3, 3.1), but the first number stands on its lower bound.
+        let matrix = DMatrix::from_row_slice(2, 2, &[1.0, 0.99, 0.99, 1.0]) * 1e4;
+        let gradient = &matrix * DVector::from_vec(vec![-3.0, 3.1]);
+        let cut = DVector::from_vec(vec![0.0, 3.1]);
+        assert!(gain(&matrix, &gradient, &cut) < 0.0);
+        let step = step_within(&matrix, &gradient, &[(0.0, 9.0), (-9.0, 9.0)]).unwrap();
+        assert!(step[0] == 0.0 && (step[1] - 0.13).abs() < 1e-9, "{step}");
+        assert!(gain(&matrix, &gradient, &step) > 0.0);
+    }
+
+    #[test]
+    fn within_the_bounds_it_is_newtons_step() {
+        let matrix = DMatrix::from_row_slice(2, 2, &[2.0, 0.5, 0.5, 1.0]);
+        let gradient = DVector::from_vec(vec![1.0, -0.3]);
+        let free = matrix.clone().cholesky().unwrap().solve(&gradient);
+        let step = step_within(&matrix, &gradient, &[(-9.0, 9.0), (-9.0, 9.0)]).unwrap();
+        assert_eq!(step, free);
+        // Both in the way: both at their bounds.
+        let tight = step_within(&matrix, &gradient, &[(-0.1, 0.1), (-0.1, 0.1)]).unwrap();
+        assert!((tight - DVector::from_vec(vec![0.1, -0.1])).amax() < 1e-15);
+    }
+}
