@@ -6,7 +6,7 @@
 //! fitted under everyone's, and the mean of the log evidence over these decides. The winner keeps its
 //! gain; the others stand behind it by so much.
 
-use super::likelihood::{SKETCH, own_noise, tune_until};
+use super::likelihood::{SKETCH, own_noise, tune_on};
 use super::naming::Named;
 use crate::fit::problem::Weighing;
 
@@ -37,11 +37,7 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
     let noises: Vec<Weighing> = close.iter().map(own).collect();
     let total = |place: usize| {
         let named = &close[place];
-        let (knobs, solution) = (&named.tuned.knobs, &named.tuned.solution);
-        let under = |noise: &Weighing| {
-            let tuned = tune_until(&named.given, knobs, solution, noise, SKETCH);
-            tuned.map_or(f64::INFINITY, |tuned| tuned.surprise)
-        };
+        let under = |noise: &Weighing| tune_on(&named.given, &named.tuned, noise, SKETCH).surprise;
         let sum: f64 = noises.iter().map(under).sum();
         sum / noises.len() as f64 + named.proposal.looking - named.proposal.log_prior()
     };

@@ -9,7 +9,7 @@
 use super::hypothesis::{Given, Solution};
 use crate::fit::noise_estimate;
 use crate::fit::normal::{Eliminated, Normal};
-use crate::fit::optimiser::{Stop, minimise, normals};
+use crate::fit::optimiser::{Stop, minimise_from, normals};
 use crate::fit::predictor::{PredictionError, Predictor};
 use crate::fit::problem::{Point, Problem, Tables, Weighing};
 use crate::fit::weighing::reweigh;
@@ -86,17 +86,48 @@ pub fn tune_until(
 ) -> Result<Tuned, PredictionError> {
     let predictor = given.predictor(knobs);
     let problem = given.problem(&predictor, knobs);
-    let mut point = given.point(&problem, knobs, begin);
-    let outcome = minimise(&problem, &mut point, by, stop)?;
-    let (surprise, covariance) = evidence(&problem, &outcome.tables, &point, by, outcome.cost);
-    Ok(Tuned {
+    let point = given.point(&problem, knobs, begin);
+    let tables = problem.evaluate(&point, true)?;
+    Ok(tuned_from(
+        given, knobs, begin, &problem, point, tables, by, stop,
+    ))
+}
+
+/// Goes on with a fit, the noise another one perhaps.
+#[must_use]
+pub fn tune_on(given: &Given, fitted: &Tuned, by: &Weighing, stop: Stop) -> Tuned {
+    let (knobs, begin) = (&fitted.knobs, &fitted.solution);
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let point = given.point(&problem, knobs, begin);
+    let tables = fitted.tables.clone();
+    tuned_from(given, knobs, begin, &problem, point, tables, by, stop)
+}
+
+#[allow(
+    clippy::too_many_arguments,
+    reason = "a hypothesis, where it stands, and how it is judged"
+)]
+fn tuned_from<P: Predictor>(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    problem: &Problem<P>,
+    mut point: Point,
+    tables: Vec<Tables>,
+    by: &Weighing,
+    stop: Stop,
+) -> Tuned {
+    let outcome = minimise_from(problem, &mut point, tables, by, stop);
+    let (surprise, covariance) = evidence(problem, &outcome.tables, &point, by, outcome.cost);
+    Tuned {
         knobs: knobs.to_vec(),
-        solution: given.solution(&problem, knobs, &point, begin),
+        solution: given.solution(problem, knobs, &point, begin),
         surprise,
         promised: 0.5 * outcome.promised,
         covariance,
         tables: outcome.tables,
-    })
+    }
 }
 
 /// Half the cost of a hypothesis as it stands, infinite where it cannot be driven.
@@ -122,18 +153,21 @@ pub fn tune_with_noise(
     let predictor = given.predictor(knobs);
     let problem = given.problem(&predictor, knobs);
     let mut point = given.point(&problem, knobs, begin);
+    let mut tables = problem.evaluate(&point, true)?;
     let mut stop = FIRST;
     for _ in 0..TURNS {
-        let outcome = minimise(&problem, &mut point, by, stop)?;
+        let outcome = minimise_from(&problem, &mut point, tables, by, stop);
         let change = noise_estimate::update(&problem.linearised(&point), &outcome.tables, by);
         reweigh(&problem, &outcome.tables, by);
+        tables = outcome.tables;
         if outcome.converged && outcome.gain < STILL && change < STILL_NOISE {
             break;
         }
         stop = NEXT;
     }
-    let moved = given.solution(&problem, knobs, &point, begin);
-    tune(given, knobs, &moved, by)
+    Ok(tuned_from(
+        given, knobs, begin, &problem, point, tables, by, HELD,
+    ))
 }
 
 /// Noise and weights as a fitted hypothesis leaves them.

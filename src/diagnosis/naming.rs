@@ -8,7 +8,7 @@
 use super::candidate::Target;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
-use super::likelihood::{HELD, LONG_SKETCH, SKETCH, Tuned, cost, tune_until};
+use super::likelihood::{HELD, LONG_SKETCH, SKETCH, Tuned, cost, tune_on, tune_until};
 use super::locate::Extent;
 use super::proposal::Proposal;
 use crate::effects::{self, ParameterName, Window};
@@ -159,8 +159,7 @@ pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<N
     let Sketch {
         proposal, given, ..
     } = sketch;
-    let begun = &sketch.tuned;
-    let tuned = tune_until(&given, &begun.knobs, &begun.solution, by, HELD).ok()?;
+    let tuned = tune_on(&given, &sketch.tuned, by, HELD);
     Some(Named {
         gain: before.surprise - tuned.surprise - proposal.looking,
         scores: scores(&given, &tuned, by),

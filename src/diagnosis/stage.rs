@@ -4,7 +4,7 @@
 use super::contest::contend;
 use super::held_out::{Scores, scores};
 use super::hypothesis::{Given, Solution};
-use super::likelihood::{Tuned, tune};
+use super::likelihood::{HELD, Tuned, tune_on};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::noise;
 use super::proposal::{Proposal, Screened, hidden, proposals, screened, shortlist};
@@ -78,7 +78,7 @@ pub fn look<'a>(
         by,
     );
     progress.step("re-tuning the soil");
-    let again = tune(&given, &on, &tuned.solution, by).map_err(DiagnosisError::Undrivable)?;
+    let again = tune_on(&given, &tuned, by, HELD);
     progress.step("sensitivities to every candidate");
     let mut at = &tuned.solution;
     if moved(&given, at, &again.solution) > MOVED {

@@ -118,11 +118,24 @@ pub fn minimise<P: Predictor>(
     by: &Weighing,
     stop: Stop,
 ) -> Result<Outcome, PredictionError> {
+    let tables = problem.evaluate(point, true)?;
+    Ok(minimise_from(problem, point, tables, by, stop))
+}
+
+/// As [`minimise`] where residuals and derivatives of the point are at hand.
+#[must_use]
+pub fn minimise_from<P: Predictor>(
+    problem: &Problem<P>,
+    point: &mut Point,
+    tables: Vec<Tables>,
+    by: &Weighing,
+    stop: Stop,
+) -> Outcome {
     let stand = |point: Point| {
         let tables = problem.evaluate(&point, true)?;
         Ok(Stand::new(problem, point, tables, by))
     };
-    let mut here = stand(point.clone())?;
+    let mut here = Stand::new(problem, point.clone(), tables, by);
     // Where derivatives were last taken, if not here.
     let mut sure = None;
     // With derivatives of this point; where there are none, the last one that had some.
@@ -191,14 +204,14 @@ pub fn minimise<P: Predictor>(
         }
     };
     *point = here.point;
-    Ok(Outcome {
+    Outcome {
         cost: here.cost,
         gain: first - here.cost,
         promised,
         steps,
         converged,
         tables: here.tables,
-    })
+    }
 }
 
 /// Normal equations of all segments, computed side by side.
