@@ -91,10 +91,13 @@ pub fn sketch<'a>(
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
-    let begin = cheapest(&given, proposal, &knobs, before, by)?;
+    let begin = cheapest(&given, proposal, &knobs, before, by);
     let stop = if proposal.hidden { LONG_SKETCH } else { SKETCH };
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
-    let begins = std::iter::once(begin).chain(compared(&given, proposal, &before.solution));
+    let begins = begin
+        .into_iter()
+        .chain(compared(&given, proposal, &before.solution))
+        .chain(on_the_given_soil(&given, proposal, &before.solution));
     let each = begins.filter_map(|begin| {
         let tuned = tune_until(&given, &knobs, &begin, by, stop);
         tuned.ok().filter(|tuned| tuned.surprise.is_finite())
@@ -190,6 +193,18 @@ fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) -> S
         }
     }
     begin
+}
+
+/// Where effects are proposed that have no derivative while they are off, as large as the catalogue expects
+/// them: the soil and the starts that re-tuning began with. Those that it ended with imitate them.
+fn on_the_given_soil(given: &Given, proposal: &Proposal, before: &Solution) -> Option<Solution> {
+    let mut knobs = proposal.knobs.iter();
+    let secant = knobs.any(|knob| given.candidates.knobs[*knob].secant.is_some());
+    (secant && proposal.hidden).then(|| Solution {
+        soil: given.begin().soil,
+        starts: given.begin().starts,
+        ..begin(given, proposal, before, 1.0)
+    })
 }
 
 /// Where latencies are proposed: they are what comparing the curves tells. A search from zero may

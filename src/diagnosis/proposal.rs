@@ -128,8 +128,9 @@ pub fn proposals(
 }
 
 /// Effects of which re-tuning takes up so much, of all or of one number's, that the linearised problem
-/// may not see them: the soil has gone far to imitate them. They are proposed as large as the catalogue expects them, with the
-/// soil moved back by what would imitate that.
+/// may not see them: the soil has gone far to imitate them. So has it for those that have no derivative while they
+/// are off. They are proposed as large as the catalogue expects them, with the soil moved back by what
+/// would imitate that.
 #[must_use]
 pub fn hidden(
     given: &Given,
@@ -154,7 +155,7 @@ pub fn hidden(
             let off = parameter.prior_coordinate();
             let typical = about.typical - off;
             let away = match seen.sum() < 0.0 && off - typical > parameter.bounds().0 {
-                _ if !whole && !takes_up(knob) => 0.0,
+                _ if !whole && !takes_up(knob) && about.secant.is_none() => 0.0,
                 true => -typical,
                 false => typical,
             };
