@@ -119,6 +119,8 @@ impl Trajectory {
 /// Something that drives.
 trait Driven {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
+    /// The drive begins in the midst of another.
+    fn settle(&mut self) -> Result<(), SimulationError>;
     fn advance(&mut self, seconds: f64, look: impl FnMut(&LastStep))
     -> Result<(), SimulationError>;
     /// The rate of change of the state, and its derivatives where they are carried.
@@ -132,6 +134,10 @@ impl Driven for Simulation {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError> {
         self.set_wheel_speeds(speeds)?;
         self.set_wheel_accelerations(rates)
+    }
+
+    fn settle(&mut self) -> Result<(), SimulationError> {
+        Self::settle(self)
     }
 
     fn advance(
@@ -150,6 +156,10 @@ impl Driven for Simulation {
 impl Driven for SensitiveSimulation {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError> {
         self.drive(speeds, rates)
+    }
+
+    fn settle(&mut self) -> Result<(), SimulationError> {
+        Self::settle(self)
     }
 
     fn advance(
@@ -192,6 +202,7 @@ fn drive<D: Driven>(
     let mut row = drive.time.partition_point(|time| *time <= now);
     let (speeds, rates) = wheels(drive, row, now);
     simulation.wheels(speeds, rates)?;
+    simulation.settle()?;
     let (rates, derivatives) = simulation.here()?;
     out.push(*request.start, rates, derivatives);
     let mut wanted = later

@@ -34,6 +34,10 @@ fn simulate(model: &Arc<VehicleModel>, window: &Window) -> Result<[f64; 3], Simu
     for row in 0..wheels.len() - 1 {
         simulation.set_wheel_speeds(wheels.wheel_speeds(row).into())?;
         simulation.set_wheel_accelerations(wheels.wheel_accelerations(row).into())?;
+        if row == 0 {
+            // The window begins in the midst of a drive.
+            simulation.settle()?;
+        }
         simulation.step(wheels.time[row + 1] - wheels.time[row])?;
     }
     let state = simulation.state();

@@ -92,9 +92,13 @@ impl MemoryJacobian {
 
 /// The directions of the integrator's Jacobian for a model that effects alter.
 pub(super) fn directions(memory_count: usize) -> Vec<Direction> {
-    let memory = (0..memory_count).map(Direction::Memory);
     let motion = Direction::MOTION.into_iter().chain(Direction::POSE);
-    motion.chain(memory).collect()
+    motion.chain(memory_directions(memory_count)).collect()
+}
+
+/// Those of what is remembered alone.
+pub(super) fn memory_directions(memory_count: usize) -> Vec<Direction> {
+    (0..memory_count).map(Direction::Memory).collect()
 }
 
 /// The linear system of a stage, W = I - h d A, with what is remembered eliminated.

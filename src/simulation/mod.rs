@@ -2,9 +2,11 @@
 
 mod jacobian;
 mod last_step;
+mod linearised;
 mod memory;
 mod rosenbrock;
 mod sensitivity;
+mod settled;
 mod snapshot;
 mod state;
 

@@ -6,8 +6,10 @@
 //! function theorem) and linear in between. It is integrated by Alexander's L-stable SDIRK method of
 //! order 2 (R. Alexander, SIAM J. Numer. Anal. 14 (1977)).
 
-use super::last_step::{DELAY, Derivatives, LastStep, share};
+use super::last_step::{Derivatives, LastStep, share};
+use super::linearised::{Columns, Linearised};
 use super::memory::directions;
+use super::settled::Settling;
 use super::{Simulation, SimulationError, State, WheelSpeeds};
 use crate::parameter::ParameterError;
 use crate::vehicle::{
@@ -16,7 +18,7 @@ use crate::vehicle::{
 use nalgebra::{DMatrix, Vector2};
 
 /// gamma = 1 - 1/sqrt(2) of the method.
-const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// A [`Simulation`] that carries the derivatives of its state along.
 #[derive(Debug, Clone)]
@@ -39,45 +41,6 @@ pub(super) struct Variation {
     /// The last step's length \[s\] and the slopes of its two stages, in the columns then in use.
     length: f64,
     slopes: [DMatrix<f64>; 2],
-}
-
-/// How the rates of the state and of what is remembered change, at one instant.
-#[derive(Debug, Clone)]
-struct Linearised {
-    /// By the state and what is remembered: A.
-    by_state: DMatrix<f64>,
-    /// By the left and right wheel speed.
-    by_speeds: DMatrix<f64>,
-    /// By the parameters that act throughout, then by the gated ones: B.
-    by_parameters: DMatrix<f64>,
-}
-
-/// What the derivatives are taken by: the initial state, the delay of the wheel speeds, the
-/// parameters that act throughout, and those that act in one gate after another, gate by gate.
-#[derive(Debug, Clone, Copy)]
-struct Columns {
-    throughout: usize,
-    gated: usize,
-    gates: usize,
-    /// The gate that is open.
-    gate: usize,
-}
-
-impl Columns {
-    /// First column of the parameters that act throughout, and of those of the gate that is open.
-    fn parameters(&self) -> [usize; 2] {
-        let first = DELAY + 1;
-        [first, first + self.throughout + self.gate * self.gated]
-    }
-
-    fn all(&self) -> usize {
-        DELAY + 1 + self.throughout + self.gated * self.gates
-    }
-
-    /// Number of columns that are not zero yet: all before the next gate's.
-    fn begun(&self) -> usize {
-        DELAY + 1 + self.throughout + self.gated * (self.gate + 1)
-    }
 }
 
 impl SensitiveSimulation {
@@ -184,6 +147,18 @@ impl SensitiveSimulation {
         }
         self.simulation.set_wheel_speeds(speeds)?;
         self.simulation.set_wheel_accelerations(rates)
+    }
+
+    /// As [`Simulation::settle`].
+    ///
+    /// # Errors
+    /// As [`Simulation::settle`].
+    pub fn settle(&mut self) -> Result<(), SimulationError> {
+        self.simulation.settle()?;
+        if !self.simulation.memory().is_empty() {
+            self.variation.settle(&mut self.simulation);
+        }
+        Ok(())
     }
 
     /// Closes the open gate and opens the next one; the last one stays open.
@@ -298,6 +273,26 @@ impl Variation {
         }
     }
 
+    /// What is remembered follows the beginning's motion and the parameters: its rates stay zero.
+    fn settle(&mut self, simulation: &mut Simulation) {
+        let now = self.linearise(simulation);
+        let memory = self.by.nrows() - State::COUNT;
+        let block = (State::COUNT, State::COUNT);
+        let whole = now.by_state.view(block, (memory, memory)).into_owned();
+        let settling = Settling::new(simulation, &whole);
+        let rates = simulation.input_rates();
+        let delayed = Vector2::new(-rates.left, -rates.right);
+        let mut change = &now.by_state * &self.by;
+        now.push(&mut change, &self.columns, &delayed);
+        let rows: Vec<usize> = settling.places.iter().map(|k| State::COUNT + k).collect();
+        if let Some(by) = settling.solve(&change.select_rows(&rows)) {
+            for (place, row) in rows.iter().enumerate() {
+                self.by.row_mut(*row).copy_from(&-by.row(place));
+            }
+        }
+        self.last = None;
+    }
+
     /// Follows one accepted step of the integrator.
     fn advance(&mut self, simulation: &mut Simulation, step: f64) {
         let end = self.linearise(simulation);
@@ -343,31 +338,5 @@ impl Variation {
             }
         }
         Derivatives(by)
-    }
-}
-
-impl Linearised {
-    /// A share GAMMA of the way to the end of a step.
-    fn mixed(&self, end: &Self) -> Self {
-        let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a * (1.0 - GAMMA) + b * GAMMA;
-        Self {
-            by_state: mix(&self.by_state, &end.by_state),
-            by_speeds: mix(&self.by_speeds, &end.by_speeds),
-            by_parameters: mix(&self.by_parameters, &end.by_parameters),
-        }
-    }
-
-    /// Adds what the delay and the parameters do besides to the rates of the derivatives.
-    fn push(&self, rates: &mut DMatrix<f64>, columns: &Columns, delayed: &Vector2<f64>) {
-        let mut delay = rates.column_mut(DELAY);
-        delay += &self.by_speeds * delayed;
-        let [throughout, open] = columns.parameters();
-        let counts = [columns.throughout, columns.gated];
-        let mut from = 0;
-        for (first, count) in [throughout, open].into_iter().zip(counts) {
-            let mut target = rates.columns_mut(first, count);
-            target += self.by_parameters.columns(from, count);
-            from += count;
-        }
     }
 }

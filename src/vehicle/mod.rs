@@ -20,7 +20,7 @@ mod trend;
 mod wrench;
 
 pub use altered::Surroundings;
-pub(crate) use altered::{Differentiated, Direction, Directions, Prepared};
+pub(crate) use altered::{Differentiated, Direction, Directions, Prepared, Remembered};
 pub use balance::Balance;
 pub use geometry::Vehicle;
 pub use linear::Linearisation;

@@ -1,6 +1,6 @@
 //! A vehicle on a terrain, prepared for evaluation.
 
-use super::altered::{Altered, Prepared};
+use super::altered::{Altered, Prepared, Remembered};
 use super::{Direction, Directions};
 use super::{LoadPlane, Motion, Parameter, Specification, Surroundings, Vehicle};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
@@ -96,6 +96,11 @@ impl VehicleModel {
     pub fn memory_names(&self) -> Vec<String> {
         self.altered()
             .map_or_else(Vec::new, |altered| altered.layout.names())
+    }
+
+    /// Whether a remembered number is the depth of a rut, and whether one of shear.
+    pub(crate) fn remembers(&self, index: usize) -> Option<Remembered> {
+        self.altered()?.layout.what(index)
     }
 
     /// The first moment after `time` \[s\] at which effects are switched on or off, whatever the

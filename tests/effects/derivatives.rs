@@ -187,6 +187,62 @@ fn a_drive_is_differentiated_by_every_effect() {
 }
 
 #[test]
+fn a_drive_that_begins_with_settled_memory_is_differentiated() {
+    let effects = Effects::NONE
+        .with("multipass.memory", 0.8)
+        .and_then(|e| e.with("transient_shear.relaxation", 1.0))
+        .unwrap();
+    let on = specification("sandy_loam", effects);
+    // So short that most of what is seen is how the drive began.
+    let short = |specification: &Specification, start: State| {
+        let mut drive = Simulation::new(VehicleModel::from_specification(specification).unwrap());
+        drive.set_state(start).unwrap();
+        drive.set_wheel_speeds(speeds(0.0)).unwrap();
+        drive.settle().unwrap();
+        for _ in 0..20 {
+            drive.step(0.005).unwrap();
+        }
+        drive.state().to_array()
+    };
+    let names = [
+        "multipass.memory",
+        "multipass.stiffness_ratio",
+        "transient_shear.relaxation",
+    ];
+    let parameters = names.map(|name| Parameter::find(name).unwrap());
+    let mut exact = SensitiveSimulation::new(&on, &parameters).unwrap();
+    exact.restart(0.0, START).unwrap();
+    exact.drive(speeds(0.0), WheelSpeeds::default()).unwrap();
+    exact.settle().unwrap();
+    for _ in 0..20 {
+        exact.step(0.005).unwrap();
+    }
+    for (index, parameter) in parameters.iter().enumerate() {
+        let value = parameter.get(&on);
+        let step = 1e-2 * value;
+        let moved = |by: f64| {
+            let mut changed = on.clone();
+            parameter.set(&mut changed, value + by).unwrap();
+            short(&changed, START)
+        };
+        let found = difference(moved(step), moved(-step), step);
+        let exact = exact.derivatives().by_parameter(index);
+        compare(&parameter.name(), exact, found);
+    }
+    let by_initial = exact.derivatives().by_initial();
+    for column in 3..6 {
+        let moved = |by: f64| {
+            let mut start = START.to_array();
+            start[column] += by;
+            short(&on, State::from_array(start))
+        };
+        let found = difference(moved(1e-3), moved(-1e-3), 1e-3);
+        let exact = by_initial.column(column).into_owned().into();
+        compare(&format!("initial state {column}"), exact, found);
+    }
+}
+
+#[test]
 fn a_drive_is_differentiated_by_a_delay_of_the_wheel_speeds() {
     let plain = specification("sandy_loam", Effects::NONE);
     let late = |delay: f64| {

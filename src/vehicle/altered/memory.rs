@@ -18,6 +18,17 @@ pub(crate) struct MemoryLayout {
     wheels: usize,
 }
 
+/// What a remembered number is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Remembered {
+    /// The distance driven.
+    Distance,
+    /// A part of a wheel's shear displacement.
+    Shear,
+    /// The depth to which a wheel's soil was pressed before.
+    Rut,
+}
+
 /// Number of values of a wheel's shear displacement.
 const SHEAR: usize = WheelMemory::COUNT - 1;
 /// Least speed over distance \[m\] with a slope: keeps the speed's root smooth.
@@ -105,6 +116,15 @@ impl MemoryLayout {
         let index = index.checked_sub(usize::from(self.distance))?;
         let (wheel, own) = (index / self.per_wheel(), index % self.per_wheel());
         self.places().nth(own).map(|place| (wheel, place))
+    }
+
+    /// What a number is.
+    pub fn what(&self, index: usize) -> Option<Remembered> {
+        match self.owner(index) {
+            Some((_, SHEAR)) => Some(Remembered::Rut),
+            Some(_) => Some(Remembered::Shear),
+            None => Some(Remembered::Distance).filter(|_| self.distance && index == 0),
+        }
     }
 
     /// Rates of change of the numbers; entry angles and memory are those of every wheel.

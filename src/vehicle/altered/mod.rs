@@ -16,7 +16,7 @@ mod surroundings;
 pub(crate) use chassis::Chassis;
 pub(crate) use direction::Direction;
 pub(crate) use directions::{Differentiated, Directions};
-pub(crate) use memory::MemoryLayout;
+pub(crate) use memory::{MemoryLayout, Remembered};
 pub(crate) use solve::{Altered, Prepared};
 pub use surroundings::Surroundings;
 pub(crate) use surroundings::{Environment, Situation};

@@ -1,0 +1,70 @@
+//! How the rates of a simulation change, at one instant, and by what.
+
+use super::last_step::DELAY;
+use super::sensitivity::GAMMA;
+use nalgebra::{DMatrix, Vector2};
+
+/// What the derivatives are taken by: the initial state, the delay of the wheel speeds, the
+/// parameters that act throughout, and those that act in one gate after another, gate by gate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Columns {
+    pub throughout: usize,
+    pub gated: usize,
+    pub gates: usize,
+    /// The gate that is open.
+    pub gate: usize,
+}
+
+impl Columns {
+    /// First column of the parameters that act throughout, and of those of the gate that is open.
+    pub fn parameters(&self) -> [usize; 2] {
+        let first = DELAY + 1;
+        [first, first + self.throughout + self.gate * self.gated]
+    }
+
+    pub fn all(&self) -> usize {
+        DELAY + 1 + self.throughout + self.gated * self.gates
+    }
+
+    /// Number of columns that are not zero yet: all before the next gate's.
+    pub fn begun(&self) -> usize {
+        DELAY + 1 + self.throughout + self.gated * (self.gate + 1)
+    }
+}
+
+/// How the rates of the state and of what is remembered change, at one instant.
+#[derive(Debug, Clone)]
+pub(super) struct Linearised {
+    /// By the state and what is remembered: A.
+    pub by_state: DMatrix<f64>,
+    /// By the left and right wheel speed.
+    pub by_speeds: DMatrix<f64>,
+    /// By the parameters that act throughout, then by the gated ones: B.
+    pub by_parameters: DMatrix<f64>,
+}
+
+impl Linearised {
+    /// A share GAMMA of the way to the end of a step.
+    pub fn mixed(&self, end: &Self) -> Self {
+        let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a * (1.0 - GAMMA) + b * GAMMA;
+        Self {
+            by_state: mix(&self.by_state, &end.by_state),
+            by_speeds: mix(&self.by_speeds, &end.by_speeds),
+            by_parameters: mix(&self.by_parameters, &end.by_parameters),
+        }
+    }
+
+    /// Adds what the delay and the parameters do besides to the rates of the derivatives.
+    pub fn push(&self, rates: &mut DMatrix<f64>, columns: &Columns, delayed: &Vector2<f64>) {
+        let mut delay = rates.column_mut(DELAY);
+        delay += &self.by_speeds * delayed;
+        let [throughout, open] = columns.parameters();
+        let counts = [columns.throughout, columns.gated];
+        let mut from = 0;
+        for (first, count) in [throughout, open].into_iter().zip(counts) {
+            let mut target = rates.columns_mut(first, count);
+            target += self.by_parameters.columns(from, count);
+            from += count;
+        }
+    }
+}
