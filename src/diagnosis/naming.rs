@@ -163,13 +163,37 @@ pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<N
         proposal, given, ..
     } = sketch;
     let tuned = tune_on(&given, &sketch.tuned, by, HELD);
+    let without = surprise_without(&given, &proposal, &tuned, before, by);
     Some(Named {
-        gain: before.surprise - tuned.surprise - proposal.looking,
+        gain: without - tuned.surprise - proposal.looking,
         scores: scores(&given, &tuned, by),
         proposal,
         given,
         tuned,
     })
+}
+
+/// Minus the log evidence without a proposal. One that began far off may have come to a better soil, which
+/// is not its merit: then also from where it ended.
+fn surprise_without(
+    given: &Given,
+    proposal: &Proposal,
+    tuned: &Tuned,
+    before: &Tuned,
+    by: &Weighing,
+) -> f64 {
+    if !proposal.hidden {
+        return before.surprise;
+    }
+    let mut begin = tuned.solution.clone();
+    for (values, off) in begin.knobs.iter_mut().zip(&before.solution.knobs) {
+        for knob in &proposal.knobs {
+            values[*knob] = off[*knob];
+        }
+    }
+    let without = tune_until(given, &before.knobs, &begin, by, LONG_SKETCH);
+    let surprise = without.map_or(f64::INFINITY, |tuned| tuned.surprise);
+    before.surprise.min(surprise)
 }
 
 /// A share of a proposal's steps away from what was before.
