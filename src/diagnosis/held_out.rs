@@ -11,7 +11,7 @@
 use super::Errors;
 use super::hypothesis::Given;
 use super::likelihood::{Block, Tuned, blocks};
-use crate::fit::bounded::{hold, step_within};
+use crate::fit::bounded::{room, step_within};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::observation::observe;
@@ -114,24 +114,7 @@ fn without(
         matrix += &block.matrix;
         gradient += &block.gradient;
     }
-    // What stands on its bound stays there.
-    for (k, parameter) in problem.parameters.iter().enumerate() {
-        let (low, high) = parameter.bounds();
-        let near = 1e-9 * (high - low);
-        let at = point.coordinates[k];
-        if (at <= low + near && gradient[k] < 0.0) || (at >= high - near && gradient[k] > 0.0) {
-            hold(&mut matrix, &mut gradient, k);
-        }
-    }
-    let room: Vec<(f64, f64)> = problem
-        .parameters
-        .iter()
-        .zip(point.coordinates.iter())
-        .map(|(parameter, at)| {
-            let (low, high) = parameter.bounds();
-            ((low - at).min(0.0), (high - at).max(0.0))
-        })
-        .collect();
+    let room = room(&problem.parameters, &point.coordinates);
     step_within(&matrix, &gradient, &room)
 }
 

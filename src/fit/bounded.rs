@@ -1,12 +1,24 @@
 //! Steps of a linearised problem within bounds.
 
+use super::parameter::Parameter;
 use nalgebra::{DMatrix, DVector};
+
+/// How far down (at most 0) and up (at least 0) each coordinate may go.
+#[must_use]
+pub fn room(parameters: &[Parameter], coordinates: &DVector<f64>) -> Vec<(f64, f64)> {
+    let pairs = parameters.iter().zip(coordinates.iter());
+    let room = |(parameter, at): (&Parameter, &f64)| {
+        let (low, high) = parameter.bounds();
+        ((low - at).min(0.0), (high - at).max(0.0))
+    };
+    pairs.map(room).collect()
+}
 
 /// The step s that raises g^T s - s^T H s / 2 from s = 0 without leaving `room`, how far down and up
 /// each number may go (from at most 0 to at least 0).
 ///
-/// An active set: what comes to its bound on the way stays there, and the rest goes on to where it is best
-/// beside that (J. Nocedal & S. Wright, "Numerical Optimization", ch. 16). A step that is cut at the bounds
+/// An active set: what stands on its bound and would leave, or comes to it on the way, stays there, and the
+/// rest goes on to where it is best beside that (J. Nocedal & S. Wright, "Numerical Optimization", ch. 16). A step that is cut at the bounds
 /// instead may lead uphill where numbers are correlated. `None` where H is not positive definite.
 #[must_use]
 pub fn step_within(
@@ -42,7 +54,7 @@ pub fn step_within(
 }
 
 /// Takes an unknown out of a system: its step is zero.
-pub fn hold(matrix: &mut DMatrix<f64>, gradient: &mut DVector<f64>, k: usize) {
+fn hold(matrix: &mut DMatrix<f64>, gradient: &mut DVector<f64>, k: usize) {
     matrix.row_mut(k).fill(0.0);
     matrix.column_mut(k).fill(0.0);
     matrix[(k, k)] = 1.0;

@@ -3,12 +3,10 @@
 //! Damping after H. B. Nielsen, "Damping parameter in Marquardt's method" (IMM-REP-1999-05).
 //! A step is also cut where it would carry a parameter too far at once, in units of its prior:
 //! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
-//! Bounds by an active set: a parameter that stands on its bound and is pushed outward is
-//! held for the step, and what comes to its bound on the way stays there while the rest goes on.
+//! Steps stay within bounds as [`step_within`] tells.
 
-use super::bounded::{hold, step_within};
+use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal};
-use super::parameter::Parameter;
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{Point, Problem, Tables, Weighing};
 use nalgebra::{DMatrix, DVector};
@@ -253,12 +251,7 @@ fn propose<P: Predictor>(
     for k in 0..matrix.nrows() {
         matrix[(k, k)] *= 1.0 + damping;
     }
-    hold_at_bounds(problem, point, &mut matrix, &mut gradient);
-    let bounds = problem.parameters.iter().map(Parameter::bounds);
-    let room: Vec<(f64, f64)> = bounds
-        .zip(point.coordinates.iter())
-        .map(|((low, high), at)| ((low - at).min(0.0), (high - at).max(0.0)))
-        .collect();
+    let room = room(&problem.parameters, &point.coordinates);
     let shortened = |mut wanted: DVector<f64>| {
         let far = problem.parameters.iter().zip(wanted.iter());
         let far = far.map(|(p, step)| step.abs() / p.prior.deviation);
@@ -306,20 +299,4 @@ fn matrix_of(eliminated: &[Eliminated], precision: &DVector<f64>) -> DMatrix<f64
         matrix += &one.matrix;
     }
     matrix
-}
-
-/// Takes parameters out of the system that stand on a bound and are pushed outward.
-fn hold_at_bounds<P: Predictor>(
-    problem: &Problem<P>,
-    point: &Point,
-    matrix: &mut DMatrix<f64>,
-    gradient: &mut DVector<f64>,
-) {
-    for (k, parameter) in problem.parameters.iter().enumerate() {
-        let (low, high) = parameter.bounds();
-        let at = point.coordinates[k];
-        if (at <= low && gradient[k] < 0.0) || (at >= high && gradient[k] > 0.0) {
-            hold(matrix, gradient, k);
-        }
-    }
 }
