@@ -225,9 +225,8 @@ fn on_the_given_soil(given: &Given, proposal: &Proposal, before: &Solution) -> O
     let mut knobs = proposal.knobs.iter();
     let secant = knobs.any(|knob| given.candidates.knobs[*knob].secant.is_some());
     (secant && proposal.hidden).then(|| Solution {
-        soil: given.begin().soil,
-        starts: given.begin().starts,
-        ..begin(given, proposal, before, 1.0)
+        knobs: begin(given, proposal, before, 1.0).knobs,
+        ..given.begin()
     })
 }
 

@@ -229,6 +229,12 @@ fn identity(memory: usize, columns: &Columns) -> DMatrix<f64> {
     })
 }
 
+/// How the wheel speeds change with their delay: what came later came with the speed of before.
+fn delayed(simulation: &Simulation) -> Vector2<f64> {
+    let rates = simulation.input_rates();
+    Vector2::new(-rates.left, -rates.right)
+}
+
 impl Variation {
     /// At the simulation's present state, for the integrator as well.
     fn linearise(&mut self, simulation: &mut Simulation) -> Linearised {
@@ -280,10 +286,8 @@ impl Variation {
         let block = (State::COUNT, State::COUNT);
         let whole = now.by_state.view(block, (memory, memory)).into_owned();
         let settling = Settling::new(simulation, &whole);
-        let rates = simulation.input_rates();
-        let delayed = Vector2::new(-rates.left, -rates.right);
         let mut change = &now.by_state * &self.by;
-        now.push(&mut change, &self.columns, &delayed);
+        now.push(&mut change, &self.columns, &delayed(simulation));
         let rows: Vec<usize> = settling.places.iter().map(|k| State::COUNT + k).collect();
         if let Some(by) = settling.solve(&change.select_rows(&rows)) {
             for (place, row) in rows.iter().enumerate() {
@@ -298,9 +302,7 @@ impl Variation {
         let end = self.linearise(simulation);
         let begin = self.last.take();
         let begin = begin.as_ref().unwrap_or(&end);
-        let rates = simulation.input_rates();
-        // What came later came with the speed of before.
-        let delayed = Vector2::new(-rates.left, -rates.right);
+        let delayed = delayed(simulation);
         let rows = self.by.nrows();
         let identity = DMatrix::<f64>::identity(rows, rows);
         let early = begin.mixed(&end);

@@ -98,7 +98,7 @@ impl VehicleModel {
             .map_or_else(Vec::new, |altered| altered.layout.names())
     }
 
-    /// Whether a remembered number is the depth of a rut, and whether one of shear.
+    /// What a remembered number is. `None` beyond the last.
     pub(crate) fn remembers(&self, index: usize) -> Option<Remembered> {
         self.altered()?.layout.what(index)
     }

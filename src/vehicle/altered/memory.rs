@@ -118,12 +118,13 @@ impl MemoryLayout {
         self.places().nth(own).map(|place| (wheel, place))
     }
 
-    /// What a number is.
+    /// What a number is. `None` beyond the last.
     pub fn what(&self, index: usize) -> Option<Remembered> {
         match self.owner(index) {
             Some((_, SHEAR)) => Some(Remembered::Rut),
             Some(_) => Some(Remembered::Shear),
-            None => Some(Remembered::Distance).filter(|_| self.distance && index == 0),
+            None if self.distance && index == 0 => Some(Remembered::Distance),
+            None => None,
         }
     }
 
