@@ -293,6 +293,7 @@ fn late(recording: &Recording) -> SensorValues {
     }
     values
 }
+
 /// Whether a recording's runs share a map. Runs that begin at one point to the micrometre do not.
 fn is_on_one_map(recording: &Recording) -> bool {
     let begins = |run: &Run| {
@@ -301,5 +302,6 @@ fn is_on_one_map(recording: &Recording) -> bool {
     };
     let begins: Vec<(f64, f64)> = recording.runs.iter().filter_map(begins).collect();
     let same = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) < SAME_PLACE;
-    !begins.windows(2).any(|pair| same(&pair[0], &pair[1]))
+    let again = |k: usize| begins[..k].iter().any(|before| same(before, &begins[k]));
+    !(0..begins.len()).any(again)
 }
