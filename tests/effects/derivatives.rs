@@ -82,23 +82,67 @@ pub fn difference(high: [f64; 6], low: [f64; 6], step: f64) -> [f64; 6] {
     std::array::from_fn(|k| (high[k] - low[k]) / (2.0 * step))
 }
 
-#[test]
-fn a_drive_is_differentiated_by_its_beginning() {
-    let plain = specification("clayed_soil", Effects::NONE);
-    let exact = sensitive(&plain, &[]).derivatives().by_initial();
-    for column in 0..6 {
+/// Where a drive with a specification from a start ends.
+type End = fn(&Specification, State) -> [f64; 6];
+
+/// Compares the derivatives by these parameters, moved by steps of their own.
+pub fn compare_by_parameters(
+    what: &str,
+    exact: &SensitiveSimulation,
+    on: &Specification,
+    parameters: &[(Parameter, f64)],
+    end: End,
+) {
+    for (index, (parameter, step)) in parameters.iter().enumerate() {
+        let moved = |by: f64| {
+            let mut changed = on.clone();
+            let value = parameter.get(on) + by;
+            parameter.set(&mut changed, value).unwrap();
+            end(&changed, START)
+        };
+        compare(
+            &format!("{what} {}", parameter.name()),
+            exact.derivatives().by_parameter(index),
+            difference(moved(*step), moved(-step), *step),
+        );
+    }
+}
+
+/// Parameters with steps of a share of their values.
+pub fn by_shares(
+    share: f64,
+    on: &Specification,
+    parameters: &[Parameter],
+) -> Vec<(Parameter, f64)> {
+    let step = |p: &Parameter| (*p, share * p.get(on).abs());
+    parameters.iter().map(step).collect()
+}
+
+fn compare_by_beginning(
+    exact: &SensitiveSimulation,
+    on: &Specification,
+    columns: std::ops::Range<usize>,
+    end: End,
+) {
+    let by_initial = exact.derivatives().by_initial();
+    for column in columns {
         let moved = |by: f64| {
             let mut start = START.to_array();
             start[column] += by;
-            end(&plain, State::from_array(start))
+            end(on, State::from_array(start))
         };
-        let found = difference(moved(1e-3), moved(-1e-3), 1e-3);
         compare(
             &format!("initial state {column}"),
-            exact.column(column).into_owned().into(),
-            found,
+            by_initial.column(column).into_owned().into(),
+            difference(moved(1e-3), moved(-1e-3), 1e-3),
         );
     }
+}
+
+#[test]
+fn a_drive_is_differentiated_by_its_beginning() {
+    let plain = specification("clayed_soil", Effects::NONE);
+    compare_by_beginning(&sensitive(&plain, &[]), &plain, 0..6, end);
 }
 
 #[test]
@@ -109,22 +153,8 @@ fn a_drive_is_differentiated_by_the_soil_and_the_vehicle() {
             .filter(|p| !matches!(p, Parameter::Effect(_)))
             .collect();
         let exact = sensitive(&plain, &parameters);
-        for (index, parameter) in parameters.iter().enumerate() {
-            let step = 1e-2 * parameter.get(&plain).abs();
-            let moved = |by: f64| {
-                let mut changed = plain.clone();
-                parameter
-                    .set(&mut changed, parameter.get(&plain) + by)
-                    .unwrap();
-                end(&changed, START)
-            };
-            let found = difference(moved(step), moved(-step), step);
-            compare(
-                &format!("{terrain} {}", parameter.name()),
-                exact.derivatives().by_parameter(index),
-                found,
-            );
-        }
+        let steps = by_shares(1e-2, &plain, &parameters);
+        compare_by_parameters(terrain, &exact, &plain, &steps, end);
     }
 }
 
@@ -160,29 +190,16 @@ fn a_drive_is_differentiated_by_every_effect() {
             .iter()
             .map(|p| Parameter::find(&format!("{}.{}", effect.name, p.name)).unwrap())
             .collect();
-        let exact = sensitive(&on, &parameters);
-        for (index, parameter) in parameters.iter().enumerate() {
-            let value = parameter.get(&on);
+        let step = |parameter: &Parameter| {
             let Parameter::Effect(name) = *parameter else {
                 unreachable!()
             };
             let declared = name.declaration().1;
-            let step = 1e-2
-                * value
-                    .abs()
-                    .max(0.02 * (declared.high - declared.low).min(1.0));
-            let moved = |by: f64| {
-                let mut changed = on.clone();
-                parameter.set(&mut changed, value + by).unwrap();
-                end(&changed, START)
-            };
-            let found = difference(moved(step), moved(-step), step);
-            compare(
-                &parameter.name(),
-                exact.derivatives().by_parameter(index),
-                found,
-            );
-        }
+            let least = 0.02 * (declared.high - declared.low).min(1.0);
+            (*parameter, 1e-2 * parameter.get(&on).abs().max(least))
+        };
+        let steps: Vec<(Parameter, f64)> = parameters.iter().map(step).collect();
+        compare_by_parameters("", &sensitive(&on, &parameters), &on, &steps, end);
     }
 }
 
@@ -217,29 +234,9 @@ fn a_drive_that_begins_with_settled_memory_is_differentiated() {
     for _ in 0..20 {
         exact.step(0.005).unwrap();
     }
-    for (index, parameter) in parameters.iter().enumerate() {
-        let value = parameter.get(&on);
-        let step = 1e-2 * value;
-        let moved = |by: f64| {
-            let mut changed = on.clone();
-            parameter.set(&mut changed, value + by).unwrap();
-            short(&changed, START)
-        };
-        let found = difference(moved(step), moved(-step), step);
-        let exact = exact.derivatives().by_parameter(index);
-        compare(&parameter.name(), exact, found);
-    }
-    let by_initial = exact.derivatives().by_initial();
-    for column in 3..6 {
-        let moved = |by: f64| {
-            let mut start = START.to_array();
-            start[column] += by;
-            short(&on, State::from_array(start))
-        };
-        let found = difference(moved(1e-3), moved(-1e-3), 1e-3);
-        let exact = by_initial.column(column).into_owned().into();
-        compare(&format!("initial state {column}"), exact, found);
-    }
+    let steps = by_shares(1e-2, &on, &parameters);
+    compare_by_parameters("settled", &exact, &on, &steps, short);
+    compare_by_beginning(&exact, &on, 3..6, short);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Effects that act for a while, or somewhere, only.
 
 use super::common::speeds;
-use super::derivatives::{START, compare, difference, end, sensitive};
+use super::derivatives::{by_shares, compare, compare_by_parameters, end, sensitive};
 use super::{MOTIONS, specification};
 use ugv_terrain::effects::{CATALOGUE, Effects, Extent, Kind, Window};
 use ugv_terrain::simulation::{Simulation, State};
@@ -253,19 +253,9 @@ fn a_drive_across_a_window_is_differentiated() {
         ),
     ] {
         let on = specification("sandy_loam", windowed(&on, &["drawbar"], extent));
-        let exact = sensitive(&on, parameters);
-        for (index, parameter) in parameters.iter().enumerate() {
-            let value = parameter.get(&on);
-            let step = 1e-2 * value;
-            let moved = |by: f64| {
-                let mut changed = on.clone();
-                parameter.set(&mut changed, value + by).unwrap();
-                end(&changed, START)
-            };
-            let found = difference(moved(step), moved(-step), step);
-            let what = format!("{extent:?} {}", parameter.name());
-            compare(&what, exact.derivatives().by_parameter(index), found);
-        }
+        let steps = by_shares(1e-2, &on, parameters);
+        let what = format!("{extent:?}");
+        compare_by_parameters(&what, &sensitive(&on, parameters), &on, &steps, end);
     }
 }
 
