@@ -33,12 +33,12 @@ pub(crate) fn parse(text: &str) -> Result<Value, JsonError> {
     )?)
 }
 
-/// What describes a vehicle or a terrain: the value itself, or what the object has under
+/// What describes or names a vehicle or a terrain: the value itself, or what the object has under
 /// that key, as the files beside recordings do.
 pub(super) fn unwrap<'a>(value: &'a Value, key: &str) -> &'a Value {
     value
         .get(key)
-        .filter(|inner| inner.is_object())
+        .filter(|inner| inner.is_object() || inner.is_string())
         .unwrap_or(value)
 }
 

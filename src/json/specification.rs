@@ -49,17 +49,10 @@ impl Specification {
         };
         check_format(get("format", &format!("\"{MODEL_FORMAT}\""))?, MODEL_FORMAT)?;
         let terrain = get("terrain", "a terrain or the name of one")?;
-        let terrain = match terrain.as_str() {
-            Some(name) => Terrain::preset(name).ok_or_else(|| {
-                let names = Terrain::PRESETS.join(", ");
-                JsonError::wrong_type("terrain", terrain, format!("an object or one of {names}"))
-            })?,
-            None => Terrain::from_json_value(terrain)?,
-        };
         let effects = map.get("effects").map(Effects::from_json_value);
         Ok(Self {
             vehicle: Vehicle::from_json_value(get("vehicle", "a vehicle")?)?,
-            terrain,
+            terrain: Terrain::from_json_value(terrain)?,
             effects: effects.transpose()?.unwrap_or_default(),
         })
     }

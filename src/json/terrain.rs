@@ -2,6 +2,7 @@
 
 use super::JsonError;
 use super::object::{self, Key, Object, key};
+use crate::spelling::nearest;
 use crate::terrain::Terrain;
 use serde_json::Value;
 
@@ -53,8 +54,8 @@ impl Terrain {
     }
 
     /// Reads a terrain from JSON: an object with the keys `cohesion`, `friction_angle_deg`,
-    /// `cohesive_modulus`, `frictional_modulus`, `sinkage_exponent` and `shear_modulus`, or
-    /// one with such an object under the key `terrain`.
+    /// `cohesive_modulus`, `frictional_modulus`, `sinkage_exponent` and `shear_modulus`, or the
+    /// name of a preset; or an object with one of these under the key `terrain`.
     ///
     /// # Errors
     /// Text that is not JSON, keys that are missing, unknown or of the wrong type, and
@@ -69,6 +70,15 @@ impl Terrain {
     /// As [`Terrain::from_json`].
     pub fn from_json_value(value: &Value) -> Result<Self, JsonError> {
         let value = object::unwrap(value, "terrain");
+        if let Value::String(name) = value {
+            return Self::preset(name).ok_or_else(|| {
+                let presets = Self::PRESETS;
+                let meant = nearest(name, presets).unwrap_or_default();
+                let names = presets.join(", ");
+                let expected = format!("an object or one of {names} (the nearest is {meant})");
+                JsonError::wrong_type("terrain", value, expected)
+            });
+        }
         refuse_several(value)?;
         let object = Object::new("terrain", KEYS, value)?;
         let friction_angle_deg = object.number("friction_angle_deg")?;
@@ -186,6 +196,8 @@ mod tests {
             with("cohesion", "1040")
         );
         assert_eq!(Terrain::from_json(&file).ok(), Terrain::preset("dry_sand"));
+        let file = r#"{"terrain": "dry_sand", "source": "a guess"}"#;
+        assert_eq!(Terrain::from_json(file).ok(), Terrain::preset("dry_sand"));
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! What the JSON beside a recording tells.
 
 use crate::json::{self, JsonError};
-use crate::spelling::nearest;
 use crate::terrain::Terrain;
 use crate::vehicle::Vehicle;
 use serde_json::{Map, Value};
@@ -45,11 +44,11 @@ impl About {
             Some(Value::String(text)) => Ok(text.clone()),
             Some(other) => Err(JsonError::wrong_type(key, other, "a text".into())),
         };
-        let (terrain, terrain_name) = known("terrain").map(terrain).transpose()?.unzip();
+        let terrain = known("terrain");
         Ok(Self {
             vehicle: known("vehicle").map(Vehicle::from_json_value).transpose()?,
-            terrain,
-            terrain_name: terrain_name.flatten(),
+            terrain: terrain.map(Terrain::from_json_value).transpose()?,
+            terrain_name: terrain.and_then(Value::as_str).map(Into::into),
             sensors: match known("sensors") {
                 None => Map::new(),
                 Some(Value::Object(sensors)) => sensors.clone(),
@@ -62,24 +61,6 @@ impl About {
             licence: text("licence")?,
             note: text("note")?,
         })
-    }
-}
-
-fn terrain(value: &Value) -> Result<(Terrain, Option<String>), JsonError> {
-    let Value::String(name) = value else {
-        return Ok((Terrain::from_json_value(value)?, None));
-    };
-    match Terrain::preset(name) {
-        Some(terrain) => Ok((terrain, Some(name.clone()))),
-        None => {
-            let presets = Terrain::PRESETS;
-            let meant = nearest(name, presets).unwrap_or_default();
-            let expected = format!(
-                "a terrain's object or one of {} (the nearest is {meant})",
-                presets.join(", ")
-            );
-            Err(JsonError::wrong_type("terrain", value, expected))
-        }
     }
 }
 
