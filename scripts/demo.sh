@@ -9,7 +9,7 @@ command -v cargo >/dev/null || {
     exit 1
 }
 
-echo "demo 1/3: Python tools into target/venv (the first time about 1.3 GB, half a minute)"
+echo "demo 1/3: Python tools into target/venv (1.9 GB the first time)"
 ./scripts/setup.sh
 echo "demo 2/3: the FMU, target/ugv.fmu (the first time some minutes of compiling)"
 ./scripts/package.sh

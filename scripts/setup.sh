@@ -28,7 +28,7 @@ if [[ "$(cat "$venv/stamp" 2>/dev/null)" == "$stamp" ]]; then
     exit 0
 fi
 
-echo "setup: installing $requirements into $venv (about 1.6 GB, half a minute)"
+echo "setup: installing $requirements into $venv (about 1.9 GB, a minute)"
 rm -rf "$venv"
 python3 -m venv "$venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary=:all: -r "$requirements" ||

@@ -3,14 +3,13 @@
 use super::account::account;
 use super::ambiguity::groups;
 use super::candidate::Target;
+use super::errors::compare;
 use super::findings::findings;
-use super::held_out::{SEEN, errors, nominal_errors};
 use super::hypothesis::{Given, What};
 use super::likelihood::Tuned;
 use super::manoeuvre::next;
-use super::outcome::{Account, Candidate, Diagnosis, Errors, HeldOut, Subject, Verdict};
+use super::outcome::{Account, Candidate, Diagnosis, Subject, Verdict};
 use super::prepare::{prepare, seconds};
-use super::refitted::refitted;
 use super::screen::{Projection, one_degree};
 use super::search::{Searched, search};
 use super::traces::traces;
@@ -55,10 +54,10 @@ pub fn diagnose(
     let (cut, by) = prepare(&mut given, options)?;
     let mut searched = search(&given, by, options, progress)?;
     progress.step("holding out what was found");
-    let mut held = held_out(&searched);
+    let mut held = compare(&searched);
     if held.is_some_and(|held| held.gain.0 < -held.gain.1) {
         searched.withdraw();
-        held = held_out(&searched);
+        held = compare(&searched);
     }
     progress.step("judging");
     let mut candidates = candidates(&searched)?;
@@ -228,33 +227,6 @@ fn others(odds: &Odds, screened: &[Candidate], nominal: &Specification) -> Vec<C
         ..empty(subject)
     })
     .collect()
-}
-
-fn held_out(searched: &Searched) -> Option<HeldOut> {
-    let (given, by) = (&searched.given, &searched.by);
-    let retuned = refitted(given, &searched.retuned, by)?;
-    let of_retuned = errors(given, &searched.retuned, &retuned, by);
-    // With nothing found the two are one.
-    let (of_augmented, gain) = if searched.members.is_empty() {
-        (of_retuned, (0.0, 0.0))
-    } else {
-        let augmented = refitted(&searched.placed, &searched.augmented, by)?;
-        let errors = errors(&searched.placed, &searched.augmented, &augmented, by);
-        (errors, augmented.gain_over(&retuned))
-    };
-    let length = given
-        .segments
-        .iter()
-        .map(|s| s.end - s.start)
-        .fold(0.0, f64::max);
-    Some(HeldOut {
-        nominal: nominal_errors(given, by).unwrap_or(Errors::NONE),
-        retuned: of_retuned,
-        augmented: of_augmented,
-        gain,
-        horizon: length - SEEN,
-        stretches: given.segments.len(),
-    })
 }
 
 /// The soil before and after.

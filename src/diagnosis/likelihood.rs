@@ -157,8 +157,7 @@ pub fn tune_with_noise(
     let mut stop = FIRST;
     for _ in 0..TURNS {
         let outcome = minimise_from(&problem, &mut point, tables, by, stop);
-        let change = noise_estimate::update(&problem.linearised(&point), &outcome.tables, by);
-        reweigh(&problem, &outcome.tables, by);
+        let change = follow(&problem, &point, &outcome.tables, by);
         tables = outcome.tables;
         if outcome.converged && outcome.gain < STILL && change < STILL_NOISE {
             break;
@@ -177,9 +176,20 @@ pub fn own_noise(given: &Given, tuned: &Tuned, by: &Weighing) -> Weighing {
     let problem = given.problem(&predictor, &tuned.knobs);
     let point = given.point(&problem, &tuned.knobs, &tuned.solution);
     let mut own = by.clone();
-    noise_estimate::update(&problem.linearised(&point), &tuned.tables, &mut own);
-    reweigh(&problem, &tuned.tables, &mut own);
+    follow(&problem, &point, &tuned.tables, &mut own);
     own
+}
+
+/// Noise and weights follow the residuals; tells by how much the noise has changed.
+pub fn follow<P: Predictor>(
+    problem: &Problem<P>,
+    point: &Point,
+    tables: &[Tables],
+    by: &mut Weighing,
+) -> f64 {
+    let change = noise_estimate::update(&problem.linearised(point), tables, by);
+    reweigh(problem, tables, by);
+    change
 }
 
 /// A segment's normal equations by a hypothesis' unknowns, its start eliminated.

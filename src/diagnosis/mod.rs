@@ -7,6 +7,7 @@ mod contest;
 mod course;
 mod diagnose;
 mod error;
+mod errors;
 mod findings;
 mod held_out;
 mod hypothesis;
