@@ -1,6 +1,6 @@
 //! `ugv fit`.
 
-use crate::Bench;
+use crate::{Bench, formats};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -41,6 +41,7 @@ fn model_and_report_are_written_and_the_model_drives() {
     }
     let report: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
     assert_eq!(report["format"], "ugv-fit/1");
+    formats::assert_documented(&report);
     let parameter = &report["parameters"][0];
     let number = |key: &str| parameter[key].as_f64().unwrap();
     assert_eq!(parameter["name"], "friction_angle");

@@ -91,6 +91,7 @@ fn json_and_page_are_whole() {
     assert_eq!(quiet, "");
     let json: serde_json::Value = serde_json::from_str(&bench.read("out.json")).unwrap();
     assert_eq!(json["format"], "ugv-inspection/1");
+    formats::assert_documented(&json);
     let delay = &json["delays"][1];
     assert_eq!(
         (&delay["of"], &delay["behind"]),

@@ -5,6 +5,8 @@
 mod diagnose;
 mod effects;
 mod fit;
+#[path = "../common/formats.rs"]
+mod formats;
 mod inspect;
 mod package;
 mod refusals;

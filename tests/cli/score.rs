@@ -41,6 +41,7 @@ fn fitted_kinematics_predict_a_kinematic_world() {
     bench.write("world.csv", drive(60.0));
     let score = json(&bench, "score world.csv --terrain dry_sand --json -");
     assert_eq!(score["format"], "ugv-score/1");
+    formats::assert_documented(&score);
     assert_eq!(score["pooled"], Value::Null);
     let recording = &score["recordings"][0];
     let two = model(recording, "two_parameter");

@@ -1,6 +1,8 @@
 //! What is told of a diagnosis, and that every verdict is told in text, JSON and page.
 #![cfg(feature = "cli")]
 
+#[path = "../common/formats.rs"]
+mod formats;
 mod sample;
 
 use sample::{VERDICTS, sample};
@@ -55,6 +57,7 @@ fn json_has_the_format_of_the_design() {
 fn probabilities_sum_to_one() {
     for verdict in VERDICTS {
         let all = parsed(&sample(verdict));
+        formats::assert_documented(&all);
         let candidates = all["candidates"].as_array().unwrap();
         let sum: f64 = candidates
             .iter()
