@@ -35,11 +35,12 @@ const WORTH: f64 = 3.0;
 /// The law that explains most beyond soil and the knobs that are on.
 #[must_use]
 pub fn law(given: &Given, system: &System, nuisance: &[usize], seed: u64) -> Option<Law> {
-    let knobs: Vec<usize> = given
-        .candidates
-        .laws()
-        .filter(|knob| system.unknowns(*knob).iter().all(|u| !nuisance.contains(u)))
-        .collect();
+    let is_off = |knob: &usize| system.unknowns(*knob).iter().all(|u| !nuisance.contains(u));
+    // What pushes in a window would push there alone.
+    let effects = &given.nominal.effects;
+    let confined = |knob: &usize| effects.is_windowed(given.candidates.knobs[*knob].effect);
+    let knobs = given.candidates.laws();
+    let knobs: Vec<usize> = knobs.filter(|k| is_off(k) && !confined(k)).collect();
     let all: Vec<usize> = (0..system.segments.len()).collect();
     let (chosen, evidence) = select(system, nuisance, &all, &knobs, MOST_TERMS)?;
     let mut random = fastrand::Rng::with_seed(seed);

@@ -113,10 +113,10 @@ impl Scanned {
 /// yet, a change of the soil, and a push.
 #[must_use]
 pub fn scanned(given: &Given, system: &System, soil: &[f64], on: &[usize]) -> Vec<Scanned> {
-    let off = |knobs: Vec<usize>| -> Vec<usize> {
-        let all = knobs.into_iter();
-        all.filter(|knob| !on.contains(knob)).collect()
-    };
+    // A window confines an effect with all its numbers: what acts throughout would end there as well.
+    let effect = |knob: &usize| given.candidates.knobs[*knob].effect;
+    let is_off = |knob: &usize| on.iter().all(|other| effect(other) != effect(knob));
+    let off = |knobs: Vec<usize>| -> Vec<usize> { knobs.into_iter().filter(is_off).collect() };
     let subjects = given.candidates.subjects.iter();
     let effects = subjects.filter_map(|subject| {
         let knobs = off(given.candidates.of(*subject).collect());

@@ -26,6 +26,7 @@ mod refitted;
 mod regime;
 mod rehearsal;
 mod scan;
+mod scout;
 mod screen;
 mod search;
 mod sensitivity;

@@ -52,10 +52,14 @@ impl Named<'_> {
 /// A proposal whose fit beside what is on has begun.
 #[derive(Debug)]
 pub struct Sketch<'a> {
-    proposal: Proposal,
-    given: Given<'a>,
-    tuned: Tuned,
-    gain: f64,
+    /// What was proposed.
+    pub(super) proposal: Proposal,
+    /// The given model with the place where it acts.
+    pub(super) given: Given<'a>,
+    /// The fit so far.
+    pub(super) tuned: Tuned,
+    /// Log Bayes factor against the hypothesis without it, as far as it has come.
+    pub(super) gain: f64,
 }
 
 impl Sketch<'_> {

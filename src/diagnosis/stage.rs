@@ -8,6 +8,7 @@ use super::likelihood::{HELD, Tuned, tune_on};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::noise;
 use super::proposal::{Proposal, Screened, hidden, proposals, screened, shortlist};
+use super::scout::Scouts;
 use super::screen::{Projection, chance};
 use super::sensitivity::{Layout, sensitivities};
 use super::system::{System, linearise, weigh};
@@ -32,8 +33,9 @@ pub struct Looked {
 /// Draws of simulated nulls, and the share of them below the threshold.
 const NULLS: usize = 500;
 const SHARE: f64 = 0.95;
-/// Fits that are further behind after their first steps are not finished.
+/// Fits that are further behind after their first steps are not finished, or not widened to all stretches.
 const NEAR: f64 = 0.75;
+const NEAR_ON_A_PART: f64 = 0.5;
 pub const CLOSE: f64 = 5.0;
 /// At most so many are finished.
 const MOST: usize = 7;
@@ -126,23 +128,40 @@ fn moved(given: &Given, from: &Solution, to: &Solution) -> f64 {
     each.fold(0.0, f64::max)
 }
 
-/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
+/// Fits what is worth it: all begin, on a part of long recordings, and those that are not far behind after
+/// some steps are finished.
 pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
-    let begun = stage
-        .proposals
-        .iter()
-        .filter_map(|proposal| sketch(&stage.given, proposal, &stage.tuned, by));
-    let mut begun: Vec<Sketch> = begun.collect();
-    begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
-    // What was proposed twice, as seen and as hidden, and came to the same is finished once.
-    begun.dedup_by(|later, earlier| later.is_twin_of(earlier));
-    let best = begun.iter().map(Sketch::odds).fold(0.0, f64::max);
-    let mut fitted: Vec<Named> = begun
+    let Stage { given, tuned, .. } = stage;
+    let scouts = Scouts::new(given, tuned, by);
+    let is_scouted = |proposal: &Proposal| scouts.is_some() && proposal.extent.is_none();
+    let begin = |proposal: &Proposal| match &scouts {
+        Some(scouts) if is_scouted(proposal) => scouts.sketch(proposal),
+        _ => sketch(given, proposal, tuned, by),
+    };
+    let mut begun: Vec<Sketch> = stage.proposals.iter().filter_map(begin).collect();
+    if let Some(scouts) = &scouts {
+        let widened = |sketch: Sketch<'a>| match is_scouted(&sketch.proposal) {
+            true => scouts.widened(&sketch, given, tuned, by),
+            false => Some(sketch),
+        };
+        let near = promising(begun, NEAR_ON_A_PART);
+        begun = near.into_iter().filter_map(widened).collect();
+    }
+    let mut fitted: Vec<Named> = promising(begun, NEAR)
         .into_iter()
-        .take(MOST)
-        .filter(|sketch| sketch.promise() > NEAR * best - CLOSE)
-        .filter_map(|sketch| finish(sketch, &stage.tuned, by))
+        .filter_map(|sketch| finish(sketch, tuned, by))
         .collect();
     contend(&mut fitted, by);
     fitted
+}
+
+/// Those that may come to this share of the best, the most promising first.
+fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64) -> Vec<Sketch<'a>> {
+    sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+    // What was proposed twice, as seen and as hidden, and came to the same is finished once.
+    sketches.dedup_by(|later, earlier| later.is_twin_of(earlier));
+    let best = sketches.iter().map(Sketch::odds).fold(0.0, f64::max);
+    sketches.truncate(MOST);
+    sketches.retain(|sketch| sketch.promise() > share * best - CLOSE);
+    sketches
 }

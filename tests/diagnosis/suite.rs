@@ -17,7 +17,7 @@ use cases::Family;
 use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
-use told::{Answer, Told, diagnose, diagnosed, tool};
+use told::{Answer, Told, diagnose, diagnosed, diagnosed_lasting, tool};
 use ugv_terrain::effects::{CATALOGUE, Kind};
 
 /// Answers that may be wrong of 66 drives with one effect of the catalogue.
@@ -38,6 +38,9 @@ const LOOKALIKES_WRONG: usize = 2;
 const BOTH_FOUND: usize = 4;
 /// Overlap of the seconds that were found with the true ones, in the middle of the cases.
 const OVERLAP: f64 = 0.7;
+
+/// Seconds that a drive lasts that has more stretches than fits begin on.
+const LONG: [f64; 2] = [300.0, 310.0];
 
 /// The first cases of a family.
 fn first(family: Family, count: usize) -> Vec<(Family, usize)> {
@@ -147,6 +150,15 @@ fn the_way_back_parts_look_alikes() {
             .all(|one| one.folder.join("drive2.csv").is_file())
     );
     assert_honest(&told, LOOKALIKES_WRONG);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+fn long_drives_are_sketched_on_a_part() {
+    let cases = [(Family::Single, 0), (Family::Sensor, 1)];
+    let told = diagnosed_lasting(LONG, "long", &cases);
+    let named = count(&told, |one| one.answer() == Answer::Named);
+    assert_eq!(named, told.len(), "long drives tell more than short ones");
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub fn tool() -> PathBuf {
 /// Another seed than those that the diagnosis was developed on.
 const SEED: u64 = 2007;
 /// Seconds that the drives last: long enough for a few manoeuvres, short enough for a hundred cases.
-const LENGTHS: [f64; 2] = [35.0, 40.0];
+const SHORT: [f64; 2] = [35.0, 40.0];
 /// A set with more names than these tells nothing.
 const LARGEST_SET: usize = 4;
 
@@ -55,11 +55,16 @@ pub struct Told {
 /// Diagnoses cases, one process for each processor. What was said is printed as it comes, past the
 /// test harness, then as a table, which is left with all files in `target/tmp/diagnosis_suite/GROUP`.
 pub fn diagnosed(group: &str, cases: &[(Family, usize)]) -> Vec<Told> {
+    diagnosed_lasting(SHORT, group, cases)
+}
+
+/// The same with drives that last from and to so many seconds.
+pub fn diagnosed_lasting(lengths: [f64; 2], group: &str, cases: &[(Family, usize)]) -> Vec<Told> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("diagnosis_suite")
         .join(group);
     let one = |(family, number): &(Family, usize)| {
-        let told = Told::of(&folder, *family, *number);
+        let told = Told::of(lengths, &folder, *family, *number);
         std::io::Write::write_all(&mut std::io::stderr(), told.line().as_bytes()).unwrap();
         told
     };
@@ -103,9 +108,9 @@ impl Told {
     const HEADER: &str = "case              answer  signal  verdict            sure  overlap  held out (se)    \
                           s     truth; what was said";
 
-    fn of(folder: &Path, family: Family, number: usize) -> Self {
+    fn of(lengths: [f64; 2], folder: &Path, family: Family, number: usize) -> Self {
         let name = format!("{}_{number:02}", family.name());
-        let case = generate_lasting(LENGTHS, family, number, SEED).unwrap();
+        let case = generate_lasting(lengths, family, number, SEED).unwrap();
         write(&case, folder, &name).unwrap();
         let out = folder.join(&name).join("out");
         let begin = Instant::now();
