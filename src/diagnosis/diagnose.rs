@@ -303,12 +303,8 @@ fn model(searched: &Searched) -> Result<Specification, DiagnosisError> {
 }
 
 fn statement(diagnosis: &Diagnosis, judgement: &Judgement) -> String {
-    let told = |k: usize| {
-        diagnosis
-            .findings
-            .get(k)
-            .map_or("", |f| f.statement.as_str())
-    };
+    let leading = judgement.leading.and_then(|k| diagnosis.findings.get(k));
+    let told = leading.map_or("", |finding| &finding.statement);
     match judgement.verdict {
         Verdict::NothingMissing => {
             "The model with its soil re-tuned explains these recordings: nothing is missing that they could show."
@@ -318,24 +314,20 @@ fn statement(diagnosis: &Diagnosis, judgement: &Judgement) -> String {
             "These recordings tell too little: most effects of a plausible size would not have been seen."
                 .into()
         }
-        Verdict::MissingPhysics => {
-            let mut physics = diagnosis.findings.iter().filter(|f| !f.subject.is_sensor());
-            let first = physics.next().map_or("", |f| &f.statement);
-            format!("The model leaves out {first}.")
-        }
-        Verdict::Sensor => format!("The recording is at fault, not the model: {}.", told(0)),
+        Verdict::MissingPhysics => format!("The model leaves out {told}."),
+        Verdict::Sensor => format!("The recording is at fault, not the model: {told}."),
         Verdict::Ambiguous => {
-            let first = &diagnosis.findings[0];
-            let others: Vec<&str> = first.ambiguous_with.iter().map(|s| s.name()).collect();
+            let names = leading.map_or_else(Vec::new, |finding| {
+                let others = finding.ambiguous_with.iter();
+                std::iter::once(&finding.subject).chain(others).map(|s| s.name()).collect()
+            });
             format!(
-                "Something is missing: {} or {}; these recordings do not tell them apart. Best: {}.",
-                first.subject.name(),
-                others.join(" or "),
-                told(0)
+                "Something is missing: {}; these recordings do not tell them apart. Best: {told}.",
+                names.join(" or ")
             )
         }
         Verdict::UnknownPhysics => {
-            format!("Something is missing that the catalogue does not have: {}.", told(0))
+            format!("Something is missing that the catalogue does not have: {told}.")
         }
     }
 }

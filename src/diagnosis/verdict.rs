@@ -118,6 +118,8 @@ pub struct Judgement {
     pub verdict: Verdict,
     /// What was found, surest first.
     pub findings: Vec<Judged>,
+    /// Place of the one that the verdict is about.
+    pub leading: Option<usize>,
     /// Probabilities of all subjects; they sum to 1.
     pub odds: Odds,
 }
@@ -166,13 +168,11 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
             findings.rotate_right(1);
         }
     }
-    let verdict = match findings.first() {
+    let leading = leading(&findings);
+    let verdict = match leading.map(|place| &findings[place]) {
         None if seen < ENOUGH || !searched.tested => Verdict::InsufficientData,
         None => Verdict::NothingMissing,
-        Some(first) if first.subject == Subject::Unknown => Verdict::UnknownPhysics,
-        Some(first) if !first.set.is_empty() => Verdict::Ambiguous,
-        Some(_) if findings.iter().all(|f| f.subject.is_sensor()) => Verdict::Sensor,
-        Some(_) => Verdict::MissingPhysics,
+        Some(one) => one.verdict(),
     };
     if verdict == Verdict::InsufficientData {
         // Nothing was asked, so nothing is likelier than the other.
@@ -181,7 +181,28 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
     Judgement {
         verdict,
         findings,
+        leading,
         odds,
+    }
+}
+
+/// Where the sensors come first, physics that is likelier than not decides what is said of the model.
+fn leading(findings: &[Judged]) -> Option<usize> {
+    let first = findings.first()?;
+    let likely = |one: &Judged| !one.subject.is_sensor() && one.probability > 0.5;
+    let physics = findings.iter().position(likely);
+    physics.filter(|_| first.subject.is_sensor()).or(Some(0))
+}
+
+impl Judged {
+    /// What is said where nothing else was found.
+    fn verdict(&self) -> Verdict {
+        match self.subject {
+            Subject::Unknown => Verdict::UnknownPhysics,
+            _ if !self.set.is_empty() => Verdict::Ambiguous,
+            subject if subject.is_sensor() => Verdict::Sensor,
+            _ => Verdict::MissingPhysics,
+        }
     }
 }
 
@@ -245,6 +266,7 @@ fn mean(each: impl Iterator<Item = Odds>) -> Option<Odds> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::CATALOGUE;
 
     #[test]
     fn probabilities_sum_to_one_and_follow_the_evidence() {
@@ -263,5 +285,32 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
         let nothing = Odds::new(&[], NOTHING).of(Subject::Nothing);
         assert!((nothing - (1.0 - DOUBT)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn physics_behind_sensors_decides_where_it_is_likely() {
+        let sensor = Subject::Effect(CATALOGUE.iter().position(|e| e.name == "latency").unwrap());
+        let one = |subject, probability| Judged {
+            member: None,
+            subject,
+            probability,
+            set: Vec::new(),
+        };
+        let verdict = |findings: &[Judged]| findings[leading(findings).unwrap()].verdict();
+        let (late, drag) = (one(sensor, 0.97), one(Subject::Effect(0), 0.9));
+        assert_eq!(verdict(std::slice::from_ref(&late)), Verdict::Sensor);
+        for (probability, expected) in [(0.4, Verdict::Sensor), (0.6, Verdict::UnknownPhysics)] {
+            let law = one(Subject::Unknown, probability);
+            assert_eq!(verdict(&[late.clone(), law]), expected);
+        }
+        assert_eq!(
+            verdict(&[late.clone(), drag.clone()]),
+            Verdict::MissingPhysics
+        );
+        assert_eq!(
+            verdict(&[one(Subject::Unknown, 0.4), drag]),
+            Verdict::UnknownPhysics
+        );
+        assert_eq!(leading(&[]), None);
     }
 }

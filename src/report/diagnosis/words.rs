@@ -46,8 +46,10 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
         }
         (Verdict::InsufficientData, _) => "These recordings are too little to tell".into(),
         (Verdict::Ambiguous, [first, ..]) => {
-            let mut names = vec![name(first.subject).to_owned()];
-            names.extend(first.ambiguous_with.iter().map(|s| name(*s).to_owned()));
+            let mut sets = findings.iter().filter(|f| !f.ambiguous_with.is_empty());
+            let set = sets.next().unwrap_or(first);
+            let mut names = vec![name(set.subject).to_owned()];
+            names.extend(set.ambiguous_with.iter().map(|s| name(*s).to_owned()));
             format!(
                 "The model lacks {}: these recordings do not tell which",
                 list(&names, "or")
