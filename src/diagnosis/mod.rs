@@ -13,6 +13,7 @@ mod held_out;
 mod hypothesis;
 mod law;
 mod likelihood;
+mod load;
 mod locate;
 mod manoeuvre;
 mod naming;

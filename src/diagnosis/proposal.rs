@@ -3,6 +3,7 @@
 use super::Subject;
 use super::hypothesis::Given;
 use super::law::{Law, law};
+use super::load::place_load;
 use super::locate::{Extent, Found, locate, scanned};
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
@@ -107,6 +108,7 @@ pub fn proposals(
             stability: Vec::new(),
         })
         .collect();
+    place_load(given, &mut all);
     let throughout = all.clone();
     if given.nominal.effects.window.is_none() {
         let throughout = |subject: Subject| {

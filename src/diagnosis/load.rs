@@ -1,0 +1,112 @@
+//! A load and its place.
+//!
+//! While its mass is zero, the place of a load has no derivative: the screen sees its weight in the middle
+//! alone. Where a shifted centre of mass shows, a load that shifts it as much is proposed as well.
+
+use super::hypothesis::Given;
+use super::proposal::Proposal;
+use nalgebra::DVector;
+
+const MASS: &str = "payload.mass";
+/// The place of a load, and the shift of the centre of mass in that direction.
+const SHIFTS: [(&str, &str); 2] = [
+    ("payload.ahead", "com_shift.ahead"),
+    ("payload.left", "com_shift.left"),
+];
+/// A load is tried with no more than this share of the vehicle's mass.
+const HEAVIEST: f64 = 0.2;
+
+/// Where a shifted centre of mass is likelier, the load begins where it shifts it as much.
+pub fn place_load(given: &Given, proposals: &mut [Proposal]) {
+    let knob = |name: &str| {
+        let mut knobs = given.candidates.knobs.iter();
+        knobs.position(|knob| knob.parameter.name == name)
+    };
+    let step = |proposal: &Proposal, name: &str| {
+        let of = proposal.steps.iter().find(|(k, _)| Some(*k) == knob(name));
+        of.and_then(|(_, step)| step.get(0).copied())
+    };
+    let Some(mass) = knob(MASS) else { return };
+    let shift = |one: &&Proposal| one.extent.is_none() && step(one, SHIFTS[0].1).is_some();
+    let Some(shift) = proposals.iter().find(shift).cloned() else {
+        return;
+    };
+    let mut loads = proposals.iter_mut();
+    let Some(load) = loads.find(|one| one.extent.is_none() && one.knobs.contains(&mass)) else {
+        return;
+    };
+    if shift.evidence <= load.evidence {
+        return;
+    }
+    let vehicle = &given.nominal.vehicle;
+    let typical = given.candidates.knobs[mass].typical;
+    let loaded = typical.min(HEAVIEST * vehicle.mass);
+    let lever = (vehicle.mass + loaded) / loaded;
+    let place = |(own, other): &(&str, &str), vehicles: f64| {
+        let away = vehicles + lever * step(&shift, other)?;
+        Some((knob(own)?, DVector::repeat(1, away)))
+    };
+    let middle = [vehicle.com_offset, 0.0];
+    let places = SHIFTS.iter().zip(middle).filter_map(|(s, m)| place(s, m));
+    load.steps = std::iter::once((mass, DVector::repeat(1, loaded)))
+        .chain(places)
+        .collect();
+    load.soil.clone_from(&shift.soil);
+    load.evidence = shift.evidence;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Subject;
+    use crate::effects::CATALOGUE;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Parameter, Specification, Vehicle};
+
+    #[test]
+    fn the_load_shifts_the_centre_of_mass_as_much() {
+        let vehicle = Vehicle::tran2007();
+        let (own, offset) = (vehicle.mass, vehicle.com_offset);
+        let nominal = Specification::plain(vehicle, Terrain::preset("sandy_loam").unwrap());
+        let given = Given::new(&nominal, &[]);
+        let propose = |name: &str, steps: &[f64], evidence: f64| {
+            let effect = CATALOGUE.iter().position(|e| e.name == name).unwrap();
+            let subject = Subject::Effect(effect);
+            let knobs: Vec<usize> = given.candidates.of(subject).collect();
+            let steps = knobs.iter().zip(steps);
+            Proposal {
+                subject,
+                extent: None,
+                steps: steps.map(|(k, s)| (*k, DVector::repeat(1, *s))).collect(),
+                evidence,
+                looking: 0.0,
+                stability: Vec::new(),
+                soil: DVector::zeros(given.soil.len()),
+                hidden: false,
+                knobs,
+            }
+        };
+        let [ahead, left] = [-0.012, 0.037];
+        let mut all = [
+            propose("payload", &[3.0, 0.0, 0.0], 2.0),
+            propose("com_shift", &[ahead, left], 40.0),
+        ];
+        place_load(&given, &mut all);
+        let value = |name: &str| {
+            let found = all[0].steps.iter().find(|(k, _)| {
+                given.candidates.knobs[*k].target
+                    == crate::diagnosis::candidate::Target::Model(Parameter::find(name).unwrap())
+            });
+            found.unwrap().1[0]
+        };
+        let mass = value("payload.mass");
+        let moved = |place: f64| mass * place / (own + mass);
+        assert!((moved(value("payload.ahead") - offset) - ahead).abs() < 1e-12);
+        assert!((moved(value("payload.left")) - left).abs() < 1e-12);
+        assert_eq!(all[0].evidence, 40.0);
+        // A load that shows by itself stays as it was seen.
+        let mut all = [propose("payload", &[3.0, 0.0, 0.0], 50.0), all[1].clone()];
+        place_load(&given, &mut all);
+        assert_eq!(all[0].steps[0].1[0], 3.0);
+    }
+}
