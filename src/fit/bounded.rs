@@ -3,6 +3,9 @@
 use super::parameter::Parameter;
 use nalgebra::{DMatrix, DVector};
 
+/// Rounds at most, for each number.
+const ROUNDS: usize = 4;
+
 /// How far down (at most 0) and up (at least 0) each coordinate may go.
 #[must_use]
 pub fn room(parameters: &[Parameter], coordinates: &DVector<f64>) -> Vec<(f64, f64)> {
@@ -14,11 +17,12 @@ pub fn room(parameters: &[Parameter], coordinates: &DVector<f64>) -> Vec<(f64, f
     pairs.map(room).collect()
 }
 
-/// The step s that raises g^T s - s^T H s / 2 from s = 0 without leaving `room`, how far down and up
-/// each number may go (from at most 0 to at least 0).
+/// The step s that raises g^T s - s^T H s / 2 most without leaving `room`, how far down and up each number
+/// may go (from at most 0 to at least 0).
 ///
-/// An active set: what stands on its bound and would leave, or comes to it on the way, stays there, and the
-/// rest goes on to where it is best beside that (J. Nocedal & S. Wright, "Numerical Optimization", ch. 16). A step that is cut at the bounds
+/// A primal active set (J. Nocedal & S. Wright, "Numerical Optimization", ch. 16): what stands on its bound and
+/// is pushed outward, or comes to its bound on the way, is held there while the rest goes on to where it is
+/// best beside that; then what is pulled back inward is let go again, one at a time. A step that is cut at the bounds
 /// instead may lead uphill where numbers are correlated. `None` where H is not positive definite.
 #[must_use]
 pub fn step_within(
@@ -28,8 +32,12 @@ pub fn step_within(
 ) -> Option<DVector<f64>> {
     let count = gradient.len();
     let mut taken = DVector::zeros(count);
-    let mut held = vec![false; count];
-    loop {
+    let outward = |(pull, (low, high)): (&f64, &(f64, f64))| {
+        (*low == 0.0 && *pull < 0.0) || (*high == 0.0 && *pull > 0.0)
+    };
+    let mut held: Vec<bool> = gradient.iter().zip(room).map(outward).collect();
+    // Each round holds or lets go one number: more would be going round in a circle.
+    for _ in 0..ROUNDS * (count + 1) {
         let mut system = matrix.clone();
         let mut left = gradient - matrix * &taken;
         for k in (0..count).filter(|k| held[*k]) {
@@ -44,13 +52,33 @@ pub fn step_within(
             (bound != end && !held[k]).then_some((k, bound, share))
         };
         let first = (0..count).filter_map(share_to_bound);
-        let Some((k, bound, share)) = first.min_by(|a, b| a.2.total_cmp(&b.2)) else {
-            return Some(taken + step);
+        if let Some((k, bound, share)) = first.min_by(|a, b| a.2.total_cmp(&b.2)) {
+            taken += step * share;
+            taken[k] = bound;
+            held[k] = true;
+            continue;
+        }
+        taken += step;
+        let pull = gradient - matrix * &taken;
+        let inward = |k: &usize| {
+            let (low, high) = room[*k];
+            let away = if taken[*k] <= low {
+                pull[*k]
+            } else {
+                -pull[*k]
+            };
+            held[*k] && low < high && away > 0.0
         };
-        taken += step * share;
-        taken[k] = bound;
-        held[k] = true;
+        let strongest = |a: &usize, b: &usize| {
+            let gain = |k: usize| pull[k].powi(2) / matrix[(k, k)];
+            gain(*a).total_cmp(&gain(*b))
+        };
+        match (0..count).filter(inward).max_by(strongest) {
+            Some(k) => held[k] = false,
+            None => break,
+        }
     }
+    Some(taken)
 }
 
 /// Takes an unknown out of a system: its step is zero.
@@ -91,5 +119,20 @@ mod tests {
         // Both in the way: both at their bounds.
         let tight = step_within(&matrix, &gradient, &[(-0.1, 0.1), (-0.1, 0.1)]).unwrap();
         assert!((tight - DVector::from_vec(vec![0.1, -0.1])).amax() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_held_on_the_way_is_let_go_where_it_is_pulled_back() {
+        // Best is (-3, 10), from (1, 1) in a square from 0 to 5: first to the corner (0, 5), from there on to (1.95, 5).
+        let matrix = DMatrix::from_row_slice(2, 2, &[1.0, 0.99, 0.99, 1.0]);
+        let gradient = &matrix * DVector::from_vec(vec![-4.0, 9.0]);
+        let step = step_within(&matrix, &gradient, &[(-1.0, 4.0), (-1.0, 4.0)]).unwrap();
+        assert!((step[0] - 0.95).abs() < 1e-9 && step[1] == 4.0, "{step}");
+        let corner = DVector::from_vec(vec![-1.0, 4.0]);
+        assert!(gain(&matrix, &gradient, &step) > gain(&matrix, &gradient, &corner));
+        // From the corner itself: no reason to stay.
+        let left = &gradient - &matrix * &corner;
+        let step = step_within(&matrix, &left, &[(0.0, 5.0), (-5.0, 0.0)]).unwrap();
+        assert!((step[0] - 1.95).abs() < 1e-9 && step[1] == 0.0, "{step}");
     }
 }
