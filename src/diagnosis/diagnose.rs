@@ -13,7 +13,7 @@ use super::prepare::{prepare, seconds};
 use super::screen::{Projection, one_degree};
 use super::search::{Searched, search};
 use super::traces::traces;
-use super::verdict::{Judgement, Odds, judge};
+use super::verdict::{Odds, judge};
 use super::{DiagnosisError, Options, Progress};
 use crate::effects::CATALOGUE;
 use crate::fit::Estimate;
@@ -81,6 +81,7 @@ pub fn diagnose(
         statement: String::new(),
         recordings: given.names.clone(),
         findings: found,
+        leading: judgement.leading,
         candidates,
         held_out: held,
         soil: soil(&searched),
@@ -95,7 +96,7 @@ pub fn diagnose(
         nominal: nominal.clone(),
         model,
     };
-    diagnosis.statement = statement(&diagnosis, &judgement);
+    diagnosis.statement = statement(&diagnosis);
     diagnosis.account.steps = progress.seconds();
     Ok(diagnosis)
 }
@@ -124,6 +125,7 @@ pub fn insufficient(
         statement: format!("{first}{}.", rest.as_str()),
         recordings: recordings.iter().map(|r| r.name.clone()).collect(),
         findings: Vec::new(),
+        leading: None,
         candidates: vec![
             nothing(Subject::Nothing, 0.5),
             nothing(Subject::Unknown, 0.5),
@@ -302,10 +304,10 @@ fn model(searched: &Searched) -> Result<Specification, DiagnosisError> {
     Ok(model)
 }
 
-fn statement(diagnosis: &Diagnosis, judgement: &Judgement) -> String {
-    let leading = judgement.leading.and_then(|k| diagnosis.findings.get(k));
+fn statement(diagnosis: &Diagnosis) -> String {
+    let leading = diagnosis.leading.and_then(|k| diagnosis.findings.get(k));
     let told = leading.map_or("", |finding| &finding.statement);
-    match judgement.verdict {
+    match diagnosis.verdict {
         Verdict::NothingMissing => {
             "The model with its soil re-tuned explains these recordings: nothing is missing that they could show."
                 .into()

@@ -35,7 +35,9 @@ pub fn next(
 ) -> Option<Manoeuvre> {
     let seen = 1.0 - hidden.len() as f64 / searched.first.screened.len().max(1) as f64;
     let question = match judgement.verdict {
-        Verdict::Ambiguous => Question::between(searched, judgement.findings.first()?)?,
+        Verdict::Ambiguous => {
+            Question::between(searched, judgement.findings.get(judgement.leading?)?)?
+        }
         Verdict::InsufficientData => Question::whether(searched, hidden),
         Verdict::NothingMissing if seen < ENOUGH => Question::whether(searched, hidden),
         _ => return None,

@@ -330,8 +330,10 @@ pub struct Diagnosis {
     pub statement: String,
     /// Names of the recordings.
     pub recordings: Vec<String>,
-    /// What is missing, the surest first.
+    /// What is missing, in the order in which it was found; first what has no name where that is the most.
     pub findings: Vec<Finding>,
+    /// Place of the finding that the verdict is about.
+    pub leading: Option<usize>,
     /// Everything that was asked about, nothing and unknown among them; probabilities sum to 1.
     pub candidates: Vec<Candidate>,
     /// Held-out errors; `None` where there was too little to hold out.

@@ -68,6 +68,16 @@ impl Odds {
         found.map_or(0.0, |(_, share)| *share)
     }
 
+    /// Probability that it is physics.
+    fn physics(&self) -> f64 {
+        let is = |subject: Subject| !subject.is_sensor() && subject != Subject::Nothing;
+        self.0
+            .iter()
+            .filter(|(s, _)| is(*s))
+            .map(|(_, share)| share)
+            .sum()
+    }
+
     /// With a part of what one subject has given to others in equal parts.
     fn shared(mut self, from: Subject, part: f64, among: &[Subject]) -> Self {
         let Some(own) = self.0.iter_mut().find(|(other, _)| *other == from) else {
@@ -107,6 +117,8 @@ pub struct Judged {
     pub subject: Subject,
     /// Its probability.
     pub probability: f64,
+    /// Probability that it is physics, whatever its name.
+    pub physics: f64,
     /// Others that may stand in its place, likeliest first.
     pub set: Vec<Subject>,
 }
@@ -116,7 +128,7 @@ pub struct Judged {
 pub struct Judgement {
     /// All in all.
     pub verdict: Verdict,
-    /// What was found, surest first.
+    /// What was found, in that order; first what has no name where that is the most.
     pub findings: Vec<Judged>,
     /// Place of the one that the verdict is about.
     pub leading: Option<usize>,
@@ -162,6 +174,7 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
             member: None,
             subject: Subject::Unknown,
             probability: something_unknown,
+            physics: something,
             set: Vec::new(),
         });
         if main {
@@ -189,7 +202,7 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
 /// Where the sensors come first, physics that is likelier than not decides what is said of the model.
 fn leading(findings: &[Judged]) -> Option<usize> {
     let first = findings.first()?;
-    let likely = |one: &Judged| !one.subject.is_sensor() && one.probability > 0.5;
+    let likely = |one: &Judged| !one.subject.is_sensor() && one.physics > 0.5;
     let physics = findings.iter().position(likely);
     physics.filter(|_| first.subject.is_sensor()).or(Some(0))
 }
@@ -246,6 +259,7 @@ fn judge_member(index: usize, member: &Member, odds: Odds) -> Judged {
         member: Some(index),
         subject,
         probability,
+        physics: odds.physics(),
         set,
     }
 }
@@ -294,6 +308,7 @@ mod tests {
             member: None,
             subject,
             probability,
+            physics: probability,
             set: Vec::new(),
         };
         let verdict = |findings: &[Judged]| findings[leading(findings).unwrap()].verdict();

@@ -64,6 +64,7 @@ pub fn sample(verdict: Verdict) -> Diagnosis {
         statement: statement.into(),
         recordings,
         candidates: candidates(verdict, &findings),
+        leading: (!findings.is_empty()).then_some(0),
         findings,
         held_out: (verdict != Verdict::InsufficientData).then(|| held_out(verdict)),
         soil: soil(verdict),

@@ -40,14 +40,13 @@ pub fn list(names: &[String], last: &str) -> String {
 /// The verdict in plain words.
 pub fn headline(diagnosis: &Diagnosis) -> String {
     let findings = &diagnosis.findings[..];
-    match (diagnosis.verdict, findings) {
+    let leading = diagnosis.leading.and_then(|k| findings.get(k));
+    match (diagnosis.verdict, leading) {
         (Verdict::NothingMissing, _) => {
             "Nothing is missing: the re-tuned model explains the recordings".into()
         }
         (Verdict::InsufficientData, _) => "These recordings are too little to tell".into(),
-        (Verdict::Ambiguous, [first, ..]) => {
-            let mut sets = findings.iter().filter(|f| !f.ambiguous_with.is_empty());
-            let set = sets.next().unwrap_or(first);
+        (Verdict::Ambiguous, Some(set)) => {
             let mut names = vec![name(set.subject).to_owned()];
             names.extend(set.ambiguous_with.iter().map(|s| name(*s).to_owned()));
             format!(
@@ -55,28 +54,36 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
                 list(&names, "or")
             )
         }
-        (_, []) => "Something is missing: these recordings do not tell what".into(),
+        (Verdict::Sensor, Some(_)) => {
+            format!(
+                "The sensors, not the soil: {}",
+                phrases(findings, Subject::is_sensor)
+            )
+        }
+        (_, None) => "Something is missing: these recordings do not tell what".into(),
         _ => lacking(findings),
     }
 }
 
-/// What the model lacks, each thing once, and what the sensors add.
-fn lacking(findings: &[Finding]) -> String {
-    let phrases = |of: fn(Subject) -> bool| {
-        let mut phrases: Vec<String> = Vec::new();
-        for finding in findings.iter().filter(|finding| of(finding.subject)) {
-            let phrase = phrase(finding.subject);
-            if !phrases.contains(&phrase) {
-                phrases.push(phrase);
-            }
+/// What was found of a sort, each thing once.
+fn phrases(findings: &[Finding], of: fn(Subject) -> bool) -> String {
+    let mut phrases: Vec<String> = Vec::new();
+    for finding in findings.iter().filter(|finding| of(finding.subject)) {
+        let phrase = phrase(finding.subject);
+        if !phrases.contains(&phrase) {
+            phrases.push(phrase);
         }
-        list(&phrases, "and")
-    };
+    }
+    list(&phrases, "and")
+}
+
+/// What the model lacks, and what the sensors add.
+fn lacking(findings: &[Finding]) -> String {
+    let phrases = |of: fn(Subject) -> bool| phrases(findings, of);
     let named = phrases(|subject| subject != Subject::Unknown && !subject.is_sensor());
     let sensors = phrases(Subject::is_sensor);
     let unknown = phrases(|subject| subject == Subject::Unknown);
     let physics = match (&named[..], &unknown[..]) {
-        ("", "") => return format!("The sensors, not the soil: {sensors}"),
         ("", unknown) => format!("The model lacks {unknown}"),
         (named, "") => format!("The model lacks {named}"),
         (named, unknown) => format!("The model lacks {named}, and {unknown}"),
