@@ -2,8 +2,8 @@
 //!
 //! Each model is judged by parameters from other folds (see `refitted`) and under the noise that it leaves
 //! itself: under the noise of another one, which holds less, what it misses would count more. Errors in metres
-//! come from starts fitted to the first second of a segment alone; what follows it is predicted. All
-//! models are compared on the segments that all of them can drive.
+//! come from starts fitted to the first second of a segment alone; what follows it is predicted. They are
+//! compared on the segments that all models can drive; the score is over all.
 
 use super::held_out::Scores;
 use super::hypothesis::Given;
@@ -16,6 +16,7 @@ use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::observation::observe;
 use crate::fit::optimiser::{Stop, minimise};
 use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::robust::penalty;
 use crate::fit::segment::{Segment, Signal};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -44,18 +45,15 @@ struct Row {
 #[must_use]
 pub fn compare(searched: &Searched) -> Option<HeldOut> {
     let (given, by) = (&searched.given, &searched.by);
-    let found = !searched.members.is_empty();
-    // With nothing found the noise is that of the re-tuned model.
-    let retuned = if found {
-        let own = own_noise(given, &searched.retuned, by);
-        fitted(given, &tune_on(given, &searched.retuned, &own, HELD), &own)?
-    } else {
-        fitted(given, &searched.retuned, by)?
+    let row = |given, tuned| {
+        let own = own_noise(given, tuned, by);
+        fitted(given, &tune_on(given, tuned, &own, HELD), &own)
     };
-    let augmented = if found {
-        Some(fitted(&searched.placed, &searched.augmented, by)?)
-    } else {
+    let retuned = row(given, &searched.retuned)?;
+    let augmented = if searched.members.is_empty() {
         None
+    } else {
+        Some(row(&searched.placed, &searched.augmented)?)
     };
     let nominal = nominal(given, by);
     let rows = [nominal.as_ref(), Some(&retuned), augmented.as_ref()];
@@ -122,6 +120,10 @@ impl Row {
             predicted(problem, index, segment, at, starts[index], by)
         };
         let errors = problem.segments.par_iter().enumerate().map(one).collect();
+        let mut scores = scores;
+        for (density, weights) in scores.log_density.iter_mut().zip(&by.weights) {
+            *density -= 0.5 * price(weights.iter().flatten());
+        }
         Self { errors, scores }
     }
 
@@ -143,6 +145,12 @@ impl Row {
             log_score: self.scores.mean(),
         }
     }
+}
+
+/// What the weights of outliers cost, for they are each model's own: with it the density is Student's.
+fn price<'w>(weights: impl Iterator<Item = &'w f64>) -> f64 {
+    // The determinant of the noise has the logarithm already.
+    weights.map(|weight| penalty(*weight) + weight.ln()).sum()
 }
 
 /// Sums of squares and numbers of samples: position (two coordinates make one sample), heading, yaw

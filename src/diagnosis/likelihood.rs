@@ -22,8 +22,8 @@ pub struct Tuned {
     pub knobs: Vec<usize>,
     /// Where it ended.
     pub solution: Solution,
-    /// Half the squares that are left, the prior's among them.
-    pub cost: f64,
+    /// Half the squares that are left, those of the soil's and the knobs' priors not among them.
+    pub misfit: f64,
     /// Minus the log of the evidence.
     pub surprise: f64,
     /// By how much the next step promises to lower it.
@@ -125,7 +125,7 @@ fn tuned_from<P: Predictor>(
     Tuned {
         knobs: knobs.to_vec(),
         solution: given.solution(problem, knobs, &point, begin),
-        cost: 0.5 * outcome.cost,
+        misfit: 0.5 * (outcome.cost - problem.prior_cost(&point.coordinates)),
         surprise,
         promised: 0.5 * outcome.promised,
         covariance,
@@ -133,7 +133,7 @@ fn tuned_from<P: Predictor>(
     }
 }
 
-/// [`Tuned::cost`] of a hypothesis as it stands, infinite where it cannot be driven.
+/// Half the cost of a hypothesis as it stands, infinite where it cannot be driven.
 #[must_use]
 pub fn cost(given: &Given, knobs: &[usize], at: &Solution, by: &Weighing) -> f64 {
     let predictor = given.predictor(knobs);

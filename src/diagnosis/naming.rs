@@ -12,6 +12,7 @@ use super::likelihood::{HELD, LONG_SKETCH, SKETCH, Tuned, cost, tune_on, tune_un
 use super::locate::Extent;
 use super::proposal::Proposal;
 use crate::effects::{self, ParameterName, Window};
+use crate::fit::optimiser::Stop;
 use crate::fit::problem::Weighing;
 use crate::fit::segment::CLOCK;
 
@@ -24,7 +25,7 @@ const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
 const TWINS: f64 = 1.0;
 /// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
 /// lost its way.
-const LOST: f64 = 5.0;
+pub const LOST: f64 = 5.0;
 
 /// A proposal fitted in full beside what was found before.
 #[derive(Debug, Clone)]
@@ -60,9 +61,27 @@ pub struct Sketch<'a> {
     pub(super) tuned: Tuned,
     /// Log Bayes factor against the hypothesis without it, as far as it has come.
     pub(super) gain: f64,
+    /// By how much it was scaled up, where the fit is to a part of the recording.
+    pub(super) scale: f64,
 }
 
-impl Sketch<'_> {
+/// When the first steps of a proposal's fit end.
+pub fn first_steps(proposal: &Proposal) -> Stop {
+    if proposal.hidden { LONG_SKETCH } else { SKETCH }
+}
+
+impl<'a> Sketch<'a> {
+    /// A fit that has begun beside what was found before.
+    pub fn new(proposal: &Proposal, given: &Given<'a>, tuned: Tuned, before: &Tuned) -> Self {
+        Self {
+            gain: before.surprise - tuned.surprise - proposal.looking,
+            proposal: proposal.clone(),
+            given: given.clone(),
+            tuned,
+            scale: 1.0,
+        }
+    }
+
     /// Log odds against the hypothesis without it, as far as it has come.
     #[must_use]
     pub fn odds(&self) -> f64 {
@@ -74,7 +93,7 @@ impl Sketch<'_> {
     pub fn is_twin_of(&self, other: &Self) -> bool {
         (self.proposal.subject, &self.proposal.extent)
             == (other.proposal.subject, &other.proposal.extent)
-            && (self.odds() - other.odds()).abs() < TWINS
+            && (self.odds() - other.odds()).abs() < TWINS * self.scale
     }
 
     /// The same with what the next step promises: so far it may come.
@@ -96,7 +115,7 @@ pub fn sketch<'a>(
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
     let begin = cheapest(&given, proposal, &knobs, before, by);
-    let stop = if proposal.hidden { LONG_SKETCH } else { SKETCH };
+    let stop = first_steps(proposal);
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
     let begins = begin
         .into_iter()
@@ -115,12 +134,7 @@ pub fn sketch<'a>(
         tuned = tuned.into_iter().chain(again).min_by(likelier);
     }
     let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;
-    Some(Sketch {
-        gain: before.surprise - tuned.surprise - proposal.looking,
-        proposal: proposal.clone(),
-        given,
-        tuned,
-    })
+    Some(Sketch::new(proposal, &given, tuned, before))
 }
 
 /// Where a proposal's fit begins: the cheapest of some shares of its steps. `None` where a hidden effect

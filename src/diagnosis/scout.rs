@@ -6,7 +6,7 @@
 
 use super::hypothesis::{Given, Solution};
 use super::likelihood::{SKETCH, Tuned, tune_until};
-use super::naming::{Sketch, sketch};
+use super::naming::{LOST, Sketch, first_steps, sketch};
 use super::proposal::Proposal;
 use crate::fit::problem::Weighing;
 
@@ -59,13 +59,15 @@ impl<'a> Scouts<'a> {
     #[must_use]
     pub fn sketch(&self, proposal: &Proposal) -> Option<Sketch<'a>> {
         let mut sketch = sketch(&self.given, proposal, &self.before, &self.by)?;
-        // The evidence's other parts hardly grow with the data.
-        sketch.gain += (self.ratio - 1.0) * (self.before.cost - sketch.tuned.cost);
+        // Priors and determinants hardly grow with the data.
+        sketch.gain += (self.ratio - 1.0) * (self.before.misfit - sketch.tuned.misfit);
         sketch.tuned.promised *= self.ratio;
+        sketch.scale = self.ratio;
         Some(sketch)
     }
 
-    /// Goes on with all stretches; from the beginning where they cannot be driven as it stands.
+    /// Goes on with all stretches; from the beginning where they cannot be driven as it stands, or the way is
+    /// lost.
     #[must_use]
     pub fn widened(
         &self,
@@ -77,21 +79,22 @@ impl<'a> Scouts<'a> {
         let Sketch {
             proposal, tuned, ..
         } = scouted;
-        let mut begin = Solution {
-            starts: before.solution.starts.clone(),
-            ..tuned.solution.clone()
-        };
+        // What else is on may not show on the part.
+        let mut begin = before.solution.clone();
+        begin.soil.clone_from(&tuned.solution.soil);
+        for (values, found) in begin.knobs.iter_mut().zip(&tuned.solution.knobs) {
+            for knob in &proposal.knobs {
+                values[*knob] = found[*knob];
+            }
+        }
         for (place, start) in self.places.iter().zip(&tuned.solution.starts) {
             begin.starts[*place] = *start;
         }
-        match tune_until(given, &tuned.knobs, &begin, by, SKETCH) {
-            Ok(tuned) if tuned.surprise.is_finite() => Some(Sketch {
-                gain: before.surprise - tuned.surprise - proposal.looking,
-                proposal: proposal.clone(),
-                given: given.clone(),
-                tuned,
-            }),
-            _ => sketch(given, proposal, before, by),
+        let widened = tune_until(given, &tuned.knobs, &begin, by, first_steps(proposal)).ok();
+        let kept = widened.filter(|tuned| tuned.surprise <= before.surprise + LOST);
+        match kept {
+            Some(tuned) => Some(Sketch::new(proposal, given, tuned, before)),
+            None => sketch(given, proposal, before, by),
         }
     }
 }

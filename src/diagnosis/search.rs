@@ -4,7 +4,7 @@
 //! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
 
 use super::hypothesis::{Given, Solution};
-use super::likelihood::{Tuned, tune, tune_with_noise};
+use super::likelihood::{Tuned, own_noise, tune, tune_with_noise};
 use super::naming::Named;
 use super::proposal::{Kind, Proposal};
 use super::prune::{prune, without};
@@ -62,6 +62,7 @@ impl Searched<'_> {
         for (_, odds) in &mut self.refused {
             *odds = odds.min(0.0);
         }
+        self.by = own_noise(&self.given, &self.retuned, &self.by);
         self.augmented = self.retuned.clone();
         self.placed = self.given.clone();
         self.last = Arc::clone(&self.first);

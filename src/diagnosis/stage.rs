@@ -144,10 +144,10 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
             true => scouts.widened(&sketch, given, tuned, by),
             false => Some(sketch),
         };
-        let near = promising(begun, NEAR_ON_A_PART);
+        let near = promising(begun, NEAR_ON_A_PART, 2 * MOST);
         begun = near.into_iter().filter_map(widened).collect();
     }
-    let mut fitted: Vec<Named> = promising(begun, NEAR)
+    let mut fitted: Vec<Named> = promising(begun, NEAR, MOST)
         .into_iter()
         .filter_map(|sketch| finish(sketch, tuned, by))
         .collect();
@@ -155,13 +155,13 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
     fitted
 }
 
-/// Those that may come to this share of the best, the most promising first.
-fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64) -> Vec<Sketch<'a>> {
+/// Those that may come to this share of the best, the most promising first, at most so many.
+fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64, most: usize) -> Vec<Sketch<'a>> {
     sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     // What was proposed twice, as seen and as hidden, and came to the same is finished once.
     sketches.dedup_by(|later, earlier| later.is_twin_of(earlier));
     let best = sketches.iter().map(Sketch::odds).fold(0.0, f64::max);
-    sketches.truncate(MOST);
+    sketches.truncate(most);
     sketches.retain(|sketch| sketch.promise() > share * best - CLOSE);
     sketches
 }
