@@ -99,9 +99,8 @@ fn nominal(given: &Given, by: &Weighing) -> Option<Row> {
     let outcome = minimise(&problem, &mut point, by, START_STOP).ok()?;
     follow(&problem, &point, &outcome.tables, &mut own);
     let blocks = blocks(&problem, &outcome.tables, &point, &own)?;
-    let density = |block: &Block| -0.5 * (block.cost + block.log_determinant);
     let scores = Scores {
-        log_density: blocks.iter().map(density).collect(),
+        log_density: blocks.iter().map(Block::log_density).collect(),
         samples: blocks.iter().map(|block| block.samples).collect(),
         coordinates: vec![DVector::zeros(0); blocks.len()],
     };

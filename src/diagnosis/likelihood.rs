@@ -210,6 +210,14 @@ pub struct Block {
     pub samples: usize,
 }
 
+impl Block {
+    /// Log density of the segment's samples, but for what they all have in common.
+    #[must_use]
+    pub fn log_density(&self) -> f64 {
+        -0.5 * (self.cost + self.log_determinant)
+    }
+}
+
 /// The segments of a fitted hypothesis. `None` where numbers are not finite.
 #[must_use]
 pub fn blocks<P: Predictor>(

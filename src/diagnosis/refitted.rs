@@ -40,7 +40,7 @@ pub fn refitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
             continue;
         };
         for (index, block) in left.indices.iter().zip(judged) {
-            scores.log_density[*index] = -0.5 * (block.cost + block.log_determinant);
+            scores.log_density[*index] = block.log_density();
             scores.coordinates[*index].clone_from(&left.point.coordinates);
         }
     }

@@ -58,8 +58,8 @@ impl Terrain {
     /// name of a preset; or an object with one of these under the key `terrain`.
     ///
     /// # Errors
-    /// Text that is not JSON, keys that are missing, unknown or of the wrong type, and
-    /// values that [`Terrain::validate`] refuses.
+    /// Text that is not JSON, keys that are missing, unknown or of the wrong type, names of no
+    /// preset, and values that [`Terrain::validate`] refuses.
     pub fn from_json(text: &str) -> Result<Self, JsonError> {
         Self::from_json_value(&object::parse(text)?)
     }
