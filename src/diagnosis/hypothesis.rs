@@ -55,6 +55,17 @@ pub struct Solution {
     pub starts: Vec<[f64; 6]>,
 }
 
+impl Solution {
+    /// Takes the values of some knobs from another one.
+    pub fn take(&mut self, knobs: &[usize], other: &Self) {
+        for (values, others) in self.knobs.iter_mut().zip(&other.knobs) {
+            for knob in knobs {
+                values[*knob] = others[*knob];
+            }
+        }
+    }
+}
+
 impl<'a> Given<'a> {
     /// Everything at hand, nothing cut yet.
     #[must_use]

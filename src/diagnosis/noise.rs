@@ -90,10 +90,7 @@ pub fn update(
             ))
         })
         .collect();
-    let mut weighing = Weighing {
-        noise: by.noise.clone(),
-        weights: known.iter().map(|k| by.weights[*k].clone()).collect(),
-    };
+    let mut weighing = by.of(&known);
     noise_estimate::update(&problem, &combined, &mut weighing);
     by.noise = weighing.noise;
 }

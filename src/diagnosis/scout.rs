@@ -38,10 +38,7 @@ impl<'a> Scouts<'a> {
             segments: segments.collect(),
             ..given.clone()
         };
-        let by = Weighing {
-            noise: by.noise.clone(),
-            weights: places.iter().map(|k| by.weights[*k].clone()).collect(),
-        };
+        let by = by.of(&places);
         let begin = Solution {
             starts: places.iter().map(|k| before.solution.starts[*k]).collect(),
             ..before.solution.clone()
@@ -82,11 +79,7 @@ impl<'a> Scouts<'a> {
         // What else is on may not show on the part.
         let mut begin = before.solution.clone();
         begin.soil.clone_from(&tuned.solution.soil);
-        for (values, found) in begin.knobs.iter_mut().zip(&tuned.solution.knobs) {
-            for knob in &proposal.knobs {
-                values[*knob] = found[*knob];
-            }
-        }
+        begin.take(&proposal.knobs, &tuned.solution);
         for (place, start) in self.places.iter().zip(&tuned.solution.starts) {
             begin.starts[*place] = *start;
         }

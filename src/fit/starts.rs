@@ -80,11 +80,7 @@ pub fn search<P: Predictor>(
     let picked: Vec<usize> = (0..problem.segments.len()).filter(pick).collect();
     let segments = picked.iter().map(|k| problem.segments[*k].clone());
     let screen = problem.with_segments(segments.collect());
-    let weights = picked.iter().map(|k| by.weights[*k].clone()).collect();
-    let part = Weighing {
-        noise: by.noise.clone(),
-        weights,
-    };
+    let part = by.of(&picked);
     let mut random = fastrand::Rng::with_seed(options.seed);
     let mut failed = 0;
     let mut answers: Vec<Answer> = Vec::new();

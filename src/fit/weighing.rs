@@ -23,6 +23,17 @@ pub struct NoiseEstimate {
     pub outliers: f64,
 }
 
+impl Weighing {
+    /// That of some segments.
+    #[must_use]
+    pub fn of(&self, segments: &[usize]) -> Self {
+        Self {
+            noise: self.noise.clone(),
+            weights: segments.iter().map(|k| self.weights[*k].clone()).collect(),
+        }
+    }
+}
+
 /// Noise as of a fair sensor and model, and every sample counting alike.
 pub fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
     let noise = NoiseGroup::ALL.map(|group| ChannelNoise {
