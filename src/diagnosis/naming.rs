@@ -120,7 +120,7 @@ pub fn sketch<'a>(
     let begins = begin
         .into_iter()
         .chain(compared(&given, proposal, &before.solution))
-        .chain(on_the_given_soil(&given, proposal, &before.solution));
+        .chain(settled(&given, proposal, before, by));
     let each = begins.filter_map(|begin| {
         let tuned = tune_until(&given, &knobs, &begin, by, stop);
         tuned.ok().filter(|tuned| tuned.surprise.is_finite())
@@ -204,11 +204,7 @@ fn surprise_without(
         return before.surprise;
     }
     let mut begin = tuned.solution.clone();
-    for (values, off) in begin.knobs.iter_mut().zip(&before.solution.knobs) {
-        for knob in &proposal.knobs {
-            values[*knob] = off[*knob];
-        }
-    }
+    begin.take(&proposal.knobs, &before.solution);
     let without = tune_until(given, &before.knobs, &begin, by, LONG_SKETCH);
     let surprise = without.map_or(f64::INFINITY, |tuned| tuned.surprise);
     before.surprise.min(surprise)
@@ -237,15 +233,28 @@ fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) -> S
     begin
 }
 
-/// Where effects are proposed that have no derivative while they are off, as large as the catalogue expects
-/// them: the soil and the starts that re-tuning began with. Those that it ended with imitate them.
-fn on_the_given_soil(given: &Given, proposal: &Proposal, before: &Solution) -> Option<Solution> {
-    let mut knobs = proposal.knobs.iter();
-    let secant = knobs.any(|knob| given.candidates.knobs[*knob].secant.is_some());
-    (secant && proposal.hidden).then(|| Solution {
-        knobs: begin(given, proposal, before, 1.0).knobs,
+/// Where effects are proposed that have no derivative while they are off: as large as the catalogue expects
+/// them, the soil fitted beside that from the given one. The soil that re-tuning ended with imitates them; beside
+/// it, or freed at once, they would be turned off and stay there.
+fn settled(given: &Given, proposal: &Proposal, before: &Tuned, by: &Weighing) -> Option<Solution> {
+    let knobs = &given.candidates.knobs;
+    let mut own = proposal.knobs.iter();
+    if !proposal.hidden || own.all(|knob| knobs[*knob].secant.is_none()) {
+        return None;
+    }
+    let begin = Solution {
+        knobs: begin(given, proposal, &before.solution, 1.0).knobs,
         ..given.begin()
-    })
+    };
+    let mut held = given.clone();
+    for knob in &proposal.knobs {
+        if let Target::Model(parameter) = knobs[*knob].target {
+            let value = knobs[*knob].parameter.value(begin.knobs[0][*knob]);
+            parameter.set(&mut held.nominal, value).ok()?;
+        }
+    }
+    let fitted = tune_until(&held, &before.knobs, &begin, by, SKETCH);
+    Some(fitted.ok()?.solution)
 }
 
 /// Where latencies are proposed: they are what comparing the curves tells. A search from zero may
