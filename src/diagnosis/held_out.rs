@@ -4,13 +4,15 @@
 //! judged by parameters from the others, its neighbours left out as a guard (H. Racine,
 //! "Consistent cross-validatory model-selection for dependent data", J. Econometrics 99 (2000)).
 //! The parameters without a fold follow from the whole fit by one Newton step (see `refitted` for what
-//! is told in the end). The score is the log predictive density, starts integrated out.
+//! is told in the end). The score is the log predictive density of each segment, its start and what the
+//! others leave open of the parameters integrated out: where little is left to learn from, a model with more
+//! to learn is less sure, not wrong.
 
 use super::hypothesis::Given;
 use super::likelihood::{Block, Tuned, blocks};
 use crate::fit::bounded::{room, step_within};
 use crate::fit::exact::ExactPredictor;
-use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::problem::{Problem, Weighing};
 use crate::fit::segment::Segment;
 use nalgebra::{DMatrix, DVector};
 
@@ -68,35 +70,32 @@ pub fn scores(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
         coordinates: vec![point.coordinates.clone(); blocks.len()],
     };
     for out in 0..count {
-        let step = without(&problem, &point, &blocks, |index| {
-            !near(&given.segments, &fold, out, index)
-        })?;
+        let apart = |index: &usize| !near(&given.segments, &fold, out, *index);
+        let kept = (0..blocks.len()).filter(apart).map(|index| &blocks[index]);
+        let (told, gradient) = told(&problem, &point.coordinates, kept);
+        let room = room(&problem.parameters, &point.coordinates);
+        let step = step_within(&told, &gradient, &room)?;
         for (index, block) in blocks.iter().enumerate().filter(|(k, _)| fold[*k] == out) {
-            let quadratic = step.dot(&(&block.matrix * &step));
-            let cost = block.cost - 2.0 * block.gradient.dot(&step) + quadratic;
-            scores.log_density[index] = -0.5 * (cost + block.log_determinant);
+            scores.log_density[index] = block.predictive(&told, &step)?;
             scores.coordinates[index] += &step;
         }
     }
     Some(scores)
 }
 
-/// The step from the whole fit to that of some segments, within the ranges.
-fn without(
+/// What the prior and some segments tell of the unknowns: precision and gradient.
+pub(super) fn told<'b>(
     problem: &Problem<ExactPredictor>,
-    point: &Point,
-    blocks: &[Block],
-    kept: impl Fn(usize) -> bool,
-) -> Option<DVector<f64>> {
-    let (precision, pull) = problem.prior(&point.coordinates);
+    coordinates: &DVector<f64>,
+    blocks: impl Iterator<Item = &'b Block>,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let (precision, mut gradient) = problem.prior(coordinates);
     let mut matrix = DMatrix::from_diagonal(&precision);
-    let mut gradient = pull;
-    for (_, block) in blocks.iter().enumerate().filter(|(k, _)| kept(*k)) {
+    for block in blocks {
         matrix += &block.matrix;
         gradient += &block.gradient;
     }
-    let room = room(&problem.parameters, &point.coordinates);
-    step_within(&matrix, &gradient, &room)
+    (matrix, gradient)
 }
 
 impl Scores {

@@ -216,6 +216,19 @@ impl Block {
     pub fn log_density(&self) -> f64 {
         -0.5 * (self.cost + self.log_determinant)
     }
+
+    /// The same where other segments tell the unknowns with the precision `told`, at `step` from here:
+    /// integrated over what they leave open. `None` where `told` is not positive definite.
+    #[must_use]
+    pub fn predictive(&self, told: &DMatrix<f64>, step: &DVector<f64>) -> Option<f64> {
+        let along = &self.matrix * step;
+        let cost = self.cost - (2.0 * &self.gradient - &along).dot(step);
+        let gradient = &self.gradient - along;
+        let both = (told + &self.matrix).cholesky()?;
+        let wider = both.ln_determinant() - told.clone().cholesky()?.ln_determinant();
+        let regained = gradient.dot(&both.solve(&gradient));
+        Some(-0.5 * (cost - regained + self.log_determinant + wider))
+    }
 }
 
 /// The segments of a fitted hypothesis. `None` where numbers are not finite.
@@ -279,4 +292,43 @@ fn evidence<P: Predictor>(
     };
     let whole = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
     (0.5 * (cost + whole - prior + starts), factor.inverse())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One segment, one unknown u in units of which a sample errs: the density integrated over what is known of u.
+    #[test]
+    fn predictions_integrate_what_the_others_leave_open() {
+        let block = Block {
+            matrix: DMatrix::from_element(1, 1, 9.0),
+            gradient: DVector::from_element(1, -6.0),
+            cost: 5.0,
+            log_determinant: 0.4,
+            samples: 1,
+        };
+        let (told, step) = (2.5_f64, 0.8);
+        let density = |u: f64| {
+            let cost = block.cost - 2.0 * block.gradient[0] * u + block.matrix[(0, 0)] * u * u;
+            (-0.5 * (cost + block.log_determinant)).exp()
+        };
+        let width = 1e-3;
+        let each = (-20_000..20_000).map(|k| f64::from(k) * width).map(|off| {
+            let known = (told / std::f64::consts::TAU).sqrt() * (-0.5 * told * off * off).exp();
+            density(step + off) * known * width
+        });
+        let expected = each.sum::<f64>().ln();
+        let known = |precision| DMatrix::from_element(1, 1, precision);
+        let at = DVector::from_element(1, step);
+        let predicted = block.predictive(&known(told), &at).unwrap();
+        assert!(
+            (predicted - expected).abs() < 1e-9,
+            "{predicted} {expected}"
+        );
+        // Nothing left open: the density there.
+        let sure = block.predictive(&known(1e12), &at).unwrap();
+        assert!((sure - density(step).ln()).abs() < 1e-9, "{sure}");
+        assert!(predicted > sure);
+    }
 }

@@ -4,7 +4,7 @@
 //! `held_out`). Where much is missing from a model, as from the one that is only re-tuned, that step may
 //! lead far off; what is told in the end is therefore fitted without the fold indeed.
 
-use super::held_out::{Scores, folds, near, scores};
+use super::held_out::{Scores, folds, near, scores, told};
 use super::hypothesis::Given;
 use super::likelihood::{Block, SKETCH, Tuned, blocks};
 use crate::fit::exact::ExactPredictor;
@@ -30,17 +30,24 @@ pub fn refitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
         let apart = |index: &usize| !near(&given.segments, &fold, out, *index);
         let all = 0..fold.len();
         let mut kept = Part::new(&problem, &point, by, all.clone().filter(apart).collect());
-        if minimise(&kept.problem, &mut kept.point, &kept.by, SKETCH).is_err() {
+        let Ok(outcome) = minimise(&kept.problem, &mut kept.point, &kept.by, SKETCH) else {
             continue;
-        }
+        };
+        let Some(learnt) = blocks(&kept.problem, &outcome.tables, &kept.point, &kept.by) else {
+            continue;
+        };
+        let (told, _) = told(&problem, &kept.point.coordinates, learnt.iter());
         let left = all.filter(|index| within(*index)).collect();
         let mut left = Part::new(&problem, &point, by, left);
         left.point.coordinates = kept.point.coordinates;
+        let still = DVector::zeros(left.point.coordinates.len());
         let Some(judged) = left.judged() else {
             continue;
         };
         for (index, block) in left.indices.iter().zip(judged) {
-            scores.log_density[*index] = block.log_density();
+            if let Some(density) = block.predictive(&told, &still) {
+                scores.log_density[*index] = density;
+            }
             scores.coordinates[*index].clone_from(&left.point.coordinates);
         }
     }
@@ -69,10 +76,7 @@ impl<'p> Part<'p> {
                 coordinates: point.coordinates.clone(),
                 starts: indices.iter().map(|k| point.starts[*k]).collect(),
             },
-            by: Weighing {
-                noise: by.noise.clone(),
-                weights: indices.iter().map(|k| by.weights[*k].clone()).collect(),
-            },
+            by: by.of(&indices),
             indices,
         }
     }
