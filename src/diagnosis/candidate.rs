@@ -60,8 +60,8 @@ const SECANTS: [(&str, f64); 3] = [
     ("transient_shear.relaxation", 1.0),
     ("tyre_compliance.pressure", 60e3),
 ];
-/// Shapes that are fitted along with an effect that is on.
-const SHAPES: [&str; 2] = ["payload.ahead", "payload.left"];
+/// Shapes that are fitted along with an effect that is on: with another lever the same moment is another force.
+const SHAPES: [&str; 3] = ["drawbar.hitch_behind", "payload.ahead", "payload.left"];
 /// Effects whose parameters belong to the place of a drive.
 const PLACE_BOUND: [&str; 1] = ["grade"];
 /// Terms of laws that have a direction on the map.
@@ -81,7 +81,7 @@ impl Candidates {
             let first = knobs.len();
             match declaration.kind {
                 Kind::Physics => {
-                    let all = physics(effect, declaration).into_iter();
+                    let all = physics(effect, declaration, nominal).into_iter();
                     knobs.extend(all.filter(|knob| one_map || !DIRECTIONS.contains(&knob.name)));
                 }
                 Kind::Measurement => knobs.extend(sensors(effect, declaration)),
@@ -130,14 +130,14 @@ pub fn switch_off(effects: &mut Effects, effect: usize) -> Result<(), ParameterE
     Ok(())
 }
 
-fn physics(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
+fn physics(effect: usize, declaration: &'static Declaration, nominal: &Specification) -> Vec<Knob> {
     let knob = |(place, declared): (usize, &'static crate::effects::ParameterDeclaration)| {
         let name = ParameterName::at(effect, place)?;
         let full = name.full_name();
         if !declared.switches && !SHAPES.contains(&full.as_str()) {
             return None;
         }
-        let off = Effects::NONE.get(name);
+        let off = nominal.effects.get(name);
         let secant = SECANTS.iter().find(|(secant, _)| *secant == full);
         // A pressure is known to a factor; everything else enters as it is.
         let scale = if off == declared.high && declared.low > 0.0 {
@@ -161,6 +161,7 @@ fn physics(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
             |(_, value)| *value,
         );
         let typical = match scale {
+            _ if !declared.switches => off,
             Scale::Linear => expected,
             Scale::Log => expected.ln(),
         };

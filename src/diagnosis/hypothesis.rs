@@ -1,6 +1,7 @@
 //! Models that are compared: the given one, its soil free, with effects; and where each stands.
 
 use super::candidate::{Candidates, Target};
+use crate::effects::ParameterName;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
@@ -72,6 +73,7 @@ impl<'a> Given<'a> {
     pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
         let one_map = recordings.iter().all(is_on_one_map);
         let found = DEFAULT_FREE.iter().filter_map(|name| find(name).ok());
+        let nominal = &hitched(nominal);
         Self {
             nominal: nominal.clone(),
             recordings,
@@ -285,6 +287,21 @@ impl<'a> Given<'a> {
     }
 }
 
+/// The model, the hitch of a drawbar that is off at the rear of the vehicle.
+fn hitched(nominal: &Specification) -> Specification {
+    let mut hitched = nominal.clone();
+    let vehicle = &nominal.vehicle;
+    let last = vehicle.row_positions.iter().copied().reduce(f64::min);
+    let rear = vehicle.wheel_radius - last.unwrap_or(0.0);
+    let place = ParameterName::find("drawbar.hitch_behind");
+    if let Some(place) = place.filter(|place| !nominal.effects.is_on(place.effect()))
+        && hitched.effects.set(place, rear).is_err()
+    {
+        return nominal.clone();
+    }
+    hitched
+}
+
 /// What an unknown of a problem is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
@@ -315,4 +332,31 @@ fn is_on_one_map(recording: &Recording) -> bool {
     let same = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) < SAME_PLACE;
     let again = |k: usize| begins[..k].iter().any(|before| same(before, &begins[k]));
     !(0..begins.len()).any(again)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::terrain::Terrain;
+    use crate::vehicle::Vehicle;
+
+    #[test]
+    fn a_drawbar_is_expected_at_the_rear_and_fitted_around_it() {
+        let hitch = ParameterName::find("drawbar.hitch_behind").unwrap();
+        let mut vehicle = Vehicle::tran2007();
+        vehicle.row_positions = vec![2.0, 0.5, -1.6];
+        let rear = 1.6 + vehicle.wheel_radius;
+        let mut nominal = Specification::plain(vehicle, Terrain::preset("dry_sand").unwrap());
+        let expected = |nominal: &Specification| {
+            let given = Given::new(nominal, &[]);
+            let mut knobs = given.candidates.knobs.iter();
+            let knob = knobs.find(|k| k.target == Target::Model(Parameter::Effect(hitch)));
+            let knob = knob.map(|k| (k.parameter.prior.median, k.typical));
+            (given.nominal.effects.get(hitch), knob)
+        };
+        assert_eq!(expected(&nominal), (rear, Some((rear, rear))));
+        // A drawbar that is given stays where it is.
+        nominal.effects = nominal.effects.with("drawbar.force", 50.0).unwrap();
+        assert_eq!(expected(&nominal), (1.0, None));
+    }
 }
