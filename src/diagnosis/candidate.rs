@@ -117,14 +117,14 @@ pub fn is_law(effect: usize) -> bool {
     CATALOGUE[effect].name.starts_with(LAW)
 }
 
-/// Switches an effect off.
+/// Sets every number of an effect as it is among others.
 ///
 /// # Errors
-/// None in truth: what is off is within its range.
-pub fn switch_off(effects: &mut Effects, effect: usize) -> Result<(), ParameterError> {
+/// None in truth: what others have is within its range.
+pub fn copy(effects: &mut Effects, effect: usize, from: &Effects) -> Result<(), ParameterError> {
     for place in 0..CATALOGUE[effect].parameters.len() {
         if let Some(name) = ParameterName::at(effect, place) {
-            effects.set(name, Effects::NONE.get(name))?;
+            effects.set(name, from.get(name))?;
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::account::account;
 use super::ambiguity::groups;
-use super::candidate::Target;
+use super::candidate::{Target, copy};
 use super::errors::compare;
 use super::findings::findings;
 use super::hypothesis::{Given, What};
@@ -15,7 +15,7 @@ use super::search::{Searched, search};
 use super::traces::traces;
 use super::verdict::{Odds, judge};
 use super::{DiagnosisError, Options, Progress};
-use crate::effects::CATALOGUE;
+use crate::effects::{CATALOGUE, Effects, Extent};
 use crate::fit::Estimate;
 use crate::fit::parameter::NORMAL_95;
 use crate::fit::segment::Signal;
@@ -75,7 +75,7 @@ pub fn diagnose(
     candidates.extend(others(&judgement.odds, &candidates, nominal));
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let found = findings(&searched, &judgement.findings);
-    let model = model(&searched)?;
+    let model = model(&searched, nominal)?;
     let mut diagnosis = Diagnosis {
         verdict: judgement.verdict,
         statement: String::new(),
@@ -260,7 +260,7 @@ fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
 }
 
 /// The augmented model: what is bound to some seconds of one drive is left out of it.
-fn model(searched: &Searched) -> Result<Specification, DiagnosisError> {
+fn model(searched: &Searched, nominal: &Specification) -> Result<Specification, DiagnosisError> {
     let given = &searched.placed;
     let mut model = given
         .specification(&searched.augmented.solution, 0)
@@ -292,13 +292,20 @@ fn model(searched: &Searched) -> Result<Specification, DiagnosisError> {
     }
     if let Some(window) = model.effects.window.take() {
         match window.extent {
-            crate::effects::Extent::Place { .. } => model.effects.window = Some(window),
-            crate::effects::Extent::Time { .. } => {
+            Extent::Place { .. } => model.effects.window = Some(window),
+            Extent::Time { .. } => {
                 for effect in window.effects {
-                    super::candidate::switch_off(&mut model.effects, effect)
+                    copy(&mut model.effects, effect, &Effects::NONE)
                         .map_err(|_| DiagnosisError::NotFinite)?;
                 }
             }
+        }
+    }
+    // Where an effect that is off was expected to act is nobody's concern.
+    for effect in 0..CATALOGUE.len() {
+        if !model.effects.is_on(effect) {
+            copy(&mut model.effects, effect, &nominal.effects)
+                .map_err(|_| DiagnosisError::NotFinite)?;
         }
     }
     Ok(model)

@@ -83,6 +83,10 @@ fn a_steep_slope_is_named_and_measured() {
     assert_eq!(said["verdict"], "missing_physics");
     let finding = &said["findings"][0];
     assert_eq!(finding["effect"], "grade");
+    // The mended model has what was found and nothing else.
+    let model = read("a/out/model.json");
+    let effects: Vec<&String> = model["effects"].as_object().unwrap().keys().collect();
+    assert_eq!(effects, ["grade"]);
     for name in ["slope_east", "slope_north"] {
         let [low, high] = ["low", "high"].map(|end| finding["parameters"][name][end].as_f64());
         let true_slope = truth["effects"][0]["parameters"][name].as_f64();

@@ -26,6 +26,8 @@ const EFFECTS_WRONG: usize = 10;
 const PLAIN: f64 = 8.0;
 /// ... is named, and nothing else with it, this often.
 const PLAIN_NAMED: f64 = 0.7;
+/// Share of the 90 % intervals of what was named rightly that hold the true number.
+const INTERVALS_HOLD: f64 = 0.7;
 /// Found of what is not there, in 40 drives: 2.5 %.
 const FALSE_ALARMS: usize = 1;
 /// Wrong answers of 12 drives with two effects, of 5 with something for some seconds or on a patch, of
@@ -89,6 +91,15 @@ fn every_effect_is_named_at_three_sizes() {
     assert!(
         share >= PLAIN_NAMED,
         "{share:.2} of what shows plainly is named"
+    );
+    let right = told.iter().filter(|one| one.answer() == Answer::Named);
+    let intervals: Vec<(usize, usize)> = right.map(Told::intervals).collect();
+    let held: usize = intervals.iter().map(|one| one.0).sum();
+    let all: usize = intervals.iter().map(|one| one.1).sum();
+    println!("{held} of {all} intervals of 90 % hold the true number");
+    assert!(
+        held as f64 >= INTERVALS_HOLD * all as f64,
+        "{held} of {all} intervals hold the true number"
     );
 }
 

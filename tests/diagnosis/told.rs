@@ -232,6 +232,26 @@ impl Told {
         Some(overlap(&found, &truth))
     }
 
+    /// Of the numbers that the truth and a finding of the same name tell, how many 90 % intervals hold the
+    /// true one, and how many there are.
+    pub fn intervals(&self) -> (usize, usize) {
+        let (mut held, mut all) = (0, 0);
+        for effect in self.truth["effects"].as_array().unwrap() {
+            let same = |one: &&Value| one["effect"] == effect["effect"];
+            for finding in self.findings().iter().filter(same) {
+                for (name, truth) in effect["parameters"].as_object().unwrap() {
+                    let end = |end: &str| finding["parameters"][name][end].as_f64();
+                    if let (Some(low), Some(high)) = (end("low"), end("high")) {
+                        let truth = truth.as_f64().unwrap();
+                        held += usize::from(low <= truth && truth <= high);
+                        all += 1;
+                    }
+                }
+            }
+        }
+        (held, all)
+    }
+
     /// Held-out log score per sample over the re-tuned model's, with the standard error.
     fn held_out(&self) -> Option<(f64, f64)> {
         let gain = &self.said["fit"]["held_out"]["gain"];
