@@ -27,7 +27,7 @@ const PLAIN: f64 = 8.0;
 /// ... is named, and nothing else with it, this often.
 const PLAIN_NAMED: f64 = 0.7;
 /// Share of the 90 % intervals of what was named rightly that hold the true number.
-const INTERVALS_HOLD: f64 = 0.7;
+const INTERVALS_HOLD: f64 = 0.75;
 /// Found of what is not there, in 40 drives: 2.5 %.
 const FALSE_ALARMS: usize = 1;
 /// Wrong answers of 12 drives with two effects, of 5 with something for some seconds or on a patch, of
