@@ -153,15 +153,13 @@ fn physics(effect: usize, declaration: &'static Declaration, nominal: &Specifica
             (Prior::LogNormal { deviation, .. }, Scale::Linear) => deviation * off,
             (Prior::LogNormal { median, .. }, Scale::Log) => (median / off).ln().abs(),
         };
-        let expected = secant.map_or(
-            match declared.prior {
-                Prior::Normal { mean, .. } => mean,
-                Prior::LogNormal { median, .. } => median,
-            },
-            |(_, value)| *value,
-        );
+        let expected = match (declared.switches, secant, declared.prior) {
+            (false, ..) => off,
+            (true, Some((_, value)), _) => *value,
+            (true, None, Prior::Normal { mean, .. }) => mean,
+            (true, None, Prior::LogNormal { median, .. }) => median,
+        };
         let typical = match scale {
-            _ if !declared.switches => off,
             Scale::Linear => expected,
             Scale::Log => expected.ln(),
         };
