@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import os
@@ -241,6 +242,24 @@ class Cases(unittest.TestCase):
             for file in files:
                 self.assertEqual(Path(folder, "a", file).read_bytes(), Path(folder, "b", file).read_bytes(), str(file))
             self._check_truth(json.loads(Path(folder, "a", "sealed", "case_0000.json").read_text()))
+
+    def test_pivots_come_beside_the_same_drive(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, more in (("without", []), ("with", ["--pivots"])):
+                subprocess.run([sys.executable, "-m", "generator", "--out", f"{folder}/{name}", "--cases", "1", "--seed", "5",
+                                "--family", "nothing", *more], cwd=ROOT / "scripts" / "proof", check=True, capture_output=True)
+            without, pivoting = (Path(folder, name, "case_0000") for name in ("without", "with"))
+            self.assertFalse((without / "second.csv").exists())
+            for kept in ("drive.csv", "unseen.csv"):
+                self.assertEqual((without / kept).read_bytes(), (pivoting / kept).read_bytes())
+            with (pivoting / "second.csv").open() as file:
+                rows = [row for row in csv.DictReader(file) if row["omega_left"]]
+            left, right = (np.array([float(row[f"omega_{side}"]) for row in rows]) for side in ("left", "right"))
+            turning = np.abs(right - left) > 0.1 * np.max(np.abs(right - left))
+            self.assertGreater(np.mean(turning), 0.4)
+            self.assertLess(np.max(np.abs(left + right)[turning]), 0.2 * np.max(np.abs(right - left)))
+            truth = json.loads(Path(folder, "with", "sealed", "case_0000.json").read_text())
+            self.assertEqual(truth["drives"]["second"]["style"], "pivots")
 
     def _check_truth(self, truth: dict) -> None:
         keys = ("format", "case", "seed", "family", "variant", "vehicle", "vehicle_numbers", "ground", "true_terrain",

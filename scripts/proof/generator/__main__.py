@@ -31,6 +31,8 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="seed of everything random, 0 or more [default: 1]")
     parser.add_argument("--family", choices=FAMILIES, metavar="F",
                         help=f"only this family: {', '.join(FAMILIES)} [default: the mix of all]")
+    parser.add_argument("--pivots", action="store_true",
+                        help="a second recording of turns on the spot in every case that has none (second.csv)")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes, 1 or 2 [default: 1]")
     arguments = parser.parse_args(argv)
     if arguments.cases < 1:
@@ -55,7 +57,7 @@ def main(argv: list[str] | None = None) -> int:
     a = _arguments(argv)
     write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed,
                                     "cases": [case_name(i) for i in range(a.cases)]})
-    tasks = [(a.out, a.seed, i, a.family) for i in range(a.cases) if not is_complete(a.out, i)]
+    tasks = [(a.out, a.seed, i, a.family, a.pivots) for i in range(a.cases) if not is_complete(a.out, i)]
     if len(tasks) < a.cases:
         print(f"generator: {a.cases - len(tasks)} of {a.cases} cases are there already", file=sys.stderr)
     begin, failed = time.monotonic(), 0

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from .catalogue import EFFECTS, public_name
-from .drafts import Draft, NoCase, Part, draw_case
+from .drafts import Draft, NoCase, Part, add_pivots, draw_case
 from .drives import SERIES_STEP
 from .families import answer, effect_of, family_of
 from .sensors import record
-from .simulator import STEP
+from .simulator import STEP, Undrivable
 from .world import VEHICLES
 
 OVER = ("time", "distance", "place")
@@ -32,10 +32,12 @@ def is_complete(folder: Path, index: int) -> bool:
     return (folder / case_name(index)).is_dir() and (folder / "sealed" / f"{case_name(index)}.json").is_file()
 
 
-def make_case(folder: Path, seed: int, index: int, only: str | None = None) -> None:
+def make_case(folder: Path, seed: int, index: int, only: str | None = None, pivots: bool = False) -> None:
     """Draw a case and write it; what is half written is never seen under its name."""
     family = only or family_of(seed, index)
     draft = draw_case(seed, index, family, effect_of(seed, index, family, only))
+    if pivots:
+        add_pivots(draft, seed, index)
     name = case_name(index)
     part_folder = folder / f"{name}.part"
     shutil.rmtree(part_folder, ignore_errors=True)
@@ -56,12 +58,12 @@ def make_case(folder: Path, seed: int, index: int, only: str | None = None) -> N
     os.replace(part_folder, folder / name)
 
 
-def try_case(task: tuple[Path, int, int, str | None]) -> tuple[int, str]:
-    """Make (folder, seed, index, family or None); the index, and what went wrong."""
-    folder, seed, index, family = task
+def try_case(task: tuple[Path, int, int, str | None, bool]) -> tuple[int, str]:
+    """Make (folder, seed, index, family or None, whether with pivots); the index, and what went wrong."""
+    index = task[2]
     try:
-        make_case(folder, seed, index, family)
-    except (NoCase, OSError) as error:  # told with the case; the others go on
+        make_case(*task)
+    except (NoCase, Undrivable, OSError) as error:  # told with the case; the others go on
         return index, f"{type(error).__name__}: {error}"
     return index, ""
 

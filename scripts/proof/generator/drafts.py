@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .catalogue import EFFECTS
-from .drives import draw_drive, draw_series
+from .drives import draw_drive, draw_pivots, draw_series
 from .families import EFFECTS_OF, ENOUGH, belongs, rescaled, rivals_of
 from .rivals import Bench
 from .sensors import Samples, Sensors, draw_samples, draw_sensors
@@ -193,6 +193,18 @@ def _draw(seed: int, index: int, family: str, effect: str | None, attempt: int) 
                 draft.sizes[n] = new
         shape()
     return None
+
+
+def add_pivots(draft: Draft, seed: int, index: int) -> None:
+    """Beside the drive a second recording of turns on the spot, where there is none; its signal is not measured."""
+    if any(p.name == "second" for p in draft.parts):
+        return
+    rng = np.random.default_rng([seed, 7, index])
+    drive = draw_pivots(rng, VEHICLES[draft.vehicle], LOOSENESS[draft.ground])
+    pose = (rng.uniform(-50.0, 50.0), rng.uniform(-50.0, 50.0), rng.uniform(-math.pi, math.pi))
+    samples = draw_samples(rng, draft.sensors, drive.seconds)
+    draft.parts.append(Part("second", "pivots", drive, samples, pose, {}))
+    draft.records(draft.parts[-1])
 
 
 def _alike(draft: Draft) -> bool:

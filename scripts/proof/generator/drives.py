@@ -77,6 +77,20 @@ def draw_drive(rng: np.random.Generator, vehicle: Vehicle, style: str, loose: fl
     if style == "rich" and rng.random() < 0.35:
         spin = (1.0 if rng.random() < 0.5 else -1.0) * rng.uniform(0.25, 0.5)
         pieces.insert(int(rng.integers(1, len(pieces))), (rng.uniform(1.5, 3.0), 0.0, spin))
+    return _programme(rng, vehicle, pieces, top, loose)
+
+
+def draw_pivots(rng: np.random.Generator, vehicle: Vehicle, loose: float = 1.0) -> Drive:
+    """Turns on the spot, both ways and at three speeds, from rest to rest."""
+    top = rng.uniform(0.8, 1.25) * (0.9 + 0.9 * math.sqrt(max(vehicle.row_positions)))
+    spins = rng.permutation([side * speed for side in (-1.0, 1.0) for speed in (0.25, 0.35, 0.5)])
+    pieces = [piece for spin in spins for piece in ((rng.uniform(2.0, 3.0), 0.0, float(spin)), (1.0, 0.0, 0.0))]
+    return _programme(rng, vehicle, pieces, top, loose)
+
+
+def _programme(rng: np.random.Generator, vehicle: Vehicle, pieces: list[tuple[float, float, float]], top: float,
+               loose: float) -> Drive:
+    """The wheel speeds of pieces one after another, from rest to rest."""
     tightest = rng.uniform(0.45, 0.75) / vehicle.half_track
     ahead, around = [np.zeros(int(rng.uniform(0.4, 1.2) / SPEED_STEP))], []
     around.append(np.zeros_like(ahead[0]))
