@@ -6,6 +6,7 @@ use super::outcome::Account;
 use super::search::Searched;
 use crate::effects::Extent;
 use crate::fit::weighing::noise_estimates;
+use crate::vehicle::Vehicle;
 
 /// How it was done: noise, thresholds, and what the reader should know besides.
 #[must_use]
@@ -30,8 +31,17 @@ pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f
     }
 }
 
+/// What is doubtful of the vehicle that was given: the answer is about that vehicle.
+#[must_use]
+pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
+    let doubts = vehicle.doubts().into_iter();
+    doubts
+        .map(|doubt| format!("The vehicle's numbers hardly belong together: {doubt}."))
+        .collect()
+}
+
 fn notes(searched: &Searched) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = doubts(&searched.given.nominal.vehicle);
     if searched.given.stiffening > 1.0 {
         notes.push(format!(
             "On the terrain as given the vehicle cannot drive; re-tuning began with {} times its frictional modulus.",

@@ -1,6 +1,6 @@
 //! From recordings to a diagnosis.
 
-use super::account::account;
+use super::account::{account, doubts};
 use super::ambiguity::groups;
 use super::candidate::{Target, copy};
 use super::errors::compare;
@@ -144,7 +144,7 @@ pub fn insufficient(
             threshold: f64::INFINITY,
             refused: Vec::new(),
             steps: Vec::new(),
-            notes: Vec::new(),
+            notes: doubts(&nominal.vehicle),
         },
         nominal: nominal.clone(),
         model: nominal.clone(),

@@ -30,6 +30,13 @@ const HALF_TRACK: Bounds = Bounds::open_low("half_track", "m", 0.0, 20.0);
 const ROW_POSITION: Bounds = Bounds::closed("row_positions", "m", -50.0, 50.0);
 const COM_HEIGHT: Bounds = Bounds::closed("com_height", "m", 0.0, 20.0);
 
+/// The radius of gyration as a share of the way to the wheels' far corners: a plate has 0.58, masses at the
+/// corners have 1.
+const SHORTEST_GYRATION: f64 = 0.2;
+const LONGEST_GYRATION: f64 = 1.5;
+/// Where the centre of mass is so many times as high as the support is wide, half of g tips the vehicle over.
+const HIGHEST: f64 = 2.0;
+
 impl Vehicle {
     /// Refuses values that describe no vehicle.
     ///
@@ -62,6 +69,40 @@ impl Vehicle {
         Bounds::open("com_offset", "m", rear, front).check(self.com_offset)
     }
 
+    /// Which of the numbers hardly belong together, each with what to check. They may still be right: a long boom, a
+    /// mast.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = Vec::new();
+        let rows = &self.row_positions;
+        let long = 0.5 * (rows[0] - rows[rows.len() - 1]) + self.wheel_radius;
+        let reach = long.hypot(self.half_track + 0.5 * self.wheel_width);
+        let gyration = (self.yaw_inertia / self.mass).sqrt();
+        if !(SHORTEST_GYRATION..=LONGEST_GYRATION).contains(&(gyration / reach)) {
+            doubts.push(format!(
+                "yaw_inertia {} kg m^2 and mass {} kg make a radius of gyration of {gyration:.2} m, and the wheels' far corners are {reach:.2} m from the middle: check both",
+                self.yaw_inertia, self.mass
+            ));
+        }
+        let support = self.half_track.min(long);
+        if self.com_height > HIGHEST * support {
+            doubts.push(format!(
+                "com_height {} m is more than {HIGHEST} times what supports the vehicle to each side ({support:.2} m), so it tips over at every turn: check com_height and half_track",
+                self.com_height
+            ));
+        }
+        if let Some(pair) = rows
+            .windows(2)
+            .find(|pair| pair[0] - pair[1] < 2.0 * self.wheel_radius)
+        {
+            doubts.push(format!(
+                "rows at {} and {} m are closer than two wheels of wheel_radius {} m: check row_positions and wheel_radius",
+                pair[0], pair[1], self.wheel_radius
+            ));
+        }
+        doubts
+    }
+
     /// Number of wheels, two to a row.
     #[must_use]
     pub fn wheel_count(&self) -> usize {
@@ -79,5 +120,44 @@ impl Vehicle {
             -self.half_track
         };
         (ahead, left)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_hardly_belongs_together_is_doubted() {
+        let ours = Vehicle {
+            mass: 100.0,
+            yaw_inertia: 20.0,
+            wheel_radius: 0.16,
+            wheel_width: 0.1,
+            row_positions: vec![0.4, 0.0, -0.4],
+            half_track: 0.35,
+            com_offset: 0.05,
+            com_height: 0.3,
+        };
+        let doubts = |vehicle: Vehicle| {
+            assert!(vehicle.validate().is_ok());
+            vehicle.doubts()
+        };
+        let changed = |change: fn(&mut Vehicle)| {
+            let mut other = ours.clone();
+            change(&mut other);
+            doubts(other)
+        };
+        assert!(changed(|_| ()).is_empty());
+        let told = [
+            changed(|v| v.yaw_inertia = 100.0 * v.mass),
+            changed(|v| v.mass *= 1000.0),
+            changed(|v| v.com_height = 5.0),
+            changed(|v| v.wheel_radius *= 3.0),
+        ];
+        let about = ["yaw_inertia", "yaw_inertia", "com_height", "row_positions"];
+        for (told, about) in told.iter().zip(about) {
+            assert!(told.iter().any(|doubt| doubt.contains(about)), "{told:?}");
+        }
     }
 }

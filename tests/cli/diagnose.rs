@@ -144,6 +144,23 @@ fn too_little_is_a_verdict() {
 }
 
 #[test]
+fn a_vehicle_whose_numbers_hardly_belong_together_is_doubted() {
+    let bench = Bench::new();
+    bench.write("short.csv", drive(2.0));
+    bench.stdout("diagnose short.csv --out as_given");
+    let given: Value = serde_json::from_str(&bench.read("as_given/model.json")).unwrap();
+    let mut vehicle = given["vehicle"].clone();
+    vehicle["yaw_inertia"] = (100.0 * vehicle["mass"].as_f64().unwrap()).into();
+    bench.write("vehicle.json", vehicle.to_string());
+    let note = "hardly belong together: yaw_inertia";
+    let told = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = bench.stdout("diagnose short.csv --vehicle vehicle.json --out doubted");
+    assert!(told(text.clone()).contains(note), "{text}");
+    assert!(bench.read("doubted/report.html").contains(note));
+    assert!(!bench.read("as_given/report.html").contains(note));
+}
+
+#[test]
 fn nothing_to_compare_with_is_refused() {
     let bench = Bench::new();
     let wheels = "time,omega_left,omega_right";
