@@ -13,6 +13,9 @@ const MAP_POINTS: usize = 900;
 const MAP_HEIGHT: f64 = 470.0;
 /// A stretch that covers more of a run marks nothing.
 const WHOLE: f64 = 0.95;
+/// Residuals are cut off at so many times what nearly all stay under, if one goes so much further again.
+const NEARLY_ALL: f64 = 0.98;
+const CUT: f64 = 2.0;
 /// A gap of so many intervals between points interrupts a path.
 const GAP: f64 = 8.0;
 
@@ -199,9 +202,23 @@ fn marks(spans: &[(&'static str, f64, f64)]) -> Vec<(&'static str, Mark)> {
 fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: bool) -> Chart {
     let (factor, unit) = shown(trace.unit);
     let channel = trace.channel.replace('_', " ");
+    let shown = if found {
+        [&trace.before, &trace.after]
+    } else {
+        [&trace.before; 2]
+    };
+    let limit = limit(&shown);
+    let beyond = |index: &usize| shown.iter().any(|values| values[*index].abs() > limit);
+    let cut = match (0..trace.time.len()).filter(beyond).count() {
+        0 => String::new(),
+        1 => " (an outlier cut off)".into(),
+        count => format!(" ({count} outliers cut off)"),
+    };
     let line = |name: &str, values: &[f64]| Line {
         name: name.into(),
-        parts: parted(&trace.time, |index| values[index] * factor),
+        parts: parted(&trace.time, |index| {
+            values[index].clamp(-limit, limit) * factor
+        }),
         stroke: Stroke::Line,
     };
     let mut lines = vec![line("re-tuned", &trace.before)];
@@ -212,10 +229,29 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
         lines,
         marks: marks(spans),
         ..Chart::new(
-            format!("{channel}: measured less predicted"),
+            format!("{channel}: measured less predicted{cut}"),
             "time [s]",
             format!("{channel} [{unit}]"),
         )
+    }
+}
+
+/// Where residuals are cut off: far beyond nearly all of them, infinite where none goes much further. One
+/// outlier would hide all the others.
+fn limit(shown: &[&Vec<f64>]) -> f64 {
+    let sizes = shown
+        .iter()
+        .flat_map(|values| values.iter().map(|value| value.abs()));
+    let mut sizes: Vec<f64> = sizes.filter(|size| size.is_finite()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let Some(largest) = sizes.last() else {
+        return f64::INFINITY;
+    };
+    let limit = CUT * sizes[(NEARLY_ALL * (sizes.len() - 1) as f64) as usize];
+    if limit > 0.0 && *largest > CUT * limit {
+        limit
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -283,4 +319,37 @@ pub fn heading(run: &RunTrace, diagnosis: &Diagnosis) -> String {
     }
     let name = words::run(&run.recording, run.run, diagnosis);
     format!("<h3>{}</h3>\n", crate::report::chart::escape(&name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_outlier_does_not_hide_the_others() {
+        let noise: Vec<f64> = (0..200).map(|k| f64::from(k % 7) - 3.0).collect();
+        let mut spiked = noise.clone();
+        spiked[50] = -400.0;
+        spiked[60] = f64::NAN;
+        assert_eq!(limit(&[&noise, &noise]), f64::INFINITY);
+        assert_eq!(limit(&[&noise, &spiked]), 6.0);
+        assert_eq!(limit(&[&vec![0.0; 9]]), f64::INFINITY);
+        assert_eq!(limit(&[&Vec::new()]), f64::INFINITY);
+        let trace = |before: &Vec<f64>| ResidualTrace {
+            channel: "yaw_rate",
+            unit: "m",
+            time: (0..200).map(f64::from).collect(),
+            before: before.clone(),
+            after: noise.clone(),
+        };
+        let chart = residuals(&trace(&spiked), &[], true);
+        assert!(chart.title.ends_with("predicted (an outlier cut off)"));
+        let lowest = chart.lines[0].parts.iter().flatten().map(|point| point.1);
+        assert_eq!(lowest.fold(f64::INFINITY, f64::min), -6.0);
+        assert!(
+            residuals(&trace(&noise), &[], true)
+                .title
+                .ends_with("predicted")
+        );
+    }
 }
