@@ -19,6 +19,8 @@ mod manoeuvre;
 mod naming;
 mod noise;
 mod outcome;
+mod part;
+mod path;
 mod prepare;
 mod progress;
 mod proposal;

@@ -12,8 +12,8 @@ use crate::fit::problem::Weighing;
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
 
-/// Leaves out what the rest explains without it.
-pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
+/// Leaves out what the rest explains without it. All recordings are so many times what the stage was fitted to.
+pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
     let mut index = 0;
     while members.len() > 1 && index < members.len() {
         let gone = &members[index].proposal;
@@ -31,7 +31,8 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
                 index = 0;
             }
             Ok(without) => {
-                members[index].gain = without.surprise - stage.tuned.surprise - gone.looking;
+                let lost = without.surprise - stage.tuned.surprise;
+                members[index].gain = ratio * lost - gone.looking;
                 index += 1;
             }
             Err(_) => index += 1,

@@ -37,6 +37,8 @@ const SHARE: f64 = 0.95;
 const NEAR: f64 = 0.75;
 const NEAR_ON_A_PART: f64 = 0.5;
 pub const CLOSE: f64 = 5.0;
+/// What acts at some time or place only comes to at most so many times what the linearised problem promises.
+const LINEAR: f64 = 3.0;
 /// At most so many are finished.
 const MOST: usize = 7;
 /// A soil that moves by more than this share of its prior's deviation is looked at anew.
@@ -128,31 +130,43 @@ fn moved(given: &Given, from: &Solution, to: &Solution) -> f64 {
     each.fold(0.0, f64::max)
 }
 
-/// Fits what is worth it: all begin, on a part of long recordings, and those that are not far behind after
-/// some steps are finished.
+/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
 pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
     let Stage { given, tuned, .. } = stage;
-    let scouts = Scouts::new(given, tuned, by);
-    let is_scouted = |proposal: &Proposal| scouts.is_some() && proposal.extent.is_none();
-    let begin = |proposal: &Proposal| match &scouts {
-        Some(scouts) if is_scouted(proposal) => scouts.sketch(proposal),
-        _ => sketch(given, proposal, tuned, by),
+    let begun = match Scouts::new(given, tuned, by) {
+        Some(scouts) => scouted(stage, &scouts, by),
+        None => {
+            let all = stage.proposals.iter();
+            all.filter_map(|proposal| sketch(given, proposal, tuned, by))
+                .collect()
+        }
     };
-    let mut begun: Vec<Sketch> = stage.proposals.iter().filter_map(begin).collect();
-    if let Some(scouts) = &scouts {
-        let widened = |sketch: Sketch<'a>| match is_scouted(&sketch.proposal) {
-            true => scouts.widened(&sketch, given, tuned, by),
-            false => Some(sketch),
-        };
-        let near = promising(begun, NEAR_ON_A_PART, 2 * MOST);
-        begun = near.into_iter().filter_map(widened).collect();
-    }
     let mut fitted: Vec<Named> = promising(begun, NEAR, MOST)
         .into_iter()
         .filter_map(|sketch| finish(sketch, tuned, by))
         .collect();
     contend(&mut fitted, by);
     fitted
+}
+
+/// The first steps on a long recording: what acts throughout takes them on a part, and on all of it where it
+/// keeps its promise; what acts at some time or place only takes all, where it may come near.
+fn scouted<'a>(stage: &Stage<'a>, scouts: &Scouts<'a>, by: &Weighing) -> Vec<Sketch<'a>> {
+    let Stage { given, tuned, .. } = stage;
+    let proposals = stage.proposals.iter();
+    let (throughout, local): (Vec<_>, Vec<_>) = proposals.partition(|p| p.extent.is_none());
+    let throughout = throughout.into_iter();
+    let begun = throughout.filter_map(|proposal| scouts.sketch(proposal));
+    let near = promising(begun.collect(), NEAR_ON_A_PART, 2 * MOST);
+    let further = near.iter().map(|sketch| scouts.further(sketch));
+    let near = promising(further.collect(), NEAR_ON_A_PART, MOST);
+    let best = near.iter().map(Sketch::odds).fold(0.0, f64::max);
+    let widened = near.iter();
+    let widened = widened.filter_map(|sketch| scouts.widened(sketch, given, tuned, by));
+    let may_be_near = |p: &&Proposal| LINEAR * p.evidence > NEAR_ON_A_PART * best - CLOSE;
+    let local = local.into_iter().filter(may_be_near);
+    let local = local.filter_map(|proposal| sketch(given, proposal, tuned, by));
+    widened.chain(local).collect()
 }
 
 /// Those that may come to this share of the best, the most promising first, at most so many.

@@ -165,11 +165,17 @@ fn the_way_back_parts_look_alikes() {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
-fn long_drives_are_sketched_on_a_part() {
-    let cases = [(Family::Single, 0), (Family::Sensor, 1)];
+fn of_long_drives_a_part_tells_which_way_to_go() {
+    let cases = [(Family::Single, 0), (Family::Sensor, 1), (Family::Pair, 5)];
     let told = diagnosed_lasting(LONG, "long", &cases);
     let named = count(&told, |one| one.answer() == Answer::Named);
     assert_eq!(named, told.len(), "long drives tell more than short ones");
+    let complete = count(&told, Told::is_complete);
+    assert_eq!(
+        complete,
+        told.len(),
+        "what else is missing is found as well"
+    );
 }
 
 #[test]
