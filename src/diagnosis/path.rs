@@ -5,7 +5,7 @@
 //! decides what is left out again and what else there is.
 
 use super::hypothesis::Given;
-use super::likelihood::{SKETCH, Tuned, tune, tune_until};
+use super::likelihood::{Tuned, tune};
 use super::naming::Named;
 use super::part::Part;
 use super::proposal::Kind;
@@ -178,7 +178,7 @@ impl<'a> Path<'a> {
         };
         let (some, by) = (part.given(&given), part.weighing(&self.by));
         let begin = part.solution(&tuned.solution);
-        let Ok(narrow) = tune_until(&some, &tuned.knobs, &begin, &by, SKETCH) else {
+        let Ok(narrow) = tune(&some, &tuned.knobs, &begin, &by) else {
             self.reach = Reach::Whole;
             return (given, tuned);
         };
@@ -201,8 +201,10 @@ impl<'a> Path<'a> {
             ..self.stage.given.clone()
         };
         let knobs = &self.stage.tuned.knobs;
-        let begin = part.widened(&self.stage.tuned.solution, knobs, &tuned.solution);
-        let (given, tuned) = match tune_until(&given, knobs, &begin, &self.by, SKETCH) {
+        // What was found first may be off by now.
+        let all: Vec<usize> = (0..given.candidates.knobs.len()).collect();
+        let begin = part.widened(&self.stage.tuned.solution, &all, &tuned.solution);
+        let (given, tuned) = match tune(&given, knobs, &begin, &self.by) {
             Ok(widened) => (given, widened),
             Err(_) => {
                 self.members
