@@ -34,7 +34,7 @@ const COM_HEIGHT: Bounds = Bounds::closed("com_height", "m", 0.0, 20.0);
 /// corners have 1.
 const SHORTEST_GYRATION: f64 = 0.2;
 const LONGEST_GYRATION: f64 = 1.5;
-/// Where the centre of mass is so many times as high as the support is wide, half of g tips the vehicle over.
+/// Where the centre of mass is so many times as far up as the wheels reach out, half of g tips the vehicle over.
 const HIGHEST: f64 = 2.0;
 
 impl Vehicle {
@@ -87,7 +87,7 @@ impl Vehicle {
         let support = self.half_track.min(long);
         if self.com_height > HIGHEST * support {
             doubts.push(format!(
-                "com_height {} m is more than {HIGHEST} times what supports the vehicle to each side ({support:.2} m), so it tips over at every turn: check com_height and half_track",
+                "com_height {} m is more than {HIGHEST} times as far up as the wheels reach out from the middle ({support:.2} m), so that half of g tips it over: check com_height, half_track and row_positions",
                 self.com_height
             ));
         }

@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
 from generator import families  # noqa: E402
+from generator.cases import is_complete  # noqa: E402
 from generator.catalogue import EFFECTS, I, off_vector, slot  # noqa: E402
 from generator.contact import contact, rule  # noqa: E402
 from generator.drafts import draw_case  # noqa: E402
@@ -258,6 +259,8 @@ class Cases(unittest.TestCase):
             turning = np.abs(right - left) > 0.1 * np.max(np.abs(right - left))
             self.assertGreater(np.mean(turning), 0.4)
             self.assertLess(np.max(np.abs(left + right)[turning]), 0.2 * np.max(np.abs(right - left)))
+            self.assertTrue(is_complete(Path(folder, "with"), 0, True))
+            self.assertFalse(is_complete(Path(folder, "without"), 0, True))
             truth = json.loads(Path(folder, "with", "sealed", "case_0000.json").read_text())
             self.assertEqual(truth["drives"]["second"]["style"], "pivots")
 

@@ -57,7 +57,8 @@ def main(argv: list[str] | None = None) -> int:
     a = _arguments(argv)
     write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed,
                                     "cases": [case_name(i) for i in range(a.cases)]})
-    tasks = [(a.out, a.seed, i, a.family, a.pivots) for i in range(a.cases) if not is_complete(a.out, i)]
+    tasks = [(a.out, a.seed, i, a.family, a.pivots) for i in range(a.cases)
+             if not is_complete(a.out, i, a.pivots)]
     if len(tasks) < a.cases:
         print(f"generator: {a.cases - len(tasks)} of {a.cases} cases are there already", file=sys.stderr)
     begin, failed = time.monotonic(), 0

@@ -27,9 +27,11 @@ def case_name(index: int) -> str:
     return f"case_{index:04d}"
 
 
-def is_complete(folder: Path, index: int) -> bool:
-    """Whether a case is there with its truth."""
-    return (folder / case_name(index)).is_dir() and (folder / "sealed" / f"{case_name(index)}.json").is_file()
+def is_complete(folder: Path, index: int, pivots: bool = False) -> bool:
+    """Whether a case is there with its truth, and with a second recording where pivots are asked for."""
+    case = folder / case_name(index)
+    whole = (case / "second.csv").is_file() if pivots else case.is_dir()
+    return whole and (folder / "sealed" / f"{case_name(index)}.json").is_file()
 
 
 def make_case(folder: Path, seed: int, index: int, only: str | None = None, pivots: bool = False) -> None:

@@ -89,6 +89,11 @@ def _pick_effects(rng: np.random.Generator, family: str, effect: str | None, att
     return [effect, str(rng.choice(others))]
 
 
+def _anywhere(rng: np.random.Generator) -> tuple[float, float, float]:
+    """A pose to start from: x, y [m], heading [rad]."""
+    return rng.uniform(-50.0, 50.0), rng.uniform(-50.0, 50.0), rng.uniform(-math.pi, math.pi)
+
+
 def _opposite(drive: Drive, rng: np.random.Generator) -> Drive:
     """The same way back: wheel speeds in reverse order, the sides swapped."""
     return replace(drive, speeds=np.ascontiguousarray(drive.speeds[::-1, ::-1]), series=draw_series(rng, drive.seconds))
@@ -136,7 +141,7 @@ def _draw(seed: int, index: int, family: str, effect: str | None, attempt: int) 
         return Part(name, how, drive, draw_samples(rng, sensors, drive.seconds), pose, {})
 
     drive = draw_drive(rng, car, style, LOOSENESS[ground])
-    pose = (rng.uniform(-50.0, 50.0), rng.uniform(-50.0, 50.0), rng.uniform(-math.pi, math.pi))
+    pose = _anywhere(rng)
     path = simulate(bare, drive, pose, tolerance=ROUGH, table=COARSE)
     at = path[int(rng.uniform(0.35, 0.65) * len(path))]
     spot = (float(at[0]), float(at[1]), float(at[2]))
@@ -201,10 +206,9 @@ def add_pivots(draft: Draft, seed: int, index: int) -> None:
         return
     rng = np.random.default_rng([seed, 7, index])
     drive = draw_pivots(rng, VEHICLES[draft.vehicle], LOOSENESS[draft.ground])
-    pose = (rng.uniform(-50.0, 50.0), rng.uniform(-50.0, 50.0), rng.uniform(-math.pi, math.pi))
+    pose = _anywhere(rng)
     samples = draw_samples(rng, draft.sensors, drive.seconds)
     draft.parts.append(Part("second", "pivots", drive, samples, pose, {}))
-    draft.records(draft.parts[-1])
 
 
 def _alike(draft: Draft) -> bool:

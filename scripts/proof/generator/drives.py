@@ -67,12 +67,17 @@ def _calm(rng: np.random.Generator, seconds: float) -> list[tuple[float, float, 
     return pieces
 
 
+def _top_speed(rng: np.random.Generator, vehicle: Vehicle) -> float:
+    """A driver's top speed [m/s]: longer vehicles are driven faster."""
+    return rng.uniform(0.8, 1.25) * (0.9 + 0.9 * math.sqrt(max(vehicle.row_positions)))
+
+
 def draw_drive(rng: np.random.Generator, vehicle: Vehicle, style: str, loose: float = 1.0) -> Drive:
     """A programme of a style, from rest to rest. loose: how much harder this ground makes the driver steer."""
     if style not in STYLES:
         raise ValueError(f"style {style!r} is unknown; choose one of {', '.join(STYLES)}")
     seconds = rng.uniform(10.0, 15.0) if style == "short" else rng.uniform(35.0, 70.0)
-    top = rng.uniform(0.8, 1.25) * (0.9 + 0.9 * math.sqrt(max(vehicle.row_positions)))
+    top = _top_speed(rng, vehicle)
     pieces = _rich(rng, top, seconds - 3.0) if style == "rich" else _calm(rng, seconds - 3.0)
     if style == "rich" and rng.random() < 0.35:
         spin = (1.0 if rng.random() < 0.5 else -1.0) * rng.uniform(0.25, 0.5)
@@ -82,7 +87,7 @@ def draw_drive(rng: np.random.Generator, vehicle: Vehicle, style: str, loose: fl
 
 def draw_pivots(rng: np.random.Generator, vehicle: Vehicle, loose: float = 1.0) -> Drive:
     """Turns on the spot, both ways and at three speeds, from rest to rest."""
-    top = rng.uniform(0.8, 1.25) * (0.9 + 0.9 * math.sqrt(max(vehicle.row_positions)))
+    top = _top_speed(rng, vehicle)
     spins = rng.permutation([side * speed for side in (-1.0, 1.0) for speed in (0.25, 0.35, 0.5)])
     pieces = [piece for spin in spins for piece in ((rng.uniform(2.0, 3.0), 0.0, float(spin)), (1.0, 0.0, 0.0))]
     return _programme(rng, vehicle, pieces, top, loose)
