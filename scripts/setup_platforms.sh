@@ -11,19 +11,21 @@ fail() {
     exit 1
 }
 
-# install WHAT PACKAGE... : by apt-get where that is possible.
+# install WHAT PACKAGE... : by apt-get where that is possible. Its lists are fetched anew once: old ones name
+# packages that are gone, or a Rust that is too old.
+lists=old
 install() {
     local what=$1
     shift
     if ! command -v apt-get >/dev/null || [[ $(id -u) != 0 ]]; then
         return 1
     fi
-    echo "setup_platforms: installing $what ($*)"
-    if ! DEBIAN_FRONTEND=noninteractive apt-get install --quiet=2 --yes --no-install-recommends "$@" >/dev/null; then
-        # Perhaps only its lists are old.
-        apt-get update --quiet=2 &&
-            DEBIAN_FRONTEND=noninteractive apt-get install --quiet=2 --yes --no-install-recommends "$@" >/dev/null
+    if [[ $lists == old ]]; then
+        apt-get update --quiet=2 >/dev/null || echo "setup_platforms: apt-get update failed (message above); going on with the lists as they are" >&2
+        lists=new
     fi
+    echo "setup_platforms: installing $what ($*)"
+    DEBIAN_FRONTEND=noninteractive DEBCONF_NOWARNINGS=yes apt-get install --quiet=2 --yes --no-install-recommends "$@" >/dev/null
 }
 
 wanted=$(sed -nE 's/^rust-version = "(.*)"$/\1/p' Cargo.toml)
