@@ -5,22 +5,12 @@
  * through bytes and back, and a call that is wrong is refused.
  */
 #include "fmu_host.h"
+#include "fmu_manoeuvre.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { MOST = 200 };
-
-/* Seconds, and the wheel speeds at their end; a phase that is no ramp begins with them. */
-static const struct phase {
-    double seconds, left, right;
-    int ramp;
-} PHASES[] = {
-    {0.10, 0.0, 0.0, 0}, {0.80, 6.0, 6.0, 1}, {0.60, 8.0, 5.0, 1},   {0.40, 8.0, 5.0, 0},
-    {0.30, 0.0, 0.0, 1}, {0.30, 0.0, 0.0, 0}, {0.50, -3.0, 3.0, 0},  {0.60, -5.0, -6.0, 1},
-    {0.40, 10.0, 9.5, 0}, {0.30, 18.0, 20.0, 1}, {0.30, 0.0, 0.0, 0},
-};
 
 static fmi2ValueReference references[MOST];
 static size_t count;
@@ -70,7 +60,6 @@ int main(int argc, char **argv) {
     static const fmi2ValueReference inputs[] = {0, 1}, nothing = 999999999;
     static const fmi2Integer first_order[] = {1, 1};
     static const fmi2CallbackFunctions callbacks = {logger, calloc, free, NULL, NULL};
-    const double step = 0.01;
     if (argc < 5 || argc - 4 > MOST) fail("usage: fmu_drive LIBRARY RESOURCES GUID REFERENCE...");
     const char *missing = load(argv[1]);
     if (missing) fail(missing);
@@ -83,24 +72,19 @@ int main(int argc, char **argv) {
     print(c, 0.0);
     double now[2] = {0.0, 0.0};
     long done = 0;
-    for (size_t k = 0; k < sizeof PHASES / sizeof *PHASES; k++) {
+    for (size_t k = 0; k < PHASE_COUNT; k++) {
         const struct phase *phase = &PHASES[k];
-        const double target[2] = {phase->left, phase->right};
-        long steps = (long)(phase->seconds / step + 0.5);
-        for (long i = 0; i < steps; i++) {
+        for (long i = 0; i < steps_of(phase); i++) {
             double rates[2], speeds[2];
-            for (int side = 0; side < 2; side++) {
-                rates[side] = phase->ramp ? (target[side] - now[side]) / phase->seconds : 0.0;
-                speeds[side] = phase->ramp ? now[side] + rates[side] * (double)i * step : target[side];
-            }
+            wheels(phase, now, i, speeds, rates);
             ok(fmu.SetReal(c, inputs, 2, speeds), "SetReal");
             if (phase->ramp) ok(fmu.SetRealInputDerivatives(c, inputs, 2, first_order, rates), "SetRealInputDerivatives");
-            ok(fmu.DoStep(c, (double)done * step, step, 1), "DoStep");
+            ok(fmu.DoStep(c, (double)done * STEP, STEP, 1), "DoStep");
             done++;
-            print(c, (double)done * step);
+            print(c, (double)done * STEP);
         }
-        memcpy(now, target, sizeof now);
-        if (k == 3) c = move(c, fmu.Instantiate("later", fmi2CoSimulation, argv[3], argv[2], &callbacks, 0, 0));
+        now[0] = phase->left, now[1] = phase->right;
+        if (k == MOVED_AFTER) c = move(c, fmu.Instantiate("later", fmi2CoSimulation, argv[3], argv[2], &callbacks, 0, 0));
     }
     double value;
     if (messages || fmu.GetReal(c, &nothing, 1, &value) != fmi2Error || messages != 1) fail("a wrong reference was not refused with a message");

@@ -14,13 +14,15 @@ import sys
 import tempfile
 import unittest
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from unittest import mock
 
 import fmpy
 import numpy as np
 from fmpy.util import add_remoting
+from fmi3_support import fmi3, fmi3_path
 from fmu_support import REPOSITORY, fmu, fmu_path, scratch
 from ruamel.yaml import YAML
 
@@ -33,14 +35,53 @@ ROW = re.compile(r"[0-9a-f]{16}( [0-9a-f]{16})*")
 WORKFLOW = REPOSITORY / ".github" / "workflows" / "fmu.yml"
 
 
-def library(platform: str) -> Path:
-    """The FMU's library for a platform; skips the test where it has none."""
-    found = list((fmu().folder / "binaries" / platform).glob("ugv.*"))
-    if not found:
-        raise unittest.SkipTest(
-            f"{fmu_path()} has no library for {platform}; build it with --platforms all"
-        )
-    return found[0]
+@dataclass(frozen=True)
+class Driven:
+    """An FMU, and the program that drives its library."""
+
+    source: str
+    path: Callable[[], Path]
+    folder: Callable[[], Path]
+    # What a platform is called.
+    names: dict[str, str]
+    # What the program on a platform is told: resources, token, and what to read.
+    task: Callable[[str], list[str]]
+
+    def library(self, platform: str) -> Path:
+        """The FMU's library for a platform; skips the test where it has none."""
+        name = self.names.get(platform, platform)
+        found = list((self.folder() / "binaries" / name).glob("ugv.*"))
+        if not found:
+            raise unittest.SkipTest(
+                f"{self.path()} has no library for {name}; build it with --platforms all"
+            )
+        return found[0]
+
+
+def task_2(_platform: str) -> list[str]:
+    """Reads all outputs; the resources as a URI, which is the same everywhere."""
+    return [fmu().resources, fmu().description.guid, *map(str, fmu().references(fmu().outputs))]
+
+
+def task_3(platform: str) -> list[str]:
+    """Reads all outputs, arrays included; the resources as a path, which wine has on drive Z."""
+    outputs = fmi3().outputs
+    values = sum(map(fmi3().size, outputs))
+    references = map(str, fmi3().references(outputs))
+    resources = ("Z:" if platform == "win64" else "") + fmi3().resources
+    return [resources, fmi3().description.guid, str(values), *references]
+
+
+VERSIONS = {
+    "FMI 2.0": Driven("fmu_drive.c", fmu_path, lambda: fmu().folder, {}, task_2),
+    "FMI 3.0": Driven(
+        "fmu_drive_3.c",
+        fmi3_path,
+        lambda: fmi3().folder,
+        {"linux64": "x86_64-linux", "win64": "x86_64-windows"},
+        task_3,
+    ),
+}
 
 
 def needs(program: str | Path, package: str) -> str:
@@ -51,27 +92,21 @@ def needs(program: str | Path, package: str) -> str:
     return path
 
 
-def host(compiler: str, package: str) -> Path:
+def host(source: str, compiler: str, package: str) -> Path:
     """The program that drives a library, compiled for a platform."""
     program = Path(tempfile.mkdtemp(dir=scratch())) / "fmu_drive.exe"
     command = [needs(compiler, package), "-std=c11", "-O1", "-Wall", "-Wextra", "-Werror"]
     command += ["-Wno-unused-function", "-I", str(Path(fmpy.__file__).parent / "c-code")]
-    command += [str(REPOSITORY / "tests" / "fmu_drive.c"), "-o", str(program), "-lm"]
+    command += [str(REPOSITORY / "tests" / source), "-o", str(program), "-lm"]
     command += [] if "mingw" in compiler else ["-ldl"]
     subprocess.run(command, check=True)
     return program
 
 
-def driven(runner: Sequence[str], program: Path, platform: str) -> np.ndarray:
+def driven(version: str, runner: Sequence[str], program: Path, platform: str) -> np.ndarray:
     """What the program reads: a row for each step, the time and all outputs."""
-    command = [
-        *runner,
-        str(program),
-        str(library(platform)),
-        fmu().resources,
-        fmu().description.guid,
-    ]
-    command += map(str, fmu().references(fmu().outputs))
+    driven = VERSIONS[version]
+    command = [*runner, str(program), str(driven.library(platform)), *driven.task(platform)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise AssertionError(f"{command}: status {done.returncode}\n{done.stderr}")
@@ -146,25 +181,34 @@ class Elsewhere(unittest.TestCase):
         print(f"\n{platform}: {len(other)} rows, differs from linux64 by {difference:.1e} at most")
         self.assertLess(difference, TOLERANCE)
 
-    def test_aarch64_gives_the_numbers_of_linux64(self) -> None:
-        library("aarch64-linux")
-        qemu = needs("qemu-aarch64", "qemu-user")
-        program = host("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross")
-        native = driven([], host("gcc", "gcc"), "linux64")
+    def compare(
+        self, version: str, runner: Sequence[str], compiler: Sequence[str], platform: str
+    ) -> None:
+        """Drives a platform's library in a runner and linux64's beside it."""
+        source = VERSIONS[version].source
+        native = driven(version, [], host(source, "gcc", "gcc"), "linux64")
         self.assertGreater(len(native), 400)
         self.assertGreater(np.abs(native[:, 1]).max(), 1.0)
-        arm = driven([qemu, "-L", str(ARM_SYSTEM)], program, "aarch64-linux")
-        self.agree(native, arm, "aarch64-linux")
+        other = driven(version, runner, host(source, *compiler), platform)
+        self.agree(native, other, f"{platform}, {version}")
+
+    def test_aarch64_gives_the_numbers_of_linux64(self) -> None:
+        for version, about in VERSIONS.items():
+            about.library("aarch64-linux")
+            runner = [needs("qemu-aarch64", "qemu-user"), "-L", str(ARM_SYSTEM)]
+            compiler = "aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
+            self.compare(version, runner, compiler, "aarch64-linux")
 
     def test_win64_gives_the_numbers_of_linux64(self) -> None:
-        library("win64")
-        wine = self.start_wine()
-        program = host("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64-win32")
-        native = driven([], host("gcc", "gcc"), "linux64")
-        self.agree(native, driven([wine], program, "win64"), "win64")
+        for about in VERSIONS.values():
+            about.library("win64")
+        runner = [self.start_wine()]
+        compiler = "x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64-win32"
+        for version in VERSIONS:
+            self.compare(version, runner, compiler, "win64")
 
     def test_fmpy_drives_win64_as_linux64(self) -> None:
-        library("win64")
+        VERSIONS["FMI 2.0"].library("win64")
         self.start_wine()
         windows = Path(tempfile.mkdtemp(dir=scratch())) / "windows.fmu"
         with zipfile.ZipFile(fmu_path()) as whole, zipfile.ZipFile(windows, "w") as part:
