@@ -5,7 +5,7 @@ use super::normal::Eliminated;
 use super::optimiser::{Stop, minimise, normals};
 use super::parameter::Parameter;
 use super::predictor::Predictor;
-use super::problem::{Point, Problem, Weighing};
+use super::problem::{Point, Problem, Tables, Weighing};
 use super::robust;
 use super::uncertainty::Uncertainty;
 use super::weighing::reweigh;
@@ -64,6 +64,16 @@ struct Answer {
     point: Point,
     cost: f64,
     count: usize,
+    /// Standard deviations of the parameters there, if the data tell of all of them.
+    deviations: Option<DVector<f64>>,
+}
+
+/// A way down past answers that are known.
+enum Descent {
+    /// It comes so near to one that it leads there.
+    Joins(usize),
+    /// It has an end of its own.
+    Ends(Answer),
 }
 
 /// Tries random starts from the prior.
@@ -90,16 +100,16 @@ pub fn search<P: Predictor>(
             coordinates: draw(&problem.parameters, &mut random),
             starts: screen.measured_starts(),
         };
-        match descend(&screen, point, &part, options.robust) {
-            Some(answer) => answers.push(answer),
+        match descend_past(&answers, &screen, point, &part, options.robust) {
+            Some(Descent::Joins(known)) => answers[known].count += 1,
+            Some(Descent::Ends(answer)) => answers.push(answer),
             None => failed += 1,
         }
     }
-    let groups = group(&screen, answers, &part);
     let deviations = (0..problem.parameters.len()).map(|k| doubt.deviation(k));
     let deviations = DVector::from_iterator(problem.parameters.len(), deviations);
     let mut minima: Vec<Answer> = Vec::new();
-    for answer in groups {
+    for answer in group(answers) {
         if minima.len() == POLISHED {
             // Too high to be worth more work: known by its cost on the screen alone.
             break;
@@ -160,6 +170,7 @@ fn verdict<P: Predictor>(
                 point: found.clone(),
                 cost: lowest.cost,
                 count: 0,
+                deviations: None,
             }),
         );
         if !minima
@@ -202,17 +213,38 @@ fn draw(parameters: &[Parameter], random: &mut fastrand::Rng) -> DVector<f64> {
 /// cannot drive.
 fn descend<P: Predictor>(
     problem: &Problem<P>,
-    mut point: Point,
+    point: Point,
     by: &Weighing,
     robust: bool,
 ) -> Option<Answer> {
+    match descend_past(&[], problem, point, by, robust)? {
+        Descent::Ends(answer) => Some(answer),
+        Descent::Joins(_) => None,
+    }
+}
+
+/// [`descend`], unless it comes as near to an answer that is known as answers that are the same.
+fn descend_past<P: Predictor>(
+    known: &[Answer],
+    problem: &Problem<P>,
+    mut point: Point,
+    by: &Weighing,
+    robust: bool,
+) -> Option<Descent> {
     let mut by = by.clone();
     if robust {
         by.weights.iter_mut().flatten().for_each(|w| w.fill(1.0));
     }
     let mut cost = f64::INFINITY;
-    for _ in 0..TURNS {
+    for turn in 1.. {
         let outcome = minimise(problem, &mut point, &by, DESCENT).ok()?;
+        let near = |answer: &Answer| {
+            let deviations = answer.deviations.as_ref();
+            deviations.is_some_and(|d| close(&answer.point, &point, d))
+        };
+        if let Some(known) = known.iter().position(near) {
+            return Some(Descent::Joins(known));
+        }
         let penalty: f64 = by
             .weights
             .iter()
@@ -223,31 +255,25 @@ fn descend<P: Predictor>(
         let now = outcome.cost + penalty;
         let still = outcome.converged && cost - now < 0.3;
         cost = now;
-        if still {
-            break;
+        if still || turn == TURNS {
+            return Some(Descent::Ends(Answer {
+                deviations: deviations(problem, &outcome.tables, &point, &by),
+                point,
+                cost,
+                count: 1,
+            }));
         }
         if robust {
             reweigh(problem, &outcome.tables, &mut by);
         }
     }
-    Some(Answer {
-        point,
-        cost,
-        count: 1,
-    })
+    None
 }
 
 /// Answers that are the same become one, the best first.
-fn group<P: Predictor>(
-    problem: &Problem<P>,
-    mut answers: Vec<Answer>,
-    by: &Weighing,
-) -> Vec<Answer> {
+fn group(mut answers: Vec<Answer>) -> Vec<Answer> {
     answers.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let Some(deviations) = answers
-        .first()
-        .and_then(|best| deviations(problem, &best.point, by))
-    else {
+    let Some(deviations) = answers.first().and_then(|best| best.deviations.clone()) else {
         return answers;
     };
     let mut groups: Vec<Answer> = Vec::new();
@@ -256,7 +282,7 @@ fn group<P: Predictor>(
             .iter_mut()
             .find(|g| close(&g.point, &answer.point, &deviations))
         {
-            Some(same) => same.count += 1,
+            Some(same) => same.count += answer.count,
             None => groups.push(answer),
         }
     }
@@ -266,12 +292,12 @@ fn group<P: Predictor>(
 /// Standard deviations of the parameters.
 fn deviations<P: Predictor>(
     problem: &Problem<P>,
+    tables: &[Tables],
     point: &Point,
     by: &Weighing,
 ) -> Option<DVector<f64>> {
-    let tables = problem.evaluate(point, true).ok()?;
     let mut matrix = DMatrix::from_diagonal(&problem.prior(&point.coordinates).0);
-    for normal in normals(problem, &tables, point, by) {
+    for normal in normals(problem, tables, point, by) {
         matrix += Eliminated::new(&normal, 0.0)?.matrix;
     }
     Some(matrix.cholesky()?.inverse().diagonal().map(f64::sqrt))
