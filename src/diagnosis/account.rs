@@ -51,8 +51,7 @@ fn notes(searched: &Searched) -> Vec<String> {
     notes.extend(at_the_end_of_its_range(searched));
     let window = searched.placed.nominal.effects.window.as_ref();
     if let Some(Extent::Time { .. }) = window.map(|window| &window.extent) {
-        let note =
-            "What acts for some seconds of one drive only is not part of the augmented model.";
+        let note = "What acts in one drive only, or for some seconds of it, is not part of the augmented model.";
         notes.push(note.into());
     }
     notes

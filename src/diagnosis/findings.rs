@@ -6,6 +6,7 @@ use super::law::{channel as pushed, group};
 use super::likelihood::Tuned;
 use super::locate::Extent;
 use super::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
+use super::proposal::{Kind, Proposal};
 use super::regime::{channel, gains, regime};
 use super::screen::Projection;
 use super::search::{Member, Searched};
@@ -26,9 +27,15 @@ pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
     judged.iter().map(one).collect()
 }
 
-/// Values and intervals of knobs at a fit; `scatter` widens them.
-#[must_use]
-pub fn quantities(given: &Given, tuned: &Tuned, knobs: &[usize], scatter: f64) -> Vec<Quantity> {
+/// Values and intervals of a proposal's knobs at a fit; `scatter` widens them.
+fn quantities(given: &Given, tuned: &Tuned, proposal: &Proposal, scatter: f64) -> Vec<Quantity> {
+    let knobs = &proposal.knobs;
+    let acts = |in_recording: usize| match &proposal.extent {
+        Some(Extent::Time { recording, .. } | Extent::Run { recording, .. }) => {
+            *recording == in_recording
+        }
+        _ => true,
+    };
     let predictor = given.predictor(&tuned.knobs);
     let problem = given.problem(&predictor, &tuned.knobs);
     let mut found: Vec<(usize, Quantity)> = Vec::new();
@@ -44,6 +51,9 @@ pub fn quantities(given: &Given, tuned: &Tuned, knobs: &[usize], scatter: f64) -
         let half = NORMAL_95 * (tuned.covariance[(place, place)].max(0.0) * scatter).sqrt();
         let parameter: &Parameter = &about.parameter;
         let (low, high) = parameter.interval(at, half);
+        if about.own && !acts(recording) {
+            return;
+        }
         let each = about.own && given.recordings.len() > 1;
         found.push((
             knob,
@@ -69,9 +79,9 @@ fn named(searched: &Searched, member: &Member, judged: &Judged) -> Finding {
         .clone()
         .find(|one| one.subject == proposal.subject)
         .map_or(1.0, |one| one.score.scatter.min(WIDEST));
-    let parameters = quantities(given, tuned, &proposal.knobs, scatter);
+    let parameters = quantities(given, tuned, proposal, scatter);
     let steps = steps(given, tuned, &proposal.knobs);
-    let local = proposal.kind() == super::proposal::Kind::Local;
+    let local = proposal.kind() == Kind::Local;
     let places = places(searched, member, judged.subject, &steps);
     let law: Vec<Term> = if proposal.subject == Subject::Unknown {
         law(given, proposal, &parameters)
@@ -125,7 +135,7 @@ fn steps(given: &Given, tuned: &Tuned, knobs: &[usize]) -> Vec<(usize, Vec<f64>)
     knobs.iter().map(each).collect()
 }
 
-fn law(given: &Given, proposal: &super::proposal::Proposal, parameters: &[Quantity]) -> Vec<Term> {
+fn law(given: &Given, proposal: &Proposal, parameters: &[Quantity]) -> Vec<Term> {
     let term = |(index, knob): (usize, &usize)| {
         let about = &given.candidates.knobs[*knob];
         Term {
@@ -169,12 +179,20 @@ fn places(
         patch,
     };
     match &member.proposal.extent {
-        Some(Extent::Time {
-            recording,
-            run,
-            start,
-            end,
-        }) => {
+        Some(
+            Extent::Time {
+                recording,
+                run,
+                start,
+                end,
+            }
+            | Extent::Run {
+                recording,
+                run,
+                start,
+                end,
+            },
+        ) => {
             let patch = patch(searched, *recording, *run, *start, *end);
             vec![interval(*recording, *run, *start, *end, patch)]
         }

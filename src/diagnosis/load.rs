@@ -3,7 +3,9 @@
 //! While its mass is zero, the place of a load has no derivative: the screen sees its weight in the middle
 //! alone. Where a shifted centre of mass shows, a load that shifts it as much is proposed as well.
 
+use super::Subject;
 use super::hypothesis::Given;
+use super::locate::Extent;
 use super::proposal::Proposal;
 use nalgebra::DVector;
 
@@ -16,8 +18,21 @@ const SHIFTS: [(&str, &str); 2] = [
 /// A load is tried with no more than this share of the vehicle's mass.
 const HEAVIEST: f64 = 0.2;
 
-/// Where a shifted centre of mass is likelier, the load begins where it shifts it as much.
-pub fn place_load(given: &Given, proposals: &mut [Proposal]) {
+/// Where a shifted centre of mass is likelier, the load begins where it shifts it as much: of what acts
+/// throughout, and of what acts in one run alone.
+pub fn place_load(given: &Given, proposals: &mut Vec<Proposal>) {
+    let extents = proposals.iter().map(|one| &one.extent);
+    let mut extents: Vec<Option<Extent>> = extents
+        .filter(|extent| matches!(extent, None | Some(Extent::Run { .. })))
+        .cloned()
+        .collect();
+    extents.dedup();
+    for extent in extents {
+        place_load_in(given, proposals, &extent);
+    }
+}
+
+fn place_load_in(given: &Given, proposals: &mut Vec<Proposal>, extent: &Option<Extent>) {
     let knob = |name: &str| {
         let mut knobs = given.candidates.knobs.iter();
         knobs.position(|knob| knob.parameter.name == name)
@@ -27,15 +42,15 @@ pub fn place_load(given: &Given, proposals: &mut [Proposal]) {
         of.and_then(|(_, step)| step.get(0).copied())
     };
     let Some(mass) = knob(MASS) else { return };
-    let shift = |one: &&Proposal| one.extent.is_none() && step(one, SHIFTS[0].1).is_some();
+    let subject = Subject::Effect(given.candidates.knobs[mass].effect);
+    let here = |one: &&Proposal| one.extent == *extent;
+    let shift = |one: &&Proposal| here(one) && step(one, SHIFTS[0].1).is_some();
     let Some(shift) = proposals.iter().find(shift).cloned() else {
         return;
     };
-    let mut loads = proposals.iter_mut();
-    let Some(load) = loads.find(|one| one.extent.is_none() && one.knobs.contains(&mass)) else {
-        return;
-    };
-    if shift.evidence <= load.evidence {
+    let is_load = |one: &Proposal| one.extent == *extent && one.subject == subject;
+    let load = proposals.iter().position(is_load);
+    if load.is_some_and(|load| shift.evidence <= proposals[load].evidence) {
         return;
     }
     let vehicle = &given.nominal.vehicle;
@@ -48,17 +63,23 @@ pub fn place_load(given: &Given, proposals: &mut [Proposal]) {
     };
     let middle = [vehicle.com_offset, 0.0];
     let places = SHIFTS.iter().zip(middle).filter_map(|(s, m)| place(s, m));
-    load.steps = std::iter::once((mass, DVector::repeat(1, loaded)))
-        .chain(places)
-        .collect();
-    load.soil.clone_from(&shift.soil);
-    load.evidence = shift.evidence;
+    let placed = Proposal {
+        subject,
+        knobs: given.candidates.of(subject).collect(),
+        steps: std::iter::once((mass, DVector::repeat(1, loaded)))
+            .chain(places)
+            .collect(),
+        ..shift
+    };
+    match load {
+        Some(load) => proposals[load] = placed,
+        None => proposals.push(placed),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::Subject;
     use crate::effects::CATALOGUE;
     use crate::terrain::Terrain;
     use crate::vehicle::{Parameter, Specification, Vehicle};
@@ -87,7 +108,7 @@ mod tests {
             }
         };
         let [ahead, left] = [-0.012, 0.037];
-        let mut all = [
+        let mut all = vec![
             propose("payload", &[3.0, 0.0, 0.0], 2.0),
             propose("com_shift", &[ahead, left], 40.0),
         ];
@@ -105,8 +126,23 @@ mod tests {
         assert!((moved(value("payload.left")) - left).abs() < 1e-12);
         assert_eq!(all[0].evidence, 40.0);
         // A load that shows by itself stays as it was seen.
-        let mut all = [propose("payload", &[3.0, 0.0, 0.0], 50.0), all[1].clone()];
+        let mut all = vec![propose("payload", &[3.0, 0.0, 0.0], 50.0), all[1].clone()];
         place_load(&given, &mut all);
         assert_eq!(all[0].steps[0].1[0], 3.0);
+        // What one run alone has may be a load as well.
+        let shift = Proposal {
+            extent: Some(Extent::Run {
+                recording: 1,
+                run: 0,
+                start: 0.0,
+                end: 60.0,
+            }),
+            ..all[1].clone()
+        };
+        let mut all = vec![shift];
+        place_load(&given, &mut all);
+        assert_eq!(all.len(), 2);
+        assert_eq!(all[1].subject.name(), "payload");
+        assert_eq!(all[1].extent, all[0].extent);
     }
 }

@@ -1,7 +1,7 @@
 //! Step 5: where something is missing.
 //!
 //! A box scan: every candidate, and a push that no effect explains, acting in one set of gates only:
-//! in every interval of a run, in every disc of the map. With the sums of the gates' equations each
+//! in every interval of a run, in every run, in every disc of the map. With the sums of the gates' equations each
 //! set costs the same; the one with the largest evidence is taken (a generalised likelihood ratio: D.
 //! O. Siegmund, "Sequential Analysis", 1985), less the logarithm of the number of sets
 //! that were looked at.
@@ -20,6 +20,17 @@ use rayon::prelude::*;
 pub enum Extent {
     /// From gate to gate (exclusive) of a run's gates in their order.
     Time {
+        /// Recording.
+        recording: usize,
+        /// Run.
+        run: usize,
+        /// Beginning \[s\], by the run's clock.
+        start: f64,
+        /// End \[s\].
+        end: f64,
+    },
+    /// All of a run, of several.
+    Run {
         /// Recording.
         recording: usize,
         /// Run.
@@ -131,7 +142,7 @@ pub fn scanned(given: &Given, system: &System, soil: &[f64], on: &[usize]) -> Ve
     effects.chain(push).chain(change).collect()
 }
 
-/// The best interval and the best disc of each candidate.
+/// The best interval, the best run and the best disc of each candidate.
 #[must_use]
 pub fn locate(
     given: &Given,
@@ -162,6 +173,7 @@ pub fn locate(
         };
         let best = [
             scan.intervals(&chains),
+            scan.runs(&chains),
             scan.discs(&chains, &discs),
             scan.boundary(&chains).filter(|_| is_change(one.subject)),
         ];

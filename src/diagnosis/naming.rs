@@ -233,13 +233,16 @@ fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) -> S
     begin
 }
 
-/// Where effects are proposed that have no derivative while they are off: as large as the catalogue expects
-/// them, the soil fitted beside that from the given one. The soil that re-tuning ended with imitates them; beside
-/// it, or freed at once, they would be turned off and stay there.
+/// Where effects are proposed that have no derivative while they are off, as large as the catalogue expects
+/// them, and what one run of several has, as large as it was seen: the soil fitted beside that from the given one.
+/// The soil that re-tuning ended with imitates them; beside it, or freed at once, they would be turned off and stay
+/// there.
 fn settled(given: &Given, proposal: &Proposal, before: &Tuned, by: &Weighing) -> Option<Solution> {
     let knobs = &given.candidates.knobs;
     let mut own = proposal.knobs.iter();
-    if !proposal.hidden || own.all(|knob| knobs[*knob].secant.is_none()) {
+    let of_a_run = matches!(proposal.extent, Some(Extent::Run { .. }));
+    let unseen = proposal.hidden && own.any(|knob| knobs[*knob].secant.is_some());
+    if !of_a_run && !unseen {
         return None;
     }
     let begin = Solution {
@@ -299,6 +302,12 @@ fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
             return Some(given);
         }
         Extent::Time {
+            recording,
+            run,
+            start,
+            end,
+        }
+        | Extent::Run {
             recording,
             run,
             start,

@@ -116,10 +116,13 @@ pub fn proposals(
             same.map_or(0.0, |one| one.evidence.max(0.0))
         };
         let found = locate(given, system, projection, &scanned(given, system, soil, on));
-        let better = found
+        let each = found
             .into_iter()
-            .filter(|f| f.evidence > throughout(f.subject) + BETTER_LOCAL);
-        all.extend(better.map(|found| local(found, given.soil.len())));
+            .map(|found| local(found, given.soil.len()));
+        let mut found: Vec<Proposal> = each.collect();
+        place_load(given, &mut found);
+        found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
+        all.extend(found);
     }
     if let Some(law) = law(given, system, projection.nuisance(), seed) {
         all.push(unnamed(given, system, projection, law));

@@ -245,6 +245,32 @@ impl Scan<'_> {
         best.of_looked_at()
     }
 
+    /// The best run, of several, from its beginning to its end.
+    #[must_use]
+    pub fn runs(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
+        let runs: Vec<&[Chain]> = chains
+            .chunk_by(|a, b| (a.recording, a.run) == (b.recording, b.run))
+            .collect();
+        if runs.len() < 2 {
+            return None;
+        }
+        let mut best = Best::default();
+        for run in runs {
+            let mut gates = run.iter().flat_map(|chain| &chain.gates);
+            let (Some(first), Some(last)) = (gates.next(), gates.next_back()) else {
+                continue;
+            };
+            let extent = Extent::Run {
+                recording: run[0].recording,
+                run: run[0].run,
+                start: first.start,
+                end: last.end,
+            };
+            best.offer(extent, self.score(&self.sum(run, |_| true).0));
+        }
+        best.of_looked_at()
+    }
+
     /// The best disc.
     #[must_use]
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Extent, Score, f64)> {

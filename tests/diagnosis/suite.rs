@@ -44,6 +44,9 @@ const OVERLAP: f64 = 0.7;
 /// Seconds that a drive lasts that has more stretches than fits begin on.
 const LONG: [f64; 2] = [300.0, 310.0];
 
+/// Seconds that a drive lasts that is longer than any interval that is scanned.
+const OVER_FORTY: [f64; 2] = [50.0, 55.0];
+
 /// The first cases of a family.
 fn first(family: Family, count: usize) -> Vec<(Family, usize)> {
     (0..count).map(|number| (family, number)).collect()
@@ -161,6 +164,20 @@ fn the_way_back_parts_look_alikes() {
             .all(|one| one.folder.join("drive2.csv").is_file())
     );
     assert_honest(&told, LOOKALIKES_WRONG);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+fn what_one_of_two_drives_has_is_named_there() {
+    let told = diagnosed_lasting(OVER_FORTY, "one_drive", &first(Family::OneDrive, 3));
+    for one in &told {
+        assert_eq!(one.answer(), Answer::Named, "{}", one.folder.display());
+        let place = &one.said["findings"][0]["where"][0];
+        assert_eq!(place["recording"], "drive2", "{place}");
+        let [start, end] = ["start", "end"].map(|key| place[key].as_f64().unwrap());
+        let all = one.truth["drives"]["drive2"]["seconds"].as_f64().unwrap();
+        assert!(end - start > 0.9 * all, "{place} of {all} s");
+    }
 }
 
 #[test]

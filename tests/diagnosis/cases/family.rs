@@ -11,6 +11,8 @@ pub enum Family {
     Sensor,
     /// Something for some seconds, or on a patch.
     Local,
+    /// Something in one of two drives.
+    OneDrive,
     /// Two effects.
     Pair,
     /// One effect that another one resembles.
@@ -25,11 +27,12 @@ pub enum Family {
 
 impl Family {
     /// Every family, with how many of 50 cases are its.
-    pub const ALL: [(Self, usize); 9] = [
+    pub const ALL: [(Self, usize); 10] = [
         (Self::Nothing, 7),
-        (Self::Single, 17),
+        (Self::Single, 16),
         (Self::Sensor, 5),
         (Self::Local, 5),
+        (Self::OneDrive, 1),
         (Self::Pair, 4),
         (Self::Lookalike, 5),
         (Self::Out, 3),
@@ -43,6 +46,7 @@ impl Family {
             Self::Single => "single",
             Self::Sensor => "sensor",
             Self::Local => "local",
+            Self::OneDrive => "one_drive",
             Self::Pair => "pair",
             Self::Lookalike => "lookalike",
             Self::Out => "out",

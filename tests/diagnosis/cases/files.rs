@@ -92,8 +92,9 @@ fn about(case: &Case) -> String {
 
 fn truth(case: &Case, name: &str) -> Value {
     let plan = &case.plan;
-    let main = &case.drives[0];
-    let effects = main.ingredients.iter().chain(&plan.faults);
+    // The first of two may have less.
+    let fullest = &case.drives[case.drives.len() - 1];
+    let effects = fullest.ingredients.iter().chain(&plan.faults);
     let drives = case.recordings().map(|(file, drive)| {
         let where_it_acts = drive
             .ingredients

@@ -182,11 +182,11 @@ fn attempt(lengths: [f64; 2], family: Family, number: usize, seed: u64) -> Resul
         ingredients: plan.ingredients.clone(),
     };
     let wheels = commands(driver, plan.style, seconds(&mut first), &mut first);
+    let without = World {
+        ingredients: plan.ingredients.get(1..).unwrap_or_default().to_vec(),
+        ..world.clone()
+    };
     if plan.place != Place::Everywhere {
-        let without = World {
-            ingredients: plan.ingredients[1..].to_vec(),
-            ..world.clone()
-        };
         let path = without.drive(start, &wheels)?;
         place(&mut world.ingredients[0], plan.place, &path, &mut first);
     }
@@ -199,8 +199,12 @@ fn attempt(lengths: [f64; 2], family: Family, number: usize, seed: u64) -> Resul
         top_speed,
         track,
     };
-    let track = world.drive(start, &wheels)?;
-    let mut drives = vec![record(track, &world, plan.style, driver.top_speed, "noise")];
+    let begin = match plan.place {
+        Place::SecondDrive => &without,
+        _ => &world,
+    };
+    let track = begin.drive(start, &wheels)?;
+    let mut drives = vec![record(track, begin, plan.style, driver.top_speed, "noise")];
     if let Some(style) = plan.second {
         let mut second = of("second drive");
         let back = State {
@@ -219,8 +223,8 @@ fn attempt(lengths: [f64; 2], family: Family, number: usize, seed: u64) -> Resul
         ));
     }
     let mut other = of("unseen drive");
-    if plan.place == Place::Seconds {
-        // What happened in those seconds does not happen again.
+    if [Place::Seconds, Place::SecondDrive].contains(&plan.place) {
+        // What happened then does not happen again.
         world.ingredients.remove(0);
     }
     for one in &mut world.ingredients {
@@ -303,7 +307,7 @@ fn place(one: &mut Ingredient, place: Place, path: &Track, random: &mut Random) 
     let here = path.at(at);
     let round = |value: f64| (value * 100.0).round() / 100.0;
     match place {
-        Place::Everywhere => {}
+        Place::Everywhere | Place::SecondDrive => {}
         Place::Seconds => {
             let half = random.between(2.0, 6.0);
             // The world changes at commands.

@@ -15,6 +15,8 @@ pub enum Place {
     Everywhere,
     /// In some seconds of the drive.
     Seconds,
+    /// In the second of two drives.
+    SecondDrive,
     /// On a patch that the drive passes.
     Patch,
     /// Beyond a line across the path.
@@ -104,6 +106,13 @@ const SENSOR_FAULTS: [Named; 5] = [
     ("latency", "wheels"),
 ];
 
+/// What one drive has and another one has not.
+const OF_ONE_DRIVE: [Named; 3] = [
+    ("drawbar", "force"),
+    ("grade", "slope_east"),
+    ("payload", "mass"),
+];
+
 const LOCAL: [&str; 5] = ["drawbar", "grade", "push", "left_right_soil", "drag"];
 
 const POOR: [&str; 6] = [
@@ -189,6 +198,14 @@ impl Plan {
                 plan
             }
             Family::Local => Self::local(number, vehicle, random),
+            Family::OneDrive => {
+                let mut plan = Self::plain(&["missing_physics"]);
+                let (name, switch) = OF_ONE_DRIVE[number % OF_ONE_DRIVE.len()];
+                plan.add(with_switches(name, &[switch], 2, vehicle, random));
+                plan.second = Some(Style::Rich);
+                plan.place = Place::SecondDrive;
+                plan
+            }
             Family::Pair => {
                 let mut plan = Self::plain(&["missing_physics"]);
                 for (name, switch) in PAIRS[number % PAIRS.len()] {
