@@ -62,7 +62,7 @@ for target in "${targets[@]}"; do
     : >"$log"
     while left=$((share - SECONDS + begin)) && [[ $left -gt 0 ]]; do
         cargo fuzz run "${flags[@]}" "$target" "$corpus" "tests/fuzz/seeds/$target" -- -max_total_time="$left" \
-            -artifact_prefix="$artifacts/" -timeout=20 -rss_limit_mb=3000 -malloc_limit_mb=1100 -max_len=4096 \
+            -artifact_prefix="$artifacts/" -timeout=20 -report_slow_units=20 -rss_limit_mb=3000 -malloc_limit_mb=1100 -max_len=4096 \
             "${more[@]}" -print_final_stats=1 >"$log.part" 2>&1 || true
         cat "$log.part" >>"$log"
         runs=$((runs + $(sed -nE 's/^stat::number_of_executed_units: +([0-9]+)$/\1/p' "$log.part" | tail -n 1)+0))

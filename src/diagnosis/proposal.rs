@@ -263,7 +263,7 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     let [far, near] = BEHIND;
     for (kind, most, behind) in [
         (Kind::Throughout, 6, far),
-        (Kind::Local, 4, near),
+        (Kind::Local, 8, near),
         (Kind::Law, 1, near),
     ] {
         let of_kind = proposals.iter().filter(|p| p.kind() == kind);

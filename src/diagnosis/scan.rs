@@ -12,6 +12,11 @@ const SHORTEST: f64 = 1.9;
 const LONGEST: f64 = 40.0;
 /// Radii of discs \[m\].
 const RADII: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
+/// The best disc is moved and resized by this share of its radius at first, and down to that one, while it gains
+/// more than so much.
+const FIRST_MOVE: f64 = 0.3;
+const LAST_MOVE: f64 = 0.05;
+const WORTH_A_MOVE: f64 = 0.5;
 /// Directions of lines, and places of each.
 const DIRECTIONS: usize = 12;
 const POSITIONS: usize = 24;
@@ -131,15 +136,10 @@ impl Best {
     }
 
     /// With the evidence less what looking in so many places costs.
-    fn of(self, places: f64) -> Option<(Extent, Score, f64)> {
-        let (extent, score) = self.found?;
-        let evidence = score.evidence - places.ln();
-        Some((extent, score, evidence))
-    }
-
     fn of_looked_at(self) -> Option<(Extent, Score, f64)> {
-        let places = f64::from(self.looked_at);
-        self.of(places)
+        let (extent, score) = self.found?;
+        let evidence = score.evidence - f64::from(self.looked_at).ln();
+        Some((extent, score, evidence))
     }
 }
 
@@ -271,20 +271,42 @@ impl Scan<'_> {
         best.of_looked_at()
     }
 
-    /// The best disc.
+    /// The best disc, moved and resized until that gains nothing more.
     #[must_use]
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Extent, Score, f64)> {
         let mut best = Best::default();
         for disc in discs {
-            let (sums, seconds) = self.sum(chains, |gate| {
-                let away = gate.place.map(|[x, y]| (x - disc[0]).hypot(y - disc[1]));
-                away.is_some_and(|away| away < disc[2])
-            });
-            if seconds >= SHORTEST {
-                best.offer(Extent::Place { disc: *disc }, self.score(&sums));
+            self.offer_disc(&mut best, chains, *disc);
+        }
+        let mut share = FIRST_MOVE;
+        while share > LAST_MOVE {
+            let (Extent::Place { disc }, before) = best.found.clone()? else {
+                return None;
+            };
+            let [x, y, radius] = disc;
+            let step = share * radius;
+            for [dx, dy] in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
+                self.offer_disc(&mut best, chains, [x + step * dx, y + step * dy, radius]);
+            }
+            for factor in [1.0 + share, 1.0 / (1.0 + share)] {
+                self.offer_disc(&mut best, chains, [x, y, factor * radius]);
+            }
+            let gained = best.found.as_ref()?.1.evidence - before.evidence;
+            if gained < WORTH_A_MOVE {
+                share *= 0.5;
             }
         }
-        best.of(discs.len() as f64)
+        best.of_looked_at()
+    }
+
+    fn offer_disc(&self, best: &mut Best, chains: &[Chain], disc: [f64; 3]) {
+        let (sums, seconds) = self.sum(chains, |gate| {
+            let away = gate.place.map(|[x, y]| (x - disc[0]).hypot(y - disc[1]));
+            away.is_some_and(|away| away < disc[2])
+        });
+        if seconds >= SHORTEST {
+            best.offer(Extent::Place { disc }, self.score(&sums));
+        }
     }
 
     /// The best line across the map.

@@ -10,10 +10,12 @@ effect! {
     /// A rigid wheel stands on the ground with the mean pressure
     /// p_r = k^(1/(2n+1)) (3 W / ((3-n) b sqrt(2r)))^(2n/(2n+1)). Where the tyre's pressure p is
     /// below it, the wheel is replaced by the rigid one whose pressure is p, of radius
-    /// r* = (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2; the rim still turns with r omega.
+    /// r* = (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2; the rim still turns with r omega. Where n is small
+    /// that may be many thousand times r, though the contact stays short: the circle ends at 20 r, and the
+    /// tyre is harder there than told.
     TyreCompliance: "tyre_compliance", Physics,
     lifts "rigid wheels",
-    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2)",
+    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), 20 r at most",
     source "rigid limit: Wong, Theory of Ground Vehicles, 2.5, after Bekker; the substitute circle: Schmid, J. Terramechanics 32 (1995)",
     {
         pressure ["Pa"] 5000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; at 2 MPa the wheel is rigid";
@@ -37,7 +39,6 @@ impl<S: Scalar> TyreCompliance<S> {
         let order = n.scale(2.0).offset(1.0);
         let substitute = (bracket * bracket).scale(0.5) * soil.modulus.raised(n.like(1.0) / n)
             / self.pressure.raised(order / n);
-        // A flat contact longer than the wheel is not meant.
         substitute.most(radius).least(radius.scale(LARGEST))
     }
 }
