@@ -19,37 +19,41 @@ const SHIFTS: [(&str, &str); 2] = [
 const HEAVIEST: f64 = 0.2;
 
 /// Where a shifted centre of mass is likelier, the load begins where it shifts it as much: of what acts
-/// throughout, and of what acts in one run alone.
+/// throughout, and of what acts in one run alone. A load that is on is not proposed again.
 pub fn place_load(given: &Given, proposals: &mut Vec<Proposal>) {
-    let extents = proposals.iter().map(|one| &one.extent);
-    let mut extents: Vec<Option<Extent>> = extents
-        .filter(|extent| matches!(extent, None | Some(Extent::Run { .. })))
-        .cloned()
-        .collect();
-    extents.dedup();
-    for extent in extents {
-        place_load_in(given, proposals, &extent);
+    let shifts = proposals.iter().filter(|one| {
+        let whole = matches!(one.extent, None | Some(Extent::Run { .. }));
+        whole && step(given, one, SHIFTS[0].1).is_some()
+    });
+    let shifts: Vec<Proposal> = shifts.cloned().collect();
+    for shift in shifts {
+        place_load_as(given, proposals, shift);
     }
 }
 
-fn place_load_in(given: &Given, proposals: &mut Vec<Proposal>, extent: &Option<Extent>) {
-    let knob = |name: &str| {
-        let mut knobs = given.candidates.knobs.iter();
-        knobs.position(|knob| knob.parameter.name == name)
-    };
-    let step = |proposal: &Proposal, name: &str| {
-        let of = proposal.steps.iter().find(|(k, _)| Some(*k) == knob(name));
-        of.and_then(|(_, step)| step.get(0).copied())
-    };
-    let Some(mass) = knob(MASS) else { return };
-    let subject = Subject::Effect(given.candidates.knobs[mass].effect);
-    let here = |one: &&Proposal| one.extent == *extent;
-    let shift = |one: &&Proposal| here(one) && step(one, SHIFTS[0].1).is_some();
-    let Some(shift) = proposals.iter().find(shift).cloned() else {
+fn knob(given: &Given, name: &str) -> Option<usize> {
+    let mut knobs = given.candidates.knobs.iter();
+    knobs.position(|knob| knob.parameter.name == name)
+}
+
+/// A proposal's step of a knob.
+fn step(given: &Given, proposal: &Proposal, name: &str) -> Option<f64> {
+    let knob = knob(given, name)?;
+    let (_, step) = proposal.steps.iter().find(|(other, _)| *other == knob)?;
+    step.get(0).copied()
+}
+
+/// The load that shifts the centre of mass as this proposal does, where that does.
+fn place_load_as(given: &Given, proposals: &mut Vec<Proposal>, shift: Proposal) {
+    let Some(mass) = knob(given, MASS) else {
         return;
     };
-    let is_load = |one: &Proposal| one.extent == *extent && one.subject == subject;
-    let load = proposals.iter().position(is_load);
+    let subject = Subject::Effect(given.candidates.knobs[mass].effect);
+    if !proposals.iter().any(|one| one.subject == subject) {
+        return;
+    }
+    let here = |one: &Proposal| one.subject == subject && one.extent == shift.extent;
+    let load = proposals.iter().position(here);
     if load.is_some_and(|load| shift.evidence <= proposals[load].evidence) {
         return;
     }
@@ -58,8 +62,8 @@ fn place_load_in(given: &Given, proposals: &mut Vec<Proposal>, extent: &Option<E
     let loaded = typical.min(HEAVIEST * vehicle.mass);
     let lever = (vehicle.mass + loaded) / loaded;
     let place = |(own, other): &(&str, &str), vehicles: f64| {
-        let away = vehicles + lever * step(&shift, other)?;
-        Some((knob(own)?, DVector::repeat(1, away)))
+        let away = vehicles + lever * step(given, &shift, other)?;
+        Some((knob(given, own)?, DVector::repeat(1, away)))
     };
     let middle = [vehicle.com_offset, 0.0];
     let places = SHIFTS.iter().zip(middle).filter_map(|(s, m)| place(s, m));
@@ -139,10 +143,20 @@ mod tests {
             }),
             ..all[1].clone()
         };
-        let mut all = vec![shift];
+        let mut all = vec![shift, propose("payload", &[3.0, 0.0, 0.0], 2.0)];
+        let on = vec![all[0].clone()];
         place_load(&given, &mut all);
-        assert_eq!(all.len(), 2);
-        assert_eq!(all[1].subject.name(), "payload");
-        assert_eq!(all[1].extent, all[0].extent);
+        assert_eq!(all.len(), 3);
+        assert_eq!(all[2].subject.name(), "payload");
+        assert_eq!(all[2].extent, all[0].extent);
+        // What is on is not among the proposals, and is not proposed again.
+        for extent in [None, on[0].extent.clone()] {
+            let mut all = vec![Proposal {
+                extent,
+                ..on[0].clone()
+            }];
+            place_load(&given, &mut all);
+            assert_eq!(all.len(), 1);
+        }
     }
 }

@@ -292,7 +292,9 @@ impl Scan<'_> {
                 self.offer_disc(&mut best, chains, [x, y, factor * radius]);
             }
             let gained = best.found.as_ref()?.1.evidence - before.evidence;
-            if gained < WORTH_A_MOVE {
+            // What is not a number is no gain.
+            let moved = gained >= WORTH_A_MOVE;
+            if !moved {
                 share *= 0.5;
             }
         }
