@@ -30,10 +30,8 @@ pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
 /// Values and intervals of a proposal's knobs at a fit; `scatter` widens them.
 fn quantities(given: &Given, tuned: &Tuned, proposal: &Proposal, scatter: f64) -> Vec<Quantity> {
     let knobs = &proposal.knobs;
-    let acts = |in_recording: usize| match &proposal.extent {
-        Some(Extent::Time { recording, .. } | Extent::Run { recording, .. }) => {
-            *recording == in_recording
-        }
+    let acts = |recording: usize| match &proposal.extent {
+        Some(Extent::Time(at) | Extent::Run(at)) => at.recording == recording,
         _ => true,
     };
     let predictor = given.predictor(&tuned.knobs);
@@ -47,13 +45,13 @@ fn quantities(given: &Given, tuned: &Tuned, proposal: &Proposal, scatter: f64) -
         }
         told.push(place);
         let about = &given.candidates.knobs[knob];
+        if about.own && !acts(recording) {
+            return;
+        }
         let at = tuned.solution.knobs[recording][knob];
         let half = NORMAL_95 * (tuned.covariance[(place, place)].max(0.0) * scatter).sqrt();
         let parameter: &Parameter = &about.parameter;
         let (low, high) = parameter.interval(at, half);
-        if about.own && !acts(recording) {
-            return;
-        }
         let each = about.own && given.recordings.len() > 1;
         found.push((
             knob,
@@ -179,22 +177,9 @@ fn places(
         patch,
     };
     match &member.proposal.extent {
-        Some(
-            Extent::Time {
-                recording,
-                run,
-                start,
-                end,
-            }
-            | Extent::Run {
-                recording,
-                run,
-                start,
-                end,
-            },
-        ) => {
-            let patch = patch(searched, *recording, *run, *start, *end);
-            vec![interval(*recording, *run, *start, *end, patch)]
+        Some(Extent::Time(at) | Extent::Run(at)) => {
+            let patch = patch(searched, at.recording, at.run, at.start, at.end);
+            vec![interval(at.recording, at.run, at.start, at.end, patch)]
         }
         Some(Extent::Place { disc }) => visits(searched, |[x, y]| {
             (x - disc[0]).hypot(y - disc[1]) < disc[2]

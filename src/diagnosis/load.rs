@@ -22,7 +22,7 @@ const HEAVIEST: f64 = 0.2;
 /// throughout, and of what acts in one run alone. A load that is on is not proposed again.
 pub fn place_load(given: &Given, proposals: &mut Vec<Proposal>) {
     let shifts = proposals.iter().filter(|one| {
-        let whole = matches!(one.extent, None | Some(Extent::Run { .. }));
+        let whole = matches!(one.extent, None | Some(Extent::Run(_)));
         whole && step(given, one, SHIFTS[0].1).is_some()
     });
     let shifts: Vec<Proposal> = shifts.cloned().collect();
@@ -84,6 +84,7 @@ fn place_load_as(given: &Given, proposals: &mut Vec<Proposal>, shift: Proposal) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::locate::Stretch;
     use crate::effects::CATALOGUE;
     use crate::terrain::Terrain;
     use crate::vehicle::{Parameter, Specification, Vehicle};
@@ -135,25 +136,25 @@ mod tests {
         assert_eq!(all[0].steps[0].1[0], 3.0);
         // What one run alone has may be a load as well.
         let shift = Proposal {
-            extent: Some(Extent::Run {
+            extent: Some(Extent::Run(Stretch {
                 recording: 1,
                 run: 0,
                 start: 0.0,
                 end: 60.0,
-            }),
+            })),
             ..all[1].clone()
         };
         let mut all = vec![shift, propose("payload", &[3.0, 0.0, 0.0], 2.0)];
-        let on = vec![all[0].clone()];
+        let on = all[0].clone();
         place_load(&given, &mut all);
         assert_eq!(all.len(), 3);
         assert_eq!(all[2].subject.name(), "payload");
         assert_eq!(all[2].extent, all[0].extent);
         // What is on is not among the proposals, and is not proposed again.
-        for extent in [None, on[0].extent.clone()] {
+        for extent in [None, on.extent.clone()] {
             let mut all = vec![Proposal {
                 extent,
-                ..on[0].clone()
+                ..on.clone()
             }];
             place_load(&given, &mut all);
             assert_eq!(all.len(), 1);

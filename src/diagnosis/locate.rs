@@ -15,31 +15,26 @@ use super::system::System;
 use crate::effects::CATALOGUE;
 use rayon::prelude::*;
 
+/// A part of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// Recording.
+    pub recording: usize,
+    /// Run.
+    pub run: usize,
+    /// Beginning \[s\], by the run's clock.
+    pub start: f64,
+    /// End \[s\].
+    pub end: f64,
+}
+
 /// A set of gates: where something acts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Extent {
     /// From gate to gate (exclusive) of a run's gates in their order.
-    Time {
-        /// Recording.
-        recording: usize,
-        /// Run.
-        run: usize,
-        /// Beginning \[s\], by the run's clock.
-        start: f64,
-        /// End \[s\].
-        end: f64,
-    },
+    Time(Stretch),
     /// All of a run, of several.
-    Run {
-        /// Recording.
-        recording: usize,
-        /// Run.
-        run: usize,
-        /// Beginning \[s\], by the run's clock.
-        start: f64,
-        /// End \[s\].
-        end: f64,
-    },
+    Run(Stretch),
     /// Where the vehicle is within a disc.
     Place {
         /// Centre, east and north, and radius \[m\].

@@ -240,7 +240,7 @@ fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) -> S
 fn settled(given: &Given, proposal: &Proposal, before: &Tuned, by: &Weighing) -> Option<Solution> {
     let knobs = &given.candidates.knobs;
     let mut own = proposal.knobs.iter();
-    let of_a_run = matches!(proposal.extent, Some(Extent::Run { .. }));
+    let of_a_run = matches!(proposal.extent, Some(Extent::Run(_)));
     let unseen = proposal.hidden && own.any(|knob| knobs[*knob].secant.is_some());
     if !of_a_run && !unseen {
         return None;
@@ -301,24 +301,13 @@ fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
             model.set(name("position")?, position).ok()?;
             return Some(given);
         }
-        Extent::Time {
-            recording,
-            run,
-            start,
-            end,
-        }
-        | Extent::Run {
-            recording,
-            run,
-            start,
-            end,
-        } => {
+        Extent::Time(at) | Extent::Run(at) => {
             let runs = |recording: usize| given.recordings[recording].runs.len();
-            let before: usize = (0..recording).map(runs).sum::<usize>() + run;
+            let before: usize = (0..at.recording).map(runs).sum::<usize>() + at.run;
             let clock = CLOCK * before as f64;
             effects::Extent::Time {
-                start: clock + start,
-                end: clock + end,
+                start: clock + at.start,
+                end: clock + at.end,
             }
         }
         Extent::Place {

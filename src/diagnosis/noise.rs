@@ -32,9 +32,9 @@ fn push(given: &Given, system: &System, at: &Solution) -> Option<(Extent, [usize
     let mut candidates = scanned(given, system, &at.soil, &[]);
     candidates.retain(|one| one.subject == Subject::Unknown);
     let found = locate(given, system, &projection, &candidates);
-    let mut intervals = found.into_iter().filter(|found| {
-        matches!(found.extent, Extent::Time { .. }) && found.score.evidence > FAINT
-    });
+    let mut intervals = found
+        .into_iter()
+        .filter(|found| matches!(found.extent, Extent::Time(_)) && found.score.evidence > FAINT);
     Some((intervals.next()?.extent, pushes(given, system)?))
 }
 
@@ -123,18 +123,13 @@ impl Push<'_> {
 
 /// The gates of a segment that lie within an interval.
 fn open(extent: &Extent, segment: &Segment, edges: &[f64]) -> Vec<usize> {
-    let Extent::Time {
-        recording,
-        run,
-        start,
-        end,
-    } = *extent
-    else {
+    let Extent::Time(at) = *extent else {
         return Vec::new();
     };
     let within = |gate: &usize| {
         let middle = 0.5 * (edges[*gate] + edges[gate + 1]);
-        (segment.recording, segment.run) == (recording, run) && (start..end).contains(&middle)
+        (segment.recording, segment.run) == (at.recording, at.run)
+            && (at.start..at.end).contains(&middle)
     };
     (0..edges.len() - 1).filter(within).collect()
 }

@@ -1,7 +1,7 @@
 //! Sets of gates, and how well a candidate that acts in one of them alone explains what is left.
 
 use super::hypothesis::Given;
-use super::locate::Extent;
+use super::locate::{Extent, Stretch};
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
 use nalgebra::{DMatrix, DVector};
@@ -232,12 +232,12 @@ impl Scan<'_> {
                     if length < SHORTEST {
                         continue;
                     }
-                    let extent = Extent::Time {
+                    let extent = Extent::Time(Stretch {
                         recording: chain.recording,
                         run: chain.run,
                         start: begin.start,
                         end: gate.end,
-                    };
+                    });
                     best.offer(extent, self.score(&sums));
                 }
             }
@@ -260,12 +260,12 @@ impl Scan<'_> {
             let (Some(first), Some(last)) = (gates.next(), gates.next_back()) else {
                 continue;
             };
-            let extent = Extent::Run {
+            let extent = Extent::Run(Stretch {
                 recording: run[0].recording,
                 run: run[0].run,
                 start: first.start,
                 end: last.end,
-            };
+            });
             best.offer(extent, self.score(&self.sum(run, |_| true).0));
         }
         best.of_looked_at()

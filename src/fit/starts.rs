@@ -236,7 +236,9 @@ fn descend_past<P: Predictor>(
         by.weights.iter_mut().flatten().for_each(|w| w.fill(1.0));
     }
     let mut cost = f64::INFINITY;
-    for turn in 1.. {
+    let mut turn = 0;
+    loop {
+        turn += 1;
         let outcome = minimise(problem, &mut point, &by, DESCENT).ok()?;
         let near = |answer: &Answer| {
             let deviations = answer.deviations.as_ref();
@@ -267,7 +269,6 @@ fn descend_past<P: Predictor>(
             reweigh(problem, &outcome.tables, &mut by);
         }
     }
-    None
 }
 
 /// Answers that are the same become one, the best first.

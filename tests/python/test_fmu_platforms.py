@@ -105,8 +105,8 @@ def host(source: str, compiler: str, package: str) -> Path:
 
 def driven(version: str, runner: Sequence[str], program: Path, platform: str) -> np.ndarray:
     """What the program reads: a row for each step, the time and all outputs."""
-    driven = VERSIONS[version]
-    command = [*runner, str(program), str(driven.library(platform)), *driven.task(platform)]
+    about = VERSIONS[version]
+    command = [*runner, str(program), str(about.library(platform)), *about.task(platform)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise AssertionError(f"{command}: status {done.returncode}\n{done.stderr}")
@@ -193,10 +193,11 @@ class Elsewhere(unittest.TestCase):
         self.agree(native, other, f"{platform}, {version}")
 
     def test_aarch64_gives_the_numbers_of_linux64(self) -> None:
-        for version, about in VERSIONS.items():
+        for about in VERSIONS.values():
             about.library("aarch64-linux")
-            runner = [needs("qemu-aarch64", "qemu-user"), "-L", str(ARM_SYSTEM)]
-            compiler = "aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
+        runner = [needs("qemu-aarch64", "qemu-user"), "-L", str(ARM_SYSTEM)]
+        compiler = "aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
+        for version in VERSIONS:
             self.compare(version, runner, compiler, "aarch64-linux")
 
     def test_win64_gives_the_numbers_of_linux64(self) -> None:
