@@ -10,12 +10,12 @@ effect! {
     /// A rigid wheel stands on the ground with the mean pressure
     /// p_r = k^(1/(2n+1)) (3 W / ((3-n) b sqrt(2r)))^(2n/(2n+1)). Where the tyre's pressure p is
     /// below it, the wheel is replaced by the rigid one whose pressure is p, of radius
-    /// r* = (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2; the rim still turns with r omega. Where n is small
-    /// that may be many thousand times r, though the contact stays short: the circle ends at 20 r, and the
-    /// tyre is harder there than told.
+    /// r* = (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2; the rim still turns with r omega. W is the load at
+    /// rest. Where n is small that may be many million times r, though the contact stays as short as the load
+    /// over width and pressure.
     TyreCompliance: "tyre_compliance", Physics,
     lifts "rigid wheels",
-    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), 20 r at most",
+    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2)",
     source "rigid limit: Wong, Theory of Ground Vehicles, 2.5, after Bekker; the substitute circle: Schmid, J. Terramechanics 32 (1995)",
     {
         pressure ["Pa"] 5000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; at 2 MPa the wheel is rigid";
@@ -43,8 +43,8 @@ impl<S: Scalar> TyreCompliance<S> {
     }
 }
 
-/// The substitute wheel is at most so many times as large.
-const LARGEST: f64 = 20.0;
+/// The substitute wheel is at most so many times as large: beyond, entry angles are near rounding.
+const LARGEST: f64 = 1e12;
 
 #[cfg(test)]
 mod tests {

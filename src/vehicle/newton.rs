@@ -59,7 +59,7 @@ const SHORTEST_DAMPING: f64 = 1e-9;
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
 pub(super) const MAX_LOG_STEP: f64 = 0.7;
 /// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
-pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-7, 1.8);
+pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-14, 1.8);
 
 impl VehicleModel {
     /// Finds the balance at a motion, starting from what `balance` holds.
@@ -193,7 +193,9 @@ impl VehicleModel {
             wheel.share = load / target;
             if wheel.entry_angle <= 0.0 {
                 let (low, high) = ENTRY_ANGLE_RANGE;
-                wheel.entry_angle = self.contact().entry_angle_guess(target).clamp(low, high);
+                let enlarged = prepared.map_or(1.0, |at| at.enlarged(index));
+                let guess = self.contact().entry_angle_guess(target, enlarged);
+                wheel.entry_angle = guess.clamp(low, high);
             }
             let forces = match prepared {
                 Some(prepared) => prepared.wheel(

@@ -4,13 +4,16 @@ use super::common::{paper_model, wrench};
 use super::{MOTIONS, model, specification};
 use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{VehicleModel, Wrench};
+use ugv_terrain::vehicle::{Motion, VehicleModel, Wrench};
 
 /// Of the distance from off to the end of the range: what a force of some 1000 N changes by is
 /// below a newton.
 const NEARLY_OFF: f64 = 1e-7;
 /// Force [N] and moment [N m]: the rules of quadrature differ by less on these motions.
 const QUADRATURE_TOLERANCE: f64 = 1.0;
+
+/// Relative; the load transfer of a wheel that brakes or drives moves with the pressure.
+const FLAT: f64 = 0.01;
 
 fn totals(w: &Wrench) -> [f64; 5] {
     [
@@ -70,4 +73,40 @@ fn nearly_off_is_nearly_the_paper() {
         }
     }
     assert!(compared > 2000, "{compared}");
+}
+
+/// On hard ground a tyre is flat: its sinkage goes with the pressure as a plate's, p^(1/n), and its contact
+/// is as long as the load over the pressure, however large the circle that stands for it.
+#[test]
+fn a_soft_tyre_on_hard_ground_is_flat() {
+    let rolling = Motion {
+        v_x: 1.0,
+        v_y: 0.0,
+        yaw_rate: 0.0,
+        omega_left: 4.0,
+        omega_right: 4.0,
+    };
+    let n = Terrain::preset("dry_clay").unwrap().sinkage_exponent;
+    let contact = |pressure: f64| {
+        let model = model("dry_clay", &[("tyre_compliance.pressure", pressure)]);
+        let wheel = wrench(&model, &rolling).wheels[0];
+        (
+            wheel.sinkage,
+            2.0 * wheel.sinkage / wheel.entry_angle,
+            wheel.load,
+        )
+    };
+    for pressure in [200e3, 100e3, 60e3] {
+        let (sinkage, length, load) = contact(pressure);
+        let (deeper, shorter, other) = contact(1.25 * pressure);
+        assert!((deeper / sinkage / 1.25_f64.powf(1.0 / n) - 1.0).abs() < FLAT);
+        assert!((length / shorter / 1.25 - 1.0).abs() < FLAT);
+        assert!((load / other - 1.0).abs() < FLAT);
+        // The stress is nowhere more than the tyre's pressure, and not far below it where n is small.
+        let mean = load / (0.246 * length);
+        assert!(
+            (0.8..1.05).contains(&(mean / pressure)),
+            "{mean} {pressure}"
+        );
+    }
 }

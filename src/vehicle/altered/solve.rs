@@ -182,6 +182,12 @@ impl Prepared<'_> {
         lifted
     }
 
+    /// How many times as large as a wheel the circle of its contact is.
+    pub fn enlarged(&self, index: usize) -> f64 {
+        let law = &self.chassis.wheels[index].law;
+        law.circle / law.radius
+    }
+
     /// One wheel's forces and their slopes by its entry angle.
     pub fn wheel(
         &self,
