@@ -3,6 +3,7 @@
 # answer them, opens the truth afterwards, and writes DIR/proof.html and DIR/proof.json. Options: scripts/prove.sh --help.
 # `scripts/prove.sh altered` conceals changes in real recordings instead (UGV_DATA; scripts/prove.sh altered --help),
 # `scripts/prove.sh draw` only draws cases (scripts/prove.sh draw --help).
+# `scripts/prove.sh agree` tells how far the generator's motion is from the library's (scripts/prove.sh agree --help).
 # UGV_TOOL names a binary to prove in place of the one that is built here.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -11,6 +12,10 @@ module=judge
 case "${1:-}" in
 altered)
     module=altered
+    shift
+    ;;
+agree)
+    module=agreement
     shift
     ;;
 draw)

@@ -165,7 +165,7 @@ def accelerations(e, time, distance, pose, v, omega_left, omega_right, aux, lags
                 for j in range(4):
                     lag[j] = lags[i, j]
             else:
-                steady_lag(motions[i], shape[0], lag)
+                steady_lag(motions[i], radii[i], shape[0], lag)
             if sweep == 0 and not 1e-6 < start[i] < BOGGED:
                 depth = (3.0 * load / ((3.0 - soil[1]) * soil[0] * shape[1] * math.sqrt(2.0 * shape[0])))
                 depth = depth ** (2.0 / (2.0 * soil[1] + 1.0))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
 
 from .catalogue import EFFECTS
 from .sensors import Samples, Sensors, interpolate, report, sample_times
@@ -211,16 +212,35 @@ class Ruler:
         return replace(drive, speeds=np.stack([np.interp(grid - late, grid, drive.speeds[:, i]) for i in range(2)], 1))
 
 
+def _freed(parts: list[np.ndarray], starts: list[np.ndarray]) -> np.ndarray:
+    """Vectors or columns of each drive without what its starts explain, stacked."""
+    freed = []
+    for part, start in zip(parts, starts):
+        q, _ = np.linalg.qr(start)
+        freed.append(part - q @ (q.T @ part))
+    return np.concatenate(freed)
+
+
+def _without(signal: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """What any combination of columns leaves of a vector, or of each of some."""
+    q, r = np.linalg.qr(columns)
+    kept = np.abs(np.diag(r)) > 1e-9 * np.abs(np.diag(r)).max()
+    return signal - q[:, kept] @ (q[:, kept].T @ signal)
+
+
 def project(signals: list[np.ndarray], starts: list[np.ndarray], soils: list[np.ndarray]) -> Signal:
     """Sizes over several drives: starts are each drive's own, the soil is shared."""
-    freed, reduced = [], []
-    for signal, start, soil in zip(signals, starts, soils):
-        q, _ = np.linalg.qr(start)
-        freed.append(signal - q @ (q.T @ signal))
-        reduced.append(soil - q @ (q.T @ soil))
-    signal, soil = np.concatenate(freed), np.concatenate(reduced)
-    q, r = np.linalg.qr(soil)
-    kept = np.abs(np.diag(r)) > 1e-9 * np.abs(np.diag(r)).max()
-    left = signal - q[:, kept] @ (q[:, kept].T @ signal)
+    signal = _freed(signals, starts)
+    left = _without(signal, _freed(soils, starts))
     return Signal(float(np.linalg.norm(signal)), float(np.linalg.norm(left)))
 
+
+def left_beside(signals: list[np.ndarray], starts: list[np.ndarray], soils: list[np.ndarray],
+                others: list[np.ndarray], one_sided: list[bool]) -> float:
+    """Size of what the soil and another effect, shared by the drives, leave: columns that are one-sided only added."""
+    soil = _freed(soils, starts)
+    signal, columns = _without(_freed(signals, starts), soil), _without(_freed(others, starts), soil)
+    columns = np.column_stack([columns, -columns[:, ~np.array(one_sided)]])
+    lengths = np.linalg.norm(columns, axis=0)
+    columns = columns[:, lengths > 0.0] / lengths[lengths > 0.0]
+    return float(nnls(columns, signal)[1]) if columns.shape[1] else float(np.linalg.norm(signal))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .catalogue import EFFECTS, SERIES, I, off_vector, slot
+from .catalogue import EFFECTS, MAX_ROWS, SERIES, I, off_vector, slot
 from .contact import rule
 from .stepper import AUX, CELL, CELLS, STATE, run
 from .world import GRAVITY, Soil, Vehicle, parameter_vector
@@ -105,10 +105,16 @@ def begin(world: World, pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
     state = np.zeros(STATE)
     state[0:3], state[3:6] = pose, velocity
     state[AUX + 4] = pose[2]
-    rut = np.zeros((2, CELLS))
     load, diameter = p[I.mass] * GRAVITY / wheels, 2.0 * p[I.wheel_radius]
     depth = (3.0 * load / ((3.0 - p[I.n]) * p[I.k] * p[I.wheel_width] * np.sqrt(diameter)))
-    rut[:, : int(p[I.row0] / CELL + 0.5 * CELLS)] = depth ** (2.0 / (2.0 * p[I.n] + 1.0))
+    rut = np.zeros((2, MAX_ROWS, CELLS, 3))
+    ahead = (np.arange(CELLS) - 0.5 * CELLS) * CELL
+    passed = ahead < p[I.row0]
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    for side, left in enumerate((p[I.half_track], -p[I.half_track])):
+        along = ahead[passed] - p[I.com_offset]
+        rut[side, 0, passed] = np.stack([np.full(len(along), depth ** (2.0 / (2.0 * p[I.n] + 1.0))),
+                                         pose[0] + along * c - left * s, pose[1] + along * s + left * c], 1)
     return Snapshot(state, rut, np.zeros(2 * wheels + 2))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -27,6 +28,29 @@ def draw_effect(effect: str, seed: list[int], s: float, vehicle: Vehicle, soil: 
     values = _SHAPES[effect](rng, s, vehicle, soil, seconds, spot)
     return {name: float(min(max(value, EFFECTS[effect].parameters[name][1]), EFFECTS[effect].parameters[name][2]))
             for name, value in values.items()}
+
+
+def ways(effect: str, s: float, vehicle: Vehicle, soil: Soil, seconds: float) -> list[tuple[dict[str, float], bool]]:
+    """All that an effect of a size can do, as the sum of its ways: each with whether it works in one direction only.
+
+    One way for each parameter that turns it on; a load or a pull that may be anywhere is the sum of those at the corners
+    of where it may be; a memory of ruts that of a soft and a stiff one.
+    """
+    nowhere = (0.0, 0.0, 0.0)
+    if effect in _CORNERS:
+        drawn = draw_effect(effect, [7, 0], s, vehicle, soil, seconds, nowhere)
+        corners = itertools.product(*([(name, value) for value in values(vehicle)]
+                                      for name, values in _CORNERS[effect].items()))
+        return [(drawn | dict(corner), True) for corner in corners]
+    found: dict[str, tuple[dict[str, float], bool]] = {}
+    for i in range(DRAWS):
+        drawn = draw_effect(effect, [7, i], s, vehicle, soil, seconds, nowhere)
+        for name in EFFECTS[effect].switches:
+            off, low, high = EFFECTS[effect].parameters[name]
+            if name not in found and drawn.get(name, off) != off:
+                alone = {n: v for n, v in drawn.items() if n == name or n not in EFFECTS[effect].switches}
+                found[name] = alone, off in (low, high)
+    return list(found.values())
 
 
 def _sign(rng: np.random.Generator) -> float:
@@ -137,6 +161,15 @@ def _tether(rng, s, vehicle, soil, seconds, spot):
             "anchor_y": spot[1] + far * math.sin(toward)}
 
 
+DRAWS = 20  # in which each parameter of an effect is on at least once
+# where a load may lie, a hitch be, how stiff a rut be
+_CORNERS = {
+    "payload": {"ahead": lambda v: (max(v.row_positions), min(v.row_positions)),
+                "left": lambda v: (v.half_track, -v.half_track), "height": lambda v: (v.com_height, 2.0 * v.com_height)},
+    "drawbar": {"hitch_behind": lambda v: (max(v.row_positions), max(v.row_positions) + 0.8),
+                "hitch_height": lambda v: (0.3 * v.com_height, 1.3 * v.com_height)},
+    "multipass": {"stiffness_ratio": lambda v: (4.0, 25.0)},
+}
 _SHAPES = {
     "grade": _grade, "terrain_change": _terrain_change,
     "left_right_soil": lambda rng, s, *_: {"ratio": math.exp(0.35 * s * _sign(rng))},

@@ -46,13 +46,35 @@ def read_series(series, step, time, out):
 
 
 @njit(cache=True)
+def wheel_place(e, state, i):
+    """East and north of a wheel's centre."""
+    ahead = e[I.row0 + i // 2] - e[I.com_offset]
+    left = e[I.half_track] if i % 2 == 0 else -e[I.half_track]
+    c, s = math.cos(state[POSE + 2]), math.sin(state[POSE + 2])
+    return state[POSE] + ahead * c - left * s, state[POSE + 1] + ahead * s + left * c
+
+
+@njit(cache=True)
 def rut_under(e, state, rut, ruts):
-    """Deepest earlier sinkage where each wheel stands, from its side's path coordinate."""
-    for i in range(2 * int(e[I.rows])):
+    """Earlier sinkage that each wheel meets: of every row that went by, what its track overlaps with the wheel's.
+
+    rut[side, row, cell]: sinkage, east and north of the row's wheel where it passed that part of its side's path.
+    """
+    across_e, across_n = -math.sin(state[POSE + 2]), math.cos(state[POSE + 2])
+    rows = int(e[I.rows])
+    for i in range(2 * rows):
+        east, north = wheel_place(e, state, i)
         u = (state[PATHS + i % 2] + e[I.row0 + i // 2]) / CELL + 0.5 * CELLS
         k = min(max(int(math.floor(u)), 0), CELLS - 2)
-        share = u - k
-        ruts[i] = rut[i % 2, k] * (1.0 - share) + rut[i % 2, k + 1] * share
+        ruts[i] = 0.0
+        for row in range(rows):
+            met = 0.0
+            for end in range(2):
+                depth, e_rut, n_rut = rut[i % 2, row, k + end]
+                aside = ((e_rut - east) * across_e + (n_rut - north) * across_n) / e[I.wheel_width]
+                share = u - k if end == 1 else 1.0 - u + k
+                met += share * depth / (1.0 + aside * aside)
+            ruts[i] = max(ruts[i], met)
 
 
 @njit(cache=True)
@@ -66,8 +88,9 @@ def press_rut(e, state, before, rut, details):
         last = int(math.floor((state[PATHS + side] + at) / CELL + 0.5 * CELLS))
         if go < 0.0:
             first, last = last + 1, first + 1
+        east, north = wheel_place(e, state, i)
         for k in range(max(first, 0), min(last, CELLS)):
-            rut[side, k] = max(rut[side, k], details[5 * i + 3])
+            rut[side, i // 2, k] = details[5 * i + 3], east, north
 
 
 @njit(cache=True)

@@ -92,11 +92,12 @@ def wheel_shape(e, radius, load, soil, motion, shape):
 
 
 @njit(cache=True)
-def steady_lag(motion, circle, lag):
-    """The four velocities over the rate at which the rim passes through the contact."""
-    rate = bounded_rate(motion[3] / circle)
+def steady_lag(motion, radius, circle, lag):
+    """The four velocities times that in which the rim passes a radian of the contact. What turns too slowly is the
+    wheel, however large the circle in its place."""
+    time_per_angle = circle / (radius * bounded_rate(motion[3] / radius))
     for i in range(4):
-        lag[i] = motion[i] / rate
+        lag[i] = motion[i] * time_per_angle
 
 
 @njit(cache=True)

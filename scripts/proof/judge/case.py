@@ -74,8 +74,8 @@ class Judged:
 
     @property
     def identifiable(self) -> bool:
-        """One name is right, and it should be found."""
-        return self.plain and self.family in IDENTIFIABLE and "unknown" not in self.names
+        """One name is right, no other does as well on these recordings, and it should be found."""
+        return self.plain and self.family in IDENTIFIABLE and "unknown" not in self.names and not self.truth["rivals"]
 
     @property
     def p_truth(self) -> float:

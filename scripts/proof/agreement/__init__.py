@@ -1,0 +1,1 @@
+"""How far the generator and the library agree, effect by effect."""

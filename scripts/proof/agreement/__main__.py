@@ -1,0 +1,76 @@
+"""Drives every effect of the catalogue in the generator and in the library, and tells how far the two are apart."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from generator.catalogue import names_of
+from generator.simulator import COARSE, Setup, Undrivable, simulate
+from generator.sizes import draw_effect
+from generator.world import SOILS, VEHICLES
+
+from .compare import Difference, Refused, compare, manoeuvre
+
+
+def arguments() -> argparse.Namespace:
+    """What to compare."""
+    parser = argparse.ArgumentParser(prog="prove.sh agree", description=__doc__)
+    parser.add_argument("--tool", type=Path, required=True, help="the `ugv` binary")
+    parser.add_argument("--effects", nargs="*", default=["nothing", *names_of("physics")], metavar="NAME",
+                        help="effects, or `nothing` (all)")
+    parser.add_argument("--soils", nargs="*", choices=list(SOILS), default=list(SOILS), help="soils (all)")
+    parser.add_argument("--vehicles", nargs="*", choices=list(VEHICLES), default=["tran", "scout", "hexa"],
+                        help="vehicles (tran scout hexa)")
+    parser.add_argument("--size", type=float, default=1.0, help="1 is typical of a vehicle on a soil (1)")
+    parser.add_argument("--shapes", type=int, default=2, help="draws of each effect (2)")
+    parser.add_argument("--seconds", type=float, default=30.0, help="length of the drive [s] (30)")
+    parser.add_argument("--each", action="store_true", help="tell every drive, not only each effect")
+    chosen = parser.parse_args()
+    unknown = set(chosen.effects) - {"nothing", *names_of("physics")}
+    if unknown:
+        parser.error(f"--effects: {', '.join(sorted(unknown))} is not in the catalogue (src/docs/effects.md)")
+    if chosen.shapes < 1 or not chosen.seconds > 1.0 or not chosen.size > 0.0:
+        parser.error("give at least one shape, more than a second and a size above 0")
+    return chosen
+
+
+def spread(numbers: list[float]) -> str:
+    """Median and largest."""
+    return f"{np.median(numbers):.1e} {max(numbers):.1e}"
+
+
+def main() -> int:
+    """Prints a line for each effect: median and largest difference over its drives."""
+    chosen = arguments()
+    print("effect, drives, then median and largest: position over the path, heading [rad], both over the effect's")
+    for effect in chosen.effects:
+        found: list[Difference] = []
+        for vehicle in chosen.vehicles:
+            drive = manoeuvre(chosen.seconds, VEHICLES[vehicle].wheel_radius)
+            for soil in chosen.soils:
+                for shape in range(1 if effect == "nothing" else chosen.shapes):
+                    where = f"{effect} {vehicle} {soil} {shape}"
+                    try:
+                        path = simulate(Setup(VEHICLES[vehicle], SOILS[soil]), drive, table=COARSE)
+                        spot = tuple(float(v) for v in path[len(path) // 2, :3])
+                        effects = {} if effect == "nothing" else {effect: draw_effect(
+                            effect, [1, shape], chosen.size, VEHICLES[vehicle], SOILS[soil], drive.seconds, spot)}
+                        found.append(compare(chosen.tool, vehicle, SOILS[soil], effects, drive))
+                    except (Undrivable, Refused) as error:
+                        print(f"{where}: not driven: {error}", file=sys.stderr)
+                        continue
+                    if chosen.each:
+                        one = found[-1]
+                        print(f"  {where}: {one.position:.1e}, {one.heading:.1e}, {100 * one.of_effect:.1f} %  {effects}")
+        if found:
+            shares = [100 * f.of_effect for f in found]
+            print(f"{effect}, {len(found)}: {spread([f.position for f in found])}, {spread([f.heading for f in found])}, "
+                  f"{np.median(shares):.1f} {max(shares):.1f} %", flush=True)
+    return 0
+
+
+sys.exit(main())
