@@ -2,6 +2,7 @@
 
 use super::Options;
 use super::findings::likeliest_first;
+use super::maps::Maps;
 use super::outcome::Account;
 use super::search::Searched;
 use crate::effects::Extent;
@@ -47,6 +48,10 @@ fn notes(searched: &Searched) -> Vec<String> {
             "On the terrain as given the vehicle cannot drive; re-tuning began with {} times its frictional modulus.",
             searched.given.stiffening
         ));
+    }
+    if searched.given.maps == Maps::OfRecordings {
+        let note = "Recordings begin at one point, so each counts as having a map of its own: what belongs to a place is not sought across them. Give poses in one frame if they share one.";
+        notes.push(note.into());
     }
     notes.extend(at_the_end_of_its_range(searched));
     let window = searched.placed.nominal.effects.window.as_ref();

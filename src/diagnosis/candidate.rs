@@ -4,11 +4,14 @@
 //! off, with a Gaussian prior around it whose width spans what the catalogue finds plausible.
 
 use super::Subject;
-use crate::effects::{CATALOGUE, Declaration, Effects, Kind, ParameterName, Prior};
+use super::maps::Maps;
+use crate::effects::{
+    CATALOGUE, Declaration, Effects, Kind, ParameterName, Prior, Soil, TyreCompliance,
+};
 use crate::fit::parameter::{self, Scale};
 use crate::fit::sensor::SensorParameter;
 use crate::parameter::ParameterError;
-use crate::vehicle::{Parameter, Specification};
+use crate::vehicle::{GRAVITY, Parameter, Specification};
 
 /// What a knob turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,11 +58,13 @@ pub const LAW: &str = "residual_";
 pub const TERRAIN_CHANGE: &str = "terrain_change";
 
 /// Parameters without a derivative while their effect is off, with a value to compare with.
-const SECANTS: [(&str, f64); 3] = [
+const SECANTS: [(&str, f64); 2] = [
     ("multipass.memory", 1.0),
     ("transient_shear.relaxation", 1.0),
-    ("tyre_compliance.pressure", 60e3),
 ];
+/// The same of tyres, as a share of the pressure above which they are rigid on the given soil: 60 kPa is rigid
+/// on sand, and on clay so flat that no way leads there.
+const SOFT_TYRES: (&str, f64) = ("tyre_compliance.pressure", 0.65);
 /// Shapes that are fitted along with an effect that is on: with another lever the same moment is another force.
 const SHAPES: [&str; 3] = ["drawbar.hitch_behind", "payload.ahead", "payload.left"];
 /// Effects whose parameters belong to the place of a drive.
@@ -69,20 +74,23 @@ const DIRECTIONS: [&str; 2] = ["east", "north"];
 
 impl Candidates {
     /// All effects of the catalogue, and the laws' features, where the given model lacks them. What has
-    /// a direction on the map is left out where runs have no map in common.
+    /// a direction on the map is left out where recordings have no map in common, or their runs where it is each
+    /// recording's own.
     #[must_use]
-    pub fn new(nominal: &Specification, one_map: bool) -> Self {
+    pub fn new(nominal: &Specification, maps: Maps) -> Self {
         let (mut knobs, mut subjects) = (Vec::new(), Vec::new());
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
-            let on_the_map = PLACE_BOUND.contains(&declaration.name);
-            if nominal.effects.is_on(effect) || (on_the_map && !one_map) {
+            let lost = PLACE_BOUND.contains(&declaration.name) && maps == Maps::OfRuns;
+            if nominal.effects.is_on(effect) || lost {
                 continue;
             }
             let first = knobs.len();
             match declaration.kind {
                 Kind::Physics => {
                     let all = physics(effect, declaration, nominal).into_iter();
-                    knobs.extend(all.filter(|knob| one_map || !DIRECTIONS.contains(&knob.name)));
+                    knobs.extend(
+                        all.filter(|knob| maps == Maps::One || !DIRECTIONS.contains(&knob.name)),
+                    );
                 }
                 Kind::Measurement => knobs.extend(sensors(effect, declaration)),
             }
@@ -138,7 +146,7 @@ fn physics(effect: usize, declaration: &'static Declaration, nominal: &Specifica
             return None;
         }
         let off = nominal.effects.get(name);
-        let secant = SECANTS.iter().find(|(secant, _)| *secant == full);
+        let secant = secant(&full, nominal).map(|value| value.clamp(declared.low, declared.high));
         // A pressure is known to a factor; everything else enters as it is.
         let scale = if off == declared.high && declared.low > 0.0 {
             Scale::Log
@@ -155,7 +163,7 @@ fn physics(effect: usize, declaration: &'static Declaration, nominal: &Specifica
         };
         let expected = match (declared.switches, secant, declared.prior) {
             (false, ..) => off,
-            (true, Some((_, value)), _) => *value,
+            (true, Some(value), _) => value,
             (true, None, Prior::Normal { mean, .. }) => mean,
             (true, None, Prior::LogNormal { median, .. }) => median,
         };
@@ -179,7 +187,7 @@ fn physics(effect: usize, declaration: &'static Declaration, nominal: &Specifica
                 low: declared.low,
                 high: declared.high,
             },
-            secant: secant.map(|(_, value)| *value),
+            secant,
             own: PLACE_BOUND.contains(&declaration.name),
         })
     };
@@ -189,6 +197,20 @@ fn physics(effect: usize, declaration: &'static Declaration, nominal: &Specifica
         .enumerate()
         .filter_map(knob)
         .collect()
+}
+
+/// What to compare a parameter with that has no derivative while its effect is off.
+fn secant(full: &str, nominal: &Specification) -> Option<f64> {
+    let (tyres, share) = SOFT_TYRES;
+    if full == tyres {
+        let vehicle = &nominal.vehicle;
+        let (radius, width) = (vehicle.wheel_radius, vehicle.wheel_width);
+        let load = vehicle.mass * GRAVITY / vehicle.wheel_count() as f64;
+        let soil = Soil::from_terrain(&nominal.terrain.to_array(), width);
+        return Some(share * TyreCompliance::rigid_limit(&soil, load, radius, width));
+    }
+    let found = SECANTS.iter().find(|(secant, _)| *secant == full);
+    found.map(|(_, value)| *value)
 }
 
 fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
@@ -224,10 +246,24 @@ mod tests {
     use crate::vehicle::Vehicle;
 
     #[test]
+    fn tyres_are_compared_with_softer_ones_than_the_ground() {
+        let at = |terrain: &str| {
+            let terrain = Terrain::preset(terrain).unwrap();
+            secant(
+                SOFT_TYRES.0,
+                &Specification::plain(Vehicle::tran2007(), terrain),
+            )
+        };
+        // 31.8 kPa on sand by hand (`tyre_compliance`).
+        assert!((at("dry_sand").unwrap() / (SOFT_TYRES.1 * 31.8e3) - 1.0).abs() < 5e-3);
+        assert!(at("dry_clay") > Some(200e3));
+    }
+
+    #[test]
     fn every_effect_but_a_change_of_terrain_has_knobs_that_are_off() {
         let nominal =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
-        let candidates = Candidates::new(&nominal, true);
+        let candidates = Candidates::new(&nominal, Maps::One);
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
             let subject = Subject::Effect(effect);
             let found = candidates.subjects.contains(&subject);
@@ -241,13 +277,15 @@ mod tests {
             assert!(low <= off && off <= high, "{knob:?}");
             assert!(knob.parameter.prior.deviation > 0.0, "{knob:?}");
         }
-        let apart = Candidates::new(&nominal, false);
-        assert_eq!(apart.subjects.len(), candidates.subjects.len() - 1);
-        assert_eq!(apart.laws().count(), candidates.laws().count() - 6);
+        for (maps, lost) in [(Maps::OfRecordings, 0), (Maps::OfRuns, 1)] {
+            let apart = Candidates::new(&nominal, maps);
+            assert_eq!(apart.subjects.len(), candidates.subjects.len() - lost);
+            assert_eq!(apart.laws().count(), candidates.laws().count() - 6);
+        }
         let mut sloped = nominal.clone();
         sloped.effects = sloped.effects.with("grade.slope_east", 0.1).unwrap();
         assert!(
-            !Candidates::new(&sloped, true)
+            !Candidates::new(&sloped, Maps::One)
                 .subjects
                 .contains(&Subject::Effect(0))
         );

@@ -1,6 +1,7 @@
 //! Models that are compared: the given one, its soil free, with effects; and where each stands.
 
 use super::candidate::{Candidates, Target};
+use super::maps::Maps;
 use crate::effects::ParameterName;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
 use crate::fit::exact::ExactPredictor;
@@ -10,12 +11,10 @@ use crate::fit::segment::Segment;
 use crate::fit::sensor::{SensorParameter, SensorValues};
 use crate::identification::{Latencies, Signals};
 use crate::parameter::ParameterError;
-use crate::recording::{Channel, Recording, Run};
+use crate::recording::Recording;
 use crate::vehicle::{Parameter, Specification};
 use nalgebra::DVector;
 
-/// Two sensors' readings are never as close as this by chance \[m\].
-const SAME_PLACE: f64 = 1e-6;
 /// The soil's number that carries the vehicle.
 const STIFFNESS: &str = "frictional_modulus";
 
@@ -37,9 +36,8 @@ pub struct Given<'a> {
     /// By how much pose and wheel speeds of each recording trail as curves compared tell; zero where
     /// they do not tell.
     pub late: Vec<SensorValues>,
-    /// Whether a place is the same place in every run: runs that all begin at one point count from
-    /// their own beginning.
-    pub one_map: bool,
+    /// Where a place is the same place.
+    pub maps: Maps,
     /// The frictional modulus that re-tuning begins with, as a multiple of the given one: more than 1
     /// where the given soil cannot carry the vehicle.
     pub stiffening: f64,
@@ -71,7 +69,7 @@ impl<'a> Given<'a> {
     /// Everything at hand, nothing cut yet.
     #[must_use]
     pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
-        let one_map = recordings.iter().all(is_on_one_map);
+        let maps = Maps::of(recordings);
         let found = DEFAULT_FREE.iter().filter_map(|name| find(name).ok());
         let nominal = &hitched(nominal);
         Self {
@@ -79,10 +77,10 @@ impl<'a> Given<'a> {
             recordings,
             names: recordings.iter().map(|r| r.name.clone()).collect(),
             soil: found.collect(),
-            candidates: Candidates::new(nominal, one_map),
+            candidates: Candidates::new(nominal, maps),
             segments: Vec::new(),
             late: recordings.iter().map(late).collect(),
-            one_map,
+            maps,
             stiffening: 1.0,
         }
     }
@@ -320,18 +318,6 @@ fn late(recording: &Recording) -> SensorValues {
         values[SensorParameter::WheelLatency.index()] = latencies.wheels.value();
     }
     values
-}
-
-/// Whether a recording's runs share a map. Runs that begin at one point to the micrometre do not.
-fn is_on_one_map(recording: &Recording) -> bool {
-    let begins = |run: &Run| {
-        let first = |channel| Some(*run.series(channel)?.value.first()?);
-        first(Channel::X).zip(first(Channel::Y))
-    };
-    let begins: Vec<(f64, f64)> = recording.runs.iter().filter_map(begins).collect();
-    let same = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) < SAME_PLACE;
-    let again = |k: usize| begins[..k].iter().any(|before| same(before, &begins[k]));
-    !(0..begins.len()).any(again)
 }
 
 #[cfg(test)]

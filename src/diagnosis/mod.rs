@@ -16,6 +16,7 @@ mod likelihood;
 mod load;
 mod locate;
 mod manoeuvre;
+mod maps;
 mod naming;
 mod noise;
 mod outcome;

@@ -91,7 +91,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         candidates: given.candidates.clone(),
         segments: cut.segments,
         late: vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
-        one_map: given.one_map,
+        maps: given.maps,
         stiffening: 1.0,
     };
     let off = given.begin().knobs.swap_remove(template);

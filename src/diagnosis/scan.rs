@@ -2,6 +2,7 @@
 
 use super::hypothesis::Given;
 use super::locate::{Extent, Stretch};
+use super::maps::Maps;
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
 use nalgebra::{DMatrix, DVector};
@@ -79,7 +80,10 @@ pub fn chains(given: &Given, system: &System) -> Vec<Chain> {
                 gate,
                 start: edges[0],
                 end: edges[1],
-                place: x.zip(y).filter(|_| given.one_map).map(|(x, y)| [x, y]),
+                place: x
+                    .zip(y)
+                    .filter(|_| given.maps == Maps::One)
+                    .map(|(x, y)| [x, y]),
             });
         }
     }
