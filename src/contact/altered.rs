@@ -7,7 +7,7 @@ use super::{Detail, WheelContact, WheelForces, WheelMotion};
 use crate::effects::{
     Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak, absolute_slip, whole_slip,
 };
-use crate::scalar::Scalar;
+use crate::scalar::{Elementary, Scalar};
 use fearless_simd::{Level, Simd, dispatch};
 
 /// One wheel and its soil with everything that effects change, generic over the scalar so that
@@ -18,8 +18,8 @@ pub struct WheelLaw<S> {
     pub soil: Soil<S>,
     /// Radius r at which the rim rolls \[m\].
     pub radius: S,
-    /// Radius of the contact's circle \[m\], larger than r where a tyre flattens.
-    pub circle: S,
+    /// Sinkage at which a tyre is flat \[m\]: it sinks no deeper.
+    pub flat: Option<S>,
     /// Wheel width b \[m\].
     pub width: f64,
     /// Exit angle behind the lowest point as a share of the entry angle.
@@ -108,7 +108,7 @@ impl WheelLaw<f64> {
                 shear_modulus: c(self.soil.shear_modulus),
             },
             radius: c(self.radius),
-            circle: c(self.circle),
+            flat: self.flat.map(c),
             width: self.width,
             rebound: c(self.rebound),
             modulus_ratio: c(self.modulus_ratio),
@@ -136,6 +136,74 @@ impl WheelLaw<f64> {
     }
 }
 
+/// The circle on which a wheel meets the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactArc<S> {
+    /// Its radius \[m\], larger than the wheel's where a tyre is flat.
+    pub circle: S,
+    /// Its entry angle theta_1 \[rad\].
+    pub entry: S,
+}
+
+impl<S: Scalar> ContactArc<S> {
+    /// Depth of its lowest point below the ground that it meets \[m\].
+    pub fn sinkage(&self) -> S {
+        let (sine, _) = self.entry.scale(0.5).sin_cos_small();
+        self.circle * (sine * sine).scale(2.0)
+    }
+}
+
+impl<S: Scalar> WheelLaw<S> {
+    /// The arc on which a wheel stands that reaches so far into the ground: `reach` is theta_1 \[rad\] of a rigid
+    /// wheel. Beyond the reach at which a tyre is flat the sinkage stays, and the contact grows with the square
+    /// of (sin reach/2)^2: a tyre may be flat over a thousand times the length at which it begins to be, and the
+    /// reach stays an angle.
+    #[inline(always)]
+    pub fn arc(&self, reach: S) -> ContactArc<S> {
+        let rigid = ContactArc {
+            circle: self.radius,
+            entry: reach,
+        };
+        let Some(flat) = self.flat else { return rigid };
+        let (sine, _) = reach.scale(0.5).sin_cos_small();
+        let deepest = (flat / self.radius).scale(0.5);
+        let over = sine * sine / deepest;
+        if over.value() <= 1.0 {
+            return rigid;
+        }
+        let longer = over * over;
+        ContactArc {
+            circle: self.radius * longer * longer,
+            entry: twice_arc_sine(deepest.sqrt() / longer),
+        }
+    }
+
+    /// The reach at which a wheel carries a load, where it would be `rigid` without a tyre; for a guess.
+    pub(crate) fn reach(&self, rigid: f64) -> f64 {
+        let Some(flat) = self.flat else { return rigid };
+        let (flat, radius) = (flat.value(), self.radius.value());
+        let begins = (0.5 * flat / radius).sqrt();
+        let over = (0.5 * rigid).sin() / begins;
+        if over <= 1.0 {
+            return rigid;
+        }
+        // The contact of a flat tyre is as long as its load is large, that of a rigid wheel its root of order 2n+1.
+        let longer = over.powf(2.0 * self.soil.exponent.value() + 1.0);
+        2.0 * (begins * longer.powf(0.25)).min(HIGHEST_SINE).asin()
+    }
+}
+
+/// Of a guess for the reach.
+const HIGHEST_SINE: f64 = 0.7;
+
+/// An angle by the sine of its half.
+#[inline(always)]
+fn twice_arc_sine<S: Scalar>(sine: S) -> S {
+    let value = sine.value();
+    let slope = 2.0 / (1.0 - value * value).sqrt();
+    S::chain(2.0 * value.asin(), &[slope], &[sine])
+}
+
 /// The law that effects alter, on the wheel's +X side.
 struct AlteredSide<'a, V, S> {
     wheel: &'a WheelContact,
@@ -144,12 +212,12 @@ struct AlteredSide<'a, V, S> {
     law: &'a WheelLaw<S>,
     patch: &'a AlteredPatch<S>,
     memory: &'a WheelMemory<S>,
-    entry_angle: S,
+    arc: ContactArc<S>,
 }
 
 impl WheelContact {
     /// Forces of the ground on a wheel under a law that effects alter, whose rim enters the soil
-    /// (or the ground of the rut) at `entry_angle` \[rad\].
+    /// (or the ground of the rut) at `reach` \[rad\], or farther ahead where a tyre is flat ([`WheelLaw::arc`]).
     ///
     /// One function for each scalar, dispatched here to the vector instructions: inlined into its
     /// callers it would be compiled many times over.
@@ -160,10 +228,10 @@ impl WheelContact {
         law: &WheelLaw<S>,
         motion: &WheelMotion<S>,
         memory: &WheelMemory<S>,
-        entry_angle: S,
+        reach: S,
         detail: Detail,
     ) -> WheelForces<S> {
-        dispatch!(level, simd => self.altered_with(simd, law, motion, memory, entry_angle, detail))
+        dispatch!(level, simd => self.altered_with(simd, law, motion, memory, reach, detail))
     }
 
     #[inline(always)]
@@ -173,9 +241,10 @@ impl WheelContact {
         law: &WheelLaw<S>,
         motion: &WheelMotion<S>,
         memory: &WheelMemory<S>,
-        entry_angle: S,
+        reach: S,
         detail: Detail,
     ) -> WheelForces<S> {
+        let arc = law.arc(reach);
         let rule = self.rule(detail);
         let fading = self.regularisation().travel_speed;
         let rim_speed = motion.angular_speed * law.radius;
@@ -186,7 +255,14 @@ impl WheelContact {
         let peak = law.peak.as_ref().map_or(S::constant(0.5), |effect| {
             effect.place(absolute_slip(rim_speed, motion.forward, fading))
         });
-        let patch = AlteredPatch::new(law, soil, peak, memory.pressed, self.regularisation());
+        let patch = AlteredPatch::new(
+            law,
+            arc.circle,
+            soil,
+            peak,
+            memory.pressed,
+            self.regularisation(),
+        );
         let side = AlteredSide {
             wheel: self,
             simd,
@@ -194,7 +270,7 @@ impl WheelContact {
             law,
             patch: &patch,
             memory,
-            entry_angle,
+            arc,
         };
         let mut forces = self.both_sides(motion, &side);
         forces.thrust = forces.thrust - law.viscosity[0] * motion.forward;
@@ -214,7 +290,7 @@ impl<V: Simd, S: Scalar> OneSided<S> for AlteredSide<'_, V, S> {
             law,
             patch,
             memory,
-            entry_angle,
+            arc,
         } = *self;
         let rim_speed = motion.angular_speed * law.radius;
         let displacement = if law.transient {
@@ -234,7 +310,7 @@ impl<V: Simd, S: Scalar> OneSided<S> for AlteredSide<'_, V, S> {
             let bounded = wheel
                 .regularisation()
                 .bounded_angular_speed(motion.angular_speed);
-            let time_per_angle = law.circle / (law.radius * bounded);
+            let time_per_angle = arc.circle / (law.radius * bounded);
             Displacement {
                 forward: motion.forward * time_per_angle,
                 lateral: motion.lateral * time_per_angle,
@@ -249,11 +325,11 @@ impl<V: Simd, S: Scalar> OneSided<S> for AlteredSide<'_, V, S> {
             rim_speed,
             displacement,
         };
-        let (sums, wedge) = patch.integrate(simd, rule, &seen, entry_angle);
-        let area = law.circle.scale(law.width);
+        let (sums, wedge) = patch.integrate(simd, rule, &seen, arc.entry);
+        let area = arc.circle.scale(law.width);
         let mut forces = sums.forces(
             |sum| sum * area,
-            |sum| sum * area * law.circle,
+            |sum| sum * area * arc.circle,
             |sum| sum * area * law.radius,
         );
         if let Some(wedge) = wedge {

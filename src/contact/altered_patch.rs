@@ -90,6 +90,7 @@ impl<S: Scalar> AlteredPatch<S> {
     #[inline(always)]
     pub fn new(
         law: &WheelLaw<S>,
+        circle: S,
         soil: Soil<S>,
         peak: S,
         pressed: S,
@@ -115,11 +116,11 @@ impl<S: Scalar> AlteredPatch<S> {
         Self {
             soil,
             footprint: Footprint {
-                radius: law.circle.value(),
+                radius: circle.value(),
                 width: law.width,
                 slip_speed_squared: slip_speed * slip_speed,
             },
-            circle: law.circle,
+            circle,
             peak,
             rebound: law.rebound,
             inverse_modulus: one / soil.shear_modulus,

@@ -13,7 +13,7 @@ mod rows;
 mod sums;
 mod wheel;
 
-pub use altered::{WheelLaw, WheelMemory};
+pub use altered::{ContactArc, WheelLaw, WheelMemory};
 pub use quadrature::Resolution;
 pub(crate) use wheel::FORCE_COUNT;
 pub use wheel::{Detail, Regularisation, WheelContact, WheelForces, WheelMotion};

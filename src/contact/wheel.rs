@@ -244,13 +244,10 @@ impl WheelContact {
         })
     }
 
-    /// Entry angle \[rad\] at which the normal stress alone would carry a load \[N\] on a circle so many
-    /// times as large as the wheel.
-    pub(crate) fn entry_angle_guess(&self, load: f64, enlarged: f64) -> f64 {
-        let n = self.law.exponent;
-        // The support of an arc goes with r^(n+1) theta_1^(2n+1).
-        (load / self.support / enlarged.powf(n + 1.0))
-            .powf(1.0 / (2.0 * n + 1.0))
+    /// Entry angle \[rad\] at which the normal stress alone would carry a load \[N\].
+    pub(crate) fn entry_angle_guess(&self, load: f64) -> f64 {
+        (load / self.support)
+            .powf(1.0 / (2.0 * self.law.exponent + 1.0))
             .min(1.5)
     }
 

@@ -10,12 +10,14 @@ effect! {
     /// A rigid wheel stands on the ground with the mean pressure
     /// p_r = k^(1/(2n+1)) (3 W / ((3-n) b sqrt(2r)))^(2n/(2n+1)). Where the tyre's pressure p is
     /// below it, the wheel is replaced by the rigid one whose pressure is p, of radius
-    /// r* = (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2; the rim still turns with r omega. W is the load at
-    /// rest. Where n is small that may be many million times r, though the contact stays as short as the load
-    /// over width and pressure.
+    /// r* = (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2; the rim still turns with r omega. Whatever it
+    /// carries, that circle sinks equally deep, to z* = (p/k)^(1/n) ((3-n)/(3 I))^(2/(2n+1)) with
+    /// I = 2 times the integral of (1-u^2)^n from 1/2 to 1, the stress (5) over a flat arc: the tyre sinks no
+    /// deeper, and more load makes its contact longer. Where n is small the circle may be many million times as
+    /// large as the wheel.
     TyreCompliance: "tyre_compliance", Physics,
     lifts "rigid wheels",
-    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2)",
+    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), W what the normal stress carries",
     source "rigid limit: Wong, Theory of Ground Vehicles, 2.5, after Bekker; the substitute circle: Schmid, J. Terramechanics 32 (1995)",
     {
         pressure ["Pa"] 5000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; at 2 MPa the wheel is rigid";
@@ -32,19 +34,29 @@ impl<S: Scalar> TyreCompliance<S> {
         soil.modulus.raised(n.like(1.0) / order) * bracket.raised(twice / order)
     }
 
-    /// Radius of the wheel that takes its place \[m\], where that is larger.
-    pub fn radius(&self, soil: &Soil<S>, load: S, radius: S, width: S) -> S {
+    /// The deepest sinkage z* \[m\]: there the tyre is flat.
+    pub fn flat_sinkage(&self, soil: &Soil<S>) -> S {
         let n = soil.exponent;
-        let bracket = load.scale(3.0) / (n.like(3.0) - n) / width;
         let order = n.scale(2.0).offset(1.0);
-        let substitute = (bracket * bracket).scale(0.5) * soil.modulus.raised(n.like(1.0) / n)
-            / self.pressure.raised(order / n);
-        substitute.most(radius).least(radius.scale(LARGEST))
+        let plate = (self.pressure / soil.modulus).raised(n.like(1.0) / n);
+        let bekker = (n.like(3.0) - n) / support(n).scale(3.0);
+        plate * bekker.raised(n.like(2.0) / order)
     }
 }
 
-/// The substitute wheel is at most so many times as large: beyond, entry angles are near rounding.
-const LARGEST: f64 = 1e12;
+/// Terms of the series for I: each is less than a quarter of the one before.
+const TERMS: u32 = 20;
+
+/// I = 2 integral of (1-u^2)^n from 1/2 to 1 = integral of x^n (1-x/4)^n from 0 to 1, by the binomial series.
+fn support<S: Scalar>(n: S) -> S {
+    let (mut sum, mut coefficient) = (n.like(0.0), n.like(1.0));
+    for k in 0..TERMS {
+        let k = f64::from(k);
+        sum += coefficient / n.offset(k + 1.0);
+        coefficient = coefficient * n.offset(-k).scale(-0.25 / (k + 1.0));
+    }
+    sum
+}
 
 #[cfg(test)]
 mod tests {
@@ -67,14 +79,36 @@ mod tests {
         assert!((limit / 31.8e3 - 1.0).abs() < 5e-3, "{limit}");
     }
 
+    /// I by the midpoint rule.
+    fn midpoints(n: f64) -> f64 {
+        const COUNT: u32 = 200_000;
+        let each = (0..COUNT).map(|k| 0.5 + 0.5 * (f64::from(k) + 0.5) / f64::from(COUNT));
+        each.map(|u| (1.0 - u * u).powf(n)).sum::<f64>() / f64::from(COUNT)
+    }
+
+    #[test]
+    fn the_support_of_a_flat_arc_is_its_integral() {
+        for n in [0.1, 0.5, 1.0, 1.4] {
+            assert!((support(n) / midpoints(n) - 1.0).abs() < 1e-6, "{n}");
+        }
+        // 2 (2/3 - 11/24) = 5/12.
+        assert!((support(1.0) - 5.0 / 12.0).abs() < 1e-12);
+    }
+
     #[test]
     fn the_substitute_wheel_stands_on_the_tyres_pressure() {
-        let tyre = TyreCompliance { pressure: 20e3 };
-        let radius = tyre.radius(&SAND, 600.9, 0.25, 0.246);
-        assert!(radius > 0.25);
-        let limit = TyreCompliance::rigid_limit(&SAND, 600.9, radius, 0.246);
-        assert!((limit / 20e3 - 1.0).abs() < 1e-12);
-        let hard = TyreCompliance { pressure: 40e3 };
-        assert_eq!(hard.radius(&SAND, 600.9, 0.25, 0.246), 0.25);
+        let (load, width, pressure) = (600.9, 0.246, 20e3);
+        let n = SAND.exponent;
+        let bracket = 3.0 * load / ((3.0 - n) * width);
+        let order = (2.0 * n + 1.0) / n;
+        let circle =
+            0.5 * bracket.powi(2) * SAND.modulus.powf(1.0 / n) * f64::powf(pressure, -order);
+        let limit = TyreCompliance::rigid_limit(&SAND, load, circle, width);
+        assert!(circle > 0.25 && (limit / pressure - 1.0).abs() < 1e-12);
+        // It carries the load, k b (r*/2)^n r* theta^(2n+1) I, where it has sunk to z*.
+        let sinkage = TyreCompliance { pressure }.flat_sinkage(&SAND);
+        let entry = (2.0 * sinkage / circle).sqrt();
+        let carried = SAND.modulus * width * sinkage.powf(n) * circle * entry * midpoints(n);
+        assert!((carried / load - 1.0).abs() < 1e-5);
     }
 }

@@ -24,7 +24,8 @@ pub struct Balance {
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct BalancedWheel {
-    /// theta_1 \[rad\], of a light wheel that of the lightest load; 0 where nothing is known.
+    /// theta_1 \[rad\] (its reach where a tyre may be flat, [`crate::contact::WheelLaw::arc`]), of a light wheel that
+    /// of the lightest load; 0 where nothing is known.
     pub entry_angle: f64,
     /// Load \[N\].
     pub load: f64,

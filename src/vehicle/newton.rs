@@ -59,7 +59,7 @@ const SHORTEST_DAMPING: f64 = 1e-9;
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
 pub(super) const MAX_LOG_STEP: f64 = 0.7;
 /// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
-pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-14, 1.8);
+pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-12, 1.8);
 
 impl VehicleModel {
     /// Finds the balance at a motion, starting from what `balance` holds.
@@ -193,8 +193,8 @@ impl VehicleModel {
             wheel.share = load / target;
             if wheel.entry_angle <= 0.0 {
                 let (low, high) = ENTRY_ANGLE_RANGE;
-                let enlarged = prepared.map_or(1.0, |at| at.enlarged(index));
-                let guess = self.contact().entry_angle_guess(target, enlarged);
+                let rigid = self.contact().entry_angle_guess(target);
+                let guess = prepared.map_or(rigid, |at| at.reach(index, rigid));
                 wheel.entry_angle = guess.clamp(low, high);
             }
             let forces = match prepared {

@@ -34,7 +34,7 @@ fn plain() -> WheelLaw<f64> {
     WheelLaw {
         soil: soil(),
         radius: RADIUS,
-        circle: RADIUS,
+        flat: None,
         width: WIDTH,
         rebound: 0.0,
         modulus_ratio: 1.0,
@@ -54,13 +54,27 @@ fn contact() -> WheelContact {
     WheelContact::new(&terrain, RADIUS, WIDTH, settings, Resolution::default()).unwrap()
 }
 
+/// Circle and entry angle of a tyre that sinks to `flat` at most: its contact grows beyond with the square of what a
+/// rigid wheel would have sunk.
+fn arc(law: &WheelLaw<f64>, reach: f64) -> (f64, f64) {
+    let rigid = law.radius * (1.0 - reach.cos());
+    match law.flat {
+        Some(flat) if rigid > flat => {
+            let circle = law.radius * (rigid / flat).powi(4);
+            (circle, (1.0 - flat / circle).acos())
+        }
+        _ => (law.radius, reach),
+    }
+}
+
 /// Forces F_X, F_Y, F_Z and the moment about the vertical axis of a wheel that travels forwards.
 fn dense(
     law: &WheelLaw<f64>,
     m: &WheelMotion<f64>,
     memory: &WheelMemory<f64>,
-    entry: f64,
+    reach: f64,
 ) -> [f64; 4] {
+    let (circle, entry) = arc(law, reach);
     let regularisation = Regularisation::default();
     let rim = law.radius * m.angular_speed;
     // Slips are rounded off within one per cent, and held from 1 on.
@@ -88,7 +102,7 @@ fn dense(
         } else {
             entry - (theta - exit) / (peak - exit) * (entry - peak)
         };
-        let depth = law.circle * (alike.cos() - entry.cos()).max(0.0);
+        let depth = circle * (alike.cos() - entry.cos()).max(0.0);
         match &law.multipass {
             None => k * depth.powf(n),
             Some(effect) => {
@@ -102,7 +116,7 @@ fn dense(
             }
         }
     };
-    let time = law.circle / (law.radius * m.angular_speed.abs());
+    let time = circle / (law.radius * m.angular_speed.abs());
     let moved = if law.transient {
         memory.displacement
     } else {
@@ -124,14 +138,14 @@ fn dense(
             let forward = m.forward - m.yaw_rate * y;
             let v = [
                 forward * cos * cos - rim * cos,
-                m.lateral + m.yaw_rate * law.circle * sin,
+                m.lateral + m.yaw_rate * circle * sin,
                 forward * sin * cos - rim * sin,
             ];
             let jf = moved.forward - moved.yaw * y;
             let j = [
                 jf * ((entry - theta) / 2.0 + ((2.0 * entry).sin() - (2.0 * theta).sin()) / 4.0)
                     - moved.rim * (entry.sin() - sin),
-                moved.lateral * (entry - theta) + moved.yaw * law.circle * (cos - entry.cos()),
+                moved.lateral * (entry - theta) + moved.yaw * circle * (cos - entry.cos()),
                 jf * ((2.0 * theta).cos() - (2.0 * entry).cos()) / 4.0
                     + moved.rim * (entry.cos() - cos),
             ];
@@ -141,7 +155,7 @@ fn dense(
             let tau = (law.soil.cohesion + sigma * law.soil.friction) * (1.0 - (-path).exp());
             let speed = v.iter().map(|v| v * v).sum::<f64>() + regularisation.slip_speed.powi(2);
             let direction = v.map(|v| -v / speed.sqrt());
-            let area = law.circle * step * WIDTH / ROWS as f64;
+            let area = circle * step * WIDTH / ROWS as f64;
             let shear = [
                 direction[0],
                 direction[1] * law.strength_ratio,
@@ -155,7 +169,7 @@ fn dense(
             for axis in 0..3 {
                 sums[axis] += force[axis] * area;
             }
-            sums[3] += area * (law.circle * sin * tau * shear[1] - y * tau * shear[0]);
+            sums[3] += area * (circle * sin * tau * shear[1] - y * tau * shear[0]);
         }
     }
     if let Some(effect) = &law.bulldozing {
@@ -170,13 +184,13 @@ fn dense(
             .hypot(regularisation.travel_speed);
         for point in 0..POINTS {
             let theta = exit + step * (point as f64 + 0.5);
-            let h = law.circle * (theta.cos() - entry.cos());
-            let blades = blade(h) * law.circle * theta.cos() * step;
+            let h = circle * (theta.cos() - entry.cos());
+            let blades = blade(h) * circle * theta.cos() * step;
             let push = effect.lateral * blades * m.lateral / fading;
             sums[1] -= push;
-            sums[3] -= push * law.circle * theta.sin();
+            sums[3] -= push * circle * theta.sin();
         }
-        let deepest = law.circle * (1.0 - entry.cos());
+        let deepest = circle * (1.0 - entry.cos());
         sums[0] -= effect.frontal * WIDTH * blade(deepest) * m.forward / fading;
     }
     sums[0] -= law.viscosity[0] * m.forward;
@@ -224,7 +238,7 @@ fn law() -> impl Strategy<Value = WheelLaw<f64>> {
                 })
             }
             5 => (law.modulus_ratio, law.strength_ratio) = (0.4 + a, 0.6 + b),
-            6 => law.circle = RADIUS * (1.0 + a),
+            6 => law.flat = Some(0.004 + 0.02 * a),
             7 => law.viscosity = [100.0 * a, 100.0 * b],
             _ => {
                 law.rebound = 0.4 * a;

@@ -12,7 +12,7 @@ const NEARLY_OFF: f64 = 1e-7;
 /// Force [N] and moment [N m]: the rules of quadrature differ by less on these motions.
 const QUADRATURE_TOLERANCE: f64 = 1.0;
 
-/// Relative; the load transfer of a wheel that brakes or drives moves with the pressure.
+/// Relative: the load transfer of a wheel that rolls slowly.
 const FLAT: f64 = 0.01;
 
 fn totals(w: &Wrench) -> [f64; 5] {

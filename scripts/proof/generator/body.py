@@ -16,7 +16,7 @@ HITCH_SPEED = 0.01  # m/s: below, dry friction fades
 BALANCE = 1e-5  # of the mean wheel load
 SWEEPS = 60
 
-# what a solution begins with and leaves: per wheel theta_1 and the slope d log F_Z / d log theta_1; then a_X, a_Y
+# what a solution begins with and leaves: per wheel its reach and the slope d log F_Z / d log reach; then a_X, a_Y
 # details: per wheel F_X, F_Y, F_Z, sinkage, theta_1; then the accelerations at the reference point
 
 
@@ -160,18 +160,17 @@ def accelerations(e, time, distance, pose, v, omega_left, omega_right, aux, lags
             east = pose[0] + x_ref * cos_p - y_ref * sin_p
             north = pose[1] + x_ref * sin_p + y_ref * cos_p
             wheel_soil(e, i % 2 == 0, east, north, time, distance, load, mean, motions[i], ruts[i], soil)
-            wheel_shape(e, radii[i], load, soil, motions[i], shape)
+            if sweep == 0 and not 1e-9 < start[i] < BOGGED:
+                depth = (3.0 * load / ((3.0 - soil[1]) * soil[0] * e[I.wheel_width] * math.sqrt(2.0 * radii[i])))
+                depth = depth ** (2.0 / (2.0 * soil[1] + 1.0))
+                start[i] = math.acos(1.0 - min(depth / radii[i], 0.9))
+                start[wheels + i] = 2.0 * soil[1] + 1.0
+            theta_1 = wheel_shape(e, radii[i], start[i], soil, motions[i], table, shape)
             if e[I.transient_shear_relaxation] > 0.0:
                 for j in range(4):
                     lag[j] = lags[i, j]
             else:
                 steady_lag(motions[i], radii[i], shape[0], lag)
-            if sweep == 0 and not 1e-6 < start[i] < BOGGED:
-                depth = (3.0 * load / ((3.0 - soil[1]) * soil[0] * shape[1] * math.sqrt(2.0 * shape[0])))
-                depth = depth ** (2.0 / (2.0 * soil[1] + 1.0))
-                start[i] = math.acos(1.0 - min(depth / shape[0], 0.9))
-                start[wheels + i] = 2.0 * soil[1] + 1.0
-            theta_1 = start[i]
             wheel_forces(theta_1, motions[i], lag, soil, shape, table, force, scratch)
             f_z = force[2]
             details[5 * i + 3] = soil[5] + shape[0] * (1.0 - math.cos(theta_1))
@@ -188,8 +187,8 @@ def accelerations(e, time, distance, pose, v, omega_left, omega_right, aux, lags
             moment += near * (force[3] + xs[i] * force[1] - ys[i] * force[0])
             worst = max(worst, abs(f_z - load) / mean)
 
-            # F_Z grows about as a power of theta_1; the exponent follows from the last two sweeps
-            log = math.log(theta_1)
+            # F_Z grows about as a power of the reach; the exponent follows from the last two sweeps
+            log = math.log(start[i])
             if f_z > 0.05 * load:
                 log_force = math.log(f_z)
                 if last_force[i] != 0.0 and abs(log - last_log[i]) > 1e-4:
@@ -199,7 +198,7 @@ def accelerations(e, time, distance, pose, v, omega_left, omega_right, aux, lags
                 step = (math.log(load) - log_force) / start[wheels + i]
             else:
                 step, last_force[i] = 0.4, 0.0
-            start[i] = theta_1 * math.exp(min(max(step, -0.7), 0.5))
+            start[i] *= math.exp(min(max(step, -0.7), 0.5))
             if not start[i] < BOGGED:
                 return False
         change = abs(contact_x / mass - a_x) + abs(contact_y / mass - a_y)

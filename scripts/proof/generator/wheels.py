@@ -77,18 +77,34 @@ def wheel_soil(e, left, east, north, time, distance, load, mean_load, motion, ru
 
 
 @njit(cache=True)
-def wheel_shape(e, radius, load, soil, motion, shape):
-    """Radius of the (substitute) circle, width, exit angle's share, place of the stress peak."""
-    k, n, b = soil[0], soil[1], e[I.wheel_width]
-    circle = radius
-    pressure = e[I.tyre_compliance_pressure]
-    if pressure < 2e6 and load > 0.0:
-        flat = (3.0 * load / ((3.0 - n) * b)) ** 2
-        circle = max(radius, 0.5 * flat * k ** (1.0 / n) * pressure ** (-(2.0 * n + 1.0) / n))
+def flat_tyre(e, radius, soil, table):
+    """Reach at which a tyre is flat. The circle that stands on its pressure, (3 W / ((3-n) b))^2 k^(1/n)
+    p^(-(2n+1)/n) / 2, sinks equally deep whatever the load W is: here under a load of 1 N for each m of width."""
+    k, n, pressure = soil[0], soil[1], e[I.tyre_compliance_pressure]
+    circle = 0.5 * (3.0 / (3.0 - n)) ** 2 * k ** (1.0 / n) * pressure ** (-(2.0 * n + 1.0) / n)
+    mean = 0.0  # (5) over a flat arc: the two halves have the same stresses
+    for i in range(int(table[0, -1])):
+        mean += table[1, i] * (1.0 - (0.5 + 0.5 * table[0, i]) ** 2) ** n
+    entry = (1.0 / (mean * k * 0.5**n * circle ** (n + 1.0))) ** (1.0 / (2.0 * n + 1.0))
+    return math.sqrt(circle / radius) * entry
+
+
+@njit(cache=True)
+def wheel_shape(e, radius, reach, soil, motion, table, shape):
+    """Fills in radius of the (substitute) circle, width, exit angle's share, place of the stress peak; the entry angle.
+
+    reach: length of the contact from its lowest point ahead, over the wheel's radius.
+    """
+    circle, theta_1 = radius, reach
+    if e[I.tyre_compliance_pressure] < 2e6:
+        flat = flat_tyre(e, radius, soil, table)
+        if reach > flat:
+            circle, theta_1 = radius * (reach / flat) ** 2, flat * flat / reach
     slip, _ = slips(motion)
-    shape[0], shape[1] = circle, b
+    shape[0], shape[1] = circle, e[I.wheel_width]
     shape[2] = e[I.elastic_rebound_share]
     shape[3] = e[I.stress_peak_a0] + e[I.stress_peak_a1] * slip
+    return theta_1
 
 
 @njit(cache=True)

@@ -1,11 +1,10 @@
 //! Masses, places and laws of a vehicle after its effects.
 
-use super::loads::{LoadTargets, spread_loads};
 use crate::contact::WheelLaw;
 use crate::effects::{ActiveEffects, Soil};
 use crate::scalar::Scalar;
 use crate::terrain::Terrain;
-use crate::vehicle::{GRAVITY, Parameter, Specification};
+use crate::vehicle::{Parameter, Specification};
 
 /// A vehicle on a soil with its effects applied, generic over the scalar.
 #[derive(Debug, Clone)]
@@ -68,18 +67,6 @@ impl<S: Scalar> Chassis<S> {
             let left = index.is_multiple_of(2);
             [row - offset, if left { half_track } else { -half_track }]
         };
-        let relative: Vec<[S; 2]> = (0..count)
-            .map(|index| {
-                let place = place(index);
-                [place[0] - body.com[0], place[1] - body.com[1]]
-            })
-            .collect();
-        let at_rest = LoadTargets {
-            normal: body.mass.scale(GRAVITY),
-            moments: [zero; 2],
-        };
-        let mut rest = vec![zero; count];
-        spread_loads(&relative, &at_rest, &mut rest);
         let wheels = (0..count).map(|index| {
             let left = index.is_multiple_of(2);
             let factor = effects
@@ -89,17 +76,14 @@ impl<S: Scalar> Chassis<S> {
                 .left_right_soil
                 .map_or(soil, |effect| effect.soil(&soil, left));
             let radius = radius * factor;
-            let width = S::constant(vehicle.wheel_width);
-            let circle = effects.tyre_compliance.map_or(radius, |tyre| {
-                tyre.radius(&soil, rest[index], radius, width)
-            });
+            let flat = effects.tyre_compliance.map(|tyre| tyre.flat_sinkage(&soil));
             let share = 1.0 / count as f64;
             ChassisWheel {
                 place: place(index),
                 law: WheelLaw {
                     soil,
                     radius,
-                    circle,
+                    flat,
                     width: vehicle.wheel_width,
                     rebound: effects.elastic_rebound.map_or(zero, |e| e.share),
                     modulus_ratio: effects.shear_anisotropy.map_or(one, |e| e.modulus_ratio),

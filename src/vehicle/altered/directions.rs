@@ -261,6 +261,7 @@ impl Point<'_> {
             chassis.outputs(
                 &situation,
                 regularisation,
+                effects.boundary,
                 index,
                 closed.loads[index],
                 closed.entry_angles[index],

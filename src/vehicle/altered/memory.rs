@@ -154,8 +154,9 @@ impl MemoryLayout {
                     yaw: motion.yaw_rate,
                     rim,
                 };
-                let turning = motion.angular_speed.rounded_abs(1e-9) * law.radius / law.circle;
-                let arc = entry_angle.most(S::constant(SHORTEST_ARC));
+                let contact = law.arc(*entry_angle);
+                let turning = motion.angular_speed.rounded_abs(1e-9) * law.radius / contact.circle;
+                let arc = contact.entry.most(S::constant(SHORTEST_ARC));
                 let rate = effect.rate(
                     &memory.displacement,
                     &drive,

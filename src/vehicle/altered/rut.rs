@@ -93,9 +93,7 @@ fn depth<S: Scalar>(
     entry: S,
     memory: &WheelMemory<S>,
 ) -> S {
-    let (sine, _) = entry.scale(0.5).sin_cos_small();
-    let below = law.circle * (sine * sine).scale(2.0);
-    below + effect.rut(memory.pressed).ground
+    law.arc(entry).sinkage() + effect.rut(memory.pressed).ground
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::loads::{LoadTargets, spread_loads};
 use super::{Chassis, Environment, MemoryLayout, Situation, Surroundings};
 use crate::contact::{Detail, Regularisation, WheelContact, WheelForces, WheelMemory};
+use crate::effects::Boundary;
 use crate::parameter::ParameterError;
 use crate::scalar::{Dual, Scalar};
 use crate::vehicle::{Balance, Motion, Specification, WheelOutputs, Wrench};
@@ -125,6 +126,7 @@ impl Prepared<'_> {
             wrench.wheels[index] = WheelOutputs::from_array(chassis.outputs(
                 situation,
                 regularisation,
+                self.altered.specification.effects.boundary,
                 index,
                 wheel.load,
                 entry_angle,
@@ -182,10 +184,9 @@ impl Prepared<'_> {
         lifted
     }
 
-    /// How many times as large as a wheel the circle of its contact is.
-    pub fn enlarged(&self, index: usize) -> f64 {
-        let law = &self.chassis.wheels[index].law;
-        law.circle / law.radius
+    /// A guess for how far a wheel reaches into the ground that would do so by `rigid` \[rad\] without a tyre.
+    pub fn reach(&self, index: usize, rigid: f64) -> f64 {
+        self.chassis.wheels[index].law.reach(rigid)
     }
 
     /// One wheel's forces and their slopes by its entry angle.
@@ -230,19 +231,19 @@ impl<S: Scalar> Chassis<S> {
         &self,
         at: &Situation<S>,
         regularisation: &Regularisation,
+        boundary: Boundary,
         index: usize,
         load: S,
         entry_angle: S,
         memory: &WheelMemory<S>,
         forces: &WheelForces<S>,
     ) -> [S; WheelOutputs::COUNT] {
-        let law = &self.wheels[index].law;
+        let law = self.law(at, boundary, index);
         let motion = self.wheel_motion(at, index);
         let omega = motion.angular_speed;
         let sign = if omega.value() < 0.0 { -1.0 } else { 1.0 };
         let rim = regularisation.bounded_angular_speed(omega).scale(sign) * law.radius;
-        let (sine, _) = entry_angle.scale(0.5).sin_cos_small();
-        let below = law.circle * (sine * sine).scale(2.0);
+        let arc = law.arc(entry_angle);
         let ground = law
             .multipass
             .map_or(S::constant(0.0), |effect| effect.rut(memory.pressed).ground);
@@ -250,8 +251,8 @@ impl<S: Scalar> Chassis<S> {
             -(motion.forward - law.radius * omega) / rim,
             -motion.lateral / rim,
             load,
-            below + ground,
-            entry_angle,
+            arc.sinkage() + ground,
+            arc.entry,
             forces.thrust - forces.compaction,
             forces.lateral,
             forces.torque,

@@ -87,6 +87,8 @@ impl<S: Scalar> Chassis<S> {
             ];
             let share = change.share(boundary, at.time, at.distance, place);
             law.soil = change.soil(&law.soil, share);
+            let tyre = self.effects.tyre_compliance.as_ref();
+            law.flat = tyre.map(|tyre| tyre.flat_sinkage(&law.soil));
         }
         law
     }

@@ -260,7 +260,7 @@ impl Law {
         WheelLaw {
             soil,
             radius: RADIUS,
-            circle: RADIUS,
+            flat: None,
             width: WIDTH,
             rebound: or("elastic_rebound.share", 0.0),
             modulus_ratio: or("shear_anisotropy.modulus_ratio", 1.0),
