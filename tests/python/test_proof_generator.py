@@ -25,7 +25,7 @@ from generator.catalogue import EFFECTS, I, off_vector, slot  # noqa: E402
 from generator.contact import contact, rule  # noqa: E402
 from generator.drafts import draw_case  # noqa: E402
 from generator.sensors import Channel, Samples, draw_samples, draw_sensors, encoder, report  # noqa: E402
-from generator.signal import Case, Ruler, Signal, left_beside, project  # noqa: E402
+from generator.signal import Case, Ruler, Signal, left_beside, project, retuned  # noqa: E402
 from generator.simulator import COARSE, FINE, STEP, Drive, Setup, Window, begin, make_world, simulate  # noqa: E402
 from generator.sizes import draw_effect, ways  # noqa: E402
 from generator.stepper import derivative  # noqa: E402
@@ -187,6 +187,20 @@ class Signals(unittest.TestCase):
         self.assertAlmostEqual(hidden.absorbed, 1.0, places=9)
         self.assertGreater(project([other], [start], [soil]).left, 1.0)
         self.assertAlmostEqual(Signal(10.0, 2.0).absorbed, 0.96)
+
+    def test_another_soil_is_re_tuned_away_however_far_off(self):
+        drive, rng = manoeuvre(8.0), np.random.default_rng(1)
+        sensors, soil = draw_sensors(rng), SOILS["sandy_loam"]
+        off = Setup(VEHICLES["ranger"], soil)
+        ruler = Ruler(Case(off, drive, sensors, draw_samples(rng, sensors, drive.seconds), {}))
+        base, start, columns = ruler.columns(off)
+        other = replace(soil, frictional_modulus=2.0 * soil.frictional_modulus, sinkage_exponent=0.8 * soil.sinkage_exponent,
+                        cohesion=0.6 * soil.cohesion, shear_modulus=1.5 * soil.shear_modulus)
+        _, change = ruler.moved(off, base, replace(off, soil=other))
+        linear = project([change], [start], [columns])
+        left = retuned([ruler], [off], [base], [change], [start], [columns])
+        self.assertLess(left, 0.2 * linear.left)
+        self.assertLess(left, 2.0)  # where it ends
 
     def test_what_only_adds_imitates_nothing_that_takes_away(self):
         rng = np.random.default_rng(2)

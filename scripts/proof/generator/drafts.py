@@ -12,13 +12,14 @@ from .drives import draw_drive, draw_pivots, draw_series
 from .families import EFFECTS_OF, ENOUGH, belongs, rescaled, rivals_of
 from .rivals import Bench
 from .sensors import Samples, Sensors, draw_samples, draw_sensors
-from .signal import Case, Ruler, Signal, project
+from .signal import Case, Ruler, Signal, project, retuned
 from .simulator import COARSE, PLAIN, Drive, Setup, Undrivable, Window, simulate
 from .sizes import SIZES, draw_effect
 from .world import LOOSENESS, SOILS, VEHICLES, Soil, nominal_soil, true_soil
 
 ATTEMPTS = 60
 RESCALES = 3
+ABSORBABLE = 0.5  # share of a signal that re-tuning takes where it is worth to go on with that
 ROUGH, EXACT = 2e-4, 5e-5  # tolerances of a step while looking, and of what is recorded
 STYLES = {"nothing": (0.7, 0.2, 0.1), "single": (0.65, 0.25, 0.1), "absorbed": (0.6, 0.4, 0.0),
           "lookalike": (0.4, 0.6, 0.0)}
@@ -220,18 +221,27 @@ def _alike(draft: Draft) -> bool:
 def _measure(draft: Draft) -> None:
     """Fill in the signals of the recordings that the tool is given, and which look-alikes would do as well."""
     given = [p for p in draft.parts if p.name != "unseen"]
-    rulers, starts, soils, changes = [], [], [], []
+    rulers, offs, bases, starts, soils, changes = [], [], [], [], [], []
     names = list(draft.effects)
     for p in given:
         ruler = Ruler(Case(draft.setup(p), p.drive, draft.sensors, p.samples, draft.faults(), p.pose))
-        _, start, soil = ruler.columns(ruler.case.setup.without(*draft.physics()))
+        offs.append(ruler.case.setup.without(*draft.physics()))
+        base, start, soil = ruler.columns(offs[-1])
         rulers.append(ruler)
+        bases.append(base)
         starts.append(start)
         soils.append(soil)
         each = {n: ruler.difference([n]) for n in names}
         changes.append(each | {"": ruler.difference(names) if len(names) > 1 else each[names[0]]})
-    draft.signals = {n: project([c[n] for c in changes], starts, soils) for n in names}
-    draft.total = project([c[""] for c in changes], starts, soils)
+    def signal(name: str) -> Signal:
+        own = [c[name] for c in changes]
+        linear = project(own, starts, soils)
+        if linear.left < ENOUGH or linear.absorbed < ABSORBABLE:
+            return linear  # nothing hangs on it
+        return replace(linear, left=min(linear.left, retuned(rulers, offs, bases, own, starts, soils)))
+
+    draft.signals = {n: signal(n) for n in names}
+    draft.total = signal("") if len(names) > 1 else draft.signals[names[0]]
     draft.per_part = {p.name: project([c[""]], [start], [soil])
                       for p, c, start, soil in zip(given, changes, starts, soils)}
     draft.rivals, draft.first_rivals = [], []

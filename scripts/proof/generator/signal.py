@@ -1,7 +1,8 @@
 """How loud an effect is in a recording, and how much of it re-tuning the soil would hide.
 
 Predictions start anew every 5 s. Their changes with the effect, the soil's parameters (log scale) and the starts come
-from differences of the simulator, are whitened by the true noise, and projected by QR.
+from differences of the simulator, are whitened by the true noise, and projected by QR. What re-tuning leaves is that
+at first, and then what is left once the soil has gone where the least squares lead (Gauss and Newton).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from scipy.optimize import nnls
 
 from .catalogue import EFFECTS
 from .sensors import Samples, Sensors, interpolate, report, sample_times
-from .simulator import COARSE, Drive, Setup, Snapshot, begin, drive_on, make_world
+from .simulator import COARSE, Drive, Setup, Snapshot, Undrivable, begin, drive_on, make_world
 from .world import Soil
 
 STRETCH = 5.0  # s
@@ -22,6 +23,10 @@ STEP = 0.05  # s between records
 TOLERANCE = 2e-4
 SETTLED = 1.5  # s after which a changed start velocity has become a moved and turned path
 PROBE = 0.02  # of a soil parameter
+ROUNDS = 12  # of re-tuning
+FARTHEST = 1.2  # logarithm of what a soil parameter may be multiplied by
+DAMPING = 0.05  # of the largest column, to begin with
+ENDED = 2.0  # sigma: what is left does not matter any more
 SOIL_PROBES = ("k", "sinkage_exponent", "cohesion", "friction_angle_deg", "shear_modulus")
 
 
@@ -42,12 +47,11 @@ class Signal:
         return {"raw": round(self.raw, 4), "left": round(self.left, 4)}
 
 
-def _probe(soil: Soil, name: str) -> Soil:
+def _scaled(soil: Soil, name: str, factor: float) -> Soil:
     if name == "k":
-        factor = 1.0 + PROBE
         return replace(soil, cohesive_modulus=soil.cohesive_modulus * factor,
                        frictional_modulus=soil.frictional_modulus * factor)
-    return replace(soil, **{name: getattr(soil, name) * (1.0 + PROBE)})
+    return replace(soil, **{name: getattr(soil, name) * factor})
 
 
 @dataclass
@@ -175,13 +179,21 @@ class Ruler:
     def columns(self, off: Setup) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
         """Predictions with the effects off, the starts' columns and the soil's."""
         base = self.predict(off, self.case.drive)
-        starts = self.starts(base)
+        return base, self.starts(base), self.soil_columns(off, base)
+
+    def soil_columns(self, off: Setup, base: list[np.ndarray]) -> np.ndarray:
+        """Changes by the soil's parameters (log scale) around predictions."""
         seen = self.observe(base, {})
         soil = []
         for name in SOIL_PROBES:
-            probed = self.predict(replace(off, soil=_probe(off.soil, name)), self.case.drive)
+            probed = self.predict(replace(off, soil=_scaled(off.soil, name, 1.0 + PROBE)), self.case.drive)
             soil.append(self._change(self.observe(probed, {}), seen) / PROBE)
-        return base, starts, np.stack(soil, 1)
+        return np.stack(soil, 1)
+
+    def moved(self, off: Setup, base: list[np.ndarray], to: Setup) -> tuple[list[np.ndarray], np.ndarray]:
+        """Predictions on another soil, and how they differ."""
+        there = self.predict(to, self.case.drive)
+        return there, self._change(self.observe(there, {}), self.observe(base, {}))
 
     def difference(self, names: list[str]) -> np.ndarray:
         """Whitened change of the recording by some of the effects."""
@@ -233,6 +245,42 @@ def project(signals: list[np.ndarray], starts: list[np.ndarray], soils: list[np.
     signal = _freed(signals, starts)
     left = _without(signal, _freed(soils, starts))
     return Signal(float(np.linalg.norm(signal)), float(np.linalg.norm(left)))
+
+
+def retuned(rulers: list[Ruler], offs: list[Setup], bases: list[list[np.ndarray]], signals: list[np.ndarray],
+            starts: list[np.ndarray], soils: list[np.ndarray]) -> float:
+    """Size of what is left of a signal where the soil, shared by the drives, is re-tuned as far as that leads.
+
+    Levenberg and Marquardt; an upper bound, for the rounds are few.
+    """
+    steps, damping = np.zeros(len(SOIL_PROBES)), DAMPING
+    residual, columns = _freed(signals, starts), _freed(soils, starts)
+    left = float(np.linalg.norm(residual))
+    for _ in range(ROUNDS):
+        held = np.vstack([columns, np.eye(len(steps)) * damping * np.linalg.norm(columns, axis=0).max()])
+        step = np.linalg.lstsq(held, np.concatenate([residual, np.zeros(len(steps))]), rcond=None)[0]
+        trial = np.clip(steps + step, -FARTHEST, FARTHEST)
+        try:
+            soil = offs[0].soil
+            for name, by in zip(SOIL_PROBES, trial):
+                soil = _scaled(soil, name, float(np.exp(by)))
+            there = [replace(off, soil=soil) for off in offs]
+            moved = [r.moved(off, base, to) for r, off, base, to in zip(rulers, offs, bases, there)]
+            tried = _freed([signal - change for signal, (_, change) in zip(signals, moved)], starts)
+            size = float(np.linalg.norm(tried))
+        except Undrivable:
+            size = np.inf
+        if size >= left:
+            damping *= 5.0
+            continue
+        gained, left, steps, residual, damping = left - size, size, trial, tried, 0.2 * damping
+        if gained < 0.02 * left or left < ENDED:
+            break
+        try:
+            columns = _freed([r.soil_columns(to, base) for r, to, (base, _) in zip(rulers, there, moved)], starts)
+        except Undrivable:
+            break
+    return left
 
 
 def left_beside(signals: list[np.ndarray], starts: list[np.ndarray], soils: list[np.ndarray],
