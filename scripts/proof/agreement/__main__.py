@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from generator.catalogue import names_of
-from generator.simulator import COARSE, Setup, Undrivable, simulate
+from generator.simulator import Undrivable
 from generator.sizes import draw_effect
 from generator.world import SOILS, VEHICLES
 
-from .compare import Difference, Refused, compare, manoeuvre
+from .compare import Difference, Refused, compare, drive_generator, manoeuvre
 
 
 def arguments() -> argparse.Namespace:
@@ -47,6 +47,7 @@ def main() -> int:
     """Prints a line for each effect: median and largest difference over its drives."""
     chosen = arguments()
     print("effect, drives, then median and largest: position over the path, heading [rad], both over the effect's")
+    plain: dict[tuple[str, str], np.ndarray] = {}
     for effect in chosen.effects:
         found: list[Difference] = []
         for vehicle in chosen.vehicles:
@@ -55,11 +56,13 @@ def main() -> int:
                 for shape in range(1 if effect == "nothing" else chosen.shapes):
                     where = f"{effect} {vehicle} {soil} {shape}"
                     try:
-                        path = simulate(Setup(VEHICLES[vehicle], SOILS[soil]), drive, table=COARSE)
+                        if (vehicle, soil) not in plain:
+                            plain[vehicle, soil] = drive_generator(vehicle, SOILS[soil], {}, drive)
+                        path = plain[vehicle, soil]
                         spot = tuple(float(v) for v in path[len(path) // 2, :3])
                         effects = {} if effect == "nothing" else {effect: draw_effect(
                             effect, [1, shape], chosen.size, VEHICLES[vehicle], SOILS[soil], drive.seconds, spot)}
-                        found.append(compare(chosen.tool, vehicle, SOILS[soil], effects, drive))
+                        found.append(compare(chosen.tool, vehicle, SOILS[soil], effects, drive, path))
                     except (Undrivable, Refused) as error:
                         print(f"{where}: not driven: {error}", file=sys.stderr)
                         continue

@@ -63,11 +63,11 @@ def drive_generator(vehicle: str, soil: Soil, effects: dict[str, dict[str, float
     return simulate(Setup(VEHICLES[vehicle], soil, effects), drive, table=FINE)[:: round(drive.step / STEP), :3]
 
 
-def compare(tool: Path, vehicle: str, soil: Soil, effects: dict[str, dict[str, float]], drive: Drive) -> Difference:
-    """Both drive it with the effects, and the generator without them. Raises Refused."""
+def compare(tool: Path, vehicle: str, soil: Soil, effects: dict[str, dict[str, float]], drive: Drive,
+            plain: np.ndarray) -> Difference:
+    """Both drive it with the effects; plain: the generator without them. Raises Refused."""
     theirs = drive_library(tool, vehicle, soil, effects, drive)
     mine = drive_generator(vehicle, soil, effects, drive)
-    plain = drive_generator(vehicle, soil, {}, drive)
     count = min(len(mine), len(theirs))
     difference, effect = mine[:count] - theirs[:count], mine - plain
     length = np.hypot(*np.diff(mine[:, :2], axis=0).T).sum()

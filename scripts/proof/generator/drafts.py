@@ -233,6 +233,7 @@ def _measure(draft: Draft) -> None:
         soils.append(soil)
         each = {n: ruler.difference([n]) for n in names}
         changes.append(each | {"": ruler.difference(names) if len(names) > 1 else each[names[0]]})
+
     def signal(name: str) -> Signal:
         own = [c[name] for c in changes]
         linear = project(own, starts, soils)

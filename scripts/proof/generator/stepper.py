@@ -219,11 +219,13 @@ def run(world, time, count, step, state, rut, start, tolerance, records):
     e, details = np.empty(len(world.p)), np.zeros(5 * wheels + 3)
     ruts, new, error, f = np.zeros(wheels), np.empty(3), np.empty(3), np.empty(3)
     omega, before = np.empty(2), np.empty(2)
+    remembered = world.p[I.multipass_memory] > 0.0
     h = 0.2 * step
     for i in range(count + 1):
         begin = time + i * step
         effective(world.p, world.off, world.window_of, world.windows, begin, state[POSE], state[POSE + 1], e)
-        rut_under(e, state, rut, ruts)
+        if remembered:
+            rut_under(e, state, rut, ruts)
         trial = start.copy()
         if not derivative(world, begin, 0.0, state, state[VELOCITY : VELOCITY + 3].copy(), ruts, trial, e, details, f):
             return i
@@ -238,7 +240,8 @@ def run(world, time, count, step, state, rut, start, tolerance, records):
             now = begin + gone
             read_series(world.drive, world.steps[0], now, omega)
             remember(e, state, omega[0], omega[1], details, 0.5 * h)
-            rut_under(e, state, rut, ruts)
+            if remembered:
+                rut_under(e, state, rut, ruts)
             fine = velocity_step(world, now, h, state, ruts, start, e, details, new, error)
             worst = 100.0
             if fine:
