@@ -11,15 +11,13 @@ use super::part::Part;
 use super::proposal::Kind;
 use super::prune::{prune, without};
 use super::search::{Member, NOTHING, TAKE};
-use super::stage::{Stage, look, try_all};
+use super::stage::{GOOD_PART, Stage, look, try_all};
 use super::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
 
 /// Rounds at most.
 const ROUNDS: usize = 4;
-/// Where a law is likeliest, names are tried first as well if one has this share of its odds.
-const GOOD_PART: f64 = 0.2;
 
 /// A hypothesis with what was found on the way to it.
 #[derive(Debug, Clone)]

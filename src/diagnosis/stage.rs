@@ -7,7 +7,7 @@ use super::hypothesis::{Given, Solution};
 use super::likelihood::{HELD, Tuned, tune_on};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::noise;
-use super::proposal::{Proposal, Screened, hidden, proposals, screened, shortlist};
+use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::scout::Scouts;
 use super::screen::{Projection, chance};
 use super::sensitivity::{Layout, sensitivities};
@@ -37,6 +37,8 @@ const SHARE: f64 = 0.95;
 const NEAR: f64 = 0.75;
 const NEAR_ON_A_PART: f64 = 0.5;
 pub const CLOSE: f64 = 5.0;
+/// Where a law is likeliest, names lead on as well that have this share of its odds: a law may be two effects at once.
+pub const GOOD_PART: f64 = 0.2;
 /// What acts at some time or place only comes to at most so many times what the linearised problem promises.
 const LINEAR: f64 = 3.0;
 /// At most so many are finished.
@@ -169,13 +171,21 @@ fn scouted<'a>(stage: &Stage<'a>, scouts: &Scouts<'a>, by: &Weighing) -> Vec<Ske
     widened.chain(local).collect()
 }
 
-/// Those that may come to this share of the best, the most promising first, at most so many.
+/// Those that may come to this share of the best, the most promising first, at most so many. Of what has a name
+/// the best with a name counts, where that explains a good part of what a law does.
 fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64, most: usize) -> Vec<Sketch<'a>> {
     sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     // What was proposed twice, as seen and as hidden, and came to the same is finished once.
     sketches.dedup_by(|later, earlier| later.is_twin_of(earlier));
-    let best = sketches.iter().map(Sketch::odds).fold(0.0, f64::max);
+    let is_law = |sketch: &&Sketch| sketch.proposal.kind() == Kind::Law;
+    let (laws, names): (Vec<&Sketch>, Vec<&Sketch>) = sketches.iter().partition(is_law);
+    let best = |of: Vec<&Sketch>| of.into_iter().map(Sketch::odds).fold(0.0, f64::max);
+    let (law, name) = (best(laws), best(names));
+    let least = |sketch: &Sketch| match sketch.proposal.kind() {
+        Kind::Law => share * law.max(name),
+        _ => (share * name).max(GOOD_PART * law),
+    };
     sketches.truncate(most);
-    sketches.retain(|sketch| sketch.promise() > share * best - CLOSE);
+    sketches.retain(|sketch| sketch.promise() > least(sketch) - CLOSE);
     sketches
 }
