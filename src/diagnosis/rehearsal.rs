@@ -287,7 +287,13 @@ pub mod tests {
 
     /// A recording of a straight drive east, from a GPS receiver with a heading at 10 Hz.
     pub fn steady_straight(model: &Specification) -> Recording {
-        let one = all(model).swap_remove(0);
+        driven(model, "straight")
+    }
+
+    /// A recording of a manoeuvre, from such a receiver.
+    pub fn driven(model: &Specification, name: &str) -> Recording {
+        let mut all = all(model).into_iter();
+        let one = all.find(|one| one.course.name == name).unwrap();
         let channel = |signal| Sampling {
             signal,
             interval: 0.1,

@@ -4,11 +4,11 @@
 //! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
 
 use super::hypothesis::{Given, Solution};
-use super::likelihood::{Tuned, own_noise, tune, tune_with_noise};
+use super::likelihood::{LONG_SKETCH, Tuned, own_noise, tune, tune_until, tune_with_noise};
 use super::naming::Named;
 use super::path::{Path, held_out_gain};
 use super::proposal::Proposal;
-use super::stage::{Looked, look, try_all};
+use super::stage::{Looked, Stage, look, try_all};
 use super::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
@@ -73,6 +73,10 @@ impl Searched<'_> {
 pub const TAKE: f64 = 0.5;
 /// Logarithm of the prior of nothing (more) over that of one effect of the catalogue.
 pub const NOTHING: f64 = 3.0;
+/// Re-tuning is begun again where that gains so much \[log odds\], so many times at most.
+const STUCK: f64 = 5.0;
+const AGAIN: usize = 2;
+
 /// Searches.
 ///
 /// # Errors
@@ -87,12 +91,20 @@ pub fn search<'a>(
     let begin = given.begin();
     let undrivable = DiagnosisError::Undrivable;
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
-    let stage = look(given.clone(), retuned, &mut by, options, progress)?;
+    let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
+    progress.step("naming");
+    let mut fitted = try_all(&stage, &by);
+    for _ in 0..AGAIN {
+        let Some(better) = unstuck(&stage, &fitted, &by) else {
+            break;
+        };
+        stage = look(given.clone(), better, &mut by, options, progress)?;
+        progress.step("naming");
+        fitted = try_all(&stage, &by);
+    }
     let first = Arc::clone(&stage.looked);
     let tested = stage.scores.is_some();
     let baseline = stage.tuned.solution.clone();
-    progress.step("naming");
-    let fitted = try_all(&stage, &by);
     let gain = |n: &Named| Some((n.proposal.subject, held_out_gain(n, &stage)?));
     let gains = fitted.iter().filter_map(gain).collect();
     let path = Path::new(stage, by).explored(fitted, options, progress)?;
@@ -119,6 +131,20 @@ pub fn search<'a>(
     })
 }
 
+/// The re-tuned model from where the likeliest of what was fitted beside it ended, without that: re-tuning may
+/// have stuck on the way there. `None` where it is no better.
+fn unstuck(stage: &Stage, fitted: &[Named], by: &Weighing) -> Option<Tuned> {
+    let best = fitted.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+    if best.gain < STUCK {
+        return None;
+    }
+    let mut begin = best.tuned.solution.clone();
+    begin.take(&best.proposal.knobs, &stage.tuned.solution);
+    let knobs = &stage.tuned.knobs;
+    let again = tune_until(&stage.given, knobs, &begin, by, LONG_SKETCH).ok()?;
+    (again.surprise < stage.tuned.surprise - STUCK).then_some(again)
+}
+
 /// The re-tuned model under the noise and weights at the end, its starts as they have become. On
 /// some soils not every start can be driven: then those that it had.
 fn tune_again(
@@ -141,4 +167,60 @@ fn back(given: &Given, solution: &Solution) -> Solution {
         }
     }
     back
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::prepare::prepare;
+    use super::super::rehearsal::tests::driven;
+    use super::*;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+
+    #[test]
+    fn re_tuning_begins_again_where_another_way_led_further() {
+        let on =
+            |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
+        let options = Options::default();
+        let quiet = |_: &'static str| {};
+        let progress = Progress::new(&quiet);
+        let recordings = [driven(&on("sandy_loam"), "spiral")];
+        let nominal = on("dry_sand");
+        let mut given = Given::new(&nominal, &recordings);
+        let (_, mut by) = prepare(&mut given, &options).unwrap();
+        let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
+        let mut stage = look(given.clone(), fitted.clone(), &mut by, &options, &progress).unwrap();
+        let proposal = stage.proposals.first().cloned().unwrap();
+        let gain = 10.0 * STUCK;
+        let beside = Named {
+            given: given.clone(),
+            tuned: stage.tuned.clone(),
+            scores: None,
+            proposal,
+            gain,
+        };
+        // As well as it can be: nothing to begin again for.
+        assert!(unstuck(&stage, &[beside.clone()], &by).is_none());
+        // Stuck where it began.
+        let still = crate::fit::optimiser::Stop {
+            steps: 0,
+            gain: 0.0,
+        };
+        stage.tuned = tune_until(&given, &[], &given.begin(), &by, still).unwrap();
+        assert!(stage.tuned.surprise > beside.tuned.surprise + STUCK);
+        let found = unstuck(&stage, &[beside.clone()], &by).unwrap();
+        assert!((found.surprise - beside.tuned.surprise).abs() < 1.0);
+        // What gains nothing does not tell of another way.
+        assert!(
+            unstuck(
+                &stage,
+                &[Named {
+                    gain: 0.0,
+                    ..beside
+                }],
+                &by
+            )
+            .is_none()
+        );
+    }
 }
