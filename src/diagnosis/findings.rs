@@ -13,6 +13,8 @@ use super::search::{Member, Searched};
 use super::verdict::Judged;
 use super::words::statement;
 use crate::fit::parameter::{NORMAL_95, Parameter};
+use crate::fit::uncertainty::uncertainty;
+use nalgebra::DMatrix;
 
 /// Stretches that are told where something acts throughout.
 const TOLD: usize = 3;
@@ -20,15 +22,32 @@ const TOLD: usize = 3;
 /// The findings of a judgement.
 #[must_use]
 pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
+    let covariance = covariance(searched);
     let one = |judged: &Judged| match judged.member {
-        Some(member) => named(searched, &searched.members[member], judged),
+        Some(member) => named(searched, &searched.members[member], judged, &covariance),
         None => left_over(searched, judged),
     };
     judged.iter().map(one).collect()
 }
 
-/// Values and intervals of a proposal's knobs at a fit; `scatter` widens them.
-fn quantities(given: &Given, tuned: &Tuned, proposal: &Proposal, scatter: f64) -> Vec<Quantity> {
+/// How well the unknowns of the augmented model are told: by what the segments' pulls on them scatter, see
+/// [`uncertainty`]; as the noise model has it where that cannot be told.
+fn covariance(searched: &Searched) -> DMatrix<f64> {
+    let (given, tuned) = (&searched.placed, &searched.augmented);
+    let predictor = given.predictor(&tuned.knobs);
+    let problem = given.problem(&predictor, &tuned.knobs);
+    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
+    let told = uncertainty(&problem, &tuned.tables, &point, &searched.by);
+    told.map_or_else(|| tuned.covariance.clone(), |told| told.covariance)
+}
+
+/// Values and intervals of a proposal's knobs at a fit.
+fn quantities(
+    given: &Given,
+    tuned: &Tuned,
+    proposal: &Proposal,
+    covariance: &DMatrix<f64>,
+) -> Vec<Quantity> {
     let knobs = &proposal.knobs;
     let acts = |recording: usize| match &proposal.extent {
         Some(Extent::Time(at) | Extent::Run(at)) => at.recording == recording,
@@ -49,7 +68,7 @@ fn quantities(given: &Given, tuned: &Tuned, proposal: &Proposal, scatter: f64) -
             return;
         }
         let at = tuned.solution.knobs[recording][knob];
-        let half = NORMAL_95 * (tuned.covariance[(place, place)].max(0.0) * scatter).sqrt();
+        let half = NORMAL_95 * covariance[(place, place)].max(0.0).sqrt();
         let parameter: &Parameter = &about.parameter;
         let (low, high) = parameter.interval(at, half);
         let each = about.own && given.recordings.len() > 1;
@@ -69,15 +88,15 @@ fn quantities(given: &Given, tuned: &Tuned, proposal: &Proposal, scatter: f64) -
     found.into_iter().map(|(_, quantity)| quantity).collect()
 }
 
-fn named(searched: &Searched, member: &Member, judged: &Judged) -> Finding {
+fn named(
+    searched: &Searched,
+    member: &Member,
+    judged: &Judged,
+    covariance: &DMatrix<f64>,
+) -> Finding {
     let proposal = &member.proposal;
     let (given, tuned) = (&searched.placed, &searched.augmented);
-    let screened = searched.first.screened.iter();
-    let scatter = screened
-        .clone()
-        .find(|one| one.subject == proposal.subject)
-        .map_or(1.0, |one| one.score.scatter.min(WIDEST));
-    let parameters = quantities(given, tuned, proposal, scatter);
+    let parameters = quantities(given, tuned, proposal, covariance);
     let steps = steps(given, tuned, &proposal.knobs);
     let local = proposal.kind() == Kind::Local;
     let places = places(searched, member, judged.subject, &steps);
@@ -115,9 +134,6 @@ pub fn likeliest_first(odds: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
     }
     once
 }
-
-/// Intervals are not widened by more than this: a larger scatter is something else that is missing.
-const WIDEST: f64 = 4.0;
 
 /// How far knobs are from off, for each recording.
 fn steps(given: &Given, tuned: &Tuned, knobs: &[usize]) -> Vec<(usize, Vec<f64>)> {

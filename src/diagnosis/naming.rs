@@ -26,6 +26,8 @@ const TWINS: f64 = 1.0;
 /// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
 /// lost its way.
 pub const LOST: f64 = 5.0;
+/// So has one that comes to less than this share of what the linearised problem promises.
+const SHORT: f64 = 0.5;
 
 /// A proposal fitted in full beside what was found before.
 #[derive(Debug, Clone)]
@@ -103,21 +105,23 @@ impl<'a> Sketch<'a> {
     }
 }
 
-/// Takes the first steps of fitting a proposal. `None` where the model cannot drive with it.
+/// Takes the first steps of fitting a proposal to this share of the recordings. `None` where the model cannot drive
+/// with it.
 #[must_use]
 pub fn sketch<'a>(
     given: &Given<'a>,
     proposal: &Proposal,
     before: &Tuned,
     by: &Weighing,
+    share: f64,
 ) -> Option<Sketch<'a>> {
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
-    let begin = cheapest(&given, proposal, &knobs, before, by);
+    let cheapest = cheapest(&given, proposal, &knobs, before, by);
     let stop = first_steps(proposal);
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
-    let begins = begin
+    let begins = cheapest
         .into_iter()
         .chain(compared(&given, proposal, &before.solution))
         .chain(settled(&given, proposal, before, by));
@@ -131,6 +135,18 @@ pub fn sketch<'a>(
     if !proposal.hidden && tuned.as_ref().is_none_or(lost) {
         // Without it things were better: from there, then.
         let again = tune_until(&given, &knobs, &before.solution, by, LONG_SKETCH).ok();
+        tuned = tuned.into_iter().chain(again).min_by(likelier);
+    }
+    let promised = SHORT * share * proposal.evidence;
+    let short = |tuned: &Tuned| before.surprise - tuned.surprise + tuned.promised < promised - LOST;
+    if !proposal.hidden && tuned.as_ref().is_none_or(short) {
+        // Its step alone: a small one may cost less before the starts have followed, and lead elsewhere, and
+        // soil that follows may be more than the vehicle can drive on.
+        let begin = Solution {
+            knobs: begin(&given, proposal, &before.solution, 1.0).knobs,
+            ..before.solution.clone()
+        };
+        let again = tune_until(&given, &knobs, &begin, by, LONG_SKETCH).ok();
         tuned = tuned.into_iter().chain(again).min_by(likelier);
     }
     let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;

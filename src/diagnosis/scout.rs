@@ -36,7 +36,8 @@ impl<'a> Scouts<'a> {
     /// As [`sketch`], what is gained told as if it were of all stretches.
     #[must_use]
     pub fn sketch(&self, proposal: &Proposal) -> Option<Sketch<'a>> {
-        let sketch = sketch(&self.given, proposal, &self.before, &self.by)?;
+        let share = 1.0 / self.part.ratio();
+        let sketch = sketch(&self.given, proposal, &self.before, &self.by, share)?;
         Some(self.scaled(sketch))
     }
 
@@ -77,7 +78,7 @@ impl<'a> Scouts<'a> {
         let kept = widened.filter(|tuned| tuned.surprise <= before.surprise + LOST);
         match kept {
             Some(tuned) => Some(Sketch::new(proposal, given, tuned, before)),
-            None => sketch(given, proposal, before, by),
+            None => sketch(given, proposal, before, by, 1.0),
         }
     }
 }

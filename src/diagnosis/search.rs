@@ -200,7 +200,7 @@ mod tests {
             gain,
         };
         // As well as it can be: nothing to begin again for.
-        assert!(unstuck(&stage, &[beside.clone()], &by).is_none());
+        assert!(unstuck(&stage, std::slice::from_ref(&beside), &by).is_none());
         // Stuck where it began.
         let still = crate::fit::optimiser::Stop {
             steps: 0,
@@ -208,7 +208,7 @@ mod tests {
         };
         stage.tuned = tune_until(&given, &[], &given.begin(), &by, still).unwrap();
         assert!(stage.tuned.surprise > beside.tuned.surprise + STUCK);
-        let found = unstuck(&stage, &[beside.clone()], &by).unwrap();
+        let found = unstuck(&stage, std::slice::from_ref(&beside), &by).unwrap();
         assert!((found.surprise - beside.tuned.surprise).abs() < 1.0);
         // What gains nothing does not tell of another way.
         assert!(

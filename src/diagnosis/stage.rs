@@ -139,7 +139,7 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
         Some(scouts) => scouted(stage, &scouts, by),
         None => {
             let all = stage.proposals.iter();
-            all.filter_map(|proposal| sketch(given, proposal, tuned, by))
+            all.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0))
                 .collect()
         }
     };
@@ -167,7 +167,7 @@ fn scouted<'a>(stage: &Stage<'a>, scouts: &Scouts<'a>, by: &Weighing) -> Vec<Ske
     let widened = widened.filter_map(|sketch| scouts.widened(sketch, given, tuned, by));
     let may_be_near = |p: &&Proposal| LINEAR * p.evidence > NEAR_ON_A_PART * best - CLOSE;
     let local = local.into_iter().filter(may_be_near);
-    let local = local.filter_map(|proposal| sketch(given, proposal, tuned, by));
+    let local = local.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
     widened.chain(local).collect()
 }
 
