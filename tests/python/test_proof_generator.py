@@ -25,7 +25,7 @@ from generator.catalogue import EFFECTS, I, off_vector, slot  # noqa: E402
 from generator.contact import contact, rule  # noqa: E402
 from generator.drafts import draw_case  # noqa: E402
 from generator.sensors import Channel, Samples, draw_samples, draw_sensors, encoder, report  # noqa: E402
-from generator.signal import Case, Ruler, Signal, left_beside, project, retuned  # noqa: E402
+from generator.signal import Case, Ruler, Signal, left_beside, project, retuned, span  # noqa: E402
 from generator.simulator import COARSE, FINE, STEP, Drive, Setup, Window, begin, make_world, simulate  # noqa: E402
 from generator.sizes import draw_effect, ways  # noqa: E402
 from generator.stepper import derivative  # noqa: E402
@@ -181,7 +181,7 @@ class Noise(unittest.TestCase):
 class Signals(unittest.TestCase):
     def test_projection_removes_what_starts_and_soil_explain(self):
         rng = np.random.default_rng(1)
-        start, soil, other = rng.normal(size=(60, 6)), rng.normal(size=(60, 3)), rng.normal(size=60)
+        start, soil, other = span(rng.normal(size=(60, 6))), rng.normal(size=(60, 3)), rng.normal(size=60)
         hidden = project([start @ np.ones(6) + soil @ np.ones(3)], [start], [soil])
         self.assertLess(hidden.left, 1e-9)
         self.assertAlmostEqual(hidden.absorbed, 1.0, places=9)
@@ -204,7 +204,7 @@ class Signals(unittest.TestCase):
 
     def test_what_only_adds_imitates_nothing_that_takes_away(self):
         rng = np.random.default_rng(2)
-        start, soil, column = rng.normal(size=(60, 6)), rng.normal(size=(60, 3)), rng.normal(size=(60, 1))
+        start, soil, column = span(rng.normal(size=(60, 6))), rng.normal(size=(60, 3)), rng.normal(size=(60, 1))
         for sign, one_sided, imitated in ((1.0, True, True), (-1.0, True, False), (-1.0, False, True)):
             signal = sign * column[:, 0] + soil @ np.ones(3)
             left = left_beside([signal], [start], [soil], [column], [one_sided])

@@ -13,7 +13,7 @@ SAME = 5.0  # sigma: what a look-alike may leave of an effect
 
 
 class Bench:
-    """Rulers on several recordings with their columns of starts and soil, and what each effect changed there."""
+    """Rulers on several recordings with the span of their starts, the columns of the soil, and what each effect changed there."""
 
     def __init__(self, rulers: list[Ruler], starts: list[np.ndarray], soils: list[np.ndarray],
                  changes: list[dict[str, np.ndarray]]):

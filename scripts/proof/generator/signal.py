@@ -177,9 +177,9 @@ class Ruler:
         return column
 
     def columns(self, off: Setup) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
-        """Predictions with the effects off, the starts' columns and the soil's."""
+        """Predictions with the effects off, what the starts can change as `span`, and the soil's columns."""
         base = self.predict(off, self.case.drive)
-        return base, self.starts(base), self.soil_columns(off, base)
+        return base, span(self.starts(base)), self.soil_columns(off, base)
 
     def soil_columns(self, off: Setup, base: list[np.ndarray]) -> np.ndarray:
         """Changes by the soil's parameters (log scale) around predictions."""
@@ -224,13 +224,14 @@ class Ruler:
         return replace(drive, speeds=np.stack([np.interp(grid - late, grid, drive.speeds[:, i]) for i in range(2)], 1))
 
 
+def span(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal columns that reach what these reach."""
+    return np.linalg.qr(columns)[0]
+
+
 def _freed(parts: list[np.ndarray], starts: list[np.ndarray]) -> np.ndarray:
-    """Vectors or columns of each drive without what its starts explain, stacked."""
-    freed = []
-    for part, start in zip(parts, starts):
-        q, _ = np.linalg.qr(start)
-        freed.append(part - q @ (q.T @ part))
-    return np.concatenate(freed)
+    """Vectors or columns of each drive without what its starts explain (each a `span`), stacked."""
+    return np.concatenate([part - q @ (q.T @ part) for part, q in zip(parts, starts)])
 
 
 def _without(signal: np.ndarray, columns: np.ndarray) -> np.ndarray:
@@ -241,7 +242,7 @@ def _without(signal: np.ndarray, columns: np.ndarray) -> np.ndarray:
 
 
 def project(signals: list[np.ndarray], starts: list[np.ndarray], soils: list[np.ndarray]) -> Signal:
-    """Sizes over several drives: starts are each drive's own, the soil is shared."""
+    """Sizes over several drives: starts (each a `span`) are each drive's own, the soil is shared."""
     signal = _freed(signals, starts)
     left = _without(signal, _freed(soils, starts))
     return Signal(float(np.linalg.norm(signal)), float(np.linalg.norm(left)))
