@@ -22,6 +22,9 @@ const TOLD: usize = 3;
 /// The findings of a judgement.
 #[must_use]
 pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
+    if judged.is_empty() {
+        return Vec::new();
+    }
     let covariance = covariance(searched);
     let one = |judged: &Judged| match judged.member {
         Some(member) => named(searched, &searched.members[member], judged, &covariance),

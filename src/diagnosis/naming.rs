@@ -130,25 +130,26 @@ pub fn sketch<'a>(
         tuned.ok().filter(|tuned| tuned.surprise.is_finite())
     });
     let likelier = |a: &Tuned, b: &Tuned| a.surprise.total_cmp(&b.surprise);
-    let mut tuned = each.min_by(likelier);
+    let tuned = each.min_by(likelier);
     let lost = |tuned: &Tuned| tuned.surprise > before.surprise + LOST;
-    if !proposal.hidden && tuned.as_ref().is_none_or(lost) {
-        // Without it things were better: from there, then.
-        let again = tune_until(&given, &knobs, &before.solution, by, LONG_SKETCH).ok();
-        tuned = tuned.into_iter().chain(again).min_by(likelier);
-    }
     let promised = SHORT * share * proposal.evidence;
     let short = |tuned: &Tuned| before.surprise - tuned.surprise + tuned.promised < promised - LOST;
-    if !proposal.hidden && tuned.as_ref().is_none_or(short) {
-        // Its step alone: a small one may cost less before the starts have followed, and lead elsewhere, and
-        // soil that follows may be more than the vehicle can drive on.
-        let begin = Solution {
-            knobs: begin(&given, proposal, &before.solution, 1.0).knobs,
-            ..before.solution.clone()
-        };
-        let again = tune_until(&given, &knobs, &begin, by, LONG_SKETCH).ok();
-        tuned = tuned.into_iter().chain(again).min_by(likelier);
-    }
+    let step_alone = Solution {
+        knobs: begin(&given, proposal, &before.solution, 1.0).knobs,
+        ..before.solution.clone()
+    };
+    let again = |tuned: Option<Tuned>, failed: &dyn Fn(&Tuned) -> bool, begin: &Solution| {
+        if proposal.hidden || !tuned.as_ref().is_none_or(failed) {
+            return tuned;
+        }
+        let other = tune_until(&given, &knobs, begin, by, LONG_SKETCH).ok();
+        tuned.into_iter().chain(other).min_by(likelier)
+    };
+    // Without it things were better: from there, then.
+    let tuned = again(tuned, &lost, &before.solution);
+    // A small step may cost less before the starts have followed, and lead elsewhere, and soil that follows
+    // may be more than the vehicle can drive on.
+    let tuned = again(tuned, &short, &step_alone);
     let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;
     Some(Sketch::new(proposal, &given, tuned, before))
 }

@@ -189,7 +189,7 @@ mod tests {
         let mut given = Given::new(&nominal, &recordings);
         let (_, mut by) = prepare(&mut given, &options).unwrap();
         let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        let mut stage = look(given.clone(), fitted.clone(), &mut by, &options, &progress).unwrap();
+        let mut stage = look(given.clone(), fitted, &mut by, &options, &progress).unwrap();
         let proposal = stage.proposals.first().cloned().unwrap();
         let gain = 10.0 * STUCK;
         let beside = Named {

@@ -162,30 +162,50 @@ fn scouted<'a>(stage: &Stage<'a>, scouts: &Scouts<'a>, by: &Weighing) -> Vec<Ske
     let near = promising(begun.collect(), NEAR_ON_A_PART, 2 * MOST);
     let further = near.iter().map(|sketch| scouts.further(sketch));
     let near = promising(further.collect(), NEAR_ON_A_PART, MOST);
-    let best = near.iter().map(Sketch::odds).fold(0.0, f64::max);
+    let bar = Bar::of(&near);
     let widened = near.iter();
     let widened = widened.filter_map(|sketch| scouts.widened(sketch, given, tuned, by));
-    let may_be_near = |p: &&Proposal| LINEAR * p.evidence > NEAR_ON_A_PART * best - CLOSE;
+    let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.least(p.kind(), NEAR_ON_A_PART);
     let local = local.into_iter().filter(may_be_near);
     let local = local.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
     widened.chain(local).collect()
 }
 
-/// Those that may come to this share of the best, the most promising first, at most so many. Of what has a name
-/// the best with a name counts, where that explains a good part of what a law does.
+/// Those that may come to this share of the best, the most promising first, at most so many.
 fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64, most: usize) -> Vec<Sketch<'a>> {
     sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     // What was proposed twice, as seen and as hidden, and came to the same is finished once.
     sketches.dedup_by(|later, earlier| later.is_twin_of(earlier));
-    let is_law = |sketch: &&Sketch| sketch.proposal.kind() == Kind::Law;
-    let (laws, names): (Vec<&Sketch>, Vec<&Sketch>) = sketches.iter().partition(is_law);
-    let best = |of: Vec<&Sketch>| of.into_iter().map(Sketch::odds).fold(0.0, f64::max);
-    let (law, name) = (best(laws), best(names));
-    let least = |sketch: &Sketch| match sketch.proposal.kind() {
-        Kind::Law => share * law.max(name),
-        _ => (share * name).max(GOOD_PART * law),
-    };
+    let bar = Bar::of(&sketches);
     sketches.truncate(most);
-    sketches.retain(|sketch| sketch.promise() > least(sketch) - CLOSE);
+    sketches.retain(|sketch| sketch.promise() > bar.least(sketch.proposal.kind(), share));
     sketches
+}
+
+/// The largest log odds of laws and of names, by which the others are measured.
+struct Bar {
+    law: f64,
+    name: f64,
+}
+
+impl Bar {
+    fn of(sketches: &[Sketch]) -> Self {
+        let is_law = |sketch: &&Sketch| sketch.proposal.kind() == Kind::Law;
+        let (laws, names): (Vec<&Sketch>, Vec<&Sketch>) = sketches.iter().partition(is_law);
+        let best = |of: Vec<&Sketch>| of.into_iter().map(Sketch::odds).fold(0.0, f64::max);
+        Self {
+            law: best(laws),
+            name: best(names),
+        }
+    }
+
+    /// What comes to less is not gone on with: less than this share of the best. Of what has a name the best with a
+    /// name counts, where that explains a good part of what a law does.
+    fn least(&self, kind: Kind, share: f64) -> f64 {
+        let best = match kind {
+            Kind::Law => share * self.law.max(self.name),
+            _ => (share * self.name).max(GOOD_PART * self.law),
+        };
+        best - CLOSE
+    }
 }
