@@ -209,3 +209,23 @@ impl Bar {
         best - CLOSE
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_does_not_set_the_bar_for_names() {
+        let bar = |law, name| Bar { law, name };
+        for kind in [Kind::Throughout, Kind::Local] {
+            // Two effects at once: a law has the most of both, each name two thirds or less.
+            let least = bar(1000.0, 400.0).least(kind, NEAR);
+            assert!((300.0 - CLOSE - least).abs() < 1e-9);
+            // A name that explains next to nothing of it leads nowhere, however good it is among names.
+            let least = bar(1000.0, 10.0).least(kind, NEAR);
+            assert!((GOOD_PART * 1000.0 - CLOSE - least).abs() < 1e-9);
+        }
+        let least = |law, name| bar(law, name).least(Kind::Law, NEAR);
+        assert!((least(1000.0, 400.0) - least(400.0, 1000.0)).abs() < 1e-9);
+    }
+}
