@@ -158,11 +158,10 @@ pub fn hidden(
             let about = &given.candidates.knobs[*knob];
             let parameter = &about.parameter;
             let off = parameter.prior_coordinate();
-            let typical = about.typical - off;
-            let away = match seen.sum() < 0.0 && off - typical > parameter.bounds().0 {
-                _ if !whole && !takes_up(knob) && about.secant.is_none() => 0.0,
-                true => -typical,
-                false => typical,
+            let away = if !whole && !takes_up(knob) && about.secant.is_none() {
+                0.0
+            } else {
+                away(about.typical - off, seen.sum(), off, parameter.bounds())
             };
             (*knob, DVector::repeat(seen.len(), away))
         };
@@ -186,6 +185,16 @@ pub fn hidden(
     let all = screened.iter().map(propose);
     all.filter(|proposal| proposal.steps.iter().any(|(_, step)| step[0] != 0.0))
         .collect()
+}
+
+/// A step of the typical size from off, to the side on which the linearised problem sees it where the range has two.
+fn away(typical: f64, seen: f64, off: f64, (low, high): (f64, f64)) -> f64 {
+    let two_sides = low < off - typical && off - typical < high;
+    if seen < 0.0 && two_sides {
+        -typical
+    } else {
+        typical
+    }
 }
 
 /// How the soil follows a step of some unknowns.
@@ -317,6 +326,28 @@ impl Proposal {
             Kind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
             Kind::Local => -LOCAL,
             Kind::Law => -TERM * self.knobs.len() as f64,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_hidden_begins_within_its_range_whatever_side_is_seen() {
+        // A pressure of 23 kPa, logarithms: tyres are rigid at the end of the range, on the other side is nothing.
+        let (off, low) = (2e6_f64.ln(), 5e3_f64.ln());
+        let softer = 23e3_f64.ln() - off;
+        // Rut memory, zero to one; a slope, either way.
+        let ranges = [
+            (softer, off, (low, off), softer),
+            (1.0, 0.0, (0.0, 1.0), 1.0),
+            (0.05, 0.0, (-0.3, 0.3), -0.05),
+        ];
+        for (typical, off, bounds, where_less_is_seen) in ranges {
+            assert_eq!(away(typical, 3.0, off, bounds), typical);
+            assert_eq!(away(typical, -3.0, off, bounds), where_less_is_seen);
         }
     }
 }
