@@ -16,6 +16,9 @@ use crate::fit::parameter::{NORMAL_95, Parameter};
 use crate::fit::uncertainty::uncertainty;
 use nalgebra::DMatrix;
 
+/// How much wider intervals are than the fit has them: it does not know of other ways to fit as well, nor that no
+/// model is exact. Chosen on 100 numbers of development cases from another simulator.
+const WIDER: f64 = 1.4;
 /// Stretches that are told where something acts throughout.
 const TOLD: usize = 3;
 
@@ -71,7 +74,7 @@ fn quantities(
             return;
         }
         let at = tuned.solution.knobs[recording][knob];
-        let half = NORMAL_95 * covariance[(place, place)].max(0.0).sqrt();
+        let half = WIDER * NORMAL_95 * covariance[(place, place)].max(0.0).sqrt();
         let parameter: &Parameter = &about.parameter;
         let (low, high) = parameter.interval(at, half);
         let each = about.own && given.recordings.len() > 1;

@@ -1,9 +1,9 @@
 //! What it all amounts to: probabilities, and the verdict.
 //!
 //! Each hypothesis that was fitted has a weight, its Bayes factor times its prior, softened by a
-//! temperature that grows as the root of the evidence, which is how the evidence itself scatters from one
-//! recording to the next: noise and the way down to the best fit are never quite as the likelihood has
-//! them.
+//! temperature that grows a little with the root of the evidence, which is how the evidence itself scatters
+//! from one recording to the next: noise and the way down to the best fit are never quite as the likelihood
+//! has them.
 //! Where something without a name is needed besides a name, the name is doubted; where a law stands alone,
 //! an effect whose fit lost its way may be behind it. These numbers were chosen on development cases
 //! from another simulator (see the docs).
@@ -15,9 +15,12 @@ use super::{Subject, Verdict};
 /// Share of the probability that stays with "unknown" whatever the evidence: now and then something
 /// outside the catalogue looks exactly like something inside.
 const DOUBT: f64 = 0.03;
-/// Softens log Bayes factors: so much, and so many roots of the largest.
-const TEMPERATURE: f64 = 1.5;
-const PER_ROOT: f64 = 0.2;
+/// Softens log Bayes factors: so much where nothing is likeliest, so much where something is, by `CLEAR` or more, and
+/// so many roots of the largest besides.
+const SILENT: f64 = 0.75;
+const TEMPERATURE: f64 = 2.0;
+const CLEAR: f64 = 3.0;
+const PER_ROOT: f64 = 0.02;
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;
 const MOST_DOUBT: f64 = 0.5;
@@ -41,7 +44,8 @@ const ENOUGH: f64 = 0.3;
 
 /// Softens differences of log odds where the largest are these.
 fn temperature(top: f64) -> f64 {
-    TEMPERATURE + PER_ROOT * top.max(0.0).sqrt()
+    let clear = ((top - NOTHING) / CLEAR).clamp(0.0, 1.0);
+    SILENT + (TEMPERATURE - SILENT) * clear + PER_ROOT * top.max(0.0).sqrt()
 }
 
 /// Probabilities of subjects; they sum to 1.
@@ -162,8 +166,8 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
         .iter()
         .all(|member| matches!(member.proposal.kind(), super::proposal::Kind::Local));
     let main = members.is_empty() || left > MAIN * named || (local && left > 0.5 * MAIN * named);
-    let mut odds =
-        mean(members.iter().map(odds)).unwrap_or_else(|| Odds::new(&searched.refused, NOTHING));
+    let mut odds = mean(members.iter().map(|m| (odds(m), m.gain.max(0.0))))
+        .unwrap_or_else(|| Odds::new(&searched.refused, NOTHING));
     let something_unknown = something * (1.0 - MISSED);
     if main {
         let whole = odds.with(Subject::Unknown, something);
@@ -264,14 +268,22 @@ fn judge_member(index: usize, member: &Member, odds: Odds) -> Judged {
     }
 }
 
-fn mean(each: impl Iterator<Item = Odds>) -> Option<Odds> {
-    let all: Vec<Odds> = each.collect();
-    let count = all.len() as f64;
+/// Of several findings, each weighed by its evidence: what explains little is a small part of what was missing.
+fn mean(each: impl Iterator<Item = (Odds, f64)>) -> Option<Odds> {
+    let all: Vec<(Odds, f64)> = each.collect();
+    let total: f64 = all.iter().map(|(_, gain)| gain).sum();
     let mut sum: Vec<(Subject, f64)> = Vec::new();
-    for (subject, share) in all.iter().flat_map(|odds| &odds.0) {
-        match sum.iter_mut().find(|(other, _)| other == subject) {
-            Some((_, total)) => *total += share / count,
-            None => sum.push((*subject, share / count)),
+    for (odds, gain) in &all {
+        let weight = if total > 0.0 {
+            gain / total
+        } else {
+            1.0 / all.len() as f64
+        };
+        for (subject, share) in &odds.0 {
+            match sum.iter_mut().find(|(other, _)| other == subject) {
+                Some((_, total)) => *total += weight * share,
+                None => sum.push((*subject, weight * share)),
+            }
         }
     }
     (!sum.is_empty()).then_some(Odds(sum))
