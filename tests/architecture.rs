@@ -73,6 +73,9 @@ const EDGES: &[(&str, &[&str])] = &[
     ("main", &["cli"]),
 ];
 
+/// Parts of the diagnosis: each may use those before it, and what is beside them (`outcome`, `error`, `progress`).
+const PARTS: &[&str] = &["hypothesis", "screening", "search", "answer", "manoeuvre"];
+
 /// Files are to be read in one go.
 const LONGEST_FILE: usize = 400;
 
@@ -135,6 +138,26 @@ fn dependencies_point_one_way() {
         }
     }
     assert!(seen > 50, "the search finds nothing: {seen}");
+}
+
+#[test]
+fn parts_of_the_diagnosis_depend_one_way() {
+    let mut seen = 0;
+    for (path, module, text) in all() {
+        let parts: Vec<&str> = path.iter().filter_map(|part| part.to_str()).collect();
+        if module != "diagnosis" || parts.len() < 3 {
+            continue;
+        }
+        let rank = |name: &str| PARTS.iter().position(|part| *part == name);
+        let own = rank(parts[1]).unwrap_or_else(|| panic!("{} has no rank", parts[1]));
+        for used in product(&text).split("crate::diagnosis::").skip(1) {
+            let used = used.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+            let other = used.into_iter().next().and_then(rank);
+            seen += usize::from(other.is_some());
+            assert!(other <= Some(own), "src/{} uses {other:?}", path.display());
+        }
+    }
+    assert!(seen > 30, "the search finds nothing: {seen}");
 }
 
 #[test]

@@ -1,19 +1,19 @@
 //! From recordings to a diagnosis.
 
-use super::account::{account, doubts};
-use super::ambiguity::groups;
-use super::candidate::{Target, copy};
-use super::errors::compare;
-use super::findings::findings;
+use super::answer::account::{account, doubts};
+use super::answer::ambiguity::groups;
+use super::answer::errors::compare;
+use super::answer::findings::findings;
+use super::answer::traces::traces;
+use super::answer::verdict::{Odds, judge};
+use super::hypothesis::candidate::{Target, copy};
+use super::hypothesis::likelihood::Tuned;
+use super::hypothesis::prepare::{prepare, seconds};
 use super::hypothesis::{Given, What};
-use super::likelihood::Tuned;
 use super::manoeuvre::next;
 use super::outcome::{Account, Candidate, Diagnosis, Subject, Verdict};
-use super::prepare::{prepare, seconds};
-use super::screen::{Projection, one_degree};
+use super::screening::screen::{Projection, one_degree};
 use super::search::{Searched, search};
-use super::traces::traces;
-use super::verdict::{Odds, judge};
 use super::{DiagnosisError, Options, Progress};
 use crate::effects::{CATALOGUE, Effects, Extent};
 use crate::fit::Estimate;
@@ -156,7 +156,7 @@ fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisEr
     let looked = &searched.first;
     let projection = Projection::over_all(&looked.system, &[]).ok_or(DiagnosisError::NotFinite)?;
     let alike = groups(&projection, &looked.screened);
-    let one = |(screened, alike): (&super::proposal::Screened, Vec<(Subject, f64)>)| {
+    let one = |(screened, alike): (&super::search::proposal::Screened, Vec<(Subject, f64)>)| {
         let knob = searched.given.candidates.of(screened.subject).next();
         let knob = &searched.given.candidates.knobs[knob?];
         let (projected, score) = (&screened.projected, &screened.score);
@@ -218,7 +218,7 @@ fn empty(subject: Subject) -> Candidate {
 fn others(odds: &Odds, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
     let change = CATALOGUE
         .iter()
-        .position(|e| e.name == super::candidate::TERRAIN_CHANGE)
+        .position(|e| e.name == super::hypothesis::candidate::TERRAIN_CHANGE)
         .filter(|effect| !nominal.effects.is_on(*effect));
     let mut subjects = vec![Subject::Nothing, Subject::Unknown];
     subjects.extend(change.map(Subject::Effect));

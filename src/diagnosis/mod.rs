@@ -1,47 +1,16 @@
 //! What physics did the model leave out?
 
-mod account;
-mod ambiguity;
-mod candidate;
-mod contest;
-mod course;
+mod answer;
 mod diagnose;
 mod error;
-mod errors;
-mod findings;
-mod held_out;
 mod hypothesis;
-mod law;
-mod likelihood;
-mod load;
-mod locate;
 mod manoeuvre;
-mod maps;
-mod naming;
-mod noise;
 mod outcome;
-mod part;
-mod path;
-mod prepare;
 mod progress;
-mod proposal;
-mod prune;
-mod refitted;
-mod regime;
-mod rehearsal;
-mod scan;
-mod scout;
-mod screen;
+mod screening;
 mod search;
-mod sensitivity;
-mod separation;
-mod stage;
-mod system;
-mod traces;
-mod verdict;
-mod words;
-mod wrench;
 
+pub use answer::words::phrase;
 pub use diagnose::{diagnose, insufficient};
 pub use error::DiagnosisError;
 pub use outcome::{
@@ -49,7 +18,6 @@ pub use outcome::{
     Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
 };
 pub use progress::Progress;
-pub use words::phrase;
 
 /// How to diagnose.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,83 @@
+//! The account that a diagnosis gives of itself.
+
+use super::findings::likeliest_first;
+use crate::diagnosis::Options;
+use crate::diagnosis::hypothesis::maps::Maps;
+use crate::diagnosis::outcome::Account;
+use crate::diagnosis::search::Searched;
+use crate::effects::Extent;
+use crate::fit::weighing::noise_estimates;
+use crate::vehicle::Vehicle;
+
+/// How it was done: noise, thresholds, and what the reader should know besides.
+#[must_use]
+pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f64) -> Account {
+    let given = &searched.given;
+    let predictor = given.predictor(&searched.augmented.knobs);
+    let problem = given.problem(&predictor, &searched.augmented.knobs);
+    let scatters = searched.last.screened.iter().map(|one| one.score.scatter);
+    let mut scatters: Vec<f64> = scatters.collect();
+    scatters.sort_by(f64::total_cmp);
+    Account {
+        seed: options.seed,
+        segments: given.segments.len(),
+        seconds,
+        left_out,
+        noise: noise_estimates(&problem, &searched.augmented.tables, &searched.by),
+        overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
+        threshold: searched.first.threshold.sqrt(),
+        refused: likeliest_first(&searched.refused),
+        steps: Vec::new(),
+        notes: notes(searched),
+    }
+}
+
+/// What is doubtful of the vehicle that was given: the answer is about that vehicle.
+#[must_use]
+pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
+    let doubts = vehicle.doubts().into_iter();
+    doubts
+        .map(|doubt| format!("The vehicle's numbers hardly belong together: {doubt}."))
+        .collect()
+}
+
+fn notes(searched: &Searched) -> Vec<String> {
+    let mut notes = doubts(&searched.given.nominal.vehicle);
+    if searched.given.stiffening > 1.0 {
+        notes.push(format!(
+            "On the terrain as given the vehicle cannot drive; re-tuning began with {} times its frictional modulus.",
+            searched.given.stiffening
+        ));
+    }
+    if searched.given.maps == Maps::OfRecordings {
+        let note = "Recordings begin at one point, so each counts as having a map of its own: what belongs to a place is not sought across them. Give poses in one frame if they share one.";
+        notes.push(note.into());
+    }
+    notes.extend(at_the_end_of_its_range(searched));
+    let window = searched.placed.nominal.effects.window.as_ref();
+    if let Some(Extent::Time { .. }) = window.map(|window| &window.extent) {
+        let note = "What acts in one drive only, or for some seconds of it, is not part of the augmented model.";
+        notes.push(note.into());
+    }
+    notes
+}
+
+/// Soil parameters that would go further than they may: what they stand for then is not soil.
+fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> {
+    let parameters = searched.given.soil_parameters();
+    let pairs = parameters
+        .into_iter()
+        .zip(&searched.augmented.solution.soil);
+    pairs.filter_map(|(parameter, at)| {
+        let (low, high) = parameter.bounds();
+        let near = 1e-6 * (high - low);
+        (*at <= low + near || *at >= high - near).then(|| {
+            format!(
+                "{} went to the end of its range, {:.3e} {}: it may stand for something else than soil; on firm ground for tyres, which the given model can have (tyre_compliance).",
+                parameter.name,
+                parameter.value(*at),
+                parameter.unit
+            )
+        })
+    })
+}

@@ -1,0 +1,237 @@
+//! How far predictions of data not fitted err: as given, re-tuned, with what was found.
+//!
+//! Each model is judged by parameters from other folds (see `refitted`) and under the noise that it leaves
+//! itself: under the noise of another one, which holds less, what it misses would count more. Errors in metres
+//! come from starts fitted to the first second of a segment alone; what follows it is predicted. They are
+//! compared on the segments that all models can drive; the score is over all.
+
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::held_out::Scores;
+use crate::diagnosis::hypothesis::likelihood::{
+    Block, HELD, Tuned, blocks, follow, own_noise, tune_on,
+};
+use crate::diagnosis::hypothesis::refitted::refitted;
+use crate::diagnosis::outcome::{Errors, HeldOut};
+use crate::diagnosis::search::Searched;
+use crate::fit::exact::ExactPredictor;
+use crate::fit::normal::{Eliminated, Normal};
+use crate::fit::observation::observe;
+use crate::fit::optimiser::{Stop, minimise};
+use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::robust::penalty;
+use crate::fit::segment::{Segment, Signal};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// A start is fitted to so many seconds; the rest is predicted.
+const SEEN: f64 = 1.0;
+/// Steps that fit it.
+const STEPS: usize = 2;
+/// When starts alone are fitted.
+const START_STOP: Stop = Stop {
+    steps: 10,
+    gain: 0.5,
+};
+/// Weight of samples that are not seen.
+const UNSEEN: f64 = 1e-8;
+
+/// A model's predictions of what it was not fitted to.
+struct Row {
+    /// Of each segment; `None` where the model cannot drive.
+    errors: Vec<Option<Sums>>,
+    scores: Scores,
+}
+
+/// Compares the model as given, re-tuned, and with what was found. `None` where there is too little to
+/// hold out.
+#[must_use]
+pub fn compare(searched: &Searched) -> Option<HeldOut> {
+    let (given, by) = (&searched.given, &searched.by);
+    let row = |given, tuned| {
+        let own = own_noise(given, tuned, by);
+        fitted(given, &tune_on(given, tuned, &own, HELD), &own)
+    };
+    let retuned = row(given, &searched.retuned)?;
+    let augmented = if searched.members.is_empty() {
+        None
+    } else {
+        Some(row(&searched.placed, &searched.augmented)?)
+    };
+    let nominal = nominal(given, by);
+    let rows = [nominal.as_ref(), Some(&retuned), augmented.as_ref()];
+    let rows = rows.into_iter().flatten();
+    let by_all: Vec<bool> = (0..given.segments.len())
+        .map(|index| rows.clone().all(|row: &Row| row.errors[index].is_some()))
+        .collect();
+    let length = given.segments.iter().map(|s| s.end - s.start);
+    let best = augmented.as_ref().unwrap_or(&retuned);
+    Some(HeldOut {
+        nominal: nominal
+            .as_ref()
+            .map_or(Errors::NONE, |row| row.sum_up(&by_all)),
+        retuned: retuned.sum_up(&by_all),
+        augmented: best.sum_up(&by_all),
+        gain: augmented
+            .as_ref()
+            .map_or((0.0, 0.0), |row| row.scores.gain_over(&retuned.scores)),
+        horizon: length.fold(0.0, f64::max) - SEEN,
+        stretches: by_all.iter().filter(|all| **all).count(),
+    })
+}
+
+/// Of a fitted hypothesis.
+fn fitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Row> {
+    let scores = refitted(given, tuned, by)?;
+    let predictor = given.predictor(&tuned.knobs);
+    let problem = given.problem(&predictor, &tuned.knobs);
+    Some(Row::new(&problem, &tuned.solution.starts, scores, by))
+}
+
+/// Of the model as it is given. `None` where it cannot drive.
+fn nominal(given: &Given, by: &Weighing) -> Option<Row> {
+    let predictor = ExactPredictor::new(given.nominal.clone(), Vec::new());
+    let none = vec![Vec::new(); given.recordings.len()];
+    let mut problem = Problem::new(&predictor, Vec::new(), given.names.clone(), none);
+    problem.segments.clone_from(&given.segments);
+    let mut point = Point {
+        coordinates: DVector::zeros(0),
+        starts: problem.measured_starts(),
+    };
+    let mut own = by.clone();
+    let outcome = minimise(&problem, &mut point, by, START_STOP).ok()?;
+    follow(&problem, &point, &outcome.tables, &mut own);
+    let blocks = blocks(&problem, &outcome.tables, &point, &own)?;
+    let scores = Scores {
+        log_density: blocks.iter().map(Block::log_density).collect(),
+        samples: blocks.iter().map(|block| block.samples).collect(),
+        coordinates: vec![DVector::zeros(0); blocks.len()],
+    };
+    Some(Row::new(&problem, &point.starts, scores, &own))
+}
+
+impl Row {
+    fn new(
+        problem: &Problem<ExactPredictor>,
+        starts: &[[f64; 6]],
+        scores: Scores,
+        by: &Weighing,
+    ) -> Self {
+        let one = |(index, segment): (usize, &Segment)| {
+            let at = &scores.coordinates[index];
+            predicted(problem, index, segment, at, starts[index], by)
+        };
+        let errors = problem.segments.par_iter().enumerate().map(one).collect();
+        let mut scores = scores;
+        for (density, weights) in scores.log_density.iter_mut().zip(&by.weights) {
+            *density -= 0.5 * price(weights.iter().flatten());
+        }
+        Self { errors, scores }
+    }
+
+    /// Over these segments; the score over all.
+    fn sum_up(&self, counted: &[bool]) -> Errors {
+        let mut all = Sums::default();
+        let pairs = self.errors.iter().zip(counted);
+        for sums in pairs.filter_map(|(sums, counts)| sums.filter(|_| *counts)) {
+            for (total, part) in all.0.iter_mut().zip(sums.0) {
+                total.0 += part.0;
+                total.1 += part.1;
+            }
+        }
+        let root = |sum: (f64, usize)| (sum.0 / sum.1 as f64).sqrt();
+        Errors {
+            position: root(all.0[0]),
+            heading: root(all.0[1]),
+            yaw_rate: root(all.0[2]),
+            log_score: self.scores.mean(),
+        }
+    }
+}
+
+/// What the weights of outliers cost, for they are each model's own: with it the density is Student's.
+fn price<'w>(weights: impl Iterator<Item = &'w f64>) -> f64 {
+    // The determinant of the noise has the logarithm already.
+    weights.map(|weight| penalty(*weight) + weight.ln()).sum()
+}
+
+/// Sums of squares and numbers of samples: position (two coordinates make one sample), heading, yaw
+/// rate.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums([(f64, usize); 3]);
+
+/// Fits a start to the first second and predicts the rest. `None` where the model cannot drive.
+fn predicted(
+    problem: &Problem<ExactPredictor>,
+    index: usize,
+    segment: &Segment,
+    at: &DVector<f64>,
+    mut start: [f64; 6],
+    by: &Weighing,
+) -> Option<Sums> {
+    let values = problem.model_values(segment.recording, at);
+    let sensors = problem.sensor_values(segment.recording, at);
+    let seen = segment.start + SEEN;
+    let mut observed = Vec::new();
+    for step in 0..=STEPS {
+        let last = step == STEPS;
+        observed = observe(
+            problem.predictor(),
+            segment,
+            &start,
+            &values,
+            &sensors,
+            !last,
+        )
+        .ok()?;
+        if last {
+            break;
+        }
+        let mut normal = Normal::zeros(0);
+        for (channel, data) in segment.samples.iter().enumerate() {
+            let late = data.signal.latency(&sensors);
+            let weights: Vec<f64> = data
+                .time
+                .iter()
+                .zip(&by.weights[index][channel])
+                .map(|(time, weight)| if time - late <= seen { *weight } else { UNSEEN })
+                .collect();
+            let residuals = &observed[channel];
+            let width = residuals.rows.len() / residuals.residual.len().max(1);
+            let rows = residuals
+                .residual
+                .iter()
+                .zip(residuals.rows.chunks_exact(width));
+            let mut table: Vec<f64> = rows
+                .flat_map(|(residual, row)| {
+                    std::iter::once(*residual).chain(row[..6].iter().copied())
+                })
+                .collect();
+            let noise = by.noise[segment.recording][data.signal.group() as usize];
+            noise.whiten(&data.time, &weights, 7, &mut table);
+            normal.add(&table, &[]);
+        }
+        let missing = std::array::from_fn(|k| segment.start_prior[k] - start[k]);
+        normal.add_start_prior(&missing, &segment.start_deviation);
+        let step = Eliminated::new(&normal, 0.0)?.start_step(&normal, &DVector::zeros(0));
+        for (value, step) in start.iter_mut().zip(step) {
+            *value += step;
+        }
+    }
+    let mut sums = Sums::default();
+    for (data, residuals) in segment.samples.iter().zip(&observed) {
+        let late = data.signal.latency(&sensors);
+        let later = data.time.iter().zip(&residuals.residual);
+        for (_, residual) in later.filter(|(time, _)| *time - late > seen) {
+            let (place, counts) = match data.signal {
+                Signal::X => (0, 1),
+                Signal::Y => (0, 0),
+                Signal::Heading => (1, 1),
+                Signal::YawRate => (2, 1),
+                Signal::VelocityForward | Signal::VelocityLeft => continue,
+            };
+            sums.0[place].0 += residual * residual;
+            sums.0[place].1 += counts;
+        }
+    }
+    Some(sums)
+}

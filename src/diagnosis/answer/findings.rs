@@ -1,0 +1,389 @@
+//! What was found, in numbers and plain words.
+
+use super::verdict::Judged;
+use super::words::statement;
+use crate::diagnosis::hypothesis::candidate::Target;
+use crate::diagnosis::hypothesis::likelihood::Tuned;
+use crate::diagnosis::hypothesis::{Given, What};
+use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
+use crate::diagnosis::screening::law::{channel as pushed, group};
+use crate::diagnosis::screening::locate::Extent;
+use crate::diagnosis::screening::regime::{channel, gains, regime};
+use crate::diagnosis::screening::screen::Projection;
+use crate::diagnosis::search::proposal::{Kind, Proposal};
+use crate::diagnosis::search::{Member, Searched};
+use crate::fit::parameter::{NORMAL_95, Parameter};
+use crate::fit::uncertainty::uncertainty;
+use nalgebra::DMatrix;
+
+/// How much wider intervals are than the fit has them: it does not know of other ways to fit as well, nor that no
+/// model is exact. Chosen on 100 numbers of development cases from another simulator.
+const WIDER: f64 = 1.4;
+/// Stretches that are told where something acts throughout.
+const TOLD: usize = 3;
+
+/// The findings of a judgement.
+#[must_use]
+pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
+    if judged.is_empty() {
+        return Vec::new();
+    }
+    let covariance = covariance(searched);
+    let one = |judged: &Judged| match judged.member {
+        Some(member) => named(searched, &searched.members[member], judged, &covariance),
+        None => left_over(searched, judged),
+    };
+    judged.iter().map(one).collect()
+}
+
+/// How well the unknowns of the augmented model are told: by what the segments' pulls on them scatter, see
+/// [`uncertainty`]; as the noise model has it where that cannot be told.
+fn covariance(searched: &Searched) -> DMatrix<f64> {
+    let (given, tuned) = (&searched.placed, &searched.augmented);
+    let predictor = given.predictor(&tuned.knobs);
+    let problem = given.problem(&predictor, &tuned.knobs);
+    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
+    let told = uncertainty(&problem, &tuned.tables, &point, &searched.by);
+    told.map_or_else(|| tuned.covariance.clone(), |told| told.covariance)
+}
+
+/// Values and intervals of a proposal's knobs at a fit.
+fn quantities(
+    given: &Given,
+    tuned: &Tuned,
+    proposal: &Proposal,
+    covariance: &DMatrix<f64>,
+) -> Vec<Quantity> {
+    let knobs = &proposal.knobs;
+    let acts = |recording: usize| match &proposal.extent {
+        Some(Extent::Time(at) | Extent::Run(at)) => at.recording == recording,
+        _ => true,
+    };
+    let predictor = given.predictor(&tuned.knobs);
+    let problem = given.problem(&predictor, &tuned.knobs);
+    let mut found: Vec<(usize, Quantity)> = Vec::new();
+    let mut told = Vec::new();
+    given.visit(&problem, &tuned.knobs, |place, recording, what| {
+        let What::Knob(knob) = what else { return };
+        if !knobs.contains(&knob) || told.contains(&place) {
+            return;
+        }
+        told.push(place);
+        let about = &given.candidates.knobs[knob];
+        if about.own && !acts(recording) {
+            return;
+        }
+        let at = tuned.solution.knobs[recording][knob];
+        let half = WIDER * NORMAL_95 * covariance[(place, place)].max(0.0).sqrt();
+        let parameter: &Parameter = &about.parameter;
+        let (low, high) = parameter.interval(at, half);
+        let each = about.own && given.recordings.len() > 1;
+        found.push((
+            knob,
+            Quantity {
+                name: about.name.into(),
+                recording: each.then(|| given.names[recording].clone()),
+                value: parameter.value(at),
+                low,
+                high,
+                unit: parameter.unit,
+            },
+        ));
+    });
+    found.sort_by_key(|(knob, _)| knobs.iter().position(|other| other == knob));
+    found.into_iter().map(|(_, quantity)| quantity).collect()
+}
+
+fn named(
+    searched: &Searched,
+    member: &Member,
+    judged: &Judged,
+    covariance: &DMatrix<f64>,
+) -> Finding {
+    let proposal = &member.proposal;
+    let (given, tuned) = (&searched.placed, &searched.augmented);
+    let parameters = quantities(given, tuned, proposal, covariance);
+    let steps = steps(given, tuned, &proposal.knobs);
+    let local = proposal.kind() == Kind::Local;
+    let places = places(searched, member, judged.subject, &steps);
+    let law: Vec<Term> = if proposal.subject == Subject::Unknown {
+        law(given, proposal, &parameters)
+    } else {
+        Vec::new()
+    };
+    let mut finding = Finding {
+        subject: judged.subject,
+        probability: judged.probability,
+        ambiguous_with: judged.set.clone(),
+        evidence: member.gain,
+        rivals: likeliest_first(&member.rivals),
+        parameters,
+        places,
+        local,
+        law,
+        statement: String::new(),
+    };
+    finding.statement = statement(&finding);
+    finding
+}
+
+/// Each subject once, with its best odds.
+#[must_use]
+pub fn likeliest_first(odds: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
+    let mut sorted = odds.to_vec();
+    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut once: Vec<(Subject, f64)> = Vec::new();
+    for one in sorted {
+        if !once.iter().any(|(subject, _)| *subject == one.0) {
+            once.push(one);
+        }
+    }
+    once
+}
+
+/// How far knobs are from off, for each recording.
+fn steps(given: &Given, tuned: &Tuned, knobs: &[usize]) -> Vec<(usize, Vec<f64>)> {
+    let each = |knob: &usize| {
+        let off = given.candidates.knobs[*knob].parameter.prior_coordinate();
+        let values = tuned
+            .solution
+            .knobs
+            .iter()
+            .map(|values| values[*knob] - off);
+        (*knob, values.collect())
+    };
+    knobs.iter().map(each).collect()
+}
+
+fn law(given: &Given, proposal: &Proposal, parameters: &[Quantity]) -> Vec<Term> {
+    let term = |(index, knob): (usize, &usize)| {
+        let about = &given.candidates.knobs[*knob];
+        Term {
+            channel: pushed(about.effect),
+            parameter: about.parameter.name.clone(),
+            group: group(about.effect, about.name),
+            coefficient: parameters[index].clone(),
+            stability: proposal.stability.get(index).copied().unwrap_or(1.0),
+        }
+    };
+    let knobs = proposal.knobs.iter().enumerate().take(parameters.len());
+    knobs.map(term).collect()
+}
+
+fn places(
+    searched: &Searched,
+    member: &Member,
+    subject: Subject,
+    steps: &[(usize, Vec<f64>)],
+) -> Vec<Interval> {
+    let given = &searched.given;
+    let system = &searched.first.system;
+    let what = match given.candidates.knobs[member.proposal.knobs[0]].target {
+        Target::Sensor(_) => Channel::Measurement,
+        Target::Model(_) if subject == Subject::Unknown => {
+            pushed(given.candidates.knobs[member.proposal.knobs[0]].effect)
+        }
+        Target::Model(_) => channel(given, system, steps),
+    };
+    let gains = Projection::over_all(system, &[])
+        .map(|projection| gains(given, system, &projection, steps))
+        .unwrap_or_default();
+    let regime = regime(&gains);
+    let interval = |recording: usize, run: usize, start: f64, end: f64, patch| Interval {
+        recording: given.names[recording].clone(),
+        run,
+        start,
+        end,
+        channel: what,
+        regime: regime.clone(),
+        patch,
+    };
+    match &member.proposal.extent {
+        Some(Extent::Time(at) | Extent::Run(at)) => {
+            let patch = patch(searched, at.recording, at.run, at.start, at.end);
+            vec![interval(at.recording, at.run, at.start, at.end, patch)]
+        }
+        Some(Extent::Place { disc }) => visits(searched, |[x, y]| {
+            (x - disc[0]).hypot(y - disc[1]) < disc[2]
+        })
+        .into_iter()
+        .map(|(recording, run, start, end)| interval(recording, run, start, end, Some(*disc)))
+        .collect(),
+        Some(Extent::Beyond {
+            direction,
+            position,
+        }) => visits(searched, |[x, y]| {
+            x * direction.cos() + y * direction.sin() > *position
+        })
+        .into_iter()
+        .map(|(recording, run, start, end)| interval(recording, run, start, end, None))
+        .collect(),
+        None => {
+            let mut runs: Vec<(usize, usize, f64, f64, f64)> = Vec::new();
+            for segment in &given.segments {
+                let key = (segment.recording, segment.run);
+                match runs.last_mut().filter(|run| (run.0, run.1) == key) {
+                    Some(run) => run.3 = segment.end,
+                    None => runs.push((key.0, key.1, segment.start, segment.end, 0.0)),
+                }
+            }
+            for run in &mut runs {
+                let own = gains.iter().filter(|gain| gain.run == (run.0, run.1));
+                run.4 = own.map(|gain| gain.gain).sum();
+            }
+            runs.sort_by(|a, b| b.4.total_cmp(&a.4));
+            let told = runs.into_iter().take(TOLD);
+            told.map(|(recording, run, start, end, _)| interval(recording, run, start, end, None))
+                .collect()
+        }
+    }
+}
+
+/// Stretches in which the vehicle is somewhere.
+fn visits(searched: &Searched, inside: impl Fn([f64; 2]) -> bool) -> Vec<(usize, usize, f64, f64)> {
+    let given = &searched.given;
+    let mut found: Vec<(usize, usize, f64, f64)> = Vec::new();
+    for segment in &searched.first.system.segments {
+        let data = &given.segments[segment.index];
+        let run = &given.recordings[data.recording].runs[data.run];
+        for edges in segment.edges.windows(2) {
+            let middle = 0.5 * (edges[0] + edges[1]);
+            let at = |channel| run.series(channel).and_then(|series| series.at(middle));
+            let place = at(crate::recording::Channel::X).zip(at(crate::recording::Channel::Y));
+            if !place.is_some_and(|(x, y)| inside([x, y])) {
+                continue;
+            }
+            let key = (data.recording, data.run);
+            let last = found.last_mut();
+            match last.filter(|last| (last.0, last.1) == key && edges[0] - last.3 < 1e-6) {
+                Some(last) => last.3 = edges[1],
+                None => found.push((key.0, key.1, edges[0], edges[1])),
+            }
+        }
+    }
+    found
+}
+
+/// The disc that holds where the vehicle was in an interval.
+fn patch(
+    searched: &Searched,
+    recording: usize,
+    run: usize,
+    start: f64,
+    end: f64,
+) -> Option<[f64; 3]> {
+    let run = &searched.given.recordings[recording].runs[run];
+    let (x, y) = (
+        run.series(crate::recording::Channel::X)?,
+        run.series(crate::recording::Channel::Y)?,
+    );
+    let times = x.time.iter().filter(|time| (start..=end).contains(*time));
+    let places: Vec<[f64; 2]> = times
+        .filter_map(|time| Some([x.at(*time)?, y.at(*time)?]))
+        .collect();
+    let range = |axis: usize| {
+        let values = places.iter().map(|place| place[axis]);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+            (a.min(v), b.max(v))
+        })
+    };
+    let ((west, east), (south, north)) = (range(0), range(1));
+    let centre = [0.5 * (west + east), 0.5 * (south + north)];
+    let radius = places
+        .iter()
+        .map(|[x, y]| (x - centre[0]).hypot(y - centre[1]))
+        .fold(0.0, f64::max);
+    (!places.is_empty()).then_some([centre[0], centre[1], radius])
+}
+
+/// A wrench that comes and goes without a name.
+fn left_over(searched: &Searched, judged: &Judged) -> Finding {
+    let size = searched.last.wandering.map_or([0.0; 3], |w| w.size);
+    let largest = (0..3)
+        .max_by(|a, b| size[*a].total_cmp(&size[*b]))
+        .unwrap_or(0);
+    let channel = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw][largest];
+    let given = &searched.given;
+    let mut places: Vec<(f64, Interval)> = Vec::new();
+    for (recording, run) in given.runs() {
+        let found = crate::diagnosis::screening::wrench::smooth(
+            given,
+            &searched.last.system,
+            recording,
+            run,
+            size,
+        );
+        let Some(trace) = found else { continue };
+        let ratio = |k: usize| (trace.value[k][largest] / trace.deviation[k][largest]).abs();
+        let strongest = (0..trace.time.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)));
+        let Some(peak) = strongest else { continue };
+        let strong = |k: &usize| ratio(*k) > 0.5 * ratio(peak);
+        let first = (0..=peak).rev().take_while(strong).last().unwrap_or(peak);
+        let last = (peak..trace.time.len())
+            .take_while(strong)
+            .last()
+            .unwrap_or(peak);
+        let half = 0.5
+            * trace
+                .time
+                .windows(2)
+                .next()
+                .map_or(0.5, |pair| pair[1] - pair[0]);
+        places.push((
+            ratio(peak),
+            Interval {
+                recording: given.names[recording].clone(),
+                run,
+                start: trace.time[first] - half,
+                end: trace.time[last] + half,
+                channel,
+                regime: String::new(),
+                patch: None,
+            },
+        ));
+    }
+    places.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let places: Vec<Interval> = places
+        .into_iter()
+        .take(TOLD)
+        .map(|(_, place)| place)
+        .collect();
+    let weight = given.nominal.vehicle.mass * crate::vehicle::GRAVITY;
+    let (what, amount) = match channel {
+        Channel::Yaw => (
+            "moment about the vertical",
+            format!(
+                "{:.0} N m",
+                size[2] * weight * given.nominal.vehicle.half_track
+            ),
+        ),
+        Channel::Lateral => (
+            "force across the vehicle",
+            format!("{:.0} N", size[1] * weight),
+        ),
+        _ => (
+            "force along the vehicle",
+            format!("{:.0} N", size[0] * weight),
+        ),
+    };
+    let strongest = places.first().map_or(String::new(), |place| {
+        format!(
+            ", the strongest from {:.1} to {:.1} s of {}",
+            place.start, place.end, place.recording
+        )
+    });
+    Finding {
+        subject: Subject::Unknown,
+        probability: judged.probability,
+        ambiguous_with: Vec::new(),
+        evidence: searched.last.wandering.map_or(0.0, |w| w.evidence),
+        rivals: Vec::new(),
+        parameters: Vec::new(),
+        places,
+        local: false,
+        law: Vec::new(),
+        statement: format!(
+            "a {what} of about {amount} comes and goes that no effect of the catalogue explains{strongest}"
+        ),
+    }
+}

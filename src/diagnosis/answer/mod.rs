@@ -1,0 +1,9 @@
+//! What is told: probabilities and the verdict, what was found in numbers and words, and what it predicts.
+
+pub mod account;
+pub mod ambiguity;
+pub mod errors;
+pub mod findings;
+pub mod traces;
+pub mod verdict;
+pub mod words;

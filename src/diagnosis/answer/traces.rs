@@ -1,0 +1,126 @@
+//! What plots show: the path, residuals before and after, the wrench left over.
+
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::likelihood::Tuned;
+use crate::diagnosis::outcome::{ResidualTrace, RunTrace};
+use crate::diagnosis::screening::wrench::smooth;
+use crate::diagnosis::search::Searched;
+use crate::fit::problem::Weighing;
+use crate::fit::segment::Signal;
+use crate::recording::Channel;
+
+/// A wrench is drawn at least as large as this share of the weight may be.
+const LEAST_SIZE: f64 = 3e-3;
+
+/// All runs that have segments.
+#[must_use]
+pub fn traces(searched: &Searched) -> Vec<RunTrace> {
+    let given = &searched.given;
+    let one = |(recording, run): (usize, usize)| {
+        let (time, mismatch) = mismatch(given, &searched.retuned, &searched.by, recording, run);
+        let data = &given.recordings[recording].runs[run];
+        let at = |channel, time| data.series(channel).and_then(|series| series.at(time));
+        let place = |time: &f64| Some([at(Channel::X, *time)?, at(Channel::Y, *time)?]);
+        let path: Vec<Option<[f64; 2]>> = time.iter().map(place).collect();
+        let seen = |keep: &Vec<f64>| -> Vec<f64> {
+            let pairs = keep.iter().zip(&path);
+            pairs
+                .filter(|(_, place)| place.is_some())
+                .map(|(value, _)| *value)
+                .collect()
+        };
+        let size = searched.first.wandering.map_or([LEAST_SIZE; 3], |w| w.size);
+        let size = size.map(|s| s.max(LEAST_SIZE));
+        RunTrace {
+            recording: given.names[recording].clone(),
+            run,
+            time: seen(&time),
+            mismatch: seen(&mismatch),
+            path: path.iter().flatten().copied().collect(),
+            residuals: residuals(searched, recording, run),
+            wrench: smooth(given, &searched.first.system, recording, run, size),
+        }
+    };
+    given.runs().into_iter().map(one).collect()
+}
+
+/// How much a model misses, in standard deviations of the noise, second by second.
+fn mismatch(
+    given: &Given,
+    tuned: &Tuned,
+    by: &Weighing,
+    recording: usize,
+    run: usize,
+) -> (Vec<f64>, Vec<f64>) {
+    let mut whitened: Vec<(f64, f64)> = Vec::new();
+    for (index, segment) in given.segments.iter().enumerate() {
+        if (segment.recording, segment.run) != (recording, run) {
+            continue;
+        }
+        for (channel, data) in segment.samples.iter().enumerate() {
+            let noise = by.noise[recording][data.signal.group() as usize];
+            let table = &tuned.tables[index].channels[channel];
+            let residual = table.iter().step_by(tuned.tables[index].columns);
+            let mut residual: Vec<f64> = residual.copied().collect();
+            noise.whiten(&data.time, &by.weights[index][channel], 1, &mut residual);
+            whitened.extend(data.time.iter().copied().zip(residual));
+        }
+    }
+    whitened.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut time, mut size) = (Vec::new(), Vec::new());
+    let mut rest = whitened.as_slice();
+    while let Some((begin, _)) = rest.first() {
+        let end = rest.partition_point(|(at, _)| *at < begin + SECOND);
+        let (now, later) = rest.split_at(end.max(1));
+        let squares: f64 = now.iter().map(|(_, r)| r * r).sum();
+        time.push(begin + 0.5 * SECOND);
+        size.push((squares / now.len() as f64).sqrt());
+        rest = later;
+    }
+    (time, size)
+}
+
+/// Length of a stretch that gets one colour \[s\].
+const SECOND: f64 = 0.5;
+
+fn residuals(searched: &Searched, recording: usize, run: usize) -> Vec<ResidualTrace> {
+    let given = &searched.given;
+    let of = |signal: Signal| {
+        let (name, unit) = match signal {
+            Signal::X => ("x", "m"),
+            Signal::Y => ("y", "m"),
+            Signal::Heading => ("heading", "rad"),
+            Signal::VelocityForward => ("v_x", "m/s"),
+            Signal::VelocityLeft => ("v_y", "m/s"),
+            Signal::YawRate => ("yaw_rate", "rad/s"),
+        };
+        let mut trace = ResidualTrace {
+            channel: name,
+            unit,
+            time: Vec::new(),
+            before: Vec::new(),
+            after: Vec::new(),
+        };
+        for (index, segment) in given.segments.iter().enumerate() {
+            if (segment.recording, segment.run) != (recording, run) {
+                continue;
+            }
+            let Some(channel) = segment.samples.iter().position(|s| s.signal == signal) else {
+                continue;
+            };
+            let column = |tuned: &Tuned| -> Vec<f64> {
+                let tables = &tuned.tables[index];
+                tables.channels[channel]
+                    .iter()
+                    .step_by(tables.columns)
+                    .copied()
+                    .collect()
+            };
+            trace.time.extend(&segment.samples[channel].time);
+            trace.before.extend(column(&searched.retuned));
+            trace.after.extend(column(&searched.augmented));
+        }
+        (!trace.time.is_empty()).then_some(trace)
+    };
+    Signal::ALL.into_iter().filter_map(of).collect()
+}

@@ -1,0 +1,149 @@
+//! Subjects and findings in plain words.
+
+use crate::diagnosis::outcome::{Channel, Finding, Quantity, Subject, Term};
+use crate::effects::CATALOGUE;
+
+/// Names that say less than they should.
+const PHRASES: [(&str, &str); 21] = [
+    ("grade", "sloping ground"),
+    ("terrain_change", "a change of soil on the way"),
+    ("left_right_soil", "different soil left and right"),
+    ("bulldozing", "soil pushed ahead and aside by the wheels"),
+    ("slip_sinkage", "wheels that dig in as they slip"),
+    ("multipass", "rear wheels in the front wheels' rut"),
+    ("elastic_rebound", "soil that springs back behind the wheel"),
+    ("stress_peak", "pressure that peaks elsewhere"),
+    ("tyre_compliance", "tyres that flatten"),
+    (
+        "shear_anisotropy",
+        "soil that shears differently along and across the wheel",
+    ),
+    ("transient_shear", "shear that builds up over a distance"),
+    (
+        "rate_dependent_soil",
+        "soil that resists in proportion to the speed",
+    ),
+    ("drag", "drag that grows with the square of the speed"),
+    ("drawbar", "a towed load"),
+    ("payload", "an added load"),
+    ("com_shift", "a shifted centre of mass"),
+    ("wheel_radius", "wheels of another radius"),
+    ("latency", "sensors that trail each other"),
+    ("lever_arm", "an antenna off the reference point"),
+    ("yaw_rate_bias", "a gyro that is off at rest"),
+    ("heading_offset", "a heading that is turned"),
+];
+
+/// A subject in plain words, with its name.
+#[must_use]
+pub fn phrase(subject: Subject) -> String {
+    let name = match subject {
+        Subject::Unknown => "something that the catalogue does not have",
+        Subject::Nothing => "nothing missing",
+        Subject::Effect(_) => subject.name(),
+    };
+    let found = PHRASES.iter().find(|(known, _)| *known == name);
+    found.map_or_else(|| name.into(), |(_, words)| format!("{words} ({name})"))
+}
+
+/// One plain sentence.
+#[must_use]
+pub fn statement(finding: &Finding) -> String {
+    let what = if finding.law.is_empty() {
+        let numbers: Vec<String> = finding.parameters.iter().map(number).collect();
+        format!("{}: {}", phrase(finding.subject), numbers.join(", "))
+    } else {
+        law(&finding.law)
+    };
+    let first = finding.places.first();
+    let place = first.filter(|_| finding.local);
+    let place = place.map_or(String::new(), |place| {
+        let (start, end) = (place.start, place.end);
+        format!(", from {start:.1} to {end:.1} s of {}", place.recording)
+    });
+    let regime = first.map_or("", |place| &place.regime);
+    let regime = if regime.is_empty() {
+        String::new()
+    } else {
+        format!("; it shows most at {regime}")
+    };
+    format!("{what}{place}{regime}")
+}
+
+/// The words of a law: what it pushes, and with what that grows.
+fn law(terms: &[Term]) -> String {
+    let each = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw].map(|channel| {
+        let own = terms.iter().filter(|term| term.channel == channel);
+        let own: Vec<String> = own.map(told).collect();
+        let (what, unit) = match channel {
+            Channel::Yaw => ("a turning moment", "m g B"),
+            Channel::Lateral => ("a force across the vehicle", "m g"),
+            _ => ("a force along the vehicle", "m g"),
+        };
+        (!own.is_empty()).then(|| format!("{what} [{unit}] {}", own.join(" and ")))
+    });
+    each.into_iter().flatten().collect::<Vec<_>>().join("; ")
+}
+
+/// A term of a law as its parameter is described.
+fn told(term: &Term) -> String {
+    let (effect, name) = term.parameter.split_once('.').unwrap_or_default();
+    let effect = CATALOGUE.iter().find(|known| known.name == effect);
+    let declared = effect.and_then(|known| known.parameters.iter().find(|p| p.name == name));
+    let words = declared.map_or(name, |declared| declared.description);
+    let words = words.trim_end_matches(" (negative)");
+    let mut letters = words.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
+    let words: String = first.into_iter().chain(letters).collect();
+    format!("{words} ({})", significant(term.coefficient.value))
+}
+
+fn number(quantity: &Quantity) -> String {
+    let Quantity {
+        name,
+        value,
+        low,
+        high,
+        unit,
+        recording,
+    } = quantity;
+    let whose = recording
+        .as_ref()
+        .map_or(String::new(), |name| format!(" ({name})"));
+    let (scale, unit) = match *unit {
+        "rad" => (1f64.to_degrees(), "deg"),
+        "1" => (1.0, ""),
+        other => (1.0, other),
+    };
+    let shown = |v: f64| significant(scale * v);
+    let space = if unit.is_empty() { "" } else { " " };
+    format!(
+        "{name}{whose} {}{space}{unit} (90 %: {} to {})",
+        shown(*value),
+        shown(*low),
+        shown(*high)
+    )
+}
+
+/// Three significant digits.
+fn significant(value: f64) -> String {
+    let digits = if value == 0.0 {
+        0
+    } else {
+        (2 - value.abs().log10().floor() as i32).clamp(0, 5)
+    };
+    format!("{value:.*}", digits as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_phrase_is_of_an_effect() {
+        for (name, phrase) in PHRASES {
+            assert!(CATALOGUE.iter().any(|effect| effect.name == name), "{name}");
+            assert!(!phrase.is_empty());
+        }
+    }
+}

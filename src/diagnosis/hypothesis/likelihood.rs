@@ -1,0 +1,334 @@
+//! Step 1: how likely recordings are under a model.
+//!
+//! Multiple shooting: segments with starts of their own, the soil free under its prior, noise per
+//! channel white and AR(1) by restricted maximum likelihood, heavy tails by Student's t (see
+//! [`crate::fit`]). The evidence integrates over soil, starts and effects of the linearised problem
+//! (Laplace; D. MacKay, "Bayesian interpolation", Neural Computation 4 (1992)):
+//! -2 ln E = cost + ln det H - ln det P, with the prior's precision P and H = J^T J + P.
+
+use super::{Given, Solution};
+use crate::fit::noise_estimate;
+use crate::fit::normal::{Eliminated, Normal};
+use crate::fit::optimiser::{Stop, minimise_from, normals};
+use crate::fit::predictor::{PredictionError, Predictor};
+use crate::fit::problem::{Point, Problem, Tables, Weighing};
+use crate::fit::weighing::reweigh;
+use nalgebra::{DMatrix, DVector};
+
+/// A hypothesis fitted to the recordings.
+#[derive(Debug, Clone)]
+pub struct Tuned {
+    /// The knobs that were free besides the soil.
+    pub knobs: Vec<usize>,
+    /// Where it ended.
+    pub solution: Solution,
+    /// Half the squares that are left, those of the soil's and the knobs' priors not among them.
+    pub misfit: f64,
+    /// Minus the log of the evidence.
+    pub surprise: f64,
+    /// By how much the next step promises to lower it.
+    pub promised: f64,
+    /// Covariance of the unknowns' coordinates, as the problem numbers them.
+    pub covariance: DMatrix<f64>,
+    /// Residuals of each segment and their derivatives.
+    pub tables: Vec<Tables>,
+}
+
+/// A fit that is only to show whether it is worth going on with.
+pub const SKETCH: Stop = Stop {
+    steps: 5,
+    gain: 1.0,
+};
+/// The same where the way is long.
+pub const LONG_SKETCH: Stop = Stop {
+    steps: 12,
+    gain: 2.0,
+};
+/// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
+pub const HELD: Stop = Stop {
+    steps: 20,
+    gain: 1.0,
+};
+/// Turns of motion and noise at most, and when they end.
+const TURNS: usize = 8;
+const STILL: f64 = 0.5;
+const STILL_NOISE: f64 = 0.1;
+const FIRST: Stop = Stop {
+    steps: 40,
+    gain: 0.5,
+};
+const NEXT: Stop = Stop {
+    steps: 8,
+    gain: 0.1,
+};
+
+/// Fits the soil and these knobs, the noise held.
+///
+/// # Errors
+/// A point to begin with that cannot be driven.
+pub fn tune(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    by: &Weighing,
+) -> Result<Tuned, PredictionError> {
+    tune_until(given, knobs, begin, by, HELD)
+}
+
+/// As [`tune`], until so many steps are done.
+///
+/// # Errors
+/// As [`tune`].
+pub fn tune_until(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    by: &Weighing,
+    stop: Stop,
+) -> Result<Tuned, PredictionError> {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let point = given.point(&problem, knobs, begin);
+    let tables = problem.evaluate(&point, true)?;
+    Ok(tuned_from(
+        given, knobs, begin, &problem, point, tables, by, stop,
+    ))
+}
+
+/// Goes on with a fit, the noise another one perhaps.
+#[must_use]
+pub fn tune_on(given: &Given, fitted: &Tuned, by: &Weighing, stop: Stop) -> Tuned {
+    let (knobs, begin) = (&fitted.knobs, &fitted.solution);
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let point = given.point(&problem, knobs, begin);
+    let tables = fitted.tables.clone();
+    tuned_from(given, knobs, begin, &problem, point, tables, by, stop)
+}
+
+#[allow(
+    clippy::too_many_arguments,
+    reason = "a hypothesis, where it stands, and how it is judged"
+)]
+fn tuned_from<P: Predictor>(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    problem: &Problem<P>,
+    mut point: Point,
+    tables: Vec<Tables>,
+    by: &Weighing,
+    stop: Stop,
+) -> Tuned {
+    let outcome = minimise_from(problem, &mut point, tables, by, stop);
+    let (surprise, covariance) = evidence(problem, &outcome.tables, &point, by, outcome.cost);
+    Tuned {
+        knobs: knobs.to_vec(),
+        solution: given.solution(problem, knobs, &point, begin),
+        misfit: 0.5 * (outcome.cost - problem.prior_cost(&point.coordinates)),
+        surprise,
+        promised: 0.5 * outcome.promised,
+        covariance,
+        tables: outcome.tables,
+    }
+}
+
+/// Half the cost of a hypothesis as it stands, infinite where it cannot be driven.
+#[must_use]
+pub fn cost(given: &Given, knobs: &[usize], at: &Solution, by: &Weighing) -> f64 {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let point = given.point(&problem, knobs, at);
+    let residuals = problem.evaluate_unless_one_fails(&point, false);
+    residuals.map_or(f64::INFINITY, |r| 0.5 * problem.cost(&r, &point, by))
+}
+
+/// Fits the soil and these knobs with noise and weights in turns; the weighing moves along.
+///
+/// # Errors
+/// A point to begin with that cannot be driven.
+pub fn tune_with_noise(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    by: &mut Weighing,
+) -> Result<Tuned, PredictionError> {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let mut point = given.point(&problem, knobs, begin);
+    let mut tables = problem.evaluate(&point, true)?;
+    let mut stop = FIRST;
+    for _ in 0..TURNS {
+        let outcome = minimise_from(&problem, &mut point, tables, by, stop);
+        let change = follow(&problem, &point, &outcome.tables, by);
+        tables = outcome.tables;
+        if outcome.converged && outcome.gain < STILL && change < STILL_NOISE {
+            break;
+        }
+        stop = NEXT;
+    }
+    Ok(tuned_from(
+        given, knobs, begin, &problem, point, tables, by, HELD,
+    ))
+}
+
+/// Noise and weights as a fitted hypothesis leaves them.
+#[must_use]
+pub fn own_noise(given: &Given, tuned: &Tuned, by: &Weighing) -> Weighing {
+    let predictor = given.predictor(&tuned.knobs);
+    let problem = given.problem(&predictor, &tuned.knobs);
+    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
+    let mut own = by.clone();
+    follow(&problem, &point, &tuned.tables, &mut own);
+    own
+}
+
+/// Noise and weights follow the residuals; tells by how much the noise has changed.
+pub fn follow<P: Predictor>(
+    problem: &Problem<P>,
+    point: &Point,
+    tables: &[Tables],
+    by: &mut Weighing,
+) -> f64 {
+    let change = noise_estimate::update(&problem.linearised(point), tables, by);
+    reweigh(problem, tables, by);
+    change
+}
+
+/// A segment's normal equations by a hypothesis' unknowns, its start eliminated.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// H of the segment.
+    pub matrix: DMatrix<f64>,
+    /// g of the segment.
+    pub gradient: DVector<f64>,
+    /// Squares that the start does not take up.
+    pub cost: f64,
+    /// Log determinants of noise and start.
+    pub log_determinant: f64,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+impl Block {
+    /// Log density of the segment's samples, but for what they all have in common.
+    #[must_use]
+    pub fn log_density(&self) -> f64 {
+        -0.5 * (self.cost + self.log_determinant)
+    }
+
+    /// The same where other segments tell the unknowns with the precision `told`, at `step` from here:
+    /// integrated over what they leave open. `None` where `told` is not positive definite.
+    #[must_use]
+    pub fn predictive(&self, told: &DMatrix<f64>, step: &DVector<f64>) -> Option<f64> {
+        let along = &self.matrix * step;
+        let cost = self.cost - (2.0 * &self.gradient - &along).dot(step);
+        let gradient = &self.gradient - along;
+        let both = (told + &self.matrix).cholesky()?;
+        let wider = both.ln_determinant() - told.clone().cholesky()?.ln_determinant();
+        let regained = gradient.dot(&both.solve(&gradient));
+        Some(-0.5 * (cost - regained + self.log_determinant + wider))
+    }
+}
+
+/// The segments of a fitted hypothesis. `None` where numbers are not finite.
+#[must_use]
+pub fn blocks<P: Predictor>(
+    problem: &Problem<P>,
+    tables: &[Tables],
+    point: &Point,
+    by: &Weighing,
+) -> Option<Vec<Block>> {
+    let normals = normals(problem, tables, point, by);
+    let one = |(index, normal): (usize, &Normal)| {
+        let eliminated = Eliminated::new(normal, 0.0)?;
+        let segment = &problem.segments[index];
+        let mut block = Block {
+            matrix: eliminated.matrix.clone(),
+            gradient: eliminated.gradient.clone(),
+            cost: normal.cost - eliminated.start_gain,
+            log_determinant: eliminated.log_determinant(),
+            samples: 0,
+        };
+        for deviation in segment.start_deviation {
+            block.log_determinant += 2.0 * deviation.ln();
+        }
+        for (channel, data) in segment.samples.iter().enumerate() {
+            let noise = by.noise[segment.recording][data.signal.group() as usize];
+            let weights = &by.weights[index][channel];
+            block.log_determinant +=
+                noise.whiten(&data.time, weights, 1, &mut vec![0.0; data.time.len()]);
+            block.samples += data.time.len();
+        }
+        Some(block)
+    };
+    normals.iter().enumerate().map(one).collect()
+}
+
+/// Minus the log of the evidence, and the covariance of the unknowns. Infinite where the numbers
+/// are not finite.
+fn evidence<P: Predictor>(
+    problem: &Problem<P>,
+    tables: &[Tables],
+    point: &Point,
+    by: &Weighing,
+    cost: f64,
+) -> (f64, DMatrix<f64>) {
+    let count = problem.parameters.len();
+    let (precision, _) = problem.prior(&point.coordinates);
+    let prior: f64 = precision.iter().map(|p| p.ln()).sum();
+    let mut matrix = DMatrix::from_diagonal(&precision);
+    let mut starts = 0.0;
+    let eliminate = |normal: &Normal| Eliminated::new(normal, 0.0);
+    for one in normals(problem, tables, point, by).iter().map(eliminate) {
+        let Some(one) = one else {
+            return (f64::INFINITY, DMatrix::identity(count, count));
+        };
+        starts += one.log_determinant();
+        matrix += &one.matrix;
+    }
+    let Some(factor) = matrix.cholesky() else {
+        return (f64::INFINITY, DMatrix::identity(count, count));
+    };
+    let whole = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+    (0.5 * (cost + whole - prior + starts), factor.inverse())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One segment, one unknown u in units of which a sample errs: the density integrated over what is known of u.
+    #[test]
+    fn predictions_integrate_what_the_others_leave_open() {
+        let block = Block {
+            matrix: DMatrix::from_element(1, 1, 9.0),
+            gradient: DVector::from_element(1, -6.0),
+            cost: 5.0,
+            log_determinant: 0.4,
+            samples: 1,
+        };
+        let (told, step) = (2.5_f64, 0.8);
+        let density = |u: f64| {
+            let cost = block.cost - 2.0 * block.gradient[0] * u + block.matrix[(0, 0)] * u * u;
+            (-0.5 * (cost + block.log_determinant)).exp()
+        };
+        let width = 1e-3;
+        let each = (-20_000..20_000).map(|k| f64::from(k) * width).map(|off| {
+            let known = (told / std::f64::consts::TAU).sqrt() * (-0.5 * told * off * off).exp();
+            density(step + off) * known * width
+        });
+        let expected = each.sum::<f64>().ln();
+        let known = |precision| DMatrix::from_element(1, 1, precision);
+        let at = DVector::from_element(1, step);
+        let predicted = block.predictive(&known(told), &at).unwrap();
+        assert!(
+            (predicted - expected).abs() < 1e-9,
+            "{predicted} {expected}"
+        );
+        // Nothing left open: the density there.
+        let sure = block.predictive(&known(1e12), &at).unwrap();
+        assert!((sure - density(step).ln()).abs() < 1e-9, "{sure}");
+        assert!(predicted > sure);
+    }
+}

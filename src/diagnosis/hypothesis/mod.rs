@@ -1,0 +1,356 @@
+//! Models that are compared: the given one, its soil free, with effects; and where each stands.
+
+pub mod candidate;
+pub mod held_out;
+pub mod likelihood;
+pub mod maps;
+pub mod part;
+pub mod prepare;
+pub mod refitted;
+
+use crate::effects::ParameterName;
+use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
+use crate::fit::exact::ExactPredictor;
+use crate::fit::parameter;
+use crate::fit::problem::{Point, Problem};
+use crate::fit::segment::Segment;
+use crate::fit::sensor::{SensorParameter, SensorValues};
+use crate::identification::{Latencies, Signals};
+use crate::parameter::ParameterError;
+use crate::recording::Recording;
+use crate::vehicle::{Parameter, Specification};
+use candidate::{Candidates, Target};
+use maps::Maps;
+use nalgebra::DVector;
+
+/// The soil's number that carries the vehicle.
+const STIFFNESS: &str = "frictional_modulus";
+
+/// What is given. A hypothesis that acts somewhere only has a copy with that place in its model.
+#[derive(Debug, Clone)]
+pub struct Given<'a> {
+    /// The model that recordings disagree with; effects that are off may have their place set.
+    pub nominal: Specification,
+    /// The recordings.
+    pub recordings: &'a [Recording],
+    /// Their names.
+    pub names: Vec<String>,
+    /// The soil's numbers that re-tuning may change.
+    pub soil: Vec<Parameter>,
+    /// What is asked about.
+    pub candidates: Candidates,
+    /// The recordings in stretches of some seconds, each with a start of its own.
+    pub segments: Vec<Segment>,
+    /// By how much pose and wheel speeds of each recording trail as curves compared tell; zero where
+    /// they do not tell.
+    pub late: Vec<SensorValues>,
+    /// Where a place is the same place.
+    pub maps: Maps,
+    /// The frictional modulus that re-tuning begins with, as a multiple of the given one: more than 1
+    /// where the given soil cannot carry the vehicle.
+    pub stiffening: f64,
+}
+
+/// Values of everything: a point that every hypothesis can begin from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// Coordinates of the soil's numbers.
+    pub soil: Vec<f64>,
+    /// Coordinates of all knobs for each recording.
+    pub knobs: Vec<Vec<f64>>,
+    /// Start of each segment.
+    pub starts: Vec<[f64; 6]>,
+}
+
+impl Solution {
+    /// Takes the values of some knobs from another one.
+    pub fn take(&mut self, knobs: &[usize], other: &Self) {
+        for (values, others) in self.knobs.iter_mut().zip(&other.knobs) {
+            for knob in knobs {
+                values[*knob] = others[*knob];
+            }
+        }
+    }
+}
+
+impl<'a> Given<'a> {
+    /// Everything at hand, nothing cut yet.
+    #[must_use]
+    pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
+        let maps = Maps::of(recordings);
+        let found = DEFAULT_FREE.iter().filter_map(|name| find(name).ok());
+        let nominal = &hitched(nominal);
+        Self {
+            nominal: nominal.clone(),
+            recordings,
+            names: recordings.iter().map(|r| r.name.clone()).collect(),
+            soil: found.collect(),
+            candidates: Candidates::new(nominal, maps),
+            segments: Vec::new(),
+            late: recordings.iter().map(late).collect(),
+            maps,
+            stiffening: 1.0,
+        }
+    }
+
+    /// The given model (its soil stiffened where need be), effects off, starts as the sensors show
+    /// them.
+    #[must_use]
+    pub fn begin(&self) -> Solution {
+        let soil = self.soil_parameters();
+        let at = |(free, described): (&Parameter, &parameter::Parameter)| {
+            let mut value = free.get(&self.nominal);
+            if free.name() == STIFFNESS {
+                value *= self.stiffening;
+            }
+            described.coordinate(value.clamp(described.low, described.high))
+        };
+        let off = self.candidates.knobs.iter();
+        let off: Vec<f64> = off.map(|knob| knob.parameter.prior_coordinate()).collect();
+        Solution {
+            soil: self.soil.iter().zip(&soil).map(at).collect(),
+            knobs: vec![off; self.recordings.len()],
+            starts: self.segments.iter().map(|s| s.start_prior).collect(),
+        }
+    }
+
+    /// Recording and run of everything that has segments, each once.
+    #[must_use]
+    pub fn runs(&self) -> Vec<(usize, usize)> {
+        let mut runs: Vec<(usize, usize)> =
+            self.segments.iter().map(|s| (s.recording, s.run)).collect();
+        runs.dedup();
+        runs
+    }
+
+    /// The soil's numbers with their scales and priors.
+    #[must_use]
+    pub fn soil_parameters(&self) -> Vec<parameter::Parameter> {
+        let soil = self.soil.iter();
+        soil.map(|free| describe(*free, &self.nominal)).collect()
+    }
+
+    /// The place of one of the soil's numbers among those that are free.
+    #[must_use]
+    pub fn place_of_soil(&self, name: &str) -> Option<usize> {
+        self.soil.iter().position(|free| free.name() == name)
+    }
+
+    /// Of these knobs the places of those that turn the model.
+    #[must_use]
+    pub fn model_knobs(&self, knobs: &[usize]) -> Vec<usize> {
+        let turns =
+            |place: &&usize| matches!(self.candidates.knobs[**place].target, Target::Model(_));
+        knobs.iter().filter(turns).copied().collect()
+    }
+
+    /// The sensors' numbers among these knobs that a recording can tell of.
+    #[must_use]
+    pub fn sensor_knobs(&self, recording: usize, knobs: &[usize]) -> Vec<SensorParameter> {
+        let target = |place: &usize| match self.candidates.knobs[*place].target {
+            Target::Sensor(sensor) if sensor.is_told_by(&self.recordings[recording]) => {
+                Some(sensor)
+            }
+            _ => None,
+        };
+        knobs.iter().filter_map(target).collect()
+    }
+
+    /// The model of a recording at a solution.
+    ///
+    /// # Errors
+    /// A knob beyond its range.
+    pub fn specification(
+        &self,
+        solution: &Solution,
+        recording: usize,
+    ) -> Result<Specification, ParameterError> {
+        let mut specification = self.nominal.clone();
+        let soil = self.soil.iter().zip(self.soil_parameters());
+        for ((free, described), at) in soil.zip(&solution.soil) {
+            free.set(&mut specification, described.value(*at))?;
+        }
+        let knobs = self.candidates.knobs.iter().zip(&solution.knobs[recording]);
+        for (knob, at) in knobs {
+            if let Target::Model(parameter) = knob.target
+                && *at != knob.parameter.prior_coordinate()
+            {
+                parameter.set(&mut specification, knob.parameter.value(*at))?;
+            }
+        }
+        Ok(specification)
+    }
+
+    /// The predictor whose free parameters are the soil's and these knobs of the model.
+    #[must_use]
+    pub fn predictor(&self, knobs: &[usize]) -> ExactPredictor {
+        let model = self.model_knobs(knobs);
+        let turned = model
+            .iter()
+            .map(|place| self.candidates.knobs[*place].target);
+        let turned = turned.filter_map(|target| match target {
+            Target::Model(parameter) => Some(parameter),
+            Target::Sensor(_) => None,
+        });
+        let free = self.soil.iter().copied().chain(turned).collect();
+        ExactPredictor::new(self.nominal.clone(), free).with_coarse_derivatives()
+    }
+
+    /// The fit's unknowns where these knobs are free besides the soil.
+    #[must_use]
+    pub fn problem<'p>(
+        &self,
+        predictor: &'p ExactPredictor,
+        knobs: &[usize],
+    ) -> Problem<'p, ExactPredictor> {
+        let model = self.model_knobs(knobs);
+        let mut parameters = self.soil_parameters();
+        let soil = parameters.len();
+        let described = model.iter().map(|place| &self.candidates.knobs[*place]);
+        parameters.extend(described.map(|knob| knob.parameter.clone()));
+        let own = model.iter().enumerate();
+        let own = own.filter(|(_, place)| self.candidates.knobs[**place].own);
+        let own: Vec<usize> = own.map(|(index, _)| soil + index).collect();
+        let sensors =
+            (0..self.recordings.len()).map(|recording| self.sensor_knobs(recording, knobs));
+        let sensors = sensors.collect();
+        let mut problem =
+            Problem::with_own(predictor, parameters, &own, self.names.clone(), sensors);
+        problem.segments.clone_from(&self.segments);
+        problem
+    }
+
+    /// The point of a problem at a solution.
+    #[must_use]
+    pub fn point<P: crate::fit::predictor::Predictor>(
+        &self,
+        problem: &Problem<P>,
+        knobs: &[usize],
+        solution: &Solution,
+    ) -> Point {
+        let mut coordinates = DVector::zeros(problem.parameters.len());
+        self.visit(problem, knobs, |place, recording, what| {
+            let parameter = &problem.parameters[place];
+            let value = match what {
+                What::Soil(index) => solution.soil[index],
+                What::Knob(knob) => solution.knobs[recording][knob],
+            };
+            let (low, high) = parameter.bounds();
+            coordinates[place] = value.clamp(low, high);
+        });
+        Point {
+            coordinates,
+            starts: solution.starts.clone(),
+        }
+    }
+
+    /// The solution at a problem's point; other knobs keep their values.
+    #[must_use]
+    pub fn solution<P: crate::fit::predictor::Predictor>(
+        &self,
+        problem: &Problem<P>,
+        knobs: &[usize],
+        point: &Point,
+        others: &Solution,
+    ) -> Solution {
+        let mut solution = others.clone();
+        solution.starts.clone_from(&point.starts);
+        self.visit(problem, knobs, |place, recording, what| {
+            let at = point.coordinates[place];
+            match what {
+                What::Soil(index) => solution.soil[index] = at,
+                What::Knob(knob) => solution.knobs[recording][knob] = at,
+            }
+        });
+        solution
+    }
+
+    /// For each recording and each of a problem's unknowns that it depends on, what it is.
+    pub fn visit<P: crate::fit::predictor::Predictor>(
+        &self,
+        problem: &Problem<P>,
+        knobs: &[usize],
+        mut visit: impl FnMut(usize, usize, What),
+    ) {
+        let model = self.model_knobs(knobs);
+        for recording in 0..self.recordings.len() {
+            let places = problem.places(recording);
+            for (index, place) in places.iter().take(self.soil.len()).enumerate() {
+                visit(*place, recording, What::Soil(index));
+            }
+            let turned = places.iter().skip(self.soil.len());
+            for (place, knob) in turned.zip(&model) {
+                visit(*place, recording, What::Knob(*knob));
+            }
+            for &knob in knobs {
+                if let Target::Sensor(sensor) = self.candidates.knobs[knob].target
+                    && let Some(place) = problem.sensor_place(recording, sensor)
+                {
+                    visit(place, recording, What::Knob(knob));
+                }
+            }
+        }
+    }
+}
+
+/// The model, the hitch of a drawbar that is off at the rear of the vehicle.
+fn hitched(nominal: &Specification) -> Specification {
+    let mut hitched = nominal.clone();
+    let vehicle = &nominal.vehicle;
+    let last = vehicle.row_positions.iter().copied().reduce(f64::min);
+    let rear = vehicle.wheel_radius - last.unwrap_or(0.0);
+    let place = ParameterName::find("drawbar.hitch_behind");
+    if let Some(place) = place.filter(|place| !nominal.effects.is_on(place.effect()))
+        && hitched.effects.set(place, rear).is_err()
+    {
+        return nominal.clone();
+    }
+    hitched
+}
+
+/// What an unknown of a problem is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum What {
+    /// One of the soil's numbers.
+    Soil(usize),
+    /// A knob.
+    Knob(usize),
+}
+
+/// Latencies from comparing the curves of pose, gyro and wheels.
+fn late(recording: &Recording) -> SensorValues {
+    let mut values = [0.0; SensorParameter::ALL.len()];
+    if let Ok(runs) = Signals::of(recording) {
+        let latencies = Latencies::estimate(&runs);
+        values[SensorParameter::PoseLatency.index()] = latencies.pose.value();
+        values[SensorParameter::WheelLatency.index()] = latencies.wheels.value();
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::terrain::Terrain;
+    use crate::vehicle::Vehicle;
+
+    #[test]
+    fn a_drawbar_is_expected_at_the_rear_and_fitted_around_it() {
+        let hitch = ParameterName::find("drawbar.hitch_behind").unwrap();
+        let mut vehicle = Vehicle::tran2007();
+        vehicle.row_positions = vec![2.0, 0.5, -1.6];
+        let rear = 1.6 + vehicle.wheel_radius;
+        let mut nominal = Specification::plain(vehicle, Terrain::preset("dry_sand").unwrap());
+        let expected = |nominal: &Specification| {
+            let given = Given::new(nominal, &[]);
+            let mut knobs = given.candidates.knobs.iter();
+            let knob = knobs.find(|k| k.target == Target::Model(Parameter::Effect(hitch)));
+            let knob = knob.map(|k| (k.parameter.prior.median, k.typical));
+            (given.nominal.effects.get(hitch), knob)
+        };
+        assert_eq!(expected(&nominal), (rear, Some((rear, rear))));
+        // A drawbar that is given stays where it is.
+        nominal.effects = nominal.effects.with("drawbar.force", 50.0).unwrap();
+        assert_eq!(expected(&nominal), (1.0, None));
+    }
+}

@@ -1,0 +1,73 @@
+//! A part of a long recording.
+//!
+//! What acts throughout shows in some minutes of driving as well as in many: some stretches, spread evenly, stand
+//! for all where it is to be seen which way to go.
+
+use super::{Given, Solution};
+use crate::fit::problem::Weighing;
+
+/// More stretches than this are many, and of those so many are enough.
+const MANY: usize = 48;
+const ENOUGH: usize = 32;
+
+/// Some stretches of many.
+#[derive(Debug, Clone)]
+pub struct Part {
+    places: Vec<usize>,
+    count: usize,
+}
+
+impl Part {
+    /// `None` where there are not many.
+    #[must_use]
+    pub fn of(given: &Given) -> Option<Self> {
+        let count = given.segments.len();
+        (count > MANY).then(|| Self {
+            places: (0..ENOUGH).map(|k| k * count / ENOUGH).collect(),
+            count,
+        })
+    }
+
+    /// All over some.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.count as f64 / self.places.len() as f64
+    }
+
+    /// These stretches alone.
+    #[must_use]
+    pub fn given<'a>(&self, whole: &Given<'a>) -> Given<'a> {
+        let segments = self.places.iter().map(|k| whole.segments[*k].clone());
+        Given {
+            segments: segments.collect(),
+            ..whole.clone()
+        }
+    }
+
+    /// Noise, and the weights of these stretches.
+    #[must_use]
+    pub fn weighing(&self, whole: &Weighing) -> Weighing {
+        whole.of(&self.places)
+    }
+
+    /// A solution where these stretches begin.
+    #[must_use]
+    pub fn solution(&self, whole: &Solution) -> Solution {
+        Solution {
+            starts: self.places.iter().map(|k| whole.starts[*k]).collect(),
+            ..whole.clone()
+        }
+    }
+
+    /// What these stretches told of the soil and of some knobs, on all of them; everything else stays as it was.
+    #[must_use]
+    pub fn widened(&self, told: &Solution, knobs: &[usize], whole: &Solution) -> Solution {
+        let mut widened = whole.clone();
+        widened.soil.clone_from(&told.soil);
+        widened.take(knobs, told);
+        for (place, start) in self.places.iter().zip(&told.starts) {
+            widened.starts[*place] = *start;
+        }
+        widened
+    }
+}

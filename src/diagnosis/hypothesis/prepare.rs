@@ -1,0 +1,108 @@
+//! Recordings cut into segments that the given model can drive.
+
+use super::Given;
+use crate::diagnosis::{DiagnosisError, Options};
+use crate::fit::predictor::PredictionError;
+use crate::fit::problem::{Tables, Weighing};
+use crate::fit::segment::{Cut, cut};
+use crate::fit::sensor::SensorValues;
+use crate::fit::weighing::first_weighing;
+use crate::recording::{Channel, Recording};
+
+/// Less driving than this is not enough to say anything \[s\].
+const SHORTEST: f64 = 10.0;
+/// A soil that cannot carry the vehicle is stiffened by this factor, up to so many times in all.
+const STIFFER: f64 = 4.0;
+const STIFFEST: f64 = 1024.0;
+
+/// Cuts, leaves out what cannot be driven, and weighs all samples alike.
+///
+/// # Errors
+/// Recordings that tell nothing.
+pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), DiagnosisError> {
+    // Samples go to the segment in which they were true. A pose that is told too early would lie
+    // before its segment's start; one told too late does no harm.
+    let late = given
+        .late
+        .iter()
+        .map(|late| late.map(|value| value.max(0.0)));
+    let late: Vec<SensorValues> = late.collect();
+    let mut found = cut(given.recordings, &late, options.segment);
+    given.segments = std::mem::take(&mut found.segments);
+    let driven: f64 = seconds(given);
+    if driven == 0.0 && found.at_rest > found.unusable {
+        return Err(DiagnosisError::AtRest {
+            moved: reach(given.recordings),
+        });
+    }
+    let mut tried = drive(given);
+    let most = 0.5 * driven;
+    while failed(given, &tried) > most && given.stiffening < STIFFEST {
+        // The terrain is but a rough start: a vehicle that was recorded did not sink into it.
+        given.stiffening *= STIFFER;
+        tried = drive(given);
+    }
+    if failed(given, &tried) > most && given.stiffening > 1.0 {
+        given.stiffening = 1.0;
+        tried = drive(given);
+    }
+    let mut failed = None;
+    let mut kept = Vec::new();
+    for (segment, tried) in std::mem::take(&mut given.segments).into_iter().zip(tried) {
+        match tried {
+            Ok(_) => kept.push(segment),
+            Err(error) => {
+                found.unusable += segment.end - segment.start;
+                failed.get_or_insert(error);
+            }
+        }
+    }
+    given.segments = kept;
+    let seconds = seconds(given);
+    match failed {
+        Some(error) if seconds < 0.5 * driven => Err(DiagnosisError::Undrivable(error)),
+        _ if seconds < SHORTEST => Err(DiagnosisError::TooShort {
+            seconds,
+            needed: SHORTEST,
+        }),
+        _ => {
+            let predictor = given.predictor(&[]);
+            let weighing = first_weighing(&given.problem(&predictor, &[]));
+            Ok((found, weighing))
+        }
+    }
+}
+
+/// Drives all segments as they begin.
+fn drive(given: &Given) -> Vec<Result<Tables, PredictionError>> {
+    let predictor = given.predictor(&[]);
+    let problem = given.problem(&predictor, &[]);
+    let point = given.point(&problem, &[], &given.begin());
+    problem.evaluate_each(&point, true)
+}
+
+/// Seconds of the segments that could not be driven.
+fn failed(given: &Given, tried: &[Result<Tables, PredictionError>]) -> f64 {
+    let pairs = given.segments.iter().zip(tried);
+    let failed = pairs.filter(|(_, tried)| tried.is_err());
+    failed.map(|(s, _)| s.end - s.start).sum()
+}
+
+/// Seconds that the segments cover.
+#[must_use]
+pub fn seconds(given: &Given) -> f64 {
+    let each = given.segments.iter().map(|s| s.end - s.start);
+    // A sum of nothing is -0.
+    each.fold(0.0, |sum, length| sum + length)
+}
+
+/// How far the positions of a run reach, east or north \[m\].
+fn reach(recordings: &[Recording]) -> f64 {
+    let runs = recordings.iter().flat_map(|recording| &recording.runs);
+    let series = runs.flat_map(|run| [Channel::X, Channel::Y].map(|channel| run.series(channel)));
+    let reach = series.flatten().map(|series| {
+        let values = || series.value.iter().copied();
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    });
+    reach.fold(0.0, f64::max)
+}

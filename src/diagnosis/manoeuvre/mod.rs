@@ -1,0 +1,322 @@
+//! Step 9: what to drive next.
+//!
+//! Each manoeuvre is rehearsed on the re-tuned soil (`rehearsal`), and judged by how far apart the two
+//! hypotheses would be with its recording beside those at hand (`separation`): the best finding as
+//! it was estimated, and the first of its set.
+//!
+//! What showed in one place or for some seconds is taken to act throughout the manoeuvre, and the
+//! recordings at hand then tell of the soil alone.
+//!
+//! Where the recordings tell too little there is no pair to separate. Then every candidate that
+//! they would not have shown at a plausible size is held against nothing, its leading parameter at
+//! its prior's standard deviation, and the median of their separations is what counts: half of what
+//! these recordings hide would show by so much.
+
+pub mod course;
+pub mod rehearsal;
+pub mod separation;
+
+use crate::diagnosis::answer::verdict::{Judged, Judgement};
+use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
+use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::proposal::Kind;
+use crate::diagnosis::{Manoeuvre, Options, Subject, Verdict};
+use rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
+use separation::Signal;
+
+/// Where the model with its soil re-tuned suffices, it takes that many of the candidates to have
+/// been seen at a plausible size to leave it at that.
+const ENOUGH: f64 = 0.6;
+
+/// What to drive next: where these recordings leave something open. `hidden` are the candidates
+/// that they would not have shown at a plausible size.
+#[must_use]
+pub fn next(
+    searched: &Searched,
+    judgement: &Judgement,
+    hidden: &[Subject],
+    options: &Options,
+) -> Option<Manoeuvre> {
+    let seen = 1.0 - hidden.len() as f64 / searched.first.screened.len().max(1) as f64;
+    let question = match judgement.verdict {
+        Verdict::Ambiguous => {
+            Question::between(searched, judgement.findings.get(judgement.leading?)?)?
+        }
+        Verdict::InsufficientData => Question::whether(searched, hidden),
+        Verdict::NothingMissing if seen < ENOUGH => Question::whether(searched, hidden),
+        _ => return None,
+    };
+    let at_hand = AtHand {
+        given: &searched.given,
+        retuned: &searched.retuned.solution,
+        by: &searched.by,
+        system: &searched.first.system,
+    };
+    question.answer(&at_hand, options.segment)
+}
+
+/// What a manoeuvre has to answer.
+#[derive(Debug)]
+struct Question {
+    separates: [Subject; 2],
+    signals: Vec<Signal>,
+    /// Said of where it is to be driven.
+    place: &'static str,
+}
+
+impl Question {
+    /// Which of the first finding's set it is.
+    fn between(searched: &Searched, first: &Judged) -> Option<Self> {
+        let rival = *first.set.first()?;
+        let member = searched.members.get(first.member?)?;
+        let candidates = &searched.given.candidates;
+        let rivals: Vec<usize> = match rival {
+            Subject::Unknown => candidates.laws().collect(),
+            _ => candidates.of(rival).collect(),
+        };
+        let each = &searched.augmented.solution.knobs;
+        let knobs = member.proposal.knobs.iter().map(|knob| {
+            let off = candidates.knobs[*knob].parameter.prior_coordinate();
+            let mut sizes: Vec<f64> = each.iter().map(|knobs| knobs[*knob] - off).collect();
+            // The recording to come is made on the same ground with the same sensors.
+            sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
+            (*knob, sizes)
+        });
+        let changes = |subject: Subject| subject.name() == TERRAIN_CHANGE;
+        let local = member.proposal.kind() == Kind::Local;
+        let bound = local || changes(first.subject);
+        Some(Self {
+            separates: [first.subject, rival],
+            signals: vec![Signal {
+                knobs: knobs.collect(),
+                rivals,
+                told: !bound && !changes(rival),
+                scatter: scatter(searched, first.subject),
+            }],
+            place: if bound { ", where it showed" } else { "" },
+        })
+    }
+
+    /// Whether anything of this is there.
+    fn whether(searched: &Searched, subjects: &[Subject]) -> Self {
+        let candidates = &searched.given.candidates;
+        let recordings = searched.given.recordings.len();
+        let one = |subject: Subject| {
+            let knob = candidates.of(subject).next()?;
+            let deviation = candidates.knobs[knob].parameter.prior.deviation;
+            Some(Signal {
+                knobs: vec![(knob, vec![deviation; recordings + 1])],
+                rivals: Vec::new(),
+                told: true,
+                scatter: scatter(searched, subject),
+            })
+        };
+        Self {
+            separates: [Subject::Unknown, Subject::Nothing],
+            signals: subjects.iter().filter_map(|s| one(*s)).collect(),
+            place: "",
+        }
+    }
+
+    /// The manoeuvre that answers best.
+    fn answer(&self, at_hand: &AtHand, length: f64) -> Option<Manoeuvre> {
+        let signals = self.signals.iter();
+        let mut knobs: Vec<usize> = signals
+            .flat_map(|s| s.knobs.iter().map(|k| k.0).chain(s.rivals.iter().copied()))
+            .collect();
+        knobs.sort_unstable();
+        knobs.dedup();
+        let rehearsed = rehearse(at_hand, &knobs, length)?;
+        let mut order: Vec<(usize, f64)> = (0..rehearsed.rehearsals.len())
+            .filter_map(|one| Some((one, self.separation(at_hand, &rehearsed, one)?)))
+            .collect();
+        order.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let (best, separation) = *order.first()?;
+        let best = &rehearsed.rehearsals[best];
+        let name = |(one, separation): &(usize, f64)| {
+            (rehearsed.rehearsals[*one].course.name, *separation)
+        };
+        Some(Manoeuvre {
+            name: best.course.name,
+            description: format!("{}{}.", describe(best), self.place),
+            separates: self.separates,
+            separation,
+            compared: order.iter().map(name).collect(),
+        })
+    }
+
+    /// The median separation of the signals with a manoeuvre's recording beside those at hand. `None`
+    /// where the model cannot drive all of it.
+    fn separation(&self, at_hand: &AtHand, rehearsed: &Rehearsed, one: usize) -> Option<f64> {
+        let each = self.signals.iter();
+        let mut all: Vec<f64> = each
+            .map(|signal| signal.separation(at_hand, rehearsed, one))
+            .collect::<Option<_>>()?;
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied()
+    }
+}
+
+fn scatter(searched: &Searched, subject: Subject) -> f64 {
+    let mut screened = searched.first.screened.iter();
+    let found = screened.find(|one| one.subject == subject);
+    found.map_or(1.0, |one| one.score.scatter)
+}
+
+/// What to do, with numbers of the motion on the re-tuned soil.
+fn describe(rehearsal: &Rehearsal) -> String {
+    let course = &rehearsal.course;
+    let states = rehearsal.states.iter();
+    let fastest = states.clone().map(|s| s[3]).fold(0.0, f64::max);
+    let turning = states.clone().map(|s| s[5].abs()).fold(0.0, f64::max);
+    let radius = states
+        .filter(|s| s[3] > 0.5 * fastest && s[5].abs() > 1e-6)
+        .map(|s| (s[3] / s[5]).abs())
+        .fold(f64::INFINITY, f64::min);
+    let (speed, radius) = (format!("{fastest:.2} m/s"), format!("{radius:.1} m"));
+    let (seconds, part, times) = (course.seconds(), course.part, course.times);
+    match course.name {
+        "straight" => format!("Drive straight at {speed} for {part:.0} s"),
+        "varied_speed" => format!(
+            "Drive straight for {seconds:.0} s, {part:.0} s each at {:.2}, {:.2}, {:.2} and {:.2} m/s",
+            0.3 * fastest,
+            0.6 * fastest,
+            fastest,
+            0.45 * fastest
+        ),
+        "accelerate_and_brake" => format!(
+            "Drive straight for {seconds:.0} s, {times} times speeding up to {speed} and braking to {:.2} m/s",
+            0.25 * fastest
+        ),
+        "stop_and_go" => format!(
+            "Drive straight, {times} times for {part:.0} s at {speed} with a stop in between, {seconds:.0} s in all"
+        ),
+        "slalom" => format!(
+            "Drive a slalom at {speed}, {part:.0} s to each side and down to a radius of {radius}, for {seconds:.0} s"
+        ),
+        "spiral" => format!(
+            "Drive an ever tighter bend to the left at {speed}, within {part:.0} s from straight to a radius of {radius}"
+        ),
+        "circles" => format!(
+            "Drive a circle of {radius} radius at {speed}, {part:.0} s to the left, then as long to the right"
+        ),
+        "pivots" => format!(
+            "Turn on the spot at {turning:.2} rad/s for {part:.0} s to the left, then as long to the right"
+        ),
+        "figure_eight" => format!(
+            "Drive a figure of eight at {speed} with circles of {radius} radius, {part:.0} s each"
+        ),
+        _ => format!(
+            "Drive straight at {speed} for {part:.0} s, turn round on the spot, and drive back beside the track as long"
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::hypothesis::Given;
+    use crate::diagnosis::manoeuvre::rehearsal::tests::steady_straight;
+    use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
+    use crate::diagnosis::screening::system::linearise;
+    use crate::effects::CATALOGUE;
+    use crate::fit::segment::cut;
+    use crate::fit::sensor::SensorParameter;
+    use crate::fit::weighing::first_weighing;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+
+    const LENGTH: f64 = 5.0;
+
+    fn effect(name: &str) -> Subject {
+        let place = CATALOGUE.iter().position(|effect| effect.name == name);
+        Subject::Effect(place.unwrap())
+    }
+
+    /// Asks after a straight drive in one direction: is it this, so many of its prior's deviations
+    /// large, or that?
+    fn after_a_straight(a: (&str, &str, f64), b: Option<&str>) -> Manoeuvre {
+        let terrain = Terrain::preset("sandy_loam").unwrap();
+        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        let recordings = [steady_straight(&model)];
+        let mut given = Given::new(&model, &recordings);
+        given.segments = cut(&recordings, &[[0.0; SensorParameter::ALL.len()]], LENGTH).segments;
+        let candidates = &given.candidates;
+        let mut knobs = candidates.of(effect(a.0));
+        let knob = knobs
+            .find(|knob| candidates.knobs[*knob].name == a.1)
+            .unwrap();
+        let size = a.2 * candidates.knobs[knob].parameter.prior.deviation;
+        let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(effect(b)).collect());
+        let asked: Vec<usize> = std::iter::once(knob)
+            .chain(rivals.iter().copied())
+            .collect();
+        let retuned = given.begin();
+        let by = first_weighing(&given.problem(&given.predictor(&[]), &[]));
+        let layout = Layout::ungated(&given, &asked);
+        let tables = sensitivities(&given, &layout, &retuned);
+        assert!(tables.len() > 4 && tables.iter().all(Option::is_some));
+        let system = linearise(&given, &layout, &tables, &retuned, &by);
+        let question = Question {
+            separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
+            signals: vec![Signal {
+                knobs: vec![(knob, vec![size; 2])],
+                rivals,
+                told: true,
+                scatter: 1.0,
+            }],
+            place: "",
+        };
+        let at_hand = AtHand {
+            given: &given,
+            retuned: &retuned,
+            by: &by,
+            system: &system,
+        };
+        question.answer(&at_hand, LENGTH).unwrap()
+    }
+
+    fn of(found: &Manoeuvre, name: &str) -> f64 {
+        let mut compared = found.compared.iter();
+        compared.find(|one| one.0 == name).unwrap().1
+    }
+
+    #[test]
+    fn a_slope_shows_on_the_way_back_and_in_turns() {
+        let found = after_a_straight(("grade", "slope_east", 0.6), Some("drag"));
+        assert_eq!(found.compared.len(), 10, "{found:?}");
+        let straight = of(&found, "straight");
+        for name in ["there_and_back", "circles"] {
+            assert!(of(&found, name) > 2.0 * straight, "{name} {found:?}");
+        }
+        assert_eq!(found.compared[0], (found.name, found.separation));
+        let pairs = found.compared.windows(2);
+        assert!(pairs.clone().all(|pair| pair[0].1 >= pair[1].1));
+        assert_eq!(
+            found,
+            after_a_straight(("grade", "slope_east", 0.6), Some("drag"))
+        );
+    }
+
+    #[test]
+    fn what_acts_across_shows_in_a_pivot() {
+        let found = after_a_straight(("shear_anisotropy", "strength_ratio", 1.0), None);
+        assert!(of(&found, "pivots") > 3.0 * of(&found, "straight"));
+        assert!(of(&found, "pivots") > 0.5, "{found:?}");
+    }
+
+    #[test]
+    fn descriptions_name_numbers_of_the_motion() {
+        let terrain = Terrain::preset("sandy_loam").unwrap();
+        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        for rehearsal in crate::diagnosis::manoeuvre::rehearsal::tests::all(&model) {
+            let told = describe(&rehearsal);
+            let name = rehearsal.course.name;
+            assert!(told.contains(" s"), "{name}: {told}");
+            assert!(told.matches(|c: char| c.is_ascii_digit()).count() > 2);
+            assert!(!told.contains("inf") && !told.contains("NaN"), "{told}");
+            let bends = ["slalom", "spiral", "circles", "figure_eight"].contains(&name);
+            assert_eq!(bends, told.contains("radius"), "{name}: {told}");
+        }
+    }
+}

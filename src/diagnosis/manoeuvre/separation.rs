@@ -1,0 +1,148 @@
+//! How well a recording to come would separate two hypotheses.
+//!
+//! It would be diagnosed with those at hand, so that the normal equations add up, H = H_at_hand +
+//! H_to_come. The soil and what acts everywhere are shared, a slope or a sensor's fault is each
+//! recording's own. Were a true, the signal J_a d_a would be in the data; b and the soil, X
+//! together, would be re-tuned to mimic it, and what they cannot mimic is
+//!
+//! ```text
+//! d^2 = min_x |S^1/2 (J_a d_a - J_X x)|^2 + x^T P x
+//!     = d_a^T (H_aa - H_aX (H_XX + P)^-1 H_Xa) d_a
+//! ```
+//!
+//! with the noise's inverse covariance S and the priors' precision P; the starts are eliminated
+//! beforehand. d is the expected separation in standard deviations, the root of the likelihood
+//! ratio's noncentrality. It is the criterion of T-optimal design, the least squares distance
+//! between a model held for true at its estimates and its rival at the best of its parameters (A. C.
+//! Atkinson & V. V. Fedorov, "The design of experiments for discriminating between two rival
+//! models", Biometrika 62 (1975), 57–70), linearised around the re-tuned model, with priors. As in
+//! the screen, d^2 is divided by the scatter phi of the blocks. d_a is what was estimated.
+//! Where b is nothing, X is the soil alone.
+
+use super::rehearsal::{AtHand, Rehearsed};
+use crate::diagnosis::screening::system::System;
+use nalgebra::{DMatrix, DVector};
+
+/// An unknown of the recordings at hand and of the one to come.
+#[derive(Debug, Clone, Copy)]
+struct Unknown {
+    at_hand: Option<usize>,
+    to_come: Option<usize>,
+    /// Precision of its prior.
+    precision: f64,
+    /// Its size where it is there.
+    size: f64,
+}
+
+/// Something that would be in the data, and what could mimic it besides the soil.
+#[derive(Debug, Clone)]
+pub struct Signal {
+    /// Knobs with their sizes: for each recording at hand, then for the one to come.
+    pub knobs: Vec<(usize, Vec<f64>)>,
+    /// Knobs that could mimic it.
+    pub rivals: Vec<usize>,
+    /// Whether the recordings at hand tell of the knobs.
+    pub told: bool,
+    /// Scatter of the blocks.
+    pub scatter: f64,
+}
+
+impl Signal {
+    /// Its separation with a manoeuvre's recording beside those at hand. `None` where numbers are
+    /// not finite.
+    #[must_use]
+    pub fn separation(&self, at_hand: &AtHand, rehearsed: &Rehearsed, one: usize) -> Option<f64> {
+        let to_come = &rehearsed.system;
+        let mut unknowns: Vec<Unknown> = at_hand
+            .system
+            .soil()
+            .map(|soil| Unknown {
+                at_hand: Some(soil),
+                to_come: Some(soil),
+                precision: at_hand.system.precision[soil],
+                size: 0.0,
+            })
+            .collect();
+        let none = vec![0.0; at_hand.given.recordings.len() + 1];
+        for knob in &self.rivals {
+            unknowns.extend(self.unknowns(at_hand, to_come, one, *knob, &none));
+        }
+        let mimics = unknowns.len();
+        for (knob, sizes) in &self.knobs {
+            unknowns.extend(self.unknowns(at_hand, to_come, one, *knob, sizes));
+        }
+        let mut matrix = sum(at_hand.system, &unknowns, |u| u.at_hand, None);
+        matrix += sum(to_come, &unknowns, |u| u.to_come, Some(one));
+        let signals = unknowns.len() - mimics;
+        let mut own = matrix.view((0, 0), (mimics, mimics)).into_owned();
+        for (k, unknown) in unknowns[..mimics].iter().enumerate() {
+            own[(k, k)] += unknown.precision;
+        }
+        let cross = matrix.view((0, mimics), (mimics, signals)).into_owned();
+        let raw = matrix.view((mimics, mimics), (signals, signals));
+        let left = raw - cross.tr_mul(&own.cholesky()?.solve(&cross));
+        let sizes = unknowns[mimics..].iter().map(|unknown| unknown.size);
+        let size = DVector::from_iterator(signals, sizes);
+        let square = size.dot(&(left * &size)) / self.scatter;
+        square.is_finite().then(|| square.max(0.0).sqrt())
+    }
+
+    /// The unknowns of a knob: one, or one for each recording that tells of it.
+    fn unknowns(
+        &self,
+        at_hand: &AtHand,
+        to_come: &System,
+        one: usize,
+        knob: usize,
+        sizes: &[f64],
+    ) -> Vec<Unknown> {
+        let about = &at_hand.given.candidates.knobs[knob];
+        let column = at_hand.system.layout.soil + knob;
+        let unknown = |at_hand, to_come, size| Unknown {
+            at_hand,
+            to_come,
+            precision: about.parameter.prior.deviation.powi(-2),
+            size,
+        };
+        let next = to_come.places[one][column];
+        let size = sizes[sizes.len() - 1];
+        let places = at_hand.system.places.iter().map(|places| places[column]);
+        if !about.own {
+            let same = places.flatten().next().filter(|_| self.told);
+            return vec![unknown(same, next, size)];
+        }
+        let known = places
+            .zip(sizes)
+            .filter(|(place, _)| self.told && place.is_some());
+        let mut all: Vec<Unknown> = known
+            .map(|(place, size)| unknown(place, None, *size))
+            .collect();
+        all.extend(next.map(|next| unknown(None, Some(next), size)));
+        all
+    }
+}
+
+/// A system's equations over these unknowns, of one recording or all; zero where it does not have them.
+fn sum(
+    system: &System,
+    unknowns: &[Unknown],
+    place: impl Fn(&Unknown) -> Option<usize>,
+    recording: Option<usize>,
+) -> DMatrix<f64> {
+    let here: Vec<(usize, usize)> = unknowns
+        .iter()
+        .enumerate()
+        .filter_map(|(k, unknown)| Some((k, place(unknown)?)))
+        .collect();
+    let own: Vec<usize> = here.iter().map(|(_, place)| *place).collect();
+    let segments = system.segments.iter();
+    let chosen = segments.filter(|s| recording.is_none_or(|recording| s.recording == recording));
+    let (part, _) = system.sum(&own, chosen);
+    let mut matrix = DMatrix::zeros(unknowns.len(), unknowns.len());
+    for (i, (row, _)) in here.iter().enumerate() {
+        for (j, (column, _)) in here.iter().enumerate() {
+            matrix[(*row, *column)] = part[(i, j)];
+        }
+    }
+    matrix
+}

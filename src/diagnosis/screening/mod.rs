@@ -1,0 +1,11 @@
+//! What the linearised problem shows: which candidates explain what re-tuning the soil cannot, where, and how sure.
+
+pub mod law;
+pub mod locate;
+pub mod noise;
+pub mod regime;
+pub mod scan;
+pub mod screen;
+pub mod sensitivity;
+pub mod system;
+pub mod wrench;

@@ -1,0 +1,167 @@
+//! The noise under the richest model: what any candidate can explain is no noise.
+//!
+//! All candidates are integrated out together with soil and starts (restricted likelihood, see
+//! [`crate::fit::noise_estimate`]); otherwise the noise, slow noise above all, would take up what is
+//! missing. So is a push in the interval in which one explains most: a disturbance of some seconds looks
+//! like slow noise. Most candidates point in few directions: those combinations are kept, in units of their
+//! priors, that these recordings tell anything about.
+
+use super::locate::{Extent, locate, scanned};
+use super::screen::Projection;
+use super::sensitivity::SegmentTable;
+use super::system::System;
+use super::wrench::pushes;
+use crate::diagnosis::Subject;
+use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::fit::linearised::Linearised;
+use crate::fit::noise_estimate;
+use crate::fit::normal::START;
+use crate::fit::problem::{Tables, Weighing};
+use crate::fit::segment::Segment;
+use nalgebra::{DMatrix, DVector};
+
+/// A combination is kept from this information on, in units of its prior's precision.
+const TOLD: f64 = 0.3;
+
+/// A push that explains less than this, the choice of its interval not counted, is as good as none.
+const FAINT: f64 = 4.0;
+
+/// The interval in which a push explains most.
+fn push(given: &Given, system: &System, at: &Solution) -> Option<(Extent, [usize; 3])> {
+    let projection = Projection::over_all(system, &[])?;
+    let mut candidates = scanned(given, system, &at.soil, &[]);
+    candidates.retain(|one| one.subject == Subject::Unknown);
+    let found = locate(given, system, &projection, &candidates);
+    let mut intervals = found
+        .into_iter()
+        .filter(|found| matches!(found.extent, Extent::Time(_)) && found.score.evidence > FAINT);
+    Some((intervals.next()?.extent, pushes(given, system)?))
+}
+
+/// Estimates the noise anew.
+pub fn update(
+    given: &Given,
+    system: &System,
+    tables: &[Option<SegmentTable>],
+    at: &Solution,
+    by: &mut Weighing,
+) {
+    let push = push(given, system, at);
+    let extra = push.as_ref().map_or(0, |(_, columns)| columns.len());
+    let count = system.precision.len();
+    let all: Vec<usize> = (0..count).collect();
+    let (matrix, _) = system.sum(&all, system.segments.iter());
+    let unit = system.precision.map(|precision| precision.sqrt().recip());
+    let scaled = DMatrix::from_fn(count, count, |i, j| matrix[(i, j)] * unit[i] * unit[j]);
+    let eigen = scaled.symmetric_eigen();
+    let kept: Vec<usize> = (0..count)
+        .filter(|k| eigen.eigenvalues[*k] > TOLD)
+        .collect();
+    // Columns: combinations; rows: unknowns.
+    let basis = DMatrix::from_fn(count, kept.len(), |i, k| {
+        unit[i] * eigen.eigenvectors[(i, kept[k])]
+    });
+    let known: Vec<usize> = (0..tables.len()).filter(|k| tables[*k].is_some()).collect();
+    let problem = Linearised {
+        segments: known.iter().map(|k| &given.segments[*k]).collect(),
+        starts: known.iter().map(|k| at.starts[*k]).collect(),
+        places: vec![(0..kept.len() + extra).collect(); given.recordings.len()],
+        precision: DVector::repeat(kept.len() + extra, 1.0),
+        pull: basis
+            .tr_mul(&system.pull)
+            .resize_vertically(kept.len() + extra, 0.0),
+    };
+    let combined: Vec<Tables> = known
+        .iter()
+        .filter_map(|k| {
+            let recording = given.segments[*k].recording;
+            let table = tables[*k].as_ref()?;
+            let own = push.as_ref().map(|(extent, columns)| Push {
+                gates: open(extent, &given.segments[*k], &table.edges),
+                columns: *columns,
+                per_gate: system.layout.per_gate(),
+                table,
+            });
+            Some(combine(
+                &table.whole,
+                &system.places[recording],
+                &basis,
+                own.as_ref(),
+            ))
+        })
+        .collect();
+    let mut weighing = by.of(&known);
+    noise_estimate::update(&problem, &combined, &mut weighing);
+    by.noise = weighing.noise;
+}
+
+/// A push in some gates of a segment.
+struct Push<'a> {
+    gates: Vec<usize>,
+    columns: [usize; 3],
+    per_gate: usize,
+    table: &'a SegmentTable,
+}
+
+/// A push of this share of the weight has unit prior.
+const SHARE: f64 = 0.05;
+
+impl Push<'_> {
+    /// Derivatives of a sample by the push's components.
+    fn of(&self, channel: usize, row: usize) -> [f64; 3] {
+        let width = self.per_gate * (self.table.edges.len() - 1);
+        let gated = &self.table.gated[channel][row * width..(row + 1) * width];
+        self.columns.map(|column| {
+            let each = self.gates.iter();
+            SHARE
+                * each
+                    .map(|gate| gated[gate * self.per_gate + column])
+                    .sum::<f64>()
+        })
+    }
+}
+
+/// The gates of a segment that lie within an interval.
+fn open(extent: &Extent, segment: &Segment, edges: &[f64]) -> Vec<usize> {
+    let Extent::Time(at) = *extent else {
+        return Vec::new();
+    };
+    let within = |gate: &usize| {
+        let middle = 0.5 * (edges[*gate] + edges[gate + 1]);
+        (segment.recording, segment.run) == (at.recording, at.run)
+            && (at.start..at.end).contains(&middle)
+    };
+    (0..edges.len() - 1).filter(within).collect()
+}
+
+/// Residual and start as they are, then the combinations, then the push.
+fn combine(
+    tables: &Tables,
+    places: &[Option<usize>],
+    basis: &DMatrix<f64>,
+    push: Option<&Push>,
+) -> Tables {
+    let channel = |(index, channel): (usize, &Vec<f64>)| {
+        let mut combined = Vec::new();
+        for (number, row) in channel.chunks_exact(tables.columns).enumerate() {
+            let (own, rest) = row.split_at(1 + START);
+            combined.extend(own);
+            let mut sums = DVector::zeros(basis.ncols());
+            for (value, place) in rest.iter().zip(places) {
+                if let Some(place) = place {
+                    sums.axpy(*value, &basis.row(*place).transpose(), 1.0);
+                }
+            }
+            combined.extend(sums.iter());
+            if let Some(push) = push {
+                combined.extend(push.of(index, number));
+            }
+        }
+        combined
+    };
+    let extra = push.map_or(0, |push| push.columns.len());
+    Tables {
+        channels: tables.channels.iter().enumerate().map(channel).collect(),
+        columns: 1 + START + basis.ncols() + extra,
+    }
+}

@@ -1,0 +1,236 @@
+//! The linearised problem: normal equations of every segment, its start eliminated, by the soil and
+//! every candidate, whole and gate by gate.
+
+use super::sensitivity::{Layout, SegmentTable};
+use crate::diagnosis::hypothesis::{Given, Solution, What};
+use crate::fit::normal::START;
+use crate::fit::parameter::Parameter;
+use crate::fit::problem::{Tables, Weighing};
+use crate::fit::segment::SAME_TIME;
+use crate::fit::weighing::reweigh;
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Normal equations of all segments.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// All unknowns: the soil, the knobs (one per recording where each has its own).
+    pub parameters: Vec<Parameter>,
+    /// For each recording the unknown of each whole column: soil, then knobs; `None` where the
+    /// recording does not tell.
+    pub places: Vec<Vec<Option<usize>>>,
+    /// Precision of the priors.
+    pub precision: DVector<f64>,
+    /// Pull of the priors at the point.
+    pub pull: DVector<f64>,
+    /// The segments.
+    pub segments: Vec<SegmentSystem>,
+    /// Columns.
+    pub layout: Layout,
+}
+
+/// A segment's normal equations by its own columns: whole ones, then the gated ones gate by gate.
+#[derive(Debug, Clone)]
+pub struct SegmentSystem {
+    /// Place among the given segments.
+    pub index: usize,
+    /// Which recording.
+    pub recording: usize,
+    /// Matrix, J^T S J with the start eliminated.
+    pub matrix: DMatrix<f64>,
+    /// Pull, J^T S r with the start eliminated.
+    pub gradient: DVector<f64>,
+    /// Squares of the whitened residuals that the start does not take up.
+    pub cost: f64,
+    /// Where gates begin and end \[s\].
+    pub edges: Vec<f64>,
+}
+
+/// The normal equations of all segments.
+#[must_use]
+pub fn linearise(
+    given: &Given,
+    layout: &Layout,
+    tables: &[Option<SegmentTable>],
+    at: &Solution,
+    by: &Weighing,
+) -> System {
+    let knobs: Vec<usize> = (0..given.candidates.knobs.len()).collect();
+    let predictor = given.predictor(&knobs);
+    let problem = given.problem(&predictor, &knobs);
+    let mut places = vec![vec![None; layout.whole()]; given.recordings.len()];
+    given.visit(&problem, &knobs, |place, recording, what| {
+        let column = match what {
+            What::Soil(index) => index,
+            What::Knob(knob) => layout.soil + knob,
+        };
+        places[recording][column] = Some(place);
+    });
+    let point = given.point(&problem, &knobs, at);
+    let one = |(index, table): (usize, &Option<SegmentTable>)| {
+        let table = table.as_ref()?;
+        segment(given, layout, index, table, &at.starts[index], by)
+    };
+    let segments: Vec<Option<SegmentSystem>> = tables.par_iter().enumerate().map(one).collect();
+    let (precision, pull) = problem.prior(&point.coordinates);
+    System {
+        precision,
+        pull,
+        parameters: problem.parameters,
+        places,
+        segments: segments.into_iter().flatten().collect(),
+        layout: layout.clone(),
+    }
+}
+
+/// Weights at the residuals of a fitted hypothesis.
+pub fn weigh(given: &Given, knobs: &[usize], tables: &[Tables], by: &mut Weighing) {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    reweigh(&problem, tables, by);
+}
+
+fn segment(
+    given: &Given,
+    layout: &Layout,
+    index: usize,
+    table: &SegmentTable,
+    start: &[f64; START],
+    by: &Weighing,
+) -> Option<SegmentSystem> {
+    let segment = &given.segments[index];
+    let gated = layout.per_gate() * (table.edges.len() - 1);
+    let width = table.whole.columns + gated;
+    let local = width - 1 - START;
+    let mut normal = DMatrix::<f64>::zeros(width, width);
+    for (channel, data) in segment.samples.iter().enumerate() {
+        let whole = table.whole.channels[channel].chunks_exact(table.whole.columns);
+        let rows = data.time.len();
+        let mut cells = Vec::with_capacity(rows * width);
+        for (row, whole) in whole.enumerate() {
+            cells.extend(whole);
+            cells.extend(&table.gated[channel][row * gated..(row + 1) * gated]);
+        }
+        let noise = by.noise[segment.recording][data.signal.group() as usize];
+        noise.whiten(&data.time, &by.weights[index][channel], width, &mut cells);
+        let rows = DMatrix::from_vec(width, rows, cells);
+        normal.gemm(1.0, &rows, &rows.transpose(), 1.0);
+    }
+    let mut by_start: SMatrix<f64, START, START> =
+        normal.fixed_view::<START, START>(1, 1).into_owned();
+    let mut pull: SVector<f64, START> = normal.fixed_view::<START, 1>(1, 0).into_owned();
+    let mut cost = normal[(0, 0)];
+    for k in 0..START {
+        let precision = segment.start_deviation[k].powi(-2);
+        let missing = segment.start_prior[k] - start[k];
+        by_start[(k, k)] += precision;
+        pull[k] += precision * missing;
+        cost += precision * missing * missing;
+    }
+    let cross = normal.view((1, 1 + START), (START, local)).into_owned();
+    let factor = by_start.cholesky()?;
+    let solved = factor.solve(&cross);
+    let moved = factor.solve(&pull);
+    let own = normal.view((1 + START, 1 + START), (local, local));
+    let gradient = normal
+        .view((1 + START, 0), (local, 1))
+        .column(0)
+        .into_owned();
+    let system = SegmentSystem {
+        index,
+        recording: segment.recording,
+        matrix: own - cross.tr_mul(&solved),
+        gradient: gradient - cross.tr_mul(&moved),
+        cost: cost - pull.dot(&moved),
+        edges: table.edges.clone(),
+    };
+    let finite = system.cost.is_finite() && system.matrix.iter().all(|v| v.is_finite());
+    finite.then_some(system)
+}
+
+impl SegmentSystem {
+    /// Number of gates.
+    #[must_use]
+    pub fn gates(&self) -> usize {
+        self.edges.len() - 1
+    }
+
+    /// Whether the other begins where it ends.
+    #[must_use]
+    pub fn joins(&self, next: &Self) -> bool {
+        let apart = self.edges.last().zip(next.edges.first());
+        apart.is_some_and(|(end, begin)| (begin - end).abs() < SAME_TIME)
+    }
+}
+
+impl System {
+    /// Unknowns of a knob: one, or one for each recording.
+    #[must_use]
+    pub fn unknowns(&self, knob: usize) -> Vec<usize> {
+        let column = self.layout.soil + knob;
+        let each = self.places.iter().filter_map(|places| places[column]);
+        let mut found: Vec<usize> = each.collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// A step of these unknowns from steps of knobs, each told by knob and recording.
+    #[must_use]
+    pub fn step(
+        &self,
+        unknowns: &[usize],
+        knobs: &[usize],
+        told: impl Fn(usize, usize) -> f64,
+    ) -> DVector<f64> {
+        let mut step = DVector::zeros(unknowns.len());
+        for (recording, places) in self.places.iter().enumerate() {
+            for knob in knobs {
+                let unknown = places[self.layout.soil + knob];
+                if let Some(place) = unknowns.iter().position(|u| Some(*u) == unknown) {
+                    step[place] = told(*knob, recording);
+                }
+            }
+        }
+        step
+    }
+
+    /// Unknowns of the soil.
+    #[must_use]
+    pub fn soil(&self) -> Range<usize> {
+        0..self.layout.soil
+    }
+
+    /// Sums of some segments' equations over these unknowns.
+    #[must_use]
+    pub fn sum<'a>(
+        &self,
+        unknowns: &[usize],
+        segments: impl Iterator<Item = &'a SegmentSystem>,
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let count = unknowns.len();
+        let (mut matrix, mut gradient) = (DMatrix::zeros(count, count), DVector::zeros(count));
+        for segment in segments {
+            let columns = self.columns(segment.recording, unknowns);
+            for (i, a) in columns.iter().enumerate() {
+                let Some(a) = a else { continue };
+                gradient[i] += segment.gradient[*a];
+                for (j, b) in columns.iter().enumerate() {
+                    if let Some(b) = b {
+                        matrix[(i, j)] += segment.matrix[(*a, *b)];
+                    }
+                }
+            }
+        }
+        (matrix, gradient)
+    }
+
+    /// A recording's columns of some unknowns.
+    #[must_use]
+    pub fn columns(&self, recording: usize, unknowns: &[usize]) -> Vec<Option<usize>> {
+        let places = &self.places[recording];
+        let column = |unknown: &usize| places.iter().position(|p| p == &Some(*unknown));
+        unknowns.iter().map(column).collect()
+    }
+}

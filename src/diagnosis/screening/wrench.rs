@@ -1,0 +1,193 @@
+//! The wrench that the model lacks, over time.
+//!
+//! A latent dF_X, dF_Y, dM_Z in every gate, with an Ornstein–Uhlenbeck process as its prior (of
+//! correlation time [`MEMORY`], its size by maximum likelihood), seen through the motion that it
+//! causes: no position is ever differentiated. The posterior, that of a Kalman filter and a
+//! Rauch–Tung–Striebel smoother (A. Gelb, "Applied Optimal Estimation", 1974), is computed segment
+//! by segment together with both neighbours: what lies beyond those is forgotten.
+
+use super::system::{SegmentSystem, System};
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::outcome::WrenchTrace;
+use crate::vehicle::GRAVITY;
+use nalgebra::{DMatrix, DVector};
+
+/// Correlation time of the latent wrench \[s\].
+const MEMORY: f64 = 1.0;
+/// Sizes that are tried, as shares of the weight.
+const SIZES: [f64; 7] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3];
+/// Components of the wrench.
+const COUNT: usize = 3;
+
+/// A wrench that comes and goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wandering {
+    /// Standard deviation of each component, as a share of the weight (times the half track).
+    pub size: [f64; COUNT],
+    /// Log Bayes factor against none.
+    pub evidence: f64,
+}
+
+/// Gated columns of the three pushes within a gate.
+#[must_use]
+pub fn pushes(given: &Given, system: &System) -> Option<[usize; COUNT]> {
+    let mut found = given.candidates.laws().filter_map(|knob| {
+        let gated = system
+            .layout
+            .gated
+            .iter()
+            .position(|other| *other == knob)?;
+        Some(system.layout.soil + gated)
+    });
+    Some([found.next()?, found.next()?, found.next()?])
+}
+
+/// A segment's equations by the wrench in its gates, at held soil.
+fn equations(
+    system: &System,
+    segment: &SegmentSystem,
+    columns: [usize; COUNT],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let layout = &system.layout;
+    let place = |k: usize| layout.whole() + (k / COUNT) * layout.per_gate() + columns[k % COUNT];
+    let size = COUNT * segment.gates();
+    (
+        DMatrix::from_fn(size, size, |i, j| segment.matrix[(place(i), place(j))]),
+        DVector::from_fn(size, |i, _| segment.gradient[place(i)]),
+    )
+}
+
+/// Precision of the process over so many gates of a length.
+fn process(size: [f64; COUNT], gates: usize, step: f64) -> DMatrix<f64> {
+    let decay = (-step / MEMORY).exp();
+    let fresh = 1.0 - decay * decay;
+    DMatrix::from_fn(COUNT * gates, COUNT * gates, |i, j| {
+        let (gate, other) = (i / COUNT, j / COUNT);
+        if i % COUNT != j % COUNT {
+            return 0.0;
+        }
+        let unit = size[i % COUNT].powi(-2) / fresh;
+        match gate.abs_diff(other) {
+            0 if gates == 1 => fresh * unit,
+            0 if gate == 0 || gate + 1 == gates => unit,
+            0 => (1.0 + decay * decay) * unit,
+            1 => -decay * unit,
+            _ => 0.0,
+        }
+    })
+}
+
+/// How large a wrench that comes and goes explains what is left over, and how well.
+#[must_use]
+pub fn wandering(given: &Given, system: &System) -> Option<Wandering> {
+    let columns = pushes(given, system)?;
+    let each: Vec<_> = system
+        .segments
+        .iter()
+        .map(|segment| (equations(system, segment, columns), segment))
+        .collect();
+    let evidence = |size: [f64; COUNT]| -> f64 {
+        let of =
+            |((matrix, gradient), segment): &((DMatrix<f64>, DVector<f64>), &SegmentSystem)| {
+                let step = segment.edges[1] - segment.edges[0];
+                let prior = process(size, segment.gates(), step);
+                let (prior_factor, factor) =
+                    match (prior.clone().cholesky(), (matrix + prior).cholesky()) {
+                        (Some(a), Some(b)) => (a, b),
+                        _ => return 0.0,
+                    };
+                let log = |l: &DMatrix<f64>| 2.0 * l.diagonal().map(f64::ln).sum();
+                let determinant = log(factor.l_dirty()) - log(prior_factor.l_dirty());
+                0.5 * (gradient.dot(&factor.solve(gradient)) - determinant)
+            };
+        each.iter().map(of).sum()
+    };
+    let mut size = [SIZES[0]; COUNT];
+    let mut best = evidence(size);
+    for _ in 0..2 {
+        for component in 0..COUNT {
+            for trial in SIZES {
+                let mut other = size;
+                other[component] = trial;
+                let value = evidence(other);
+                if value > best {
+                    (size, best) = (other, value);
+                }
+            }
+        }
+    }
+    Some(Wandering {
+        size,
+        evidence: best,
+    })
+}
+
+/// The wrench left over in one run, between its gates' middles. `None` without gates.
+#[must_use]
+pub fn smooth(
+    given: &Given,
+    system: &System,
+    recording: usize,
+    run: usize,
+    size: [f64; COUNT],
+) -> Option<WrenchTrace> {
+    let columns = pushes(given, system)?;
+    let own = |segment: &&SegmentSystem| {
+        let data = &given.segments[segment.index];
+        (data.recording, data.run) == (recording, run)
+    };
+    let segments: Vec<&SegmentSystem> = system.segments.iter().filter(own).collect();
+    let vehicle = &given.nominal.vehicle;
+    let weight = vehicle.mass * GRAVITY;
+    let scale = [weight, weight, weight * vehicle.half_track];
+    let mut trace = WrenchTrace {
+        time: Vec::new(),
+        value: Vec::new(),
+        deviation: Vec::new(),
+    };
+    let joined = |a: usize, b: usize| segments[a].joins(segments[b]);
+    for index in 0..segments.len() {
+        let first = if index > 0 && joined(index - 1, index) {
+            index - 1
+        } else {
+            index
+        };
+        let next = index + 1;
+        let end = if next < segments.len() && joined(index, next) {
+            next + 1
+        } else {
+            next
+        };
+        let step = segments[index].edges[1] - segments[index].edges[0];
+        let gates: usize = segments[first..end].iter().map(|s| s.gates()).sum();
+        let mut matrix = process(size, gates, step);
+        let mut gradient = DVector::zeros(COUNT * gates);
+        let (mut place, mut own) = (0, 0);
+        for (k, segment) in segments[first..end].iter().enumerate() {
+            if first + k == index {
+                own = place;
+            }
+            let (block, pull) = equations(system, segment, columns);
+            let count = pull.len();
+            let mut corner = matrix.view_mut((place, place), (count, count));
+            corner += block;
+            gradient.rows_mut(place, count).copy_from(&pull);
+            place += count;
+        }
+        let factor = matrix.cholesky()?;
+        let mean = factor.solve(&gradient);
+        let covariance = factor.inverse();
+        for (gate, edges) in segments[index].edges.windows(2).enumerate() {
+            let at = |k: usize| own + COUNT * gate + k;
+            trace.time.push(0.5 * (edges[0] + edges[1]));
+            trace
+                .value
+                .push(std::array::from_fn(|k| scale[k] * mean[at(k)]));
+            let deviation = |k: usize| covariance[(at(k), at(k))].max(0.0).sqrt();
+            trace
+                .deviation
+                .push(std::array::from_fn(|k| scale[k] * deviation(k)));
+        }
+    }
+    (!trace.time.is_empty()).then_some(trace)
+}

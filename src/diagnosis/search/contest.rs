@@ -1,0 +1,54 @@
+//! Names that are close to each other contend under the noise that each of them leaves.
+//!
+//! All are fitted under one noise, which holds a part of what is missing wherever the linearised
+//! problem does not see all of it: what the right name explains and the others do not is then taken for
+//! slow noise, and hardly counts. So noise and weights are estimated anew with each of them inside, each is
+//! fitted under everyone's, and the mean of the log evidence over these decides. The winner keeps its
+//! gain; the others stand behind it by so much.
+
+use super::naming::Named;
+use crate::diagnosis::hypothesis::likelihood::{SKETCH, own_noise, tune_on};
+use crate::fit::problem::Weighing;
+
+/// They are close within so much and this share of the largest log odds ...
+const CLOSE: f64 = 4.5;
+const CLOSE_SHARE: f64 = 0.045;
+/// ... and where so much is at stake that noise may hold a part of it \[log odds\].
+const AT_STAKE: f64 = 20.0;
+/// At most so many contend.
+const MOST: usize = 3;
+
+/// Settles which of some fits is the likeliest where several are close.
+pub fn contend(fitted: &mut [Named], by: &Weighing) {
+    fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
+    let Some(best) = fitted.first().map(Named::odds) else {
+        return;
+    };
+    if best < AT_STAKE {
+        return;
+    }
+    let near = |named: &&Named| named.odds() > best - CLOSE - CLOSE_SHARE * best;
+    let count = fitted.iter().take(MOST).take_while(near).count();
+    let close = &mut fitted[..count];
+    if count < 2 {
+        return;
+    }
+    let own = |named: &Named| own_noise(&named.given, &named.tuned, by);
+    let noises: Vec<Weighing> = close.iter().map(own).collect();
+    let total = |place: usize| {
+        let named = &close[place];
+        let under = |noise: &Weighing| tune_on(&named.given, &named.tuned, noise, SKETCH).surprise;
+        let sum: f64 = noises.iter().map(under).sum();
+        sum / noises.len() as f64 + named.proposal.looking - named.proposal.log_prior()
+    };
+    let totals: Vec<f64> = (0..count).map(total).collect();
+    let places = (0..count).filter(|place| totals[*place].is_finite());
+    let Some(winner) = places.min_by(|a, b| totals[*a].total_cmp(&totals[*b])) else {
+        return;
+    };
+    let odds = close[winner].odds();
+    for (place, named) in close.iter_mut().enumerate() {
+        let behind = totals[place] - totals[winner];
+        named.gain = odds - behind.min(odds) - named.proposal.log_prior();
+    }
+}

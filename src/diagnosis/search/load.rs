@@ -1,0 +1,165 @@
+//! A load and its place.
+//!
+//! While its mass is zero, the place of a load has no derivative: the screen sees its weight in the middle
+//! alone. Where a shifted centre of mass shows, a load that shifts it as much is proposed as well.
+
+use super::proposal::Proposal;
+use crate::diagnosis::Subject;
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::screening::locate::Extent;
+use nalgebra::DVector;
+
+const MASS: &str = "payload.mass";
+/// The place of a load, and the shift of the centre of mass in that direction.
+const SHIFTS: [(&str, &str); 2] = [
+    ("payload.ahead", "com_shift.ahead"),
+    ("payload.left", "com_shift.left"),
+];
+/// A load is tried with no more than this share of the vehicle's mass.
+const HEAVIEST: f64 = 0.2;
+
+/// Where a shifted centre of mass is likelier, the load begins where it shifts it as much: of what acts
+/// throughout, and of what acts in one run alone. A load that is on is not proposed again.
+pub fn place_load(given: &Given, proposals: &mut Vec<Proposal>) {
+    let shifts = proposals.iter().filter(|one| {
+        let whole = matches!(one.extent, None | Some(Extent::Run(_)));
+        whole && step(given, one, SHIFTS[0].1).is_some()
+    });
+    let shifts: Vec<Proposal> = shifts.cloned().collect();
+    for shift in shifts {
+        place_load_as(given, proposals, shift);
+    }
+}
+
+fn knob(given: &Given, name: &str) -> Option<usize> {
+    let mut knobs = given.candidates.knobs.iter();
+    knobs.position(|knob| knob.parameter.name == name)
+}
+
+/// A proposal's step of a knob.
+fn step(given: &Given, proposal: &Proposal, name: &str) -> Option<f64> {
+    let knob = knob(given, name)?;
+    let (_, step) = proposal.steps.iter().find(|(other, _)| *other == knob)?;
+    step.get(0).copied()
+}
+
+/// The load that shifts the centre of mass as this proposal does, where that does.
+fn place_load_as(given: &Given, proposals: &mut Vec<Proposal>, shift: Proposal) {
+    let Some(mass) = knob(given, MASS) else {
+        return;
+    };
+    let subject = Subject::Effect(given.candidates.knobs[mass].effect);
+    if !proposals.iter().any(|one| one.subject == subject) {
+        return;
+    }
+    let here = |one: &Proposal| one.subject == subject && one.extent == shift.extent;
+    let load = proposals.iter().position(here);
+    if load.is_some_and(|load| shift.evidence <= proposals[load].evidence) {
+        return;
+    }
+    let vehicle = &given.nominal.vehicle;
+    let typical = given.candidates.knobs[mass].typical;
+    let loaded = typical.min(HEAVIEST * vehicle.mass);
+    let lever = (vehicle.mass + loaded) / loaded;
+    let place = |(own, other): &(&str, &str), vehicles: f64| {
+        let away = vehicles + lever * step(given, &shift, other)?;
+        Some((knob(given, own)?, DVector::repeat(1, away)))
+    };
+    let middle = [vehicle.com_offset, 0.0];
+    let places = SHIFTS.iter().zip(middle).filter_map(|(s, m)| place(s, m));
+    let placed = Proposal {
+        subject,
+        knobs: given.candidates.of(subject).collect(),
+        steps: std::iter::once((mass, DVector::repeat(1, loaded)))
+            .chain(places)
+            .collect(),
+        ..shift
+    };
+    match load {
+        Some(load) => proposals[load] = placed,
+        None => proposals.push(placed),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::screening::locate::Stretch;
+    use crate::effects::CATALOGUE;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Parameter, Specification, Vehicle};
+
+    #[test]
+    fn the_load_shifts_the_centre_of_mass_as_much() {
+        let vehicle = Vehicle::tran2007();
+        let (own, offset) = (vehicle.mass, vehicle.com_offset);
+        let nominal = Specification::plain(vehicle, Terrain::preset("sandy_loam").unwrap());
+        let given = Given::new(&nominal, &[]);
+        let propose = |name: &str, steps: &[f64], evidence: f64| {
+            let effect = CATALOGUE.iter().position(|e| e.name == name).unwrap();
+            let subject = Subject::Effect(effect);
+            let knobs: Vec<usize> = given.candidates.of(subject).collect();
+            let steps = knobs.iter().zip(steps);
+            Proposal {
+                subject,
+                extent: None,
+                steps: steps.map(|(k, s)| (*k, DVector::repeat(1, *s))).collect(),
+                evidence,
+                looking: 0.0,
+                stability: Vec::new(),
+                soil: DVector::zeros(given.soil.len()),
+                hidden: false,
+                knobs,
+            }
+        };
+        let [ahead, left] = [-0.012, 0.037];
+        let mut all = vec![
+            propose("payload", &[3.0, 0.0, 0.0], 2.0),
+            propose("com_shift", &[ahead, left], 40.0),
+        ];
+        place_load(&given, &mut all);
+        let value = |name: &str| {
+            let found = all[0].steps.iter().find(|(k, _)| {
+                given.candidates.knobs[*k].target
+                    == crate::diagnosis::hypothesis::candidate::Target::Model(
+                        Parameter::find(name).unwrap(),
+                    )
+            });
+            found.unwrap().1[0]
+        };
+        let mass = value("payload.mass");
+        let moved = |place: f64| mass * place / (own + mass);
+        assert!((moved(value("payload.ahead") - offset) - ahead).abs() < 1e-12);
+        assert!((moved(value("payload.left")) - left).abs() < 1e-12);
+        assert_eq!(all[0].evidence, 40.0);
+        // A load that shows by itself stays as it was seen.
+        let mut all = vec![propose("payload", &[3.0, 0.0, 0.0], 50.0), all[1].clone()];
+        place_load(&given, &mut all);
+        assert_eq!(all[0].steps[0].1[0], 3.0);
+        // What one run alone has may be a load as well.
+        let shift = Proposal {
+            extent: Some(Extent::Run(Stretch {
+                recording: 1,
+                run: 0,
+                start: 0.0,
+                end: 60.0,
+            })),
+            ..all[1].clone()
+        };
+        let mut all = vec![shift, propose("payload", &[3.0, 0.0, 0.0], 2.0)];
+        let on = all[0].clone();
+        place_load(&given, &mut all);
+        assert_eq!(all.len(), 3);
+        assert_eq!(all[2].subject.name(), "payload");
+        assert_eq!(all[2].extent, all[0].extent);
+        // What is on is not among the proposals, and is not proposed again.
+        for extent in [None, on.extent.clone()] {
+            let mut all = vec![Proposal {
+                extent,
+                ..on.clone()
+            }];
+            place_load(&given, &mut all);
+            assert_eq!(all.len(), 1);
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! One thing after another: what is missing, and what else.
+//!
+//! Each round looks at everything with what was found so far inside (step 7: what is left over after
+//! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
+
+pub mod contest;
+pub mod load;
+pub mod naming;
+pub mod path;
+pub mod proposal;
+pub mod prune;
+pub mod scout;
+pub mod stage;
+
+use crate::diagnosis::hypothesis::likelihood::{
+    LONG_SKETCH, Tuned, own_noise, tune, tune_until, tune_with_noise,
+};
+use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
+use crate::fit::predictor::PredictionError;
+use crate::fit::problem::Weighing;
+use naming::Named;
+use path::{Path, held_out_gain};
+use proposal::Proposal;
+use stage::{Looked, Stage, look, try_all};
+use std::sync::Arc;
+
+/// Something that was found.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// What was proposed.
+    pub proposal: Proposal,
+    /// Log Bayes factor against the hypothesis without it.
+    pub gain: f64,
+    /// What else was fitted in its place, with log Bayes factors and priors.
+    pub rivals: Vec<(Subject, f64)>,
+}
+
+/// Where the search ended.
+#[derive(Debug)]
+pub struct Searched<'a> {
+    /// The given model.
+    pub given: Given<'a>,
+    /// Noise and weights.
+    pub by: Weighing,
+    /// The re-tuned model under the same noise.
+    pub retuned: Tuned,
+    /// The model with everything found.
+    pub augmented: Tuned,
+    /// The given model with the places of what was found.
+    pub placed: Given<'a>,
+    /// What was found.
+    pub members: Vec<Member>,
+    /// What was fitted and not taken in the last round, with log Bayes factors and priors.
+    pub refused: Vec<(Subject, f64)>,
+    /// Held-out gains of what was fitted first, by subject.
+    pub gains: Vec<(Subject, (f64, f64))>,
+    /// Whether there is enough to hold some of it out; without that nothing is named.
+    pub tested: bool,
+    /// Under the re-tuned model.
+    pub first: Arc<Looked>,
+    /// With everything found.
+    pub last: Arc<Looked>,
+}
+
+impl Searched<'_> {
+    /// Back to the re-tuned model: what was found predicts worse what it was not fitted to, so it is
+    /// no likelier than nothing.
+    pub fn withdraw(&mut self) {
+        for member in self.members.drain(..) {
+            self.refused.extend(member.rivals);
+        }
+        for (_, odds) in &mut self.refused {
+            *odds = odds.min(0.0);
+        }
+        self.by = own_noise(&self.given, &self.retuned, &self.by);
+        self.augmented = self.retuned.clone();
+        self.placed = self.given.clone();
+        self.last = Arc::clone(&self.first);
+    }
+}
+
+/// Log odds that something must have over nothing more, its prior counted.
+pub const TAKE: f64 = 0.5;
+/// Logarithm of the prior of nothing (more) over that of one effect of the catalogue.
+pub const NOTHING: f64 = 3.0;
+/// Re-tuning is begun again where that gains so much \[log odds\], so many times at most.
+const STUCK: f64 = 5.0;
+const AGAIN: usize = 2;
+
+/// Searches.
+///
+/// # Errors
+/// A model that cannot even begin, numbers that are not finite.
+pub fn search<'a>(
+    given: &Given<'a>,
+    mut by: Weighing,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Searched<'a>, DiagnosisError> {
+    progress.step("re-tuning the soil");
+    let begin = given.begin();
+    let undrivable = DiagnosisError::Undrivable;
+    let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
+    let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
+    progress.step("naming");
+    let mut fitted = try_all(&stage, &by);
+    for _ in 0..AGAIN {
+        let Some(better) = unstuck(&stage, &fitted, &by) else {
+            break;
+        };
+        stage = look(given.clone(), better, &mut by, options, progress)?;
+        progress.step("naming");
+        fitted = try_all(&stage, &by);
+    }
+    let first = Arc::clone(&stage.looked);
+    let tested = stage.scores.is_some();
+    let baseline = stage.tuned.solution.clone();
+    let gain = |n: &Named| Some((n.proposal.subject, held_out_gain(n, &stage)?));
+    let gains = fitted.iter().filter_map(gain).collect();
+    let path = Path::new(stage, by).explored(fitted, options, progress)?;
+    let Path {
+        stage,
+        by,
+        members,
+        refused,
+        ..
+    } = path;
+    let retuned = tune_again(given, &baseline, &stage.tuned.solution, &by).map_err(undrivable)?;
+    Ok(Searched {
+        given: given.clone(),
+        by,
+        retuned,
+        placed: stage.given,
+        augmented: stage.tuned,
+        members,
+        refused,
+        gains,
+        tested,
+        first,
+        last: stage.looked,
+    })
+}
+
+/// The re-tuned model from where the likeliest of what was fitted beside it ended, without that: re-tuning may
+/// have stuck on the way there. `None` where it is no better.
+fn unstuck(stage: &Stage, fitted: &[Named], by: &Weighing) -> Option<Tuned> {
+    let best = fitted.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+    if best.gain < STUCK {
+        return None;
+    }
+    let mut begin = best.tuned.solution.clone();
+    begin.take(&best.proposal.knobs, &stage.tuned.solution);
+    let knobs = &stage.tuned.knobs;
+    let again = tune_until(&stage.given, knobs, &begin, by, LONG_SKETCH).ok()?;
+    (again.surprise < stage.tuned.surprise - STUCK).then_some(again)
+}
+
+/// The re-tuned model under the noise and weights at the end, its starts as they have become. On
+/// some soils not every start can be driven: then those that it had.
+fn tune_again(
+    given: &Given,
+    baseline: &Solution,
+    last: &Solution,
+    by: &Weighing,
+) -> Result<Tuned, PredictionError> {
+    let mut begin = back(given, last);
+    begin.soil.clone_from(&baseline.soil);
+    tune(given, &[], &begin, by).or_else(|_| tune(given, &[], baseline, by))
+}
+
+/// A solution with every effect off.
+fn back(given: &Given, solution: &Solution) -> Solution {
+    let mut back = solution.clone();
+    for recording in &mut back.knobs {
+        for (value, knob) in recording.iter_mut().zip(&given.candidates.knobs) {
+            *value = knob.parameter.prior_coordinate();
+        }
+    }
+    back
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::hypothesis::prepare::prepare;
+    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+
+    #[test]
+    fn re_tuning_begins_again_where_another_way_led_further() {
+        let on =
+            |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
+        let options = Options::default();
+        let quiet = |_: &'static str| {};
+        let progress = Progress::new(&quiet);
+        let recordings = [driven(&on("sandy_loam"), "spiral")];
+        let nominal = on("dry_sand");
+        let mut given = Given::new(&nominal, &recordings);
+        let (_, mut by) = prepare(&mut given, &options).unwrap();
+        let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
+        let mut stage = look(given.clone(), fitted, &mut by, &options, &progress).unwrap();
+        let proposal = stage.proposals.first().cloned().unwrap();
+        let gain = 10.0 * STUCK;
+        let beside = Named {
+            given: given.clone(),
+            tuned: stage.tuned.clone(),
+            scores: None,
+            proposal,
+            gain,
+        };
+        // As well as it can be: nothing to begin again for.
+        assert!(unstuck(&stage, std::slice::from_ref(&beside), &by).is_none());
+        // Stuck where it began.
+        let still = crate::fit::optimiser::Stop {
+            steps: 0,
+            gain: 0.0,
+        };
+        stage.tuned = tune_until(&given, &[], &given.begin(), &by, still).unwrap();
+        assert!(stage.tuned.surprise > beside.tuned.surprise + STUCK);
+        let found = unstuck(&stage, std::slice::from_ref(&beside), &by).unwrap();
+        assert!((found.surprise - beside.tuned.surprise).abs() < 1.0);
+        // What gains nothing does not tell of another way.
+        assert!(
+            unstuck(
+                &stage,
+                &[Named {
+                    gain: 0.0,
+                    ..beside
+                }],
+                &by
+            )
+            .is_none()
+        );
+    }
+}

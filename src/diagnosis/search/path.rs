@@ -1,0 +1,334 @@
+//! The way from the re-tuned model to one with everything in it that is missing: one thing after another.
+//!
+//! Of a long recording, what else is missing besides the first thing is sought on a part, unless the first thing
+//! acts at some time or place only. Then everything is looked at once more on all of it, which
+//! decides what is left out again and what else there is.
+
+use super::naming::Named;
+use super::proposal::Kind;
+use super::prune::{prune, without};
+use super::stage::{GOOD_PART, Stage, look, try_all};
+use super::{Member, NOTHING, TAKE};
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::likelihood::{Tuned, tune};
+use crate::diagnosis::hypothesis::part::Part;
+use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
+use crate::fit::predictor::PredictionError;
+use crate::fit::problem::Weighing;
+
+/// Rounds at most.
+const ROUNDS: usize = 4;
+
+/// A hypothesis with what was found on the way to it.
+#[derive(Debug, Clone)]
+pub struct Path<'a> {
+    /// The hypothesis.
+    pub stage: Stage<'a>,
+    /// Noise and weights.
+    pub by: Weighing,
+    /// What was found.
+    pub members: Vec<Member>,
+    /// What was fitted and not taken in the last round, with log Bayes factors and priors.
+    pub refused: Vec<(Subject, f64)>,
+    reach: Reach<'a>,
+}
+
+/// How much of the recordings the next steps take.
+#[derive(Debug, Clone)]
+enum Reach<'a> {
+    /// All.
+    Whole,
+    /// After the next finding a part.
+    Narrowing(Part),
+    /// A part; what was found first on all.
+    Narrowed(Part, Box<(Given<'a>, Tuned, Weighing)>),
+}
+
+/// What is taken first where several things are worth it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Prefer {
+    /// The likeliest.
+    Nothing,
+    /// What has a name, the likeliest first: a law may be two effects at once.
+    Names,
+}
+
+impl<'a> Path<'a> {
+    /// Nothing found yet.
+    #[must_use]
+    pub fn new(stage: Stage<'a>, by: Weighing) -> Self {
+        Self {
+            stage,
+            by,
+            members: Vec::new(),
+            refused: Vec::new(),
+            reach: Reach::Whole,
+        }
+    }
+
+    /// Goes to the end, by names and by what is likeliest first where both may lead on. `fitted` is what was
+    /// fitted beside the start.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a hypothesis that cannot be driven again.
+    pub fn explored(
+        mut self,
+        fitted: Vec<Named<'a>>,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Self, DiagnosisError> {
+        let firsts = [Prefer::Nothing, Prefer::Names].map(|p| choose(&fitted, &self.stage, p));
+        let throughout = |named: &&Named| named.proposal.kind() != Kind::Local;
+        if firsts.iter().flatten().all(throughout)
+            && let Some(part) = Part::of(&self.stage.given)
+        {
+            self.reach = Reach::Narrowing(part);
+        }
+        let walk = |start: Self, fitted, first| start.walk(fitted, first, options, progress);
+        let mut path = if worth_two_ways(&fitted, &self.stage) {
+            let named = walk(self.clone(), fitted.clone(), Prefer::Names)?;
+            walk(self, fitted, Prefer::Nothing)?.or(named)?
+        } else {
+            walk(self, fitted, Prefer::Nothing)?
+        };
+        let law = |member: &Member| member.proposal.kind() == Kind::Law;
+        if let Some(law) = path.members.iter().position(law)
+            && path.members.len() > 1
+            && let Some(renamed) = path.renamed(law, options, progress)?
+        {
+            path = path.or(renamed)?;
+        }
+        path.widened(options, progress)
+    }
+
+    /// Takes one thing after another, what was fitted beside the start first, and leaves out what
+    /// is not needed in the end.
+    fn walk(
+        mut self,
+        mut fitted: Vec<Named<'a>>,
+        prefer: Prefer,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Self, DiagnosisError> {
+        while self.members.len() < self.rounds() {
+            let Some(best) = choose(&fitted, &self.stage, prefer) else {
+                self.refused = self.rivals(&fitted);
+                break;
+            };
+            self.members.push(Member {
+                proposal: best.proposal.clone(),
+                gain: self.on_all(best.gain),
+                rivals: self.rivals(&fitted),
+            });
+            let (placed, tuned) = (best.given.clone(), best.tuned.clone());
+            let (placed, tuned) = self.narrowed(placed, tuned);
+            self.stage = look(placed, tuned, &mut self.by, options, progress)?;
+            if self.members.len() < self.rounds() {
+                fitted = self.what_else(progress);
+            }
+        }
+        progress.step("what can be left out again");
+        let ratio = self.on_all(1.0);
+        prune(&mut self.stage, &mut self.members, &self.by, ratio);
+        Ok(self)
+    }
+
+    /// How many things may be found. Of what is found on a part, all of it has a word as well.
+    fn rounds(&self) -> usize {
+        match self.reach {
+            Reach::Whole | Reach::Narrowing(_) => ROUNDS,
+            Reach::Narrowed(..) => ROUNDS - 1,
+        }
+    }
+
+    /// What was fitted, with log odds.
+    fn rivals(&self, fitted: &[Named]) -> Vec<(Subject, f64)> {
+        let odds = |named: &Named| self.on_all(sound_odds(named, &self.stage));
+        let rivals = fitted.iter();
+        rivals
+            .map(|named| (named.proposal.subject, odds(named)))
+            .collect()
+    }
+
+    /// Log odds on a part as all tells them.
+    fn on_all(&self, odds: f64) -> f64 {
+        match &self.reach {
+            Reach::Narrowed(part, _) => odds * part.ratio(),
+            Reach::Whole | Reach::Narrowing(_) => odds,
+        }
+    }
+
+    /// Fits what may be missing beside what was found.
+    fn what_else(&mut self, progress: &Progress) -> Vec<Named<'a>> {
+        progress.step("what else");
+        if let Reach::Narrowed(..) = self.reach {
+            // What acts for some seconds only may lie between the stretches.
+            let proposals = &mut self.stage.proposals;
+            proposals.retain(|proposal| proposal.kind() != Kind::Local);
+        }
+        try_all(&self.stage, &self.by)
+    }
+
+    /// What was found first, on a part where that is to be gone on with; noise and weights move along.
+    fn narrowed(&mut self, given: Given<'a>, tuned: Tuned) -> (Given<'a>, Tuned) {
+        let Reach::Narrowing(part) = &self.reach else {
+            return (given, tuned);
+        };
+        let (some, by) = (part.given(&given), part.weighing(&self.by));
+        let begin = part.solution(&tuned.solution);
+        let Ok(narrow) = tune(&some, &tuned.knobs, &begin, &by) else {
+            self.reach = Reach::Whole;
+            return (given, tuned);
+        };
+        let whole = std::mem::replace(&mut self.by, by);
+        self.reach = Reach::Narrowed(part.clone(), Box::new((given, tuned, whole)));
+        (some, narrow)
+    }
+
+    /// Goes on with all of the recordings where it was on a part of them. What they cannot be driven with is
+    /// dropped, but for what was found on all.
+    fn widened(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
+        let Reach::Narrowed(part, whole) = std::mem::replace(&mut self.reach, Reach::Whole) else {
+            return Ok(self);
+        };
+        let (first, tuned, by) = *whole;
+        progress.step("what else");
+        self.by.weights = by.weights;
+        let given = Given {
+            segments: first.segments.clone(),
+            ..self.stage.given.clone()
+        };
+        let knobs = &self.stage.tuned.knobs;
+        // What was found first may be off by now.
+        let all: Vec<usize> = (0..given.candidates.knobs.len()).collect();
+        let begin = part.widened(&self.stage.tuned.solution, &all, &tuned.solution);
+        let (given, tuned) = match tune(&given, knobs, &begin, &self.by) {
+            Ok(widened) => (given, widened),
+            Err(_) => {
+                self.members
+                    .retain(|m| m.proposal.knobs.iter().all(|k| tuned.knobs.contains(k)));
+                self.by.noise = by.noise;
+                (first, tuned)
+            }
+        };
+        self.stage = look(given, tuned, &mut self.by, options, progress)?;
+        let fitted = self.what_else(progress);
+        self.walk(fitted, Prefer::Nothing, options, progress)
+    }
+
+    /// What was found besides a law may have hidden the names of what it stands for: the path
+    /// without it, with names in its place. `None` where nothing can be driven or named.
+    fn renamed(
+        &self,
+        law: usize,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Option<Self>, DiagnosisError> {
+        let mut path = self.clone();
+        let gone = path.members.remove(law).proposal;
+        let (given, tuned) = without(&path.stage, &gone, &path.by);
+        let Ok(tuned) = tuned else { return Ok(None) };
+        path.stage = look(given, tuned, &mut path.by, options, progress)?;
+        let mut fitted = path.what_else(progress);
+        fitted.retain(|named| named.proposal.kind() != Kind::Law);
+        if choose(&fitted, &path.stage, Prefer::Names).is_none() {
+            return Ok(None);
+        }
+        path.walk(fitted, Prefer::Names, options, progress)
+            .map(Some)
+    }
+
+    /// The better of two paths by the evidence, the other one with names in the place of a law.
+    fn or(self, mut named: Self) -> Result<Self, DiagnosisError> {
+        let advantage = named.advantage(&self).map_err(DiagnosisError::Undrivable)?;
+        let advantage = named.on_all(advantage);
+        if advantage < 0.0 {
+            return Ok(self);
+        }
+        for member in &mut named.members {
+            member.outdo_law(advantage);
+        }
+        Ok(named)
+    }
+
+    /// Log odds of this path over another, under the noise of both on average.
+    fn advantage(&self, other: &Self) -> Result<f64, PredictionError> {
+        let price = |path: &Self| -> f64 {
+            let members = path.members.iter().map(|member| &member.proposal);
+            members.map(|m| NOTHING - m.log_prior() + m.looking).sum()
+        };
+        let surprise = |path: &Self, by: &Weighing| -> Result<f64, PredictionError> {
+            let Tuned {
+                knobs, solution, ..
+            } = &path.stage.tuned;
+            Ok(tune(&path.stage.given, knobs, solution, by)?.surprise + price(path))
+        };
+        let mut advantage = 0.0;
+        for by in [&self.by, &other.by] {
+            advantage += 0.5 * (surprise(other, by)? - surprise(self, by)?);
+        }
+        Ok(advantage)
+    }
+}
+
+impl Member {
+    /// A law that was ahead of a name has turned out to be behind by so much.
+    fn outdo_law(&mut self, advantage: f64) {
+        let subject = self.proposal.subject;
+        if subject == Subject::Unknown {
+            return;
+        }
+        let own = self.rivals.iter().filter(|(other, _)| *other == subject);
+        let own = own.map(|(_, odds)| *odds).fold(f64::NEG_INFINITY, f64::max);
+        for (other, odds) in &mut self.rivals {
+            if *other == Subject::Unknown {
+                *odds = odds.min(own - advantage);
+            }
+        }
+    }
+}
+
+/// How much better it predicts what it was not fitted to, with the standard error.
+pub fn held_out_gain(named: &Named, stage: &Stage) -> Option<(f64, f64)> {
+    let pair = named.scores.as_ref().zip(stage.scores.as_ref());
+    pair.map(|(with, without)| with.gain_over(without))
+}
+
+/// Log odds; what predicts worse what it was not fitted to is no likelier than nothing.
+fn sound_odds(named: &Named, stage: &Stage) -> f64 {
+    let sound = held_out_gain(named, stage).is_none_or(|(mean, error)| mean > -error);
+    if sound {
+        named.odds()
+    } else {
+        named.odds().min(0.0)
+    }
+}
+
+/// What outweighs chance and does not predict worse.
+fn worth_it<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage) -> impl Iterator<Item = &'n Named<'a>> {
+    fitted.iter().filter(move |named| {
+        let told = held_out_gain(named, stage).is_some();
+        told && sound_odds(named, stage) > NOTHING + TAKE
+    })
+}
+
+fn choose<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage, prefer: Prefer) -> Option<&'n Named<'a>> {
+    let best = |names: bool| {
+        worth_it(fitted, stage)
+            .filter(|named| !names || named.proposal.kind() != Kind::Law)
+            .max_by(|a, b| a.odds().total_cmp(&b.odds()))
+    };
+    let named = (prefer == Prefer::Names).then(|| best(true)).flatten();
+    named.or_else(|| best(false))
+}
+
+/// Whether a law is the likeliest, and something with a name explains a good part of the same.
+fn worth_two_ways(fitted: &[Named], stage: &Stage) -> bool {
+    let first = |prefer| choose(fitted, stage, prefer);
+    let pair = first(Prefer::Nothing).zip(first(Prefer::Names));
+    pair.is_some_and(|(best, named)| {
+        best.proposal.kind() == Kind::Law
+            && named.proposal.kind() != Kind::Law
+            && named.odds() > GOOD_PART * best.odds()
+    })
+}

@@ -1,0 +1,353 @@
+//! What may be missing: what screen, box scan and laws propose, the most likely first.
+
+use super::load::place_load;
+use crate::diagnosis::Subject;
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::screening::law::{Law, law};
+use crate::diagnosis::screening::locate::{Extent, Found, locate, scanned};
+use crate::diagnosis::screening::screen::{Projected, Projection, Score};
+use crate::diagnosis::screening::system::System;
+use nalgebra::DVector;
+
+/// Something that may be missing, before it is fitted in full.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// What.
+    pub subject: Subject,
+    /// The knobs that it turns.
+    pub knobs: Vec<usize>,
+    /// Where it acts, if not everywhere.
+    pub extent: Option<Extent>,
+    /// Steps of its knobs by the linearised problem.
+    pub steps: Vec<(usize, DVector<f64>)>,
+    /// Log Bayes factor by the linearised problem, less what looking in many places costs.
+    pub evidence: f64,
+    /// Of it, what looking costs.
+    pub looking: f64,
+    /// Stability of a law's terms.
+    pub stability: Vec<f64>,
+    /// Step of the soil that goes with those of its knobs.
+    pub soil: DVector<f64>,
+    /// Whether it is proposed although the linearised problem does not see it.
+    pub hidden: bool,
+}
+
+/// A screened candidate.
+#[derive(Debug, Clone)]
+pub struct Screened {
+    /// What.
+    pub subject: Subject,
+    /// Its projected equations.
+    pub projected: Projected,
+    /// Its one-step fit.
+    pub score: Score,
+}
+
+/// Proposals that are further behind this share of the best of their kind are not worth a full fit:
+/// throughout, where the linearised problem may be far off, and in one place.
+const BEHIND: [f64; 2] = [0.2, 0.6];
+const FAR_BEHIND: f64 = 8.0;
+/// Share that re-tuning takes up of an effect that may be hidden.
+const HIDDEN: f64 = 0.9;
+/// Less evidence than this is not worth a fit.
+const FAINT: f64 = 0.5;
+/// Local proposals of one subject are fitted only where they beat it acting throughout by this.
+const BETTER_LOCAL: f64 = 3.0;
+
+/// Screens every candidate that is not on.
+#[must_use]
+pub fn screened(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    on: &[usize],
+) -> Vec<Screened> {
+    let subjects = given.candidates.subjects.iter();
+    subjects
+        .filter_map(|subject| {
+            let knobs = given.candidates.of(*subject);
+            let knobs: Vec<usize> = knobs.filter(|knob| !on.contains(knob)).collect();
+            let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+            if unknowns.is_empty() {
+                return None;
+            }
+            let projected = projection.of(&unknowns);
+            let score = projection.score(&projected);
+            Some(Screened {
+                subject: *subject,
+                projected,
+                score,
+            })
+        })
+        .collect()
+}
+
+/// Everything that may be missing, the most likely first.
+#[must_use]
+pub fn proposals(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    screened: &[Screened],
+    on: &[usize],
+    soil: &[f64],
+    seed: u64,
+) -> Vec<Proposal> {
+    let mut all: Vec<Proposal> = screened
+        .iter()
+        .map(|one| Proposal {
+            subject: one.subject,
+            knobs: given.candidates.of(one.subject).collect(),
+            extent: None,
+            steps: steps(given, system, one),
+            soil: soil_after(given, projection, &one.projected.unknowns, &one.score.step),
+            hidden: false,
+            // What a scatter of its own says is for the reader: laws and local effects have none.
+            evidence: projection.score_with(&one.projected, 1.0).evidence,
+            looking: 0.0,
+            stability: Vec::new(),
+        })
+        .collect();
+    place_load(given, &mut all);
+    let throughout = all.clone();
+    if given.nominal.effects.window.is_none() {
+        let throughout = |subject: Subject| {
+            let same = throughout.iter().find(|one| one.subject == subject);
+            same.map_or(0.0, |one| one.evidence.max(0.0))
+        };
+        let found = locate(given, system, projection, &scanned(given, system, soil, on));
+        let each = found
+            .into_iter()
+            .map(|found| local(found, given.soil.len()));
+        let mut found: Vec<Proposal> = each.collect();
+        place_load(given, &mut found);
+        found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
+        all.extend(found);
+    }
+    if let Some(law) = law(given, system, projection.nuisance(), seed) {
+        all.push(unnamed(given, system, projection, law));
+    }
+    all.retain(|proposal| proposal.evidence > FAINT);
+    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    all
+}
+
+/// Effects of which re-tuning takes up so much, of all or of one number's, that the linearised problem
+/// may not see them: the soil has gone far to imitate them. So has it for those that have no derivative while they
+/// are off. They are proposed as large as the catalogue expects them, with the soil moved back by what
+/// would imitate that.
+#[must_use]
+pub fn hidden(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    screened: &[Screened],
+) -> Vec<Proposal> {
+    let propose = |one: &Screened| {
+        let knobs: Vec<usize> = given.candidates.of(one.subject).collect();
+        let unknowns = &one.projected.unknowns;
+        let takes_up = |knob: &usize| {
+            let own = system.unknowns(*knob);
+            let places = unknowns.iter().enumerate();
+            let mut places = places.filter(|(_, unknown)| own.contains(unknown));
+            places.any(|(place, _)| one.projected.absorbed(place) > HIDDEN)
+        };
+        let whole = one.score.absorbed > HIDDEN;
+        let seen = steps(given, system, one);
+        let step = |(knob, seen): &(usize, DVector<f64>)| {
+            let about = &given.candidates.knobs[*knob];
+            let parameter = &about.parameter;
+            let off = parameter.prior_coordinate();
+            let away = if !whole && !takes_up(knob) && about.secant.is_none() {
+                0.0
+            } else {
+                away(about.typical - off, seen.sum(), off, parameter.bounds())
+            };
+            (*knob, DVector::repeat(seen.len(), away))
+        };
+        let steps: Vec<(usize, DVector<f64>)> = seen.iter().map(step).collect();
+        let moved = system.step(unknowns, &knobs, |knob, recording| {
+            let own = steps.iter().find(|(other, _)| *other == knob);
+            own.map_or(0.0, |(_, step)| step[recording])
+        });
+        Proposal {
+            subject: one.subject,
+            knobs,
+            extent: None,
+            steps,
+            evidence: 0.0,
+            looking: 0.0,
+            stability: Vec::new(),
+            soil: soil_after(given, projection, unknowns, &moved),
+            hidden: true,
+        }
+    };
+    let all = screened.iter().map(propose);
+    all.filter(|proposal| proposal.steps.iter().any(|(_, step)| step[0] != 0.0))
+        .collect()
+}
+
+/// A step of the typical size from off, to the side on which the linearised problem sees it where the range has two.
+fn away(typical: f64, seen: f64, off: f64, (low, high): (f64, f64)) -> f64 {
+    let two_sides = low < off - typical && off - typical < high;
+    if seen < 0.0 && two_sides {
+        -typical
+    } else {
+        typical
+    }
+}
+
+/// How the soil follows a step of some unknowns.
+fn soil_after(
+    given: &Given,
+    projection: &Projection,
+    unknowns: &[usize],
+    step: &DVector<f64>,
+) -> DVector<f64> {
+    let follows = projection.following(unknowns, step);
+    follows.rows(0, given.soil.len()).into_owned()
+}
+
+/// The unknowns of a screened candidate as steps of knobs.
+fn steps(given: &Given, system: &System, one: &Screened) -> Vec<(usize, DVector<f64>)> {
+    let at = |unknown: usize| {
+        let place = one.projected.unknowns.iter().position(|u| *u == unknown);
+        place.map_or(0.0, |place| one.score.step[place])
+    };
+    let knobs = given.candidates.of(one.subject);
+    knobs
+        .map(|knob| {
+            let column = system.layout.soil + knob;
+            let each = system
+                .places
+                .iter()
+                .map(|places| places[column].map_or(0.0, at));
+            (knob, DVector::from_vec(each.collect()))
+        })
+        .collect()
+}
+
+fn local(found: Found, soil: usize) -> Proposal {
+    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    Proposal {
+        subject: found.subject,
+        steps: found
+            .knobs
+            .iter()
+            .zip(found.score.step.iter())
+            .map(each)
+            .collect(),
+        knobs: found.knobs,
+        looking: found.score.evidence - found.evidence,
+        evidence: found.evidence,
+        extent: Some(found.extent),
+        stability: Vec::new(),
+        // It changes little of what the rest of the drive tells of the soil.
+        soil: DVector::zeros(soil),
+        hidden: false,
+    }
+}
+
+fn unnamed(given: &Given, system: &System, projection: &Projection, law: Law) -> Proposal {
+    let unknowns: Vec<usize> = law.knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let score = projection.score_with(&projection.of(&unknowns), 1.0);
+    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    Proposal {
+        subject: Subject::Unknown,
+        steps: law.knobs.iter().zip(score.step.iter()).map(each).collect(),
+        knobs: law.knobs,
+        extent: None,
+        looking: score.evidence - law.evidence,
+        evidence: law.evidence,
+        stability: law.stability,
+        soil: soil_after(given, projection, &unknowns, &score.step),
+        hidden: false,
+    }
+}
+
+/// Of the proposals those that are fitted in full: the best few of each kind.
+#[must_use]
+pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
+    let mut list: Vec<&Proposal> = Vec::new();
+    let [far, near] = BEHIND;
+    for (kind, most, behind) in [
+        (Kind::Throughout, 6, far),
+        (Kind::Local, 8, near),
+        (Kind::Law, 1, near),
+    ] {
+        let of_kind = proposals.iter().filter(|p| p.kind() == kind);
+        let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
+        let mut taken: Vec<&Proposal> = Vec::new();
+        for proposal in of_kind.filter(|p| p.evidence > behind * best - FAR_BEHIND) {
+            let known = taken.iter().any(|other| other.subject == proposal.subject);
+            if taken.len() < most && !known {
+                taken.push(proposal);
+            }
+        }
+        list.extend(taken);
+    }
+    list
+}
+
+/// What sort of proposal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// An effect that acts throughout.
+    Throughout,
+    /// Something that acts in one place or for some time.
+    Local,
+    /// A law without a name.
+    Law,
+}
+
+/// What each term of a law costs besides the choice: it can be bent to look like many an effect.
+const TERM: f64 = 2.0;
+/// What acting somewhere only costs besides the choice of the place.
+const LOCAL: f64 = 1.0;
+
+impl Proposal {
+    /// What sort it is.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match (&self.extent, self.subject) {
+            // A boundary on the map is a change of terrain's own place.
+            (Some(Extent::Beyond { .. }), _) => Kind::Throughout,
+            (Some(_), _) => Kind::Local,
+            (None, Subject::Unknown) => Kind::Law,
+            (None, _) => Kind::Throughout,
+        }
+    }
+
+    /// Logarithm of its prior beside that of an effect of the catalogue.
+    #[must_use]
+    pub fn log_prior(&self) -> f64 {
+        match self.kind() {
+            Kind::Throughout => 0.0,
+            Kind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
+            Kind::Local => -LOCAL,
+            Kind::Law => -TERM * self.knobs.len() as f64,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_hidden_begins_within_its_range_whatever_side_is_seen() {
+        // A pressure of 23 kPa, logarithms: tyres are rigid at the end of the range, on the other side is nothing.
+        let (off, low) = (2e6_f64.ln(), 5e3_f64.ln());
+        let softer = 23e3_f64.ln() - off;
+        // Rut memory, zero to one; a slope, either way.
+        let ranges = [
+            (softer, off, (low, off), softer),
+            (1.0, 0.0, (0.0, 1.0), 1.0),
+            (0.05, 0.0, (-0.3, 0.3), -0.05),
+        ];
+        for (typical, off, bounds, where_less_is_seen) in ranges {
+            assert_eq!(away(typical, 3.0, off, bounds), typical);
+            assert_eq!(away(typical, -3.0, off, bounds), where_less_is_seen);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What can be left out again.
+
+use super::proposal::{Kind, Proposal};
+use super::stage::{CLOSE, Stage};
+use super::{Member, NOTHING};
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::likelihood::{Tuned, tune};
+use crate::diagnosis::screening::screen::Projection;
+use crate::fit::predictor::PredictionError;
+use crate::fit::problem::Weighing;
+
+/// What would cost so many times its price by the linearised problem stays without a further look.
+const SURELY: f64 = 3.0;
+
+/// Leaves out what the rest explains without it. All recordings are so many times what the stage was fitted to.
+pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
+    let mut index = 0;
+    while members.len() > 1 && index < members.len() {
+        let gone = &members[index].proposal;
+        let price = NOTHING - gone.log_prior() + gone.looking;
+        if linear_loss(stage, &gone.knobs) > SURELY * price + CLOSE {
+            index += 1;
+            continue;
+        }
+        let (given, without) = without(stage, gone, by);
+        match without {
+            Ok(without) if without.surprise - stage.tuned.surprise < price => {
+                members.remove(index);
+                stage.given = given;
+                stage.tuned = without;
+                index = 0;
+            }
+            Ok(without) => {
+                let lost = without.surprise - stage.tuned.surprise;
+                members[index].gain = ratio * lost - gone.looking;
+                index += 1;
+            }
+            Err(_) => index += 1,
+        }
+    }
+}
+
+/// The hypothesis without something that was found, and the given model without its place.
+pub fn without<'a>(
+    stage: &Stage<'a>,
+    gone: &Proposal,
+    by: &Weighing,
+) -> (Given<'a>, Result<Tuned, PredictionError>) {
+    let knobs = stage.tuned.knobs.iter().copied();
+    let knobs: Vec<usize> = knobs.filter(|k| !gone.knobs.contains(k)).collect();
+    let mut given = stage.given.clone();
+    if gone.kind() == Kind::Local {
+        given.nominal.effects.window = None;
+    }
+    let mut begin = stage.tuned.solution.clone();
+    for recording in &mut begin.knobs {
+        for knob in &gone.knobs {
+            recording[*knob] = given.candidates.knobs[*knob].parameter.prior_coordinate();
+        }
+    }
+    let tuned = tune(&given, &knobs, &begin, by);
+    (given, tuned)
+}
+
+/// What switching some knobs off costs of the log likelihood by the linearised problem.
+fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
+    let system = &stage.looked.system;
+    let others: Vec<usize> = stage
+        .tuned
+        .knobs
+        .iter()
+        .filter(|knob| !knobs.contains(knob))
+        .flat_map(|knob| system.unknowns(*knob))
+        .collect();
+    let Some(projection) = Projection::over_all(system, &others) else {
+        return 0.0;
+    };
+    let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let step = system.step(&unknowns, knobs, |knob, recording| {
+        let off = stage.given.candidates.knobs[knob]
+            .parameter
+            .prior_coordinate();
+        stage.tuned.solution.knobs[recording][knob] - off
+    });
+    let matrix = projection.of(&unknowns).matrix;
+    0.5 * step.dot(&(matrix * &step))
+}

@@ -1,0 +1,231 @@
+//! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
+//! how it predicts.
+
+use super::contest::contend;
+use super::naming::{Named, Sketch, finish, sketch};
+use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
+use super::scout::Scouts;
+use crate::diagnosis::hypothesis::held_out::{Scores, scores};
+use crate::diagnosis::hypothesis::likelihood::{HELD, Tuned, tune_on};
+use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::screening::noise;
+use crate::diagnosis::screening::screen::{Projection, chance};
+use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
+use crate::diagnosis::screening::system::{System, linearise, weigh};
+use crate::diagnosis::screening::wrench::{Wandering, wandering};
+use crate::diagnosis::{DiagnosisError, Options, Progress};
+use crate::fit::problem::Weighing;
+use std::sync::Arc;
+
+/// What a candidate looked like under the re-tuned model.
+#[derive(Debug, Clone)]
+pub struct Looked {
+    /// What the screen saw.
+    pub screened: Vec<Screened>,
+    /// The largest chi-square that chance alone gives.
+    pub threshold: f64,
+    /// The linearised problem.
+    pub system: System,
+    /// A wrench that comes and goes.
+    pub wandering: Option<Wandering>,
+}
+
+/// Draws of simulated nulls, and the share of them below the threshold.
+const NULLS: usize = 500;
+const SHARE: f64 = 0.95;
+/// Fits that are further behind after their first steps are not finished, or not widened to all stretches.
+const NEAR: f64 = 0.75;
+const NEAR_ON_A_PART: f64 = 0.5;
+pub const CLOSE: f64 = 5.0;
+/// Where a law is likeliest, names lead on as well that have this share of its odds: a law may be two effects at once.
+pub const GOOD_PART: f64 = 0.2;
+/// What acts at some time or place only comes to at most so many times what the linearised problem promises.
+const LINEAR: f64 = 3.0;
+/// At most so many are finished.
+const MOST: usize = 7;
+/// A soil that moves by more than this share of its prior's deviation is looked at anew.
+const MOVED: f64 = 0.02;
+
+/// A hypothesis and everything that is known with it inside.
+#[derive(Debug, Clone)]
+pub struct Stage<'a> {
+    /// The given model with the places of what is on.
+    pub given: Given<'a>,
+    /// The hypothesis, fitted.
+    pub tuned: Tuned,
+    /// What everything else looks like beside it.
+    pub looked: Arc<Looked>,
+    /// What may be missing.
+    pub proposals: Vec<Proposal>,
+    /// How it predicts what it was not fitted to.
+    pub scores: Option<Scores>,
+}
+
+/// Looks at everything around a hypothesis; noise and weights move along. Beside nothing yet, effects that
+/// re-tuning may hide are among the proposals.
+pub fn look<'a>(
+    given: Given<'a>,
+    tuned: Tuned,
+    by: &mut Weighing,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Stage<'a>, DiagnosisError> {
+    progress.step("sensitivities to every candidate");
+    let on = tuned.knobs.clone();
+    let layout = Layout::new(&given, &on);
+    let mut tables = sensitivities(&given, &layout, &tuned.solution);
+    weigh(&given, &on, &tuned.tables, by);
+    progress.step("noise");
+    noise::update(
+        &given,
+        &linearise(&given, &layout, &tables, &tuned.solution, by),
+        &tables,
+        &tuned.solution,
+        by,
+    );
+    progress.step("re-tuning the soil");
+    let again = tune_on(&given, &tuned, by, HELD);
+    progress.step("sensitivities to every candidate");
+    let mut at = &tuned.solution;
+    if moved(&given, at, &again.solution) > MOVED {
+        at = &again.solution;
+        // Both at once would be most of what a diagnosis needs of memory.
+        drop(tables);
+        tables = sensitivities(&given, &layout, at);
+    }
+    let system = linearise(&given, &layout, &tables, at, by);
+    drop(tables);
+    let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
+    progress.step("screening and locating");
+    let screened = screened(&given, &system, &projection, &on);
+    let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
+    let threshold = chance(&projection, &equations, SHARE, NULLS, options.seed);
+    let soil = &again.solution.soil;
+    let seed = options.seed;
+    let all = proposals(&given, &system, &projection, &screened, &on, soil, seed);
+    let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
+    if on.is_empty() {
+        proposals.extend(hidden(&given, &system, &projection, &screened));
+    }
+    let wandering = wandering(&given, &system);
+    let scores = scores(&given, &again, by);
+    Ok(Stage {
+        looked: Arc::new(Looked {
+            screened,
+            threshold,
+            system,
+            wandering,
+        }),
+        proposals,
+        scores,
+        tuned: again,
+        given,
+    })
+}
+
+/// How far the soil moved, in standard deviations of its prior.
+fn moved(given: &Given, from: &Solution, to: &Solution) -> f64 {
+    let scales = given.soil_parameters();
+    let pairs = from.soil.iter().zip(&to.soil).zip(&scales);
+    let each = pairs.map(|((a, b), scale)| (a - b).abs() / scale.prior.deviation);
+    each.fold(0.0, f64::max)
+}
+
+/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
+pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
+    let Stage { given, tuned, .. } = stage;
+    let begun = match Scouts::new(given, tuned, by) {
+        Some(scouts) => scouted(stage, &scouts, by),
+        None => {
+            let all = stage.proposals.iter();
+            all.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0))
+                .collect()
+        }
+    };
+    let mut fitted: Vec<Named> = promising(begun, NEAR, MOST)
+        .into_iter()
+        .filter_map(|sketch| finish(sketch, tuned, by))
+        .collect();
+    contend(&mut fitted, by);
+    fitted
+}
+
+/// The first steps on a long recording: what acts throughout takes them on a part, and on all of it where it
+/// keeps its promise; what acts at some time or place only takes all, where it may come near.
+fn scouted<'a>(stage: &Stage<'a>, scouts: &Scouts<'a>, by: &Weighing) -> Vec<Sketch<'a>> {
+    let Stage { given, tuned, .. } = stage;
+    let proposals = stage.proposals.iter();
+    let (throughout, local): (Vec<_>, Vec<_>) = proposals.partition(|p| p.extent.is_none());
+    let throughout = throughout.into_iter();
+    let begun = throughout.filter_map(|proposal| scouts.sketch(proposal));
+    let near = promising(begun.collect(), NEAR_ON_A_PART, 2 * MOST);
+    let further = near.iter().map(|sketch| scouts.further(sketch));
+    let near = promising(further.collect(), NEAR_ON_A_PART, MOST);
+    let bar = Bar::of(&near);
+    let widened = near.iter();
+    let widened = widened.filter_map(|sketch| scouts.widened(sketch, given, tuned, by));
+    let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.least(p.kind(), NEAR_ON_A_PART);
+    let local = local.into_iter().filter(may_be_near);
+    let local = local.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
+    widened.chain(local).collect()
+}
+
+/// Those that may come to this share of the best, the most promising first, at most so many.
+fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64, most: usize) -> Vec<Sketch<'a>> {
+    sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+    // What was proposed twice, as seen and as hidden, and came to the same is finished once.
+    sketches.dedup_by(|later, earlier| later.is_twin_of(earlier));
+    let bar = Bar::of(&sketches);
+    sketches.truncate(most);
+    sketches.retain(|sketch| sketch.promise() > bar.least(sketch.proposal.kind(), share));
+    sketches
+}
+
+/// The largest log odds of laws and of names, by which the others are measured.
+struct Bar {
+    law: f64,
+    name: f64,
+}
+
+impl Bar {
+    fn of(sketches: &[Sketch]) -> Self {
+        let is_law = |sketch: &&Sketch| sketch.proposal.kind() == Kind::Law;
+        let (laws, names): (Vec<&Sketch>, Vec<&Sketch>) = sketches.iter().partition(is_law);
+        let best = |of: Vec<&Sketch>| of.into_iter().map(Sketch::odds).fold(0.0, f64::max);
+        Self {
+            law: best(laws),
+            name: best(names),
+        }
+    }
+
+    /// What comes to less is not gone on with: less than this share of the best. Of what has a name the best with a
+    /// name counts, where that explains a good part of what a law does.
+    fn least(&self, kind: Kind, share: f64) -> f64 {
+        let best = match kind {
+            Kind::Law => share * self.law.max(self.name),
+            _ => (share * self.name).max(GOOD_PART * self.law),
+        };
+        best - CLOSE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_does_not_set_the_bar_for_names() {
+        let bar = |law, name| Bar { law, name };
+        for kind in [Kind::Throughout, Kind::Local] {
+            // Two effects at once: a law has the most of both, each name two thirds or less.
+            let least = bar(1000.0, 400.0).least(kind, NEAR);
+            assert!((300.0 - CLOSE - least).abs() < 1e-9);
+            // A name that explains next to nothing of it leads nowhere, however good it is among names.
+            let least = bar(1000.0, 10.0).least(kind, NEAR);
+            assert!((GOOD_PART * 1000.0 - CLOSE - least).abs() < 1e-9);
+        }
+        let least = |law, name| bar(law, name).least(Kind::Law, NEAR);
+        assert!((least(1000.0, 400.0) - least(400.0, 1000.0)).abs() < 1e-9);
+    }
+}
