@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Folds at most, and segments of each at least.
 const FOLDS: usize = 4;
-const SMALLEST_FOLD: usize = 2;
+pub(super) const SMALLEST_FOLD: usize = 2;
 /// Log predictive densities of the segments, each judged by parameters from other folds.
 #[derive(Debug, Clone)]
 pub struct Scores {

@@ -1,6 +1,7 @@
 //! Recordings cut into segments that the given model can drive.
 
 use super::Given;
+use super::held_out::SMALLEST_FOLD;
 use crate::diagnosis::{DiagnosisError, Options};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::{Tables, Weighing};
@@ -11,6 +12,8 @@ use crate::recording::{Channel, Recording};
 
 /// Less driving than this is not enough to say anything \[s\].
 const SHORTEST: f64 = 10.0;
+/// Stretches at least where that much was driven: what is held out takes two, and two are left to learn from.
+const FEWEST: usize = 2 * SMALLEST_FOLD;
 /// A soil that cannot carry the vehicle is stiffened by this factor, up to so many times in all.
 const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1024.0;
@@ -29,7 +32,13 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
     let late: Vec<SensorValues> = late.collect();
     let mut found = cut(given.recordings, &late, options.segment);
     given.segments = std::mem::take(&mut found.segments);
-    let driven: f64 = seconds(given);
+    let mut driven: f64 = seconds(given);
+    if driven >= SHORTEST && given.segments.len() < FEWEST {
+        // Shorter stretches tell a little less; of fewer none could be held out, and nothing be told.
+        found = cut(given.recordings, &late, driven / FEWEST as f64);
+        given.segments = std::mem::take(&mut found.segments);
+        driven = seconds(given);
+    }
     if driven == 0.0 && found.at_rest > found.unusable {
         return Err(DiagnosisError::AtRest {
             moved: reach(given.recordings),
@@ -105,4 +114,58 @@ fn reach(recordings: &[Recording]) -> f64 {
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
     });
     reach.fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::recording::{Run, Series};
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+
+    /// The first seconds of a recording.
+    fn first(recording: &Recording, seconds: f64) -> Recording {
+        let shortened = |run: &Run| {
+            let mut short = Run::new("");
+            for channel in Channel::ALL {
+                if let Some(series) = run.series(channel) {
+                    let until = series.time.partition_point(|t| *t <= seconds);
+                    let series = Series {
+                        time: series.time[..until].to_vec(),
+                        value: series.value[..until].to_vec(),
+                    };
+                    short = short.with(channel, series);
+                }
+            }
+            short
+        };
+        Recording {
+            runs: recording.runs.iter().map(shortened).collect(),
+            ..recording.clone()
+        }
+    }
+
+    #[test]
+    fn a_short_drive_is_cut_so_that_some_can_be_held_out() {
+        let soil = Terrain::preset("sandy_loam").unwrap();
+        let model = Specification::plain(Vehicle::tran2007(), soil);
+        let whole = driven(&model, "spiral");
+        let stretches = |seconds| {
+            let recordings = [first(&whole, seconds)];
+            let mut given = Given::new(&model, &recordings);
+            prepare(&mut given, &Options::default())?;
+            Ok(given.segments)
+        };
+        // Three of 5 s would leave nothing to learn from.
+        let short = stretches(14.0).unwrap();
+        assert_eq!(short.len(), FEWEST);
+        assert!(short.iter().all(|one| one.end - one.start < 4.0));
+        let longer = stretches(25.0).unwrap();
+        assert!(longer.iter().all(|one| one.end - one.start > 4.5));
+        assert!(matches!(
+            stretches(8.0),
+            Err(DiagnosisError::TooShort { .. })
+        ));
+    }
 }
