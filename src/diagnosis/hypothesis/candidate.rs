@@ -72,6 +72,14 @@ const PLACE_BOUND: [&str; 1] = ["grade"];
 /// Terms of laws that have a direction on the map.
 const DIRECTIONS: [&str; 2] = ["east", "north"];
 
+impl Knob {
+    /// Whether it shapes an effect that another knob switches on and off.
+    #[must_use]
+    pub fn is_shape(&self) -> bool {
+        SHAPES.contains(&self.parameter.name.as_str())
+    }
+}
+
 impl Candidates {
     /// All effects of the catalogue, and the laws' features, where the given model lacks them. What has
     /// a direction on the map is left out where recordings have no map in common, or their runs where it is each

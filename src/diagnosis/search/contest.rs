@@ -18,6 +18,12 @@ const AT_STAKE: f64 = 20.0;
 /// At most so many contend.
 const MOST: usize = 3;
 
+/// Log odds from which on something is close to what has these.
+#[must_use]
+pub fn close_to(best: f64) -> f64 {
+    best - CLOSE - CLOSE_SHARE * best
+}
+
 /// Settles which of some fits is the likeliest where several are close.
 pub fn contend(fitted: &mut [Named], by: &Weighing) {
     fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
@@ -27,7 +33,7 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
     if best < AT_STAKE {
         return;
     }
-    let near = |named: &&Named| named.odds() > best - CLOSE - CLOSE_SHARE * best;
+    let near = |named: &&Named| named.odds() > close_to(best);
     let count = fitted.iter().take(MOST).take_while(near).count();
     let close = &mut fitted[..count];
     if count < 2 {

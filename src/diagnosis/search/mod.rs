@@ -5,6 +5,7 @@
 
 pub mod contest;
 pub mod load;
+pub mod member;
 pub mod naming;
 pub mod path;
 pub mod proposal;
@@ -19,22 +20,11 @@ use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
+pub use member::Member;
 use naming::Named;
 use path::{Path, held_out_gain};
-use proposal::Proposal;
 use stage::{Looked, Stage, look, try_all};
 use std::sync::Arc;
-
-/// Something that was found.
-#[derive(Debug, Clone)]
-pub struct Member {
-    /// What was proposed.
-    pub proposal: Proposal,
-    /// Log Bayes factor against the hypothesis without it.
-    pub gain: f64,
-    /// What else was fitted in its place, with log Bayes factors and priors.
-    pub rivals: Vec<(Subject, f64)>,
-}
 
 /// Where the search ended.
 #[derive(Debug)]

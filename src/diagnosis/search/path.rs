@@ -98,7 +98,8 @@ impl<'a> Path<'a> {
         {
             path = path.or(renamed)?;
         }
-        path.widened(options, progress)
+        path.widened(options, progress)?
+            .exchanged(options, progress)
     }
 
     /// Takes one thing after another, what was fitted beside the start first, and leaves out what
@@ -216,6 +217,45 @@ impl<'a> Path<'a> {
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
+    /// What was found first was named while the rest was missing. Where something else came close to it, both are
+    /// fitted once more with the rest inside: how far they are apart then counts, and what is ahead then is taken.
+    fn exchanged(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
+        let all: Vec<Subject> = self.members.iter().map(|m| m.proposal.subject).collect();
+        for subject in all {
+            let is = |member: &Member| member.proposal.subject == subject;
+            let place = self.members.iter().position(is);
+            let Some(index) = place.filter(|_| self.members.len() > 1) else {
+                continue;
+            };
+            let close = self.members[index].close();
+            if close.len() < 2 {
+                continue;
+            }
+            progress.step("what came close");
+            let Some(mut path) = self.opened(index, options, progress)? else {
+                continue;
+            };
+            let proposals = &mut path.stage.proposals;
+            proposals.retain(|proposal| close.contains(&proposal.subject));
+            let fitted = try_all(&path.stage, &path.by);
+            match choose(&fitted, &path.stage, Prefer::Nothing) {
+                Some(best) if best.proposal.subject == subject => {
+                    let rivals = path.rivals(&fitted);
+                    self.members[index].stand_anew(&rivals);
+                }
+                Some(_) => {
+                    let other = path.walk(fitted, Prefer::Nothing, options, progress)?;
+                    let advantage = other.advantage(&self).map_err(DiagnosisError::Undrivable)?;
+                    if advantage > 0.0 {
+                        self = other;
+                    }
+                }
+                None => {}
+            }
+        }
+        Ok(self)
+    }
+
     /// What was found besides a law may have hidden the names of what it stands for: the path
     /// without it, with names in its place. `None` where nothing can be driven or named.
     fn renamed(
@@ -224,11 +264,9 @@ impl<'a> Path<'a> {
         options: &Options,
         progress: &Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
-        let mut path = self.clone();
-        let gone = path.members.remove(law).proposal;
-        let (given, tuned) = without(&path.stage, &gone, &path.by);
-        let Ok(tuned) = tuned else { return Ok(None) };
-        path.stage = look(given, tuned, &mut path.by, options, progress)?;
+        let Some(mut path) = self.opened(law, options, progress)? else {
+            return Ok(None);
+        };
         let mut fitted = path.what_else(progress);
         fitted.retain(|named| named.proposal.kind() != Kind::Law);
         if choose(&fitted, &path.stage, Prefer::Names).is_none() {
@@ -236,6 +274,21 @@ impl<'a> Path<'a> {
         }
         path.walk(fitted, Prefer::Names, options, progress)
             .map(Some)
+    }
+
+    /// The path without one of its findings, looked at anew. `None` where it cannot be driven so.
+    fn opened(
+        &self,
+        index: usize,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Option<Self>, DiagnosisError> {
+        let mut path = self.clone();
+        let gone = path.members.remove(index).proposal;
+        let (given, tuned) = without(&path.stage, &gone, &path.by);
+        let Ok(tuned) = tuned else { return Ok(None) };
+        path.stage = look(given, tuned, &mut path.by, options, progress)?;
+        Ok(Some(path))
     }
 
     /// The better of two paths by the evidence, the other one with names in the place of a law.
@@ -268,23 +321,6 @@ impl<'a> Path<'a> {
             advantage += 0.5 * (surprise(other, by)? - surprise(self, by)?);
         }
         Ok(advantage)
-    }
-}
-
-impl Member {
-    /// A law that was ahead of a name has turned out to be behind by so much.
-    fn outdo_law(&mut self, advantage: f64) {
-        let subject = self.proposal.subject;
-        if subject == Subject::Unknown {
-            return;
-        }
-        let own = self.rivals.iter().filter(|(other, _)| *other == subject);
-        let own = own.map(|(_, odds)| *odds).fold(f64::NEG_INFINITY, f64::max);
-        for (other, odds) in &mut self.rivals {
-            if *other == Subject::Unknown {
-                *odds = odds.min(own - advantage);
-            }
-        }
     }
 }
 

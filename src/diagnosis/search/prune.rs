@@ -75,8 +75,12 @@ fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
     let Some(projection) = Projection::over_all(system, &others) else {
         return 0.0;
     };
-    let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
-    let step = system.step(&unknowns, knobs, |knob, recording| {
+    // Along a line a product of a size and a shape would be taken away twice.
+    let all = &stage.given.candidates.knobs;
+    let sizes = knobs.iter().copied().filter(|knob| !all[*knob].is_shape());
+    let sizes: Vec<usize> = sizes.collect();
+    let unknowns: Vec<usize> = sizes.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let step = system.step(&unknowns, &sizes, |knob, recording| {
         let off = stage.given.candidates.knobs[knob]
             .parameter
             .prior_coordinate();

@@ -1,0 +1,104 @@
+//! Something that was found, with what else may stand in its place.
+
+use super::contest::close_to;
+use super::proposal::Proposal;
+use crate::diagnosis::Subject;
+
+/// Something that was found.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// What was proposed.
+    pub proposal: Proposal,
+    /// Log Bayes factor against the hypothesis without it.
+    pub gain: f64,
+    /// What else was fitted in its place, with log Bayes factors and priors.
+    pub rivals: Vec<(Subject, f64)>,
+}
+
+impl Member {
+    /// Log odds of a subject in its place.
+    fn odds(&self, subject: Subject) -> f64 {
+        let own = self.rivals.iter().filter(|(other, _)| *other == subject);
+        own.map(|(_, odds)| *odds).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// It and what came close to it.
+    #[must_use]
+    pub fn close(&self) -> Vec<Subject> {
+        let bar = close_to(self.odds(self.proposal.subject));
+        let close = self.rivals.iter().filter(|(_, odds)| *odds > bar);
+        close.map(|(subject, _)| *subject).collect()
+    }
+
+    /// Takes the odds of a later fit of it and of some others. The rest stays as far behind it as before.
+    pub fn stand_anew(&mut self, fitted: &[(Subject, f64)]) {
+        let subject = self.proposal.subject;
+        let anew = |subject: Subject| {
+            let same = fitted.iter().filter(|(other, _)| *other == subject);
+            same.map(|(_, odds)| *odds).reduce(f64::max)
+        };
+        let (before, Some(now)) = (self.odds(subject), anew(subject)) else {
+            return;
+        };
+        for (other, odds) in &mut self.rivals {
+            *odds = anew(*other).unwrap_or(*odds - before + now);
+        }
+    }
+
+    /// A law that was ahead of a name has turned out to be behind by so much.
+    pub fn outdo_law(&mut self, advantage: f64) {
+        let subject = self.proposal.subject;
+        if subject == Subject::Unknown {
+            return;
+        }
+        let own = self.odds(subject);
+        for (other, odds) in &mut self.rivals {
+            if *other == Subject::Unknown {
+                *odds = odds.min(own - advantage);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DVector;
+
+    fn member(rivals: &[(usize, f64)]) -> Member {
+        let subject = |(effect, odds): &(usize, f64)| (Subject::Effect(*effect), *odds);
+        Member {
+            proposal: Proposal {
+                subject: Subject::Effect(0),
+                knobs: Vec::new(),
+                extent: None,
+                steps: Vec::new(),
+                evidence: 0.0,
+                looking: 0.0,
+                stability: Vec::new(),
+                soil: DVector::zeros(0),
+                hidden: false,
+            },
+            gain: rivals[0].1,
+            rivals: rivals.iter().map(subject).collect(),
+        }
+    }
+
+    #[test]
+    fn what_came_close_is_asked_for_again() {
+        let one = member(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
+        assert_eq!(one.close(), [Subject::Effect(0), Subject::Effect(1)]);
+        assert_eq!(member(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
+    }
+
+    #[test]
+    fn odds_of_a_later_fit_count_and_the_rest_stays_as_far_behind() {
+        let mut one = member(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
+        one.stand_anew(&[(Subject::Effect(1), 900.0), (Subject::Effect(0), 1000.0)]);
+        let odds: Vec<f64> = one.rivals.iter().map(|(_, odds)| *odds).collect();
+        assert_eq!(odds, [1000.0, 900.0, 960.0]);
+        // What was not fitted again says nothing new.
+        one.stand_anew(&[(Subject::Effect(1), 5.0)]);
+        assert_eq!(one.rivals[1].1, 900.0);
+    }
+}
