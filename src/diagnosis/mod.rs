@@ -22,7 +22,8 @@ pub use progress::Progress;
 /// How to diagnose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Length of a segment \[s\].
+    /// Length of a segment \[s\]. Where 10 s or more of driving make fewer than four, they are cut
+    /// into four shorter ones.
     pub segment: f64,
     /// Seed of everything random.
     pub seed: u64,
