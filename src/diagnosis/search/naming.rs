@@ -23,6 +23,12 @@ const HOPELESS: f64 = 1000.0;
 
 /// Shares of a proposal's steps that its fit may begin with: the cheapest is taken.
 const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
+/// Steps on the way from off to the typical size, and how far the soil follows at each.
+const WALK: u32 = 5;
+const STROLL: Stop = Stop {
+    steps: 3,
+    gain: 1.0,
+};
 /// Two fits of the same thing that are so close have come to one place.
 const TWINS: f64 = 1.0;
 /// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
@@ -147,6 +153,13 @@ pub fn sketch<'a>(
         let other = tune_until(&given, &knobs, begin, by, LONG_SKETCH).ok();
         tuned.into_iter().chain(other).min_by(likelier)
     };
+    let tuned = if is_unseen(&given, proposal) && tuned.as_ref().is_none_or(lost) {
+        let begin = walked(&given, proposal, before, by);
+        let other = begin.and_then(|begin| tune_until(&given, &knobs, &begin, by, stop).ok());
+        tuned.into_iter().chain(other).min_by(likelier)
+    } else {
+        tuned
+    };
     // Without it things were better: from there, then.
     let tuned = again(tuned, &lost, &before.solution);
     // A small step may cost less before the starts have followed, and lead elsewhere, and soil that follows
@@ -257,17 +270,58 @@ fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) -> S
 /// The soil that re-tuning ended with imitates them; beside it, or freed at once, they would be turned off and stay
 /// there.
 fn settled(given: &Given, proposal: &Proposal, before: &Tuned, by: &Weighing) -> Option<Solution> {
-    let knobs = &given.candidates.knobs;
-    let mut own = proposal.knobs.iter();
     let of_a_run = matches!(proposal.extent, Some(Extent::Run(_)));
-    let unseen = proposal.hidden && own.any(|knob| knobs[*knob].secant.is_some());
-    if !of_a_run && !unseen {
+    if !of_a_run && !is_unseen(given, proposal) {
         return None;
     }
     let begin = Solution {
         knobs: begin(given, proposal, &before.solution, 1.0).knobs,
         ..given.begin()
     };
+    Some(beside(given, proposal, begin, before, by, SKETCH)?.solution)
+}
+
+/// Where effects are proposed that have no derivative while they are off: the likeliest place on the way from off
+/// to as large as the catalogue expects them, the soil following a little at each step. Re-tuning may have gone far to
+/// imitate them (a rigid wheel on soil of three times the stiffness for a tyre): then one step is too long, and so is
+/// the way from the given soil. `None` where the way leads up.
+fn walked(given: &Given, proposal: &Proposal, before: &Tuned, by: &Weighing) -> Option<Solution> {
+    let mut at = before.solution.clone();
+    let mut best: Option<Tuned> = None;
+    for step in 1..=WALK {
+        let share = f64::from(step) / f64::from(WALK);
+        at.knobs = begin(given, proposal, &before.solution, share).knobs;
+        let Some(here) = beside(given, proposal, at, before, by, STROLL) else {
+            break;
+        };
+        if here.surprise - here.promised > before.surprise + LOST {
+            break;
+        }
+        at = here.solution.clone();
+        if best.as_ref().is_none_or(|best| here.surprise < best.surprise) {
+            best = Some(here);
+        }
+    }
+    best.map(|best| best.solution)
+}
+
+/// Whether it is hidden and has no derivative while it is off.
+fn is_unseen(given: &Given, proposal: &Proposal) -> bool {
+    let mut own = proposal.knobs.iter();
+    proposal.hidden && own.any(|knob| given.candidates.knobs[*knob].secant.is_some())
+}
+
+/// The fit of everything else beside a proposal whose knobs are held where they begin. `None` where that cannot be
+/// driven.
+fn beside(
+    given: &Given,
+    proposal: &Proposal,
+    begin: Solution,
+    before: &Tuned,
+    by: &Weighing,
+    stop: Stop,
+) -> Option<Tuned> {
+    let knobs = &given.candidates.knobs;
     let mut held = given.clone();
     for knob in &proposal.knobs {
         if let Target::Model(parameter) = knobs[*knob].target {
@@ -275,8 +329,8 @@ fn settled(given: &Given, proposal: &Proposal, before: &Tuned, by: &Weighing) ->
             parameter.set(&mut held.nominal, value).ok()?;
         }
     }
-    let fitted = tune_until(&held, &before.knobs, &begin, by, SKETCH);
-    Some(fitted.ok()?.solution)
+    let fitted = tune_until(&held, &before.knobs, &begin, by, stop);
+    fitted.ok().filter(|fitted| fitted.surprise.is_finite())
 }
 
 /// Where latencies are proposed: they are what comparing the curves tells. A search from zero may
