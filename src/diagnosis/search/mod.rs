@@ -3,6 +3,7 @@
 //! Each round looks at everything with what was found so far inside (step 7: what is left over after
 //! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
 
+pub mod begins;
 pub mod contest;
 pub mod load;
 pub mod member;

@@ -3,7 +3,8 @@
 //! What acts throughout is fitted to some stretches first, and only what keeps its promise there goes on with
 //! all of them. What acts at some time or place only is fitted to all at once.
 
-use super::naming::{LOST, Sketch, first_steps, sketch};
+use super::begins::LOST;
+use super::naming::{Sketch, first_steps, sketch};
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::likelihood::{HELD, SKETCH, Tuned, tune_on, tune_until};
