@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Proves `ugv diagnose`: draws new cases with a sealed truth from an independent simulator, has the tool and its peers
-# answer them, opens the truth afterwards, and writes DIR/proof.html and DIR/proof.json. Options: scripts/prove.sh --help.
+# answer them, opens the truth afterwards, and writes DIR/proof.html, proof.json and cases.csv. Options: scripts/prove.sh --help.
 # `scripts/prove.sh altered` conceals changes in real recordings instead (UGV_DATA; scripts/prove.sh altered --help),
 # `scripts/prove.sh draw` only draws cases (scripts/prove.sh draw --help).
 # `scripts/prove.sh agree` tells how far the generator's motion is from the library's (scripts/prove.sh agree --help).

@@ -1,5 +1,7 @@
 """The judge of scripts/proof: its measures against truths and answers made by hand, and how it runs the tool."""
 
+import csv
+import io
 import json
 import math
 import sys
@@ -15,6 +17,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
 from judge import estimates, files
 from judge.case import Judged
+from judge.listing import listing
 from judge.metrics import confusion, metrics
 from judge.oracle import active, knowable
 from judge.page import page
@@ -253,6 +256,15 @@ class PageOfAll(unittest.TestCase):
         return [Judged(f"{family}/case_{k:04d}", truth(family, true.get(family, (DRAWBAR,))), answer,
                        {"retuned": 0.3, "oracle": 0.1, "own": 0.2}, 3.0, 0 if answer else "timeout")
                 for k, (family, answer) in enumerate((f, a) for f in families for a in answers)]
+
+    def test_every_case_is_listed(self) -> None:
+        cases = self.cases()
+        rows = list(csv.DictReader(io.StringIO(listing(report({"mended": cases}, FACTS)["cases"]))))
+        self.assertEqual([row["case"] for row in rows], [one.name for one in cases])
+        self.assertEqual([row["right"] == "yes" for row in rows], [one.right for one in cases])
+        first, silent = rows[0], rows[2]
+        self.assertEqual((first["told"], first["p_truth"], first["unseen_own_m"], first["unseen_nominal_m"]), ("drawbar", "0.9", "0.2", ""))
+        self.assertEqual((silent["verdict"], silent["told"], silent["p_truth"]), ("none", "no answer (timeout)", ""))
 
     def test_page_and_json(self) -> None:
         cases = self.cases()

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from . import files
 from .case import Judged
+from .listing import listing
 from .page import page
 from .peers import NAMES
 from .report import NOT_ANSWERING, report
@@ -115,6 +116,7 @@ def main() -> None:
              "took_s": round(time.time() - begin)}
     summary = report(everyone, facts)
     files.save(args.out / "proof.json", summary)
+    files.write(args.out / "cases.csv", listing(summary["cases"]))
     files.write(args.out / "proof.html", page(everyone["mended"], summary))
     print(f"prove: {args.out / 'proof.html'}", file=sys.stderr)
 

@@ -16,6 +16,7 @@ def one(case: Judged) -> dict:
     return {
         "case": case.name, "family": case.family, "variant": case.truth.get("variant", ""), "right": case.right,
         "truth": case.true_short, "names": case.names, "expected": case.truth["expected"], "signal_left": case.signal,
+        "plain": case.plain, "identifiable": case.identifiable, "first": case.first, "two": case.two,
         "verdict": case.verdict, "told": case.short, "p_truth": case.p_truth if case.answered else None,
         "claim": case.claim[0] if case.claim else None, "located": case.located, "gain": case.gain, "unseen_m": case.unseen,
         "parameters": [{"name": n, "error": e, "held": h} for n, e, h in case.parameters],
