@@ -22,7 +22,7 @@ from .run import Bench, Processes, each, resumable
 
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="prove.sh", description=__doc__)
-    parser.add_argument("--cases", type=int, default=200, metavar="N", help="cases to draw [default: 200]")
+    parser.add_argument("--cases", type=int, default=300, metavar="N", help="cases to draw [default: 300]")
     parser.add_argument("--seed", type=int, metavar="S", help="seed of the cases [default: a new one]")
     parser.add_argument("--family", action="append", default=[], metavar="F", help="only cases of this family; may be repeated")
     parser.add_argument("--out", type=Path, default=Path("target/proof"), metavar="DIR", help="[default: target/proof]")
