@@ -146,8 +146,8 @@ pub fn sketch<'a>(
         // A small step may cost less before the starts have followed, and lead elsewhere, and soil that follows
         // may be more than the vehicle can drive on.
         let knobs = begin(&given, proposal, &before.solution, 1.0).knobs;
-        let soil = before.solution.clone();
-        tuned = also(tuned, &Solution { knobs, ..soil });
+        let rest = before.solution.clone();
+        tuned = also(tuned, &Solution { knobs, ..rest });
     }
     let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;
     Some(Sketch::new(proposal, &given, tuned, before))
