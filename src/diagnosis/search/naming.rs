@@ -20,7 +20,7 @@ use crate::fit::segment::CLOCK;
 
 /// Two fits of the same thing that are so close have come to one place.
 const TWINS: f64 = 1.0;
-/// One that comes to less than this share of what the linearised problem promises has lost its way as well.
+/// A fit that comes to less than this share of what the linearised problem promises has lost its way as well.
 const SHORT: f64 = 0.5;
 
 /// A proposal fitted in full beside what was found before.
@@ -132,6 +132,7 @@ pub fn sketch<'a>(
         let other = tune_until(&given, &knobs, begin, by, LONG_SKETCH).ok();
         tuned.into_iter().chain(other).min_by(likelier)
     };
+    // Where no way led, in small steps from off.
     if is_unseen(&given, proposal)
         && tuned.as_ref().is_none_or(lost)
         && let Some(begin) = walked(&given, proposal, before, by)
