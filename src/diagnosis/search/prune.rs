@@ -12,13 +12,17 @@ use crate::fit::problem::Weighing;
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
 
-/// Leaves out what the rest explains without it. All recordings are so many times what the stage was fitted to.
+/// Leaves out what the rest explains without it; what remains is put in the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to.
 pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
     let mut index = 0;
     while members.len() > 1 && index < members.len() {
         let gone = &members[index].proposal;
         let price = NOTHING - gone.log_prior() + gone.looking;
-        if linear_loss(stage, &gone.knobs) > SURELY * price + CLOSE {
+        let loss = linear_loss(stage, &gone.knobs);
+        if loss > SURELY * price + CLOSE {
+            // What was found since may explain most of what it was taken for.
+            let gain = ratio * loss - gone.looking;
+            members[index].gain = members[index].gain.min(gain);
             index += 1;
             continue;
         }
@@ -38,6 +42,7 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
             Err(_) => index += 1,
         }
     }
+    members.sort_by(|a, b| b.gain.total_cmp(&a.gain));
 }
 
 /// The hypothesis without something that was found, and the given model without its place.
