@@ -45,8 +45,13 @@ fn notes(searched: &Searched) -> Vec<String> {
     let mut notes = doubts(&searched.given.nominal.vehicle);
     if searched.given.stiffening > 1.0 {
         notes.push(format!(
-            "On the terrain as given the vehicle cannot drive; re-tuning began with {} times its frictional modulus.",
+            "On the terrain as given the vehicle cannot drive all that was recorded; re-tuning began with {} times its frictional modulus.",
             searched.given.stiffening
+        ));
+    }
+    if let Some(likelier) = searched.given.counted {
+        notes.push(format!(
+            "Wheel speeds are taken as means over the time between samples, as encoders count; so the recordings are likelier by {likelier:.0} units of log evidence than with straight lines from sample to sample."
         ));
     }
     if searched.given.maps == Maps::OfRecordings {

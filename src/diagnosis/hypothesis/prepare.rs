@@ -44,17 +44,7 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
             moved: reach(given.recordings),
         });
     }
-    let mut tried = drive(given);
-    let most = 0.5 * driven;
-    while failed(given, &tried) > most && given.stiffening < STIFFEST {
-        // The terrain is but a rough start: a vehicle that was recorded did not sink into it.
-        given.stiffening *= STIFFER;
-        tried = drive(given);
-    }
-    if failed(given, &tried) > most && given.stiffening > 1.0 {
-        given.stiffening = 1.0;
-        tried = drive(given);
-    }
+    let tried = stiffened(given, 0.5 * driven);
     let mut failed = None;
     let mut kept = Vec::new();
     for (segment, tried) in std::mem::take(&mut given.segments).into_iter().zip(tried) {
@@ -80,6 +70,26 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
             Ok((found, weighing))
         }
     }
+}
+
+/// Drives all segments, on a stiffer soil where the given one does not carry the vehicle through all of them: it is but
+/// a rough start, and the vehicle did not sink into it. It is stiffened further while more can be driven so, and until
+/// no more than `most` seconds cannot.
+fn stiffened(given: &mut Given, most: f64) -> Vec<Result<Tables, PredictionError>> {
+    let mut best = (drive(given), given.stiffening);
+    let mut left = failed(given, &best.0);
+    while left > 0.0 && given.stiffening < STIFFEST {
+        given.stiffening *= STIFFER;
+        let tried = drive(given);
+        let now = failed(given, &tried);
+        if now < left {
+            (best, left) = ((tried, given.stiffening), now);
+        } else if left <= most {
+            break;
+        }
+    }
+    given.stiffening = best.1;
+    best.0
 }
 
 /// Drives all segments as they begin.
@@ -120,6 +130,7 @@ fn reach(recordings: &[Recording]) -> f64 {
 mod tests {
     use super::*;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::fit::sensor::SensorParameter;
     use crate::recording::{Run, Series};
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
@@ -167,5 +178,21 @@ mod tests {
             stretches(8.0),
             Err(DiagnosisError::TooShort { .. })
         ));
+    }
+
+    #[test]
+    fn a_soil_that_carries_the_vehicle_through_a_part_only_is_stiffened() {
+        let sand = Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
+        let recordings = [driven(&sand, "pivots")];
+        let mut soft = sand.clone();
+        soft.terrain.frictional_modulus /= 7.0;
+        let mut given = Given::new(&soft, &recordings);
+        let as_known = [[0.0; SensorParameter::ALL.len()]];
+        given.segments = cut(&recordings, &as_known, Options::default().segment).segments;
+        let (lost, all) = (failed(&given, &drive(&given)), seconds(&given));
+        assert!(lost > 0.0 && lost < 0.5 * all, "{lost} s of {all} s");
+        let (left_out, _) = prepare(&mut given, &Options::default()).unwrap();
+        assert_eq!((seconds(&given), left_out.unusable), (all, 0.0));
+        assert_eq!(given.stiffening, STIFFER);
     }
 }
