@@ -41,6 +41,16 @@ impl Drive {
         [self.omega_left[row], self.omega_right[row]]
     }
 
+    /// The drive whose mean from the middle of each interval between rows to the middle of the next is what the row says,
+    /// as encoders count: the wheels' angle is kept.
+    #[must_use]
+    pub fn counted(mut self) -> Self {
+        for side in [&mut self.omega_left, &mut self.omega_right] {
+            *side = knots_of_means(&self.time, side);
+        }
+        self
+    }
+
     /// The rates at which left and right wheel speed change from a row to the next
     /// \[rad/s^2\]; zero after the last.
     #[must_use]
@@ -52,6 +62,27 @@ impl Drive {
         let (from, to) = (self.wheel_speeds(row), self.wheel_speeds(row + 1));
         [0, 1].map(|side| (to[side] - from[side]) / seconds)
     }
+}
+
+/// Values between which straight lines have these means, each from the middle of the interval before to the middle
+/// of the next: 3/4 of the own value and 1/4 of the neighbours', by the lengths of the intervals. The ends stay.
+fn knots_of_means(time: &[f64], means: &[f64]) -> Vec<f64> {
+    let count = means.len();
+    let mut knots = means.to_vec();
+    // Thomas' algorithm: of each row what is left of the diagonal and of the right side.
+    let mut above = vec![0.0; count];
+    for row in 1..count.saturating_sub(1) {
+        let span = 4.0 * (time[row + 1] - time[row - 1]);
+        let before = (time[row] - time[row - 1]) / span;
+        let after = (time[row + 1] - time[row]) / span;
+        let diagonal = 0.75 - before * above[row - 1];
+        above[row] = after / diagonal;
+        knots[row] = (means[row] - before * knots[row - 1]) / diagonal;
+    }
+    for row in (1..count.saturating_sub(1)).rev() {
+        knots[row] -= above[row] * knots[row + 1];
+    }
+    knots
 }
 
 /// Fills gaps between samples linearly and holds the first and the last sample beyond them.
@@ -87,6 +118,46 @@ mod tests {
         let filled = fill_gaps(&time, &samples).unwrap();
         assert_eq!(filled, [2.0, 2.0, 4.0, 8.0, 10.0, 10.0]);
         assert_eq!(fill_gaps(&time[..2], &[None, None]), None);
+    }
+
+    #[test]
+    fn counted_wheel_speeds_keep_the_angle_between_the_middles_of_intervals() {
+        let time: Vec<f64> = [0.0, 0.05, 0.11, 0.15, 0.2, 0.3, 0.35, 0.4].into();
+        let told = [0.0, 0.0, 1.0, 3.0, 2.5, 2.0, 2.0, 2.0];
+        let drive = Drive {
+            omega_left: told.to_vec(),
+            omega_right: time.iter().map(|t| 1.0 + 2.0 * t).collect(),
+            time,
+            filled_rows: 0,
+        };
+        let counted = drive.clone().counted();
+        let speed = |time: f64| {
+            let row = counted.time.partition_point(|t| *t <= time).max(1) - 1;
+            let rate = counted.wheel_accelerations(row)[0];
+            counted.omega_left[row] + rate * (time - counted.time[row])
+        };
+        for row in 1..7 {
+            let here = drive.time[row];
+            let middles = [drive.time[row - 1], drive.time[row + 1]].map(|t| 0.5 * (here + t));
+            // Straight on either side of the row: trapezia.
+            let angle = |a: f64, b: f64| 0.5 * (b - a) * (speed(a) + speed(b));
+            let mean =
+                (angle(middles[0], here) + angle(here, middles[1])) / (middles[1] - middles[0]);
+            assert!((mean - told[row]).abs() < 1e-12, "{row}: {mean}");
+        }
+        assert_eq!([counted.omega_left[0], counted.omega_left[7]], [0.0, 2.0]);
+        assert!(counted.omega_left[3] > 3.2, "the corner is whole again");
+        // An interval's length does not bend a steady change, where intervals are alike.
+        let steady = |row: usize| (counted.omega_right[row] - drive.omega_right[row]).abs();
+        assert!(steady(6) < 0.01);
+        // Two rows have no middle.
+        let two = Drive {
+            time: vec![0.0, 1.0],
+            omega_left: vec![1.0, 5.0],
+            omega_right: vec![0.0; 2],
+            filled_rows: 0,
+        };
+        assert_eq!(two.clone().counted(), two);
     }
 
     #[test]

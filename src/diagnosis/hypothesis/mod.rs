@@ -49,6 +49,9 @@ pub struct Given<'a> {
     /// The frictional modulus that re-tuning begins with, as a multiple of the given one: more than 1
     /// where the given soil cannot carry the vehicle.
     pub stiffening: f64,
+    /// By how much the recordings are likelier where their wheel speeds are means over the time between samples; `None`
+    /// where they are taken as they are.
+    pub counted: Option<f64>,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.
@@ -90,6 +93,7 @@ impl<'a> Given<'a> {
             late: recordings.iter().map(late).collect(),
             maps,
             stiffening: 1.0,
+            counted: None,
         }
     }
 

@@ -13,6 +13,7 @@ pub mod proposal;
 pub mod prune;
 pub mod scout;
 pub mod stage;
+pub mod wheels;
 
 use crate::diagnosis::hypothesis::likelihood::{
     LONG_SKETCH, Tuned, own_noise, tune, tune_until, tune_with_noise,
@@ -26,6 +27,7 @@ use naming::Named;
 use path::{Path, held_out_gain};
 use stage::{Looked, Stage, look, try_all};
 use std::sync::Arc;
+use wheels::reconstructed;
 
 /// Where the search ended.
 #[derive(Debug)]
@@ -93,6 +95,7 @@ pub fn search<'a>(
     let begin = given.begin();
     let undrivable = DiagnosisError::Undrivable;
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
+    let (given, retuned) = reconstructed(given, retuned, &mut by);
     let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
     progress.step("naming");
     let mut fitted = try_all(&stage, &by);
@@ -117,9 +120,9 @@ pub fn search<'a>(
         refused,
         ..
     } = path;
-    let retuned = tune_again(given, &baseline, &stage.tuned.solution, &by).map_err(undrivable)?;
+    let retuned = tune_again(&given, &baseline, &stage.tuned.solution, &by).map_err(undrivable)?;
     Ok(Searched {
-        given: given.clone(),
+        given,
         by,
         retuned,
         placed: stage.given,
