@@ -32,11 +32,11 @@ pub fn cheapest(
     given: &Given,
     proposal: &Proposal,
     knobs: &[usize],
-    before: &Tuned,
+    before: &Solution,
     by: &Weighing,
 ) -> Option<Solution> {
     let at = |share: f64| {
-        let begin = begin(given, proposal, &before.solution, share);
+        let begin = begin(given, proposal, before, share);
         (cost(given, knobs, &begin, by), begin)
     };
     let cheaper = |a: &(f64, Solution), b: &(f64, Solution)| a.0.total_cmp(&b.0);
@@ -49,7 +49,7 @@ pub fn cheapest(
     }
     // What is hidden tells its sign no more than its size. Small steps come first: where those lead
     // nowhere, larger ones are hardly to be driven, which takes long.
-    let hopeless = cost(given, knobs, &before.solution, by) + HOPELESS;
+    let hopeless = cost(given, knobs, before, by) + HOPELESS;
     let mut found = Vec::new();
     for sign in [1.0, -1.0] {
         for share in SHARES.iter().rev() {

@@ -109,6 +109,7 @@ mod tests {
                 stability: Vec::new(),
                 soil: DVector::zeros(given.soil.len()),
                 hidden: false,
+                anew: false,
                 knobs,
             }
         };

@@ -78,6 +78,7 @@ mod tests {
                 stability: Vec::new(),
                 soil: DVector::zeros(0),
                 hidden: false,
+                anew: false,
             },
             gain: rivals[0].1,
             rivals: rivals.iter().map(subject).collect(),

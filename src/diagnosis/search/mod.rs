@@ -5,6 +5,7 @@
 
 pub mod begins;
 pub mod contest;
+pub mod given_soil;
 pub mod load;
 pub mod member;
 pub mod naming;

@@ -6,6 +6,7 @@
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
 
 use super::begins::{LOST, begin, cheapest, compared, is_unseen, settled, walked};
+use super::given_soil::on_given_soil;
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
@@ -63,7 +64,11 @@ pub struct Sketch<'a> {
 
 /// When the first steps of a proposal's fit end.
 pub fn first_steps(proposal: &Proposal) -> Stop {
-    if proposal.hidden { LONG_SKETCH } else { SKETCH }
+    if proposal.hidden || proposal.anew {
+        LONG_SKETCH
+    } else {
+        SKETCH
+    }
 }
 
 impl<'a> Sketch<'a> {
@@ -112,7 +117,11 @@ pub fn sketch<'a>(
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
-    let cheapest = cheapest(&given, proposal, &knobs, before, by);
+    let cheapest = if proposal.anew {
+        cheapest(&given, proposal, &knobs, &on_given_soil(&given, before), by)
+    } else {
+        cheapest(&given, proposal, &knobs, &before.solution, by)
+    };
     let stop = first_steps(proposal);
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
     let begins = cheapest
@@ -180,7 +189,7 @@ fn surprise_without(
     before: &Tuned,
     by: &Weighing,
 ) -> f64 {
-    if !proposal.hidden {
+    if !proposal.hidden && !proposal.anew {
         return before.surprise;
     }
     let mut begin = tuned.solution.clone();

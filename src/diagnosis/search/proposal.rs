@@ -30,6 +30,8 @@ pub struct Proposal {
     pub soil: DVector<f64>,
     /// Whether it is proposed although the linearised problem does not see it.
     pub hidden: bool,
+    /// Whether its fit begins on the given soil, far from the re-tuned one.
+    pub anew: bool,
 }
 
 /// A screened candidate.
@@ -102,6 +104,7 @@ pub fn proposals(
             steps: steps(given, system, one),
             soil: soil_after(given, projection, &one.projected.unknowns, &one.score.step),
             hidden: false,
+            anew: false,
             // What a scatter of its own says is for the reader: laws and local effects have none.
             evidence: projection.score_with(&one.projected, 1.0).evidence,
             looking: 0.0,
@@ -180,6 +183,7 @@ pub fn hidden(
             stability: Vec::new(),
             soil: soil_after(given, projection, unknowns, &moved),
             hidden: true,
+            anew: false,
         }
     };
     let all = screened.iter().map(propose);
@@ -245,6 +249,7 @@ fn local(found: Found, soil: usize) -> Proposal {
         // It changes little of what the rest of the drive tells of the soil.
         soil: DVector::zeros(soil),
         hidden: false,
+        anew: false,
     }
 }
 
@@ -262,6 +267,7 @@ fn unnamed(given: &Given, system: &System, projection: &Projection, law: Law) ->
         stability: law.stability,
         soil: soil_after(given, projection, &unknowns, &score.step),
         hidden: false,
+        anew: false,
     }
 }
 

@@ -2,6 +2,7 @@
 //! how it predicts.
 
 use super::contest::contend;
+use super::given_soil::{from_given_soil, seen_from_given_soil};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::scout::Scouts;
@@ -107,6 +108,8 @@ pub fn look<'a>(
     let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
     if on.is_empty() {
         proposals.extend(hidden(&given, &system, &projection, &screened));
+        let further = seen_from_given_soil(&given, &again, by, &proposals, seed);
+        proposals.extend(further);
     }
     let wandering = wandering(&given, &system);
     let scores = scores(&given, &again, by);
@@ -145,6 +148,7 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
     };
     let mut fitted: Vec<Named> = promising(begun, NEAR, MOST)
         .into_iter()
+        .map(|sketch| from_given_soil(sketch, tuned, by))
         .filter_map(|sketch| finish(sketch, tuned, by))
         .collect();
     contend(&mut fitted, by);
