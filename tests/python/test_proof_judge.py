@@ -133,6 +133,26 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(found["parameter_error"], 0.15)
         self.assertEqual(found["coverage"], 0.0)
 
+    def test_a_change_of_soil_may_be_told_from_its_other_side(self) -> None:
+        change = {"effect": "terrain_change", "kind": "physics", "size": "large", "off": {"cohesion_factor": 1.0},
+                  "parameters": {"cohesion_factor": 0.5, "over": "time", "position": 30.0}}
+        drives = {"drive": {"seconds": 50.0, "acts": [{"effect": "terrain_change", "intervals": [[30.0, 50.0]]}]}, "unseen": {}}
+        true = truth("local", (change,), drives=drives)
+
+        def told(start: float, end: float, value: float) -> Judged:
+            parameters = {"cohesion_factor": {"value": value, "low": 0.8 * value, "high": 1.25 * value}}
+            where = [{"recording": "drive", "start": start, "end": end}]
+            return case(true, said("missing_physics", "terrain_change", where=where, parameters=parameters))
+
+        for start, end, value in ((30.0, 50.0, 0.5), (0.0, 30.0, 2.0)):
+            one = told(start, end, value)
+            self.assertAlmostEqual(one.located, 1.0)
+            self.assertEqual([(name, round(error, 9), held) for name, error, held in one.parameters],
+                             [("terrain_change.cohesion_factor", 0.0, True)])
+        for start, end, value in ((30.0, 50.0, 2.0), (0.0, 30.0, 0.5)):
+            self.assertFalse(told(start, end, value).parameters[0][2])
+        self.assertAlmostEqual(told(0.0, 20.0, 2.0).located, 20.0 / 30.0)
+
     def test_gain_on_the_unseen_drive(self) -> None:
         answer = said("missing_physics", "drawbar")
         gain = lambda own, oracle=0.1: case(truth(), answer, retuned=0.3, oracle=oracle, own=own).gain

@@ -11,6 +11,18 @@ IDENTIFIABLE = {"single", "sensor", "absorbed", "local", "vehicle"}
 LEAST_SHARE, LEAST_GAIN = 0.1, 0.005  # of the re-tuned error, and m, that the oracle must gain to be compared with
 
 
+def seconds(finding: dict) -> list[list[float]]:
+    """When a finding is said to act in the first recording."""
+    where = [w for w in finding.get("where") or [] if w.get("recording", "drive") == "drive"]
+    return sorted([w["start"], w["end"]] for w in where if w.get("start") is not None)
+
+
+def one_over(factor: dict) -> dict:
+    """A factor and its interval as seen from the other side."""
+    low, high = factor["low"], factor["high"]
+    return {"value": 1.0 / factor["value"], "low": 1.0 / high, "high": 1.0 / low if low > 0.0 else float("inf")}
+
+
 @dataclass
 class Judged:
     """What was told of a case and how right that was."""
@@ -125,22 +137,41 @@ class Judged:
         if self.family != "local" or not self.plain or not acts:
             return None
         right = [f for f in self.findings if f["effect"] in self.names] or self.findings[:1]
-        where = [w for f in right[:1] for w in f.get("where") or [] if w.get("recording", "drive") == "drive"]
-        found = [[w["start"], w["end"]] for w in where if w.get("start") is not None]
+        found = [pair for f in right[:1] for pair in self._seconds(f)]
         return overlap(found, [pair for act in acts for pair in act["intervals"]])
+
+    def _seconds(self, finding: dict) -> list[list[float]]:
+        """When a finding acts; of a change of soil told from its other side, when it does not."""
+        told = seconds(finding)
+        return self._rest(told) if self._turned_round(finding["effect"], told) else told
+
+    def _rest(self, told: list[list[float]]) -> list[list[float]]:
+        """The seconds of the drive that are left."""
+        edges = [0.0, *(edge for pair in told for edge in pair), self.truth["drives"]["drive"]["seconds"]]
+        return [[a, b] for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
+
+    def _turned_round(self, effect: str, told: list[list[float]]) -> bool:
+        """Whether a change of soil is told as one of the seconds in which it truly is not: the other soil is the base."""
+        if effect != "terrain_change":
+            return False
+        acts = self.truth["drives"]["drive"].get("acts") or []
+        true = [pair for act in acts if act["effect"] == effect for pair in act["intervals"]]
+        return overlap(self._rest(told), true) > overlap(told, true)
 
     def _parameters(self) -> list[tuple[str, float, bool]]:
         """Of each strength that was told of a right effect: error over the effect's strength, interval holds truth."""
         right = {f["effect"]: f for f in self.findings if f["effect"] in self.names}
         result = []
         for effect in self.truth["effects"]:
-            told = (right.get(effect["effect"]) or {}).get("parameters") or {}
+            finding = right.get(effect["effect"]) or {}
+            told = finding.get("parameters") or {}
+            turned = self._turned_round(effect["effect"], seconds(finding))
             true, off = effect["parameters"], effect.get("off") or {}
             acting = [key for key in off if key in true and true[key] != off[key]]
             strength = max((min(abs(true[key] - off[key]), abs(true[key])) for key in acting), default=0.0)
             for key in acting:
                 if key in told and strength > 0:
-                    p = told[key]
+                    p = one_over(told[key]) if turned else told[key]
                     error = abs(p["value"] - true[key]) / strength
                     result.append((f"{effect['effect']}.{key}", error, p["low"] <= true[key] <= p["high"]))
         return result
