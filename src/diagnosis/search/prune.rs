@@ -12,7 +12,8 @@ use crate::fit::problem::Weighing;
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
 
-/// Leaves out what the rest explains without it; what remains is put in the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to.
+/// Leaves out what the rest explains without it, and puts what remains in the order of what it explains beside the
+/// rest. All recordings are so many times what the stage was fitted to.
 pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
     let mut index = 0;
     while members.len() > 1 && index < members.len() {
