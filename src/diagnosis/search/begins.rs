@@ -192,12 +192,11 @@ pub fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option
 #[cfg(test)]
 mod tests {
     use super::super::naming::sketch;
-    use super::super::stage::{Stage, look};
+    use super::super::stage::Stage;
+    use super::super::stage::tests::retuned;
     use super::*;
-    use crate::diagnosis::hypothesis::likelihood::{LONG_SKETCH, tune_with_noise};
-    use crate::diagnosis::hypothesis::prepare::prepare;
+    use crate::diagnosis::hypothesis::likelihood::LONG_SKETCH;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::diagnosis::{Options, Progress};
     use crate::effects::ParameterName;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
@@ -227,13 +226,7 @@ mod tests {
         truth.terrain.frictional_modulus /= 0.7;
         truth.terrain.shear_modulus *= 0.7;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        let options = Options::default();
-        let quiet = |_: &'static str| {};
-        let progress = Progress::new(&quiet);
-        let mut given = Given::new(&nominal, &recordings);
-        let (_, mut by) = prepare(&mut given, &options).unwrap();
-        let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        let stage = look(given, fitted, &mut by, &options, &progress).unwrap();
+        let (stage, by) = retuned(&nominal, &recordings);
         let tyres = |one: &&Proposal| one.hidden && one.subject.name() == "tyre_compliance";
         let proposal = stage.proposals.iter().find(tyres).unwrap();
         let Stage { given, tuned, .. } = &stage;

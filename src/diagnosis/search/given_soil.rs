@@ -114,12 +114,9 @@ fn is_far(given: &Given, from: &[f64], to: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::naming::sketch;
-    use super::super::stage::look;
+    use super::super::stage::tests::retuned;
     use super::*;
-    use crate::diagnosis::hypothesis::likelihood::tune_with_noise;
-    use crate::diagnosis::hypothesis::prepare::prepare;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::diagnosis::{Options, Progress};
     use crate::effects::ParameterName;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
@@ -136,13 +133,7 @@ mod tests {
         nominal.terrain.cohesion *= 1.5;
         nominal.terrain.frictional_modulus /= 1.5;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        let options = Options::default();
-        let quiet = |_: &'static str| {};
-        let progress = Progress::new(&quiet);
-        let mut given = Given::new(&nominal, &recordings);
-        let (_, mut by) = prepare(&mut given, &options).unwrap();
-        let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        let stage = look(given, fitted, &mut by, &options, &progress).unwrap();
+        let (stage, by) = retuned(&nominal, &recordings);
         let (given, tuned) = (&stage.given, &stage.tuned);
         let begin = given.begin();
         assert!(is_far(given, &begin.soil, &tuned.solution.soil));

@@ -177,8 +177,8 @@ fn back(given: &Given, solution: &Solution) -> Solution {
 
 #[cfg(test)]
 mod tests {
+    use super::stage::tests::retuned;
     use super::*;
-    use crate::diagnosis::hypothesis::prepare::prepare;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
@@ -187,15 +187,10 @@ mod tests {
     fn re_tuning_begins_again_where_another_way_led_further() {
         let on =
             |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
-        let options = Options::default();
-        let quiet = |_: &'static str| {};
-        let progress = Progress::new(&quiet);
         let recordings = [driven(&on("sandy_loam"), "spiral")];
         let nominal = on("dry_sand");
-        let mut given = Given::new(&nominal, &recordings);
-        let (_, mut by) = prepare(&mut given, &options).unwrap();
-        let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        let mut stage = look(given.clone(), fitted, &mut by, &options, &progress).unwrap();
+        let (mut stage, by) = retuned(&nominal, &recordings);
+        let given = stage.given.clone();
         let proposal = stage.proposals.first().cloned().unwrap();
         let gain = 10.0 * STUCK;
         let beside = Named {

@@ -215,8 +215,26 @@ impl Bar {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
+    use crate::diagnosis::hypothesis::likelihood::tune_with_noise;
+    use crate::diagnosis::hypothesis::prepare::prepare;
+    use crate::recording::Recording;
+    use crate::vehicle::Specification;
+
+    /// The re-tuned model of recordings, looked at, and the noise that it leaves.
+    pub fn retuned<'a>(
+        nominal: &Specification,
+        recordings: &'a [Recording],
+    ) -> (Stage<'a>, Weighing) {
+        let options = Options::default();
+        let mut given = Given::new(nominal, recordings);
+        let (_, mut by) = prepare(&mut given, &options).unwrap();
+        let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
+        let progress = Progress::new(&|_: &'static str| {});
+        let stage = look(given, fitted, &mut by, &options, &progress).unwrap();
+        (stage, by)
+    }
 
     #[test]
     fn a_law_does_not_set_the_bar_for_names() {
