@@ -68,6 +68,13 @@ impl Predictor for ExactPredictor {
         self.free.len()
     }
 
+    fn held(&self, parameters: &[f64]) -> Result<Self, PredictionError> {
+        Ok(Self {
+            coarse: self.coarse,
+            ..Self::new(self.with(parameters)?, Vec::new())
+        })
+    }
+
     fn predict(&self, request: &Request, out: &mut Trajectory) -> Result<(), PredictionError> {
         out.clear();
         let Some(&begin) = request.times.first() else {

@@ -6,7 +6,8 @@
 //! Levenberg–Marquardt with the starts eliminated ([`optimiser`], [`bounded`], [`normal`]). The noise of
 //! each channel, white and coloured, comes from the data ([`noise`], [`noise_estimate`]),
 //! heavy tails by weights ([`robust`]). What the data fix, and how well, is told by
-//! [`uncertainty`] and [`identifiability`]; [`starts`] asks whether there is another answer.
+//! [`uncertainty`] and [`identifiability`]; [`starts`] asks whether there is another answer, [`restart`] whether
+//! a segment's start has gone astray.
 //!
 //! Segments are computed side by side and summed in their order: the result does not depend
 //! on the number of threads.
@@ -26,6 +27,7 @@ pub mod optimiser;
 pub mod parameter;
 pub mod predictor;
 pub mod problem;
+pub mod restart;
 pub mod robust;
 pub mod segment;
 pub mod sensor;

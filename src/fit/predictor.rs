@@ -59,6 +59,14 @@ pub trait Predictor: Sync {
     /// Number of free parameters.
     fn parameters(&self) -> usize;
 
+    /// The same with its parameters held at these values, none of them free.
+    ///
+    /// # Errors
+    /// Parameters out of range.
+    fn held(&self, parameters: &[f64]) -> Result<Self, PredictionError>
+    where
+        Self: Sized;
+
     /// States, rates and, where asked for, derivatives at the request's times.
     ///
     /// # Errors

@@ -12,6 +12,7 @@ use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::optimiser::{Stop, minimise_from, normals};
 use crate::fit::predictor::{PredictionError, Predictor};
 use crate::fit::problem::{Point, Problem, Tables, Weighing};
+use crate::fit::restart::restarted;
 use crate::fit::weighing::reweigh;
 use nalgebra::{DMatrix, DVector};
 
@@ -104,6 +105,22 @@ pub fn tune_on(given: &Given, fitted: &Tuned, by: &Weighing, stop: Stop) -> Tune
     let point = given.point(&problem, knobs, begin);
     let tables = fitted.tables.clone();
     tuned_from(given, knobs, begin, &problem, point, tables, by, stop)
+}
+
+/// Goes on with a fit to its end, its starts looked for anew first (see [`crate::fit::restart`]).
+#[must_use]
+pub fn tune_restarted(given: &Given, fitted: &Tuned, by: &Weighing) -> Tuned {
+    let knobs = &fitted.knobs;
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let point = given.point(&problem, knobs, &fitted.solution);
+    let anew = restarted(&problem, &point, by).map(|starts| Solution {
+        starts,
+        ..fitted.solution.clone()
+    });
+    let anew = anew.and_then(|begin| tune(given, knobs, &begin, by).ok());
+    anew.filter(|tuned| tuned.surprise < fitted.surprise)
+        .unwrap_or_else(|| tune_on(given, fitted, by, HELD))
 }
 
 #[allow(
@@ -297,6 +314,41 @@ fn evidence<P: Predictor>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Options;
+    use crate::diagnosis::hypothesis::prepare::prepare;
+    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+
+    #[test]
+    fn a_start_in_the_wrong_basin_is_found_again() {
+        let soil = Terrain::preset("clayed_soil").unwrap();
+        let truth = Specification::plain(Vehicle::tran2007(), soil);
+        let recordings = [driven(&truth, "pivots")];
+        let mut given = Given::new(&truth, &recordings);
+        let (_, mut by) = prepare(&mut given, &Options::default()).unwrap();
+        let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
+        // As good as can be.
+        let same = tune_restarted(&given, &tuned, &by);
+        assert!((same.surprise - tuned.surprise).abs() < 1.0);
+        // Driving backwards and sidewards, from somewhat aside: gone within tenths of a second.
+        let off = [0.4, -0.2, 0.0, -2.0, 1.0, 0.0];
+        let mut wrong = tuned.solution.clone();
+        for (value, off) in wrong.starts[4].iter_mut().zip(off) {
+            *value += off;
+        }
+        let still = Stop {
+            steps: 0,
+            gain: 0.0,
+        };
+        let wrong = tune_until(&given, &[], &wrong, &by, still).unwrap();
+        let stuck = tune_on(&given, &wrong, &by, HELD);
+        assert!(stuck.surprise > tuned.surprise + 100.0);
+        let again = tune_restarted(&given, &wrong, &by);
+        assert!((again.surprise - tuned.surprise).abs() < 1.0);
+        let again = tune_restarted(&given, &stuck, &by);
+        assert!(again.surprise < tuned.surprise + 10.0);
+    }
 
     /// One segment, one unknown u in units of which a sample errs: the density integrated over what is known of u.
     #[test]

@@ -10,7 +10,7 @@ use super::given_soil::on_given_soil;
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
-    HELD, LONG_SKETCH, SKETCH, Tuned, tune_on, tune_until,
+    LONG_SKETCH, SKETCH, Tuned, tune_restarted, tune_until,
 };
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::screening::locate::Extent;
@@ -169,7 +169,7 @@ pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<N
     let Sketch {
         proposal, given, ..
     } = sketch;
-    let tuned = tune_on(&given, &sketch.tuned, by, HELD);
+    let tuned = tune_restarted(&given, &sketch.tuned, by);
     let without = surprise_without(&given, &proposal, &tuned, before, by);
     Some(Named {
         gain: without - tuned.surprise - proposal.looking,

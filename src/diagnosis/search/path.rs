@@ -10,7 +10,7 @@ use super::prune::{prune, without};
 use super::stage::{GOOD_PART, Stage, look, try_all};
 use super::{Member, NOTHING, TAKE};
 use crate::diagnosis::hypothesis::Given;
-use crate::diagnosis::hypothesis::likelihood::{Tuned, tune};
+use crate::diagnosis::hypothesis::likelihood::{Tuned, tune, tune_with_noise};
 use crate::diagnosis::hypothesis::part::Part;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::predictor::PredictionError;
@@ -99,6 +99,7 @@ impl<'a> Path<'a> {
             path = path.or(renamed)?;
         }
         path.widened(options, progress)?
+            .settled(options, progress)?
             .exchanged(options, progress)
     }
 
@@ -211,6 +212,27 @@ impl<'a> Path<'a> {
                 self.by.noise = by.noise;
                 (first, tuned)
             }
+        };
+        self.stage = look(given, tuned, &mut self.by, options, progress)?;
+        let fitted = self.what_else(progress);
+        self.walk(fitted, Prefer::Nothing, options, progress)
+    }
+
+    /// The noise that the last finding was judged by was that of the model without it: everything is looked at once
+    /// more under what is left now, which tells what else there is and what can be left out.
+    fn settled(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
+        if self.members.is_empty() {
+            return Ok(self);
+        }
+        progress.step("noise");
+        let Stage { given, tuned, .. } = self.stage;
+        let mut own = self.by.clone();
+        let tuned = match tune_with_noise(&given, &tuned.knobs, &tuned.solution, &mut own) {
+            Ok(settled) => {
+                self.by = own;
+                settled
+            }
+            Err(_) => tuned,
         };
         self.stage = look(given, tuned, &mut self.by, options, progress)?;
         let fitted = self.what_else(progress);

@@ -7,7 +7,7 @@ use super::naming::{Named, Sketch, finish, sketch};
 use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::scout::Scouts;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
-use crate::diagnosis::hypothesis::likelihood::{HELD, Tuned, tune_on};
+use crate::diagnosis::hypothesis::likelihood::{Tuned, tune_restarted};
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::screening::noise;
 use crate::diagnosis::screening::screen::{Projection, chance};
@@ -85,7 +85,7 @@ pub fn look<'a>(
         by,
     );
     progress.step("re-tuning the soil");
-    let again = tune_on(&given, &tuned, by, HELD);
+    let again = tune_restarted(&given, &tuned, by);
     progress.step("sensitivities to every candidate");
     let mut at = &tuned.solution;
     if moved(&given, at, &again.solution) > MOVED {

@@ -1,0 +1,181 @@
+//! Starts of segments, looked for anew.
+//!
+//! A segment's start is fitted along with everything else, from wherever it stands. Beside a model that lacks something
+//! it may have gone far off, to velocities that nothing measures and that are gone after some tenths of a second,
+//! and it stays there when the model is right: what that segment leaves over then looks like a force for some seconds.
+//! So each start is fitted again, the model held, from where the sensors show it and from where the segment before
+//! ends (as multiple shooting would have it: H. G. Bock, 1983), and the likeliest is taken.
+
+use super::linearised::add_segment;
+use super::normal::{Eliminated, Normal, START};
+use super::observation::{Residuals, columns, observe};
+use super::predictor::{Predictor, Request, Trajectory};
+use super::problem::{Point, Problem, Tables, Weighing};
+use super::robust;
+use super::segment::Segment;
+use super::sensor::{SensorParameter, SensorValues};
+use crate::simulation::State;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Steps at most.
+const STEPS: usize = 12;
+/// The cost, a chi-square, need not fall by more than this any further.
+const LEAST: f64 = 0.5;
+/// Another start is taken where it costs so much less.
+const WORTH: f64 = 2.0;
+const FIRST_DAMPING: f64 = 1e-3;
+const LARGEST_DAMPING: f64 = 1e4;
+
+/// The starts of all segments, those that were found to do better anew; `None` where none was. The parameters are held.
+#[must_use]
+pub fn restarted<P: Predictor + Send>(
+    problem: &Problem<P>,
+    point: &Point,
+    by: &Weighing,
+) -> Option<Vec<[f64; START]>> {
+    let held = |recording: usize| {
+        let values = problem.model_values(recording, &point.coordinates);
+        problem.predictor().held(&values)
+    };
+    let recordings = 0..problem.recordings.len();
+    let predictors: Vec<P> = recordings.map(held).collect::<Result<_, _>>().ok()?;
+    let stretch = |index: usize| {
+        let segment: &Segment = &problem.segments[index];
+        Stretch {
+            predictor: &predictors[segment.recording],
+            segment,
+            sensors: problem.sensor_values(segment.recording, &point.coordinates),
+            by: by.of(&[index]),
+        }
+    };
+    let all = 0..problem.segments.len();
+    let stretches: Vec<Stretch<P>> = all.map(stretch).collect();
+    let pairs = stretches.par_iter().zip(&point.starts);
+    let ends: Vec<_> = pairs.map(|(one, start)| one.end(start)).collect();
+    let pairs = stretches.par_iter().enumerate().zip(&point.starts);
+    let found: Vec<_> = pairs
+        .map(|((index, one), start)| {
+            let before = index.checked_sub(1);
+            let before = before.filter(|k| one.segment.follows(stretches[*k].segment));
+            let before = before.and_then(|k| ends[k]);
+            let begins = [Some(one.segment.start_prior), before];
+            one.better(start, begins.iter().flatten())
+        })
+        .collect();
+    if found.iter().all(Option::is_none) {
+        return None;
+    }
+    let pairs = found.into_iter().zip(&point.starts);
+    Some(pairs.map(|(new, old)| new.unwrap_or(*old)).collect())
+}
+
+/// A segment, and the model that drives it.
+struct Stretch<'p, P> {
+    predictor: &'p P,
+    segment: &'p Segment,
+    sensors: SensorValues,
+    /// Noise, and the weights of this segment alone.
+    by: Weighing,
+}
+
+/// A start, and what it costs.
+struct Start {
+    at: [f64; START],
+    normal: Normal,
+    /// Sum of the squares and of what the weights cost, each weight as its sample asks for.
+    cost: f64,
+}
+
+impl<P: Predictor> Stretch<'_, P> {
+    /// Where the vehicle is at the end.
+    fn end(&self, start: &[f64; START]) -> Option<[f64; START]> {
+        let request = Request {
+            parameters: &[],
+            start: &State::from_array(*start),
+            clock: self.segment.clock,
+            drive: &self.segment.drive,
+            wheel_latency: self.sensors[SensorParameter::WheelLatency.index()],
+            times: &[self.segment.start, self.segment.end],
+            gates: &[],
+            derivatives: false,
+        };
+        let mut trajectory = Trajectory::default();
+        self.predictor.predict(&request, &mut trajectory).ok()?;
+        trajectory.states.last().copied()
+    }
+
+    /// The likeliest start in the basins of others, where it does better than what this one comes to.
+    fn better<'b>(
+        &self,
+        start: &[f64; START],
+        others: impl Iterator<Item = &'b [f64; START]>,
+    ) -> Option<[f64; START]> {
+        let here = self.settled(self.start(*start)?);
+        let others = others.filter_map(|begin| self.start(*begin));
+        let settled = others.map(|begin| self.settled(begin));
+        let best = settled.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        (best.cost < here.cost - WORTH).then_some(best.at)
+    }
+
+    /// `None` where the vehicle cannot be driven from there.
+    fn start(&self, at: [f64; START]) -> Option<Start> {
+        let Self {
+            predictor,
+            segment,
+            sensors,
+            by,
+        } = self;
+        let observed = observe(*predictor, segment, &at, &[], sensors, true).ok()?;
+        let width = columns(0);
+        let table = |channel: &Residuals| {
+            let pairs = channel
+                .residual
+                .iter()
+                .zip(channel.rows.chunks_exact(width));
+            let rows = pairs.flat_map(|(r, row)| std::iter::once(r).chain(&row[..START]));
+            rows.copied().collect()
+        };
+        let tables = Tables {
+            channels: observed.iter().map(table).collect(),
+            columns: 1 + START,
+        };
+        let mut by = by.clone();
+        let mut cost = 0.0;
+        let channels = segment.samples.iter().zip(&observed);
+        for ((samples, channel), weights) in channels.zip(&mut by.weights[0]) {
+            let noise = &by.noise[segment.recording][samples.signal.group() as usize];
+            robust::update(noise, &samples.time, &channel.residual, weights);
+            cost += weights.iter().map(|w| robust::penalty(*w)).sum::<f64>();
+        }
+        let mut normal = Normal::zeros(0);
+        add_segment(&mut normal, segment, 0, &[], &tables, &by);
+        let missing = std::array::from_fn(|k| segment.start_prior[k] - at[k]);
+        normal.add_start_prior(&missing, &segment.start_deviation);
+        cost += normal.cost;
+        cost.is_finite().then_some(Start { at, normal, cost })
+    }
+
+    /// The start in the same basin that costs least.
+    fn settled(&self, mut here: Start) -> Start {
+        let mut damping = FIRST_DAMPING;
+        for _ in 0..STEPS {
+            let Some(eliminated) = Eliminated::new(&here.normal, damping) else {
+                break;
+            };
+            if eliminated.start_gain < LEAST || damping > LARGEST_DAMPING {
+                break;
+            }
+            let step = eliminated.start_step(&here.normal, &DVector::zeros(0));
+            let there = self.start(std::array::from_fn(|k| here.at[k] + step[k]));
+            match there.filter(|there| there.cost < here.cost) {
+                Some(there) => {
+                    here = there;
+                    damping *= 0.3;
+                }
+                None => damping *= 10.0,
+            }
+        }
+        here
+    }
+}
