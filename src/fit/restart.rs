@@ -105,17 +105,19 @@ impl<P: Predictor> Stretch<'_, P> {
         trajectory.states.last().copied()
     }
 
-    /// The likeliest start in the basins of others, where it does better than what this one comes to.
+    /// The likeliest start in the basins of this one and of others, where it does better than this one as it is.
     fn better<'b>(
         &self,
         start: &[f64; START],
         others: impl Iterator<Item = &'b [f64; START]>,
     ) -> Option<[f64; START]> {
-        let here = self.settled(self.start(*start)?);
+        let here = self.start(*start)?;
+        let enough = here.cost - WORTH;
         let others = others.filter_map(|begin| self.start(*begin));
-        let settled = others.map(|begin| self.settled(begin));
+        let settled = std::iter::once(here).chain(others);
+        let settled = settled.map(|begin| self.settled(begin));
         let best = settled.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        (best.cost < here.cost - WORTH).then_some(best.at)
+        (best.cost < enough).then_some(best.at)
     }
 
     /// `None` where the vehicle cannot be driven from there.

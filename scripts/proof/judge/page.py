@@ -161,7 +161,7 @@ def page(cases: Sequence[Judged], summed: dict) -> str:
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Proof of ugv diagnose</title><style>{STYLE.read_text()}</style></head><body>
 <h1>Proof of <code>ugv diagnose</code></h1>
-<p>{len(cases)} cases of an independent simulator{seed}, whose truth was opened after all answers had been given: {passed} of
+<p>{len(cases)} cases of an independent simulator{seed}, each truth opened after its case had been answered: {passed} of
 {len(judged)} targets met, {len(cases) - len(wrong)} answers right, {len(wrong)} not.{so_far}</p>
 <h2>Against the targets</h2>{summary(summed["metrics"])}
 <h2>Failures</h2>{"".join(map(failure, wrong)) or "<p>None.</p>"}
