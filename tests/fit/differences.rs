@@ -48,6 +48,10 @@ impl Predictor for DifferencePredictor {
         self.free.len()
     }
 
+    fn held(&self, parameters: &[f64]) -> Result<Self, PredictionError> {
+        Ok(Self::new(self.with(parameters), Vec::new()))
+    }
+
     fn predict(&self, request: &Request, out: &mut Trajectory) -> Result<(), PredictionError> {
         out.clear();
         let model = self.model(request.parameters)?;
