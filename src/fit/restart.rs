@@ -3,8 +3,8 @@
 //! A segment's start is fitted along with everything else, from wherever it stands. Beside a model that lacks something
 //! it may have gone far off, to velocities that nothing measures and that are gone after some tenths of a second,
 //! and it stays there when the model is right: what that segment leaves over then looks like a force for some seconds.
-//! So each start is fitted again, the model held, from where the sensors show it and from where the segment before
-//! ends (as multiple shooting would have it: H. G. Bock, 1983), and the likeliest is taken.
+//! So each start is fitted again, the model held, from where it stands, from where the sensors show it and from where
+//! the segment before ends (as multiple shooting would have it: H. G. Bock, 1983), and the likeliest is taken.
 
 use super::linearised::add_segment;
 use super::normal::{Eliminated, Normal, START};
@@ -14,6 +14,7 @@ use super::problem::{Point, Problem, Tables, Weighing};
 use super::robust;
 use super::segment::Segment;
 use super::sensor::{SensorParameter, SensorValues};
+use super::weighing::reweigh_segment;
 use crate::simulation::State;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -143,18 +144,14 @@ impl<P: Predictor> Stretch<'_, P> {
             columns: 1 + START,
         };
         let mut by = by.clone();
-        let mut cost = 0.0;
-        let channels = segment.samples.iter().zip(&observed);
-        for ((samples, channel), weights) in channels.zip(&mut by.weights[0]) {
-            let noise = &by.noise[segment.recording][samples.signal.group() as usize];
-            robust::update(noise, &samples.time, &channel.residual, weights);
-            cost += weights.iter().map(|w| robust::penalty(*w)).sum::<f64>();
-        }
+        let (noise, weights) = (&by.noise[segment.recording], &mut by.weights[0]);
+        reweigh_segment(segment, &tables, noise, weights);
+        let penalty: f64 = weights.iter().flatten().map(|w| robust::penalty(*w)).sum();
         let mut normal = Normal::zeros(0);
         add_segment(&mut normal, segment, 0, &[], &tables, &by);
         let missing = std::array::from_fn(|k| segment.start_prior[k] - at[k]);
         normal.add_start_prior(&missing, &segment.start_deviation);
-        cost += normal.cost;
+        let cost = normal.cost + penalty;
         cost.is_finite().then_some(Start { at, normal, cost })
     }
 

@@ -57,12 +57,22 @@ pub fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
 pub fn reweigh<P: Predictor>(problem: &Problem<P>, tables: &[Tables], by: &mut Weighing) {
     let parts = problem.segments.iter().zip(tables).zip(&mut by.weights);
     for ((segment, tables), weights) in parts {
-        let channels = segment.samples.iter().zip(&tables.channels).zip(weights);
-        for ((samples, table), weights) in channels {
-            let noise = &by.noise[segment.recording][samples.signal.group() as usize];
-            let residual: Vec<f64> = table.iter().step_by(tables.columns).copied().collect();
-            robust::update(noise, &samples.time, &residual, weights);
-        }
+        reweigh_segment(segment, tables, &by.noise[segment.recording], weights);
+    }
+}
+
+/// The same for one segment.
+pub fn reweigh_segment(
+    segment: &Segment,
+    tables: &Tables,
+    noise: &[ChannelNoise; NoiseGroup::ALL.len()],
+    weights: &mut [Vec<f64>],
+) {
+    let channels = segment.samples.iter().zip(&tables.channels).zip(weights);
+    for ((samples, table), weights) in channels {
+        let noise = &noise[samples.signal.group() as usize];
+        let residual: Vec<f64> = table.iter().step_by(tables.columns).copied().collect();
+        robust::update(noise, &samples.time, &residual, weights);
     }
 }
 

@@ -125,9 +125,7 @@ impl<'a> Path<'a> {
             let (placed, tuned) = (best.given.clone(), best.tuned.clone());
             let (placed, tuned) = self.narrowed(placed, tuned);
             self.stage = look(placed, tuned, &mut self.by, options, progress)?;
-            if self.members.len() < self.rounds() {
-                fitted = self.what_else(progress);
-            }
+            fitted = self.what_else(progress);
         }
         progress.step("what can be left out again");
         let ratio = self.on_all(1.0);
@@ -160,8 +158,11 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Fits what may be missing beside what was found.
+    /// Fits what may be missing beside what was found; nothing where no more may be found.
     fn what_else(&mut self, progress: &Progress) -> Vec<Named<'a>> {
+        if self.members.len() >= self.rounds() {
+            return Vec::new();
+        }
         progress.step("what else");
         if let Reach::Narrowed(..) = self.reach {
             // What acts for some seconds only may lie between the stretches.
