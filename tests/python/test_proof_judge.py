@@ -83,6 +83,14 @@ class Estimates(unittest.TestCase):
         self.assertAlmostEqual(estimates.calibration_error([(0.8, True)] * 4 + [(0.6, False)]), (4 * 0.2 + 0.6) / 5)
         self.assertEqual([b["n"] for b in estimates.bins(perfect)], [10, 5])
 
+    def test_calibration_error_by_chance(self) -> None:
+        # Of n claims of a half, the mean distance of a share from a half by the normal distribution.
+        expected = np.sqrt(2 / np.pi * 0.25 / 400)
+        self.assertAlmostEqual(estimates.calibration_error_by_chance([(0.5, True)] * 400), expected, delta=0.05 * expected)
+        # Twice as far with a quarter of the claims; nothing where all is sure.
+        self.assertAlmostEqual(estimates.calibration_error_by_chance([(0.5, False)] * 100), 2 * expected, delta=0.1 * expected)
+        self.assertEqual(estimates.calibration_error_by_chance([(1.0, True), (0.0, False)]), 0.0)
+
 
 class Metrics(unittest.TestCase):
     """Every metric on cases that it must tell apart."""

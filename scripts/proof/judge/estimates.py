@@ -60,3 +60,12 @@ def bins(claims: Sequence[Claim], count: int = 10) -> list[dict]:
 def calibration_error(claims: Sequence[Claim]) -> float:
     """Mean distance between what was told and how often it was right, over ten bins."""
     return sum(b["n"] * abs(b["told"] - b["right"]) for b in bins(claims)) / len(claims)
+
+
+def calibration_error_by_chance(claims: Sequence[Claim], draws: int = 1000) -> float:
+    """The calibration error that these claims have on average where each is right exactly as often as it says: with
+    few of them chance alone keeps told and right apart."""
+    random = np.random.default_rng(1)
+    told = [p for p, _ in claims]
+    drawn = random.random((draws, len(told))) < np.array(told)
+    return statistics.fmean(calibration_error(list(zip(told, right, strict=True))) for right in drawn.tolist())

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 
 from .case import SILENT, Judged
-from .estimates import bins, bootstrap, calibration_error, wilson
+from .estimates import Claim, bins, bootstrap, calibration_error, calibration_error_by_chance, wilson
 
 Cases = Sequence[Judged]
 
@@ -105,6 +105,12 @@ def _alike(cases: Cases) -> list[Metric]:
     ]
 
 
+def _calibration(claims: Sequence[Claim]) -> Metric:
+    note = f"{calibration_error_by_chance(claims):.2f} is what chance gives so many claims that are right as often as they say" if claims else ""
+    return of("calibration", "calibration error of the first finding's probability", claims, calibration_error, "probability",
+              Target("at most", 0.05), note)
+
+
 def metrics(cases: Cases) -> list[Metric]:
     """Everything that is counted."""
     nothing = [c for c in cases if not c.truth["effects"]]
@@ -126,8 +132,7 @@ def metrics(cases: Cases) -> list[Metric]:
         share("both", "both names right (two effects)", [c.both for c in pairs]),
         of("p_truth", "probability on the truth, mean (identifiable, or nothing missing)", [c.p_truth for c in clear], statistics.fmean,
            "probability", Target("at least", 0.85)),
-        of("calibration", "calibration error of the first finding's probability", claims, calibration_error, "probability",
-           Target("at most", 0.05)),
+        _calibration(claims),
         of("located", "overlap of the located seconds, median", found, statistics.median, "share", Target("at least", 0.7)),
         *_parameters(cases),
         *_gain(cases),
