@@ -4,6 +4,7 @@
 //! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
 
 pub mod begins;
+pub mod choice;
 pub mod contest;
 pub mod given_soil;
 pub mod load;
@@ -23,9 +24,10 @@ use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
+use choice::held_out_gain;
 pub use member::Member;
 use naming::Named;
-use path::{Path, held_out_gain};
+use path::Path;
 use stage::{Looked, Stage, look, try_all};
 use std::sync::Arc;
 use wheels::reconstructed;

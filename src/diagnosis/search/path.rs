@@ -4,11 +4,12 @@
 //! acts at some time or place only. Then everything is looked at once more on all of it, which
 //! decides what is left out again and what else there is.
 
+use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
 use super::naming::Named;
 use super::proposal::Kind;
 use super::prune::{prune, without};
-use super::stage::{GOOD_PART, Stage, look, try_all};
-use super::{Member, NOTHING, TAKE};
+use super::stage::{Stage, look, try_all};
+use super::{Member, NOTHING};
 use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::likelihood::{Tuned, tune, tune_with_noise};
 use crate::diagnosis::hypothesis::part::Part;
@@ -42,15 +43,6 @@ enum Reach<'a> {
     Narrowing(Part),
     /// A part; what was found first on all.
     Narrowed(Part, Box<(Given<'a>, Tuned, Weighing)>),
-}
-
-/// What is taken first where several things are worth it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Prefer {
-    /// The likeliest.
-    Nothing,
-    /// What has a name, the likeliest first: a law may be two effects at once.
-    Names,
 }
 
 impl<'a> Path<'a> {
@@ -345,49 +337,4 @@ impl<'a> Path<'a> {
         }
         Ok(advantage)
     }
-}
-
-/// How much better it predicts what it was not fitted to, with the standard error.
-pub fn held_out_gain(named: &Named, stage: &Stage) -> Option<(f64, f64)> {
-    let pair = named.scores.as_ref().zip(stage.scores.as_ref());
-    pair.map(|(with, without)| with.gain_over(without))
-}
-
-/// Log odds; what predicts worse what it was not fitted to is no likelier than nothing.
-fn sound_odds(named: &Named, stage: &Stage) -> f64 {
-    let sound = held_out_gain(named, stage).is_none_or(|(mean, error)| mean > -error);
-    if sound {
-        named.odds()
-    } else {
-        named.odds().min(0.0)
-    }
-}
-
-/// What outweighs chance and does not predict worse.
-fn worth_it<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage) -> impl Iterator<Item = &'n Named<'a>> {
-    fitted.iter().filter(move |named| {
-        let told = held_out_gain(named, stage).is_some();
-        told && sound_odds(named, stage) > NOTHING + TAKE
-    })
-}
-
-fn choose<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage, prefer: Prefer) -> Option<&'n Named<'a>> {
-    let best = |names: bool| {
-        worth_it(fitted, stage)
-            .filter(|named| !names || named.proposal.kind() != Kind::Law)
-            .max_by(|a, b| a.odds().total_cmp(&b.odds()))
-    };
-    let named = (prefer == Prefer::Names).then(|| best(true)).flatten();
-    named.or_else(|| best(false))
-}
-
-/// Whether a law is the likeliest, and something with a name explains a good part of the same.
-fn worth_two_ways(fitted: &[Named], stage: &Stage) -> bool {
-    let first = |prefer| choose(fitted, stage, prefer);
-    let pair = first(Prefer::Nothing).zip(first(Prefer::Names));
-    pair.is_some_and(|(best, named)| {
-        best.proposal.kind() == Kind::Law
-            && named.proposal.kind() != Kind::Law
-            && named.odds() > GOOD_PART * best.odds()
-    })
 }
