@@ -1,6 +1,6 @@
 //! From recordings to a diagnosis.
 
-use super::answer::account::{account, doubts};
+use super::answer::account::{account, doubts, read};
 use super::answer::ambiguity::groups;
 use super::answer::errors::compare;
 use super::answer::findings::findings;
@@ -144,7 +144,7 @@ pub fn insufficient(
             threshold: f64::INFINITY,
             refused: Vec::new(),
             steps: Vec::new(),
-            notes: doubts(&nominal.vehicle),
+            notes: [doubts(&nominal.vehicle), read(recordings)].concat(),
         },
         nominal: nominal.clone(),
         model: nominal.clone(),

@@ -413,6 +413,33 @@ fn a_terrain_that_cannot_carry_the_vehicle_is_but_a_start() {
     assert!(bench.read("diagnosis/report.html").contains("cannot drive"));
 }
 
+/// Standard error is gone by the time somebody reads the answer.
+#[test]
+fn what_the_reader_put_right_stands_in_the_answer() {
+    let bench = Bench::new();
+    for (name, seconds) in [("short", 2.0), ("long", 12.0)] {
+        let rows = drive(seconds);
+        let last = rows.lines().last().unwrap();
+        bench.write(&format!("{name}.csv"), format!("{rows}{last}\n"));
+        bench.stdout(&format!("diagnose {name}.csv --out {name} --quiet"));
+        let json = bench.read(&format!("{name}/diagnosis.json"));
+        let told: Value = serde_json::from_str(&json).unwrap();
+        let notes = told["account"]["notes"].as_array().unwrap();
+        let begin = format!("{name}: omega_left: 1 samples repeat a time");
+        let line = format!("(from line {} on).", rows.lines().count() + 1);
+        let is = |note: &str| note.starts_with(&begin) && note.ends_with(&line);
+        assert!(
+            notes.iter().any(|note| is(note.as_str().unwrap())),
+            "{notes:?}"
+        );
+        assert!(
+            bench
+                .read(&format!("{name}/report.html"))
+                .contains("samples repeat a time")
+        );
+    }
+}
+
 /// What the given model has is not asked about again.
 #[test]
 fn a_model_with_a_change_of_terrain_is_diagnosed() {

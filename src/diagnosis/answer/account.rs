@@ -7,6 +7,7 @@ use crate::diagnosis::outcome::Account;
 use crate::diagnosis::search::Searched;
 use crate::effects::Extent;
 use crate::fit::weighing::noise_estimates;
+use crate::recording::Recording;
 use crate::vehicle::Vehicle;
 
 /// How it was done: noise, thresholds, and what the reader should know besides.
@@ -41,6 +42,16 @@ pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
         .collect()
 }
 
+/// What the reader put right or wants known of the recordings.
+#[must_use]
+pub fn read(recordings: &[Recording]) -> Vec<String> {
+    let told = recordings.iter().flat_map(|recording| {
+        let warnings = recording.notes.iter().filter(|note| note.kind.is_warning());
+        warnings.map(|note| format!("{}: {note}.", recording.name))
+    });
+    told.collect()
+}
+
 fn notes(searched: &Searched) -> Vec<String> {
     let mut notes = doubts(&searched.given.nominal.vehicle);
     if searched.given.stiffening > 1.0 {
@@ -50,8 +61,13 @@ fn notes(searched: &Searched) -> Vec<String> {
         ));
     }
     if let Some(likelier) = searched.given.counted {
+        let units = if likelier < 1.0 {
+            "a fraction of a unit"
+        } else {
+            &format!("{likelier:.0} units")
+        };
         notes.push(format!(
-            "Wheel speeds are taken as means over the time between samples, as encoders count; so the recordings are likelier by {likelier:.0} units of log evidence than with straight lines from sample to sample."
+            "Wheel speeds are taken as means over the time between samples, as encoders count; so the recordings are likelier by {units} of log evidence than with straight lines from sample to sample."
         ));
     }
     if searched.given.maps == Maps::OfRecordings {
@@ -64,6 +80,7 @@ fn notes(searched: &Searched) -> Vec<String> {
         let note = "What acts in one drive only, or for some seconds of it, is not part of the augmented model.";
         notes.push(note.into());
     }
+    notes.extend(read(searched.given.recordings));
     notes
 }
 
