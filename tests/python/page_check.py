@@ -89,7 +89,7 @@ const behind = (e) => {
 };
 for (const e of document.body.querySelectorAll('*')) {
   const own = [...e.childNodes].some((node) => node.nodeType === Node.TEXT_NODE && node.textContent.trim());
-  if (!own || e.tagName === 'STYLE') continue;
+  if (!own || ['style', 'title'].includes(e.tagName.toLowerCase())) continue;
   const style = getComputedStyle(e);
   const ink = e.closest('svg') ? style.fill : style.color;
   const [a, b] = [light(ink), light(behind(e))];

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 from page_check import browser, check_page, find_chromium
@@ -17,8 +18,9 @@ sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
 from judge import estimates, files
 from judge.case import Judged
+from judge.drawing import figure
 from judge.listing import listing
-from judge.metrics import confusion, metrics
+from judge.metrics import confusion, metrics, reliability
 from judge.oracle import active, knowable
 from judge.page import page
 from judge.report import report
@@ -293,6 +295,13 @@ class PageOfAll(unittest.TestCase):
         first, silent = rows[0], rows[2]
         self.assertEqual((first["told"], first["p_truth"], first["unseen_own_m"], first["unseen_nominal_m"]), ("drawbar", "0.9", "0.2", ""))
         self.assertEqual((silent["verdict"], silent["told"], silent["p_truth"]), ("none", "no answer (timeout)", ""))
+
+    def test_figure_has_every_case(self) -> None:
+        cases = self.cases()
+        drawn = ElementTree.fromstring(figure(cases, reliability(cases)))
+        marks = [mark.get("class") for mark in drawn.iter("{http://www.w3.org/2000/svg}circle")]
+        right = sum(one.right for one in cases)
+        self.assertEqual((marks.count("right"), marks.count("wrong")), (right, len(cases) - right))
 
     def test_page_and_json(self) -> None:
         cases = self.cases()

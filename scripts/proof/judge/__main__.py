@@ -13,6 +13,7 @@ from pathlib import Path
 
 from . import files
 from .case import Judged
+from .drawing import figure
 from .listing import listing
 from .page import page
 from .peers import NAMES
@@ -117,6 +118,7 @@ def main() -> None:
     summary = report(everyone, facts)
     files.save(args.out / "proof.json", summary)
     files.write(args.out / "cases.csv", listing(summary["cases"]))
+    files.write(args.out / "proof.svg", figure(everyone["mended"], summary["reliability"]))
     files.write(args.out / "proof.html", page(everyone["mended"], summary))
     print(f"prove: {args.out / 'proof.html'}", file=sys.stderr)
 

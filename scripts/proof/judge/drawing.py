@@ -1,8 +1,17 @@
 """Pictures of the page, as inline SVG and styled boxes; colours come from the page's style."""
 
+import math
 from collections.abc import Sequence
+from html import escape
 
-SIZE, EDGE = 320, 44
+from .case import PLAIN, Judged
+
+SIZE, EDGE = 320, 50
+WIDE = 360  # of the picture of all cases
+SEEN = (1.0, 3000.0)  # its signals in sigma; less stands at its left edge
+STANDALONE = """text { font: 12px system-ui, sans-serif; fill: #59636e; } .grid { stroke: #d8dee4; fill: none; }
+.even { stroke: #59636e; stroke-dasharray: 4 4; fill: none; } .bar { stroke: #2563a8; stroke-width: 2; fill: none; } .dots { fill: #2563a8; }
+.right { fill: #2563a8; fill-opacity: .55; } .wrong { fill: none; stroke: #b3261e; stroke-width: 1.6; }"""
 
 
 def _at(p: float) -> float:
@@ -30,6 +39,44 @@ def reliability(bins: Sequence[dict]) -> str:
     parts.append(f'<text x="{_at(0.5):.1f}" y="{SIZE - 8}" text-anchor="middle">probability told</text>')
     parts.append(f'<text transform="translate(11 {_up(0.5):.1f}) rotate(-90)" text-anchor="middle">share right</text>')
     return f'<svg viewBox="0 0 {SIZE} {SIZE}" role="img" aria-label="reliability">{"".join(parts)}</svg>'
+
+
+def _along(signal: float) -> float:
+    """Place of a signal on a logarithmic axis."""
+    low, high = SEEN
+    return math.log(max(low, min(high, signal)) / low) / math.log(high / low)
+
+
+def signals(cases: Sequence[Judged]) -> str:
+    """How much there was to see of every case, and the probability that was told of the truth; rings are not allowed answers."""
+    left, right = EDGE + 48, WIDE - 12
+    across = [left + _along(signal) * (right - left) for signal in (1, PLAIN, 30, 100, 300, 1000)]
+    none, top, bottom = EDGE + 18, _up(1), _up(0)
+    parts = []
+    for tick in (0.0, 0.25, 0.5, 0.75, 1.0):
+        parts.append(f'<path class="grid" d="M{EDGE} {_up(tick):.1f}H{right:.1f}"/>')
+        parts.append(f'<text x="{EDGE - 6}" y="{_up(tick) + 4:.1f}" text-anchor="end">{tick:g}</text>')
+    for x, label in zip(across, ("1", "8", "30", "100", "300", "1000"), strict=True):
+        kind = "line even" if label == f"{PLAIN:g}" else "grid"
+        parts.append(f'<path class="{kind}" d="M{x:.1f} {bottom:.1f}V{top:.1f}"/>')
+        parts.append(f'<text x="{x:.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{label}</text>')
+    parts.append(f'<text x="{none}" y="{bottom + 16:.1f}" text-anchor="middle">none</text>')
+    for case in sorted(cases, key=lambda case: not case.right):
+        x = none if case.signal < SEEN[0] else left + _along(case.signal) * (right - left)
+        told = escape(f"{case.name}: {case.true_short}; told {case.short}")
+        parts.append(f'<circle class="{"right" if case.right else "wrong"}" cx="{x:.1f}" cy="{_up(case.p_truth):.1f}" r="3.5">'
+                     f"<title>{told}</title></circle>")
+    parts.append(f'<text x="{(left + right) / 2:.1f}" y="{SIZE - 8}" text-anchor="middle">signal left when the soil is re-tuned [sigma]</text>')
+    parts.append(f'<text transform="translate(13 {_up(0.5):.1f}) rotate(-90)" text-anchor="middle">probability on the truth</text>')
+    return f'<svg viewBox="0 0 {WIDE} {SIZE}" role="img" aria-label="every case">{"".join(parts)}</svg>'
+
+
+def figure(cases: Sequence[Judged], bins: Sequence[dict]) -> str:
+    """proof.svg: every case, and how sure against how often right, side by side."""
+    every = signals(cases).replace("<svg", f'<svg width="{WIDE}" height="{SIZE}"', 1)
+    sure = reliability(bins).replace("<svg", f'<svg x="{WIDE}" width="{SIZE}" height="{SIZE}"', 1)
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDE + SIZE} {SIZE}" width="{WIDE + SIZE}" height="{SIZE}">'
+            f'<style>{STANDALONE}</style><rect width="100%" height="100%" fill="#fff"/>{every}{sure}</svg>\n')
 
 
 def gauge(value: float | None, low: float | None, high: float | None) -> str:

@@ -168,6 +168,9 @@ def page(cases: Sequence[Judged], summed: dict) -> str:
 <h2>How sure it was, and how often right</h2>
 <p class="soft">First finding of every case (or “nothing missing”), in ten bins of its probability; bars are 90 % intervals, numbers are cases.</p>
 {drawing.reliability(summed["reliability"])}
+<h2>What was there to see, and what was told</h2>
+<p class="soft">Every case by what re-tuning the soil leaves of its signal, and by the probability that was told of the truth. Rings: answers that are not right.</p>
+{drawing.signals(cases)}
 <h2>What was told of what</h2>
 <p class="soft">Framed: right. “Set”: told as one of several that these data do not tell apart.</p>{confusion(summed["confusion"])}
 <h2>By family</h2>{across("family", summed["families"], FAMILY_KEYS, counts)}
