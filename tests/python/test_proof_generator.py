@@ -24,6 +24,7 @@ from generator.cases import is_complete  # noqa: E402
 from generator.catalogue import EFFECTS, I, off_vector, slot  # noqa: E402
 from generator.contact import contact, rule  # noqa: E402
 from generator.drafts import draw_case  # noqa: E402
+from generator.rivals import Bench  # noqa: E402
 from generator.sensors import Channel, Samples, draw_samples, draw_sensors, encoder, report  # noqa: E402
 from generator.signal import Case, Ruler, Signal, left_beside, project, retuned, span  # noqa: E402
 from generator.simulator import COARSE, FINE, STEP, Drive, Setup, Window, begin, make_world, simulate  # noqa: E402
@@ -220,6 +221,30 @@ class Signals(unittest.TestCase):
             self.assertEqual(moved, set(EFFECTS[effect].switches), effect)
         places = {(values["ahead"] > 0.0, values["left"] > 0.0) for values, _ in ways("payload", 0.5, vehicle, SOILS["dry_sand"], 30.0)}
         self.assertEqual(len(places), 4)
+
+    def test_every_way_is_driven_with_its_own_values(self):
+        drive, rng = manoeuvre(6.0), np.random.default_rng(1)
+        sensors = draw_sensors(rng)
+        ruler = Ruler(Case(Setup(VEHICLES["hexa"], SOILS["dry_sand"]), drive, sensors, draw_samples(rng, sensors, drive.seconds), {}))
+        ahead, aside = ({"unit_weight": 16000.0, name: 0.3} for name in ("frontal", "lateral"))
+        one, other, again = (ruler.response("bulldozing", values) for values in (ahead, aside, ahead))
+        self.assertGreater(np.linalg.norm(one - other), 0.1 * np.linalg.norm(one))
+        self.assertEqual(np.linalg.norm(one - again), 0.0)
+
+    def test_what_acts_in_the_same_seconds_is_asked_for_there(self):
+        drive, rng = manoeuvre(12.0), np.random.default_rng(1)
+        sensors, vehicle, soil = draw_sensors(rng), VEHICLES["ranger"], SOILS["sandy_loam"]
+        window = Window("time", (4.0, 7.0))
+        effects = {"drawbar": {"force": 80.0, "hitch_behind": 0.5, "hitch_height": 0.2}}
+        setup = Setup(vehicle, soil, effects, {"drawbar": window})
+        ruler = Ruler(Case(setup, drive, sensors, draw_samples(rng, sensors, drive.seconds), {}))
+        _, start, columns = ruler.columns(setup.without("drawbar"))
+        changes = [{"drawbar": ruler.difference(["drawbar"])}]
+        self.assertGreater(project([changes[0]["drawbar"]], [start], [columns]).left, 20.0)
+        throughout, there = (Bench([ruler], [start], [columns], changes, [windows]).rivals(["drawbar"], 1)
+                             for windows in ({}, {"drawbar": window}))
+        self.assertEqual(throughout, [])  # nothing that acts all the time looks like a pull of three seconds
+        self.assertLessEqual({"drag", "grade", "rate_dependent_soil"}, set(there))
 
     def test_columns_of_starts_are_differences_of_the_simulator(self):
         drive, rng = manoeuvre(5.5), np.random.default_rng(1)

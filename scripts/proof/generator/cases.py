@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .catalogue import EFFECTS, public_name
-from .drafts import Draft, NoCase, Part, add_pivots, draw_case
+from .drafts import Draft, NoCase, Part, add_pivots, beyond, draw_case
 from .drives import SERIES_STEP
 from .families import answer, effect_of, family_of
 from .sensors import record
@@ -99,11 +99,7 @@ def _intervals(draft: Draft, part: Part, effect: str, records: np.ndarray) -> li
         x, y, radius = window.numbers
         return _runs((records[:, 0] - x) ** 2 + (records[:, 1] - y) ** 2 <= radius**2)
     if effect == "terrain_change":
-        along = times
-        if values["over"] == 2.0:
-            c, s = np.cos(values["direction"]), np.sin(values["direction"])
-            along = records[:, 0] * c + records[:, 1] * s
-        return _runs(along > values["position"])
+        return _runs(beyond(values, times, records))
     if effect == "sticky_brake":
         return _runs(np.interp(times, np.arange(len(part.drive.series)) * SERIES_STEP, part.drive.series[:, 2]) > 0.5)
     return [[0.0, round(float(times[-1]), 3)]]

@@ -12,6 +12,7 @@ from .drives import draw_drive, draw_pivots, draw_series
 from .families import EFFECTS_OF, ENOUGH, belongs, rescaled, rivals_of
 from .rivals import Bench
 from .sensors import Samples, Sensors, draw_samples, draw_sensors
+from .signal import STEP as RULED
 from .signal import Case, Ruler, Signal, project, retuned
 from .simulator import COARSE, PLAIN, Drive, Setup, Undrivable, Window, simulate
 from .sizes import SIZES, draw_effect
@@ -218,6 +219,26 @@ def _alike(draft: Draft) -> bool:
     return bool(draft.first_rivals) and (not second or not draft.rivals)
 
 
+def beyond(change: dict[str, float], times: np.ndarray, records: np.ndarray) -> np.ndarray:
+    """Which records are on the other soil of a change of terrain."""
+    along = times
+    if change["over"] == 2.0:
+        along = records[:, 0] * math.cos(change["direction"]) + records[:, 1] * math.sin(change["direction"])
+    return along > change["position"]
+
+
+def _windows(draft: Draft, part: Part, ruler: Ruler) -> dict[str, Window]:
+    """Where effects act in a part, if not throughout; of a change of terrain the seconds on the other soil, if in one go."""
+    windows = dict(part.windows)
+    if "terrain_change" in draft.effects:
+        times = np.concatenate([at + RULED * np.arange(len(records)) for at, records in zip(ruler.begins, ruler.truth)])
+        there = beyond(draft.effects["terrain_change"], times, np.concatenate(ruler.truth))
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
+        if len(edges) == 2:
+            windows["terrain_change"] = Window("time", (float(times[edges[0]]), float(times[edges[1] - 1])))
+    return windows
+
+
 def _measure(draft: Draft) -> None:
     """Fill in the signals of the recordings that the tool is given, and which look-alikes would do as well."""
     given = [p for p in draft.parts if p.name != "unseen"]
@@ -247,6 +268,6 @@ def _measure(draft: Draft) -> None:
                       for p, c, start, soil in zip(given, changes, starts, soils)}
     draft.rivals, draft.first_rivals = [], []
     if belongs(draft.family, list(draft.signals.values())):
-        bench = Bench(rulers, starts, soils, changes)
+        bench = Bench(rulers, starts, soils, changes, [_windows(draft, p, r) for p, r in zip(given, rulers)])
         draft.rivals = bench.rivals(names, len(given))
         draft.first_rivals = bench.rivals(names, 1) if len(given) > 1 else draft.rivals

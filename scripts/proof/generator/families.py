@@ -43,6 +43,8 @@ _ALIKE = (
     ("slip_sinkage", "multipass", "stress_peak"),
     ("bulldozing", "drawbar"),
 )
+# what is confined to some seconds or a place is told by how it begins and ends, and by little else: any of these there
+_THERE = (*EFFECTS_OF["local"], "terrain_change", "stress_peak", "wheel_radius", "com_shift")
 _LOOKALIKE_RIVALS = {"grade": ("drawbar", "rate_dependent_soil"), "wheel_radius": ("left_right_soil",)}
 ENOUGH = 8.0
 HIDDEN = 0.9
@@ -52,6 +54,11 @@ def rivals_of(effect: str) -> list[str]:
     """Names that one recording may not tell from the effect's."""
     found = {name for group in _ALIKE if effect in group for name in group} | set(_LOOKALIKE_RIVALS.get(effect, ()))
     return sorted(found - {effect})
+
+
+def rivals_there(effect: str) -> list[str]:
+    """Names that may not be told from the effect's where both are confined to the same seconds or place."""
+    return sorted(set(_THERE) - {effect})
 
 
 def family_of(seed: int, index: int) -> str:

@@ -15,7 +15,7 @@ from scipy.optimize import nnls
 
 from .catalogue import EFFECTS
 from .sensors import Samples, Sensors, interpolate, report, sample_times
-from .simulator import COARSE, Drive, Setup, Snapshot, Undrivable, begin, drive_on, make_world
+from .simulator import COARSE, Drive, Setup, Snapshot, Undrivable, Window, begin, drive_on, make_world
 from .world import Soil
 
 STRETCH = 5.0  # s
@@ -97,7 +97,8 @@ class Ruler:
     def predict(self, setup: Setup, drive: Drive) -> list[np.ndarray]:
         """Stretches from the true starts."""
         key = tuple(setup.effects)
-        usual = drive is self.case.drive and setup.soil is self.case.setup.soil
+        ours = all(values is self.case.setup.effects.get(name) for name, values in setup.effects.items())
+        usual = drive is self.case.drive and setup.soil is self.case.setup.soil and ours
         if usual and key in self.without:
             return self.without[key]
         world = make_world(setup, drive, COARSE)
@@ -204,12 +205,12 @@ class Ruler:
         without = self.truth if not physics and late == 0.0 else self.predict(self.case.setup.without(*physics), drive)
         return self._change(self.observe(self.truth, self.case.faults), self.observe(without, faults))
 
-    def response(self, effect: str, values: dict[str, float]) -> np.ndarray:
-        """Whitened change of the recording by an effect that is added to the model without any."""
+    def response(self, effect: str, values: dict[str, float], window: Window | None = None) -> np.ndarray:
+        """Whitened change of the recording by an effect that is added to the model without any, throughout or in a window."""
         bare = self.case.setup.without(*self.case.setup.effects)
         base = self.observe(self.predict(bare, self.case.drive), {})
         if EFFECTS[effect].kind != "sensor":
-            added = replace(bare, effects={effect: values})
+            added = replace(bare, effects={effect: values}, windows={effect: window} if window else {})
             return self._change(self.observe(self.predict(added, self.case.drive), {}), base)
         drive = self._delayed(values.get("wheels", 0.0) if effect == "latency" else 0.0)
         return self._change(base, self.observe(self.predict(bare, drive), {})) + self._change(

@@ -23,7 +23,7 @@ class Undrivable(Exception):
     """The vehicle bogs down, or a wheel has no steady contact."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Window:
     """Where an effect acts: seconds from..to, or a disc on the map."""
 
