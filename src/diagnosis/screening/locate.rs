@@ -6,7 +6,8 @@
 //! O. Siegmund, "Sequential Analysis", 1985), less the logarithm of the number of sets
 //! that were looked at.
 
-use super::scan::{Gated, Scan, chains, discs};
+use super::gates::chains;
+use super::scan::{Gated, Scan, discs};
 use super::screen::{Projection, Score};
 use super::system::System;
 use crate::diagnosis::Subject;
@@ -188,4 +189,47 @@ pub fn locate(
 
 fn is_change(subject: Subject) -> bool {
     subject.name() == TERRAIN_CHANGE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::search::stage::Stage;
+    use crate::diagnosis::search::stage::tests::retuned;
+    use crate::effects::Effects;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+
+    #[test]
+    fn the_ends_of_an_interval_lie_within_gates() {
+        let soil = Terrain::preset("sandy_loam").unwrap();
+        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        for (start, end) in [(6.7, 12.15), (8.3, 11.9)] {
+            let text = format!(
+                r#"{{"drawbar": {{"force": 400}}, "window": {{"effects": ["drawbar"], "time": [{start}, {end}]}}}}"#
+            );
+            let effects = Effects::from_json(&text).unwrap();
+            let towing = Specification {
+                effects,
+                ..nominal.clone()
+            };
+            let recordings = [driven(&towing, "slalom")];
+            let (stage, _) = retuned(&nominal, &recordings);
+            let Stage { given, tuned, .. } = &stage;
+            let system = &stage.looked.system;
+            let projection = Projection::over_all(system, &[]).unwrap();
+            let asked = scanned(given, system, &tuned.solution.soil, &[]);
+            let found = locate(given, system, &projection, &asked);
+            let found = found.iter().find_map(|one| match one.extent {
+                Extent::Time(at) if one.subject == Subject::Unknown => Some(at),
+                _ => None,
+            });
+            let at = found.unwrap();
+            assert!(
+                (at.start - start).abs() < 0.1 && (at.end - end).abs() < 0.1,
+                "{at:?}"
+            );
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! What the linearised problem shows: which candidates explain what re-tuning the soil cannot, where, and how sure.
 
+pub mod gates;
 pub mod law;
 pub mod locate;
 pub mod noise;

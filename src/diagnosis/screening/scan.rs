@@ -1,10 +1,9 @@
 //! Sets of gates, and how well a candidate that acts in one of them alone explains what is left.
 
+use super::gates::{Chain, Gate};
 use super::locate::{Extent, Stretch};
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
-use crate::diagnosis::hypothesis::Given;
-use crate::diagnosis::hypothesis::maps::Maps;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -18,27 +17,12 @@ const RADII: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
 const FIRST_MOVE: f64 = 0.3;
 const LAST_MOVE: f64 = 0.05;
 const WORTH_A_MOVE: f64 = 0.5;
+/// The ends of the best interval are moved by so many seconds at first, and down to that little, on the same terms.
+const FIRST_SHIFT: f64 = 0.25;
+const LAST_SHIFT: f64 = 0.06;
 /// Directions of lines, and places of each.
 const DIRECTIONS: usize = 12;
 const POSITIONS: usize = 24;
-
-/// One gate.
-#[derive(Debug, Clone, Copy)]
-pub struct Gate {
-    /// Place among the system's segments, and within the segment.
-    segment: usize,
-    gate: usize,
-    start: f64,
-    end: f64,
-    place: Option<[f64; 2]>,
-}
-
-/// Gates of a run that follow one another without a gap.
-pub struct Chain {
-    recording: usize,
-    run: usize,
-    gates: Vec<Gate>,
-}
 
 /// A candidate's equations gate by gate.
 pub struct Gated {
@@ -48,48 +32,6 @@ pub struct Gated {
     pub unknowns: Vec<usize>,
 }
 
-/// Gates in their order, run by run.
-#[must_use]
-pub fn chains(given: &Given, system: &System) -> Vec<Chain> {
-    let mut chains: Vec<Chain> = Vec::new();
-    for (place, segment) in system.segments.iter().enumerate() {
-        let data = &given.segments[segment.index];
-        let follows = chains.last().is_some_and(|chain| {
-            let end = chain.gates.last().map(|gate| gate.end);
-            (chain.recording, chain.run) == (data.recording, data.run)
-                && end.is_some_and(|end| (end - segment.edges[0]).abs() < 1e-9)
-        });
-        if !follows {
-            chains.push(Chain {
-                recording: data.recording,
-                run: data.run,
-                gates: Vec::new(),
-            });
-        }
-        let run = &given.recordings[data.recording].runs[data.run];
-        let at = |channel, time| run.series(channel).and_then(|series| series.at(time));
-        let Some(chain) = chains.last_mut() else {
-            continue;
-        };
-        for (gate, edges) in segment.edges.windows(2).enumerate() {
-            let middle = 0.5 * (edges[0] + edges[1]);
-            let x = at(crate::recording::Channel::X, middle);
-            let y = at(crate::recording::Channel::Y, middle);
-            chain.gates.push(Gate {
-                segment: place,
-                gate,
-                start: edges[0],
-                end: edges[1],
-                place: x
-                    .zip(y)
-                    .filter(|_| given.maps == Maps::One)
-                    .map(|(x, y)| [x, y]),
-            });
-        }
-    }
-    chains
-}
-
 /// Discs along the paths, none twice.
 #[must_use]
 pub fn discs(chains: &[Chain]) -> Vec<[f64; 3]> {
@@ -97,7 +39,7 @@ pub fn discs(chains: &[Chain]) -> Vec<[f64; 3]> {
     for radius in RADII {
         let first = discs.len();
         for gate in chains.iter().flat_map(|chain| &chain.gates) {
-            let Some([x, y]) = gate.place else { continue };
+            let Some([x, y]) = gate.place() else { continue };
             let near = |disc: &[f64; 3]| (disc[0] - x).hypot(disc[1] - y) < 0.5 * radius;
             if !discs[first..].iter().any(near) {
                 discs.push([x, y, radius]);
@@ -165,14 +107,20 @@ impl Scan<'_> {
         }
     }
 
-    /// Adds a gate to a set; `before` are the set's gates of the same segment.
-    fn add(&self, sums: &mut Sums, gate: &Gate, before: impl Iterator<Item = usize> + Clone) {
+    /// Adds a share of a gate to a set; `before` are the set's gates of the same segment, with theirs.
+    fn add(
+        &self,
+        sums: &mut Sums,
+        (gate, share): (&Gate, f64),
+        before: impl Iterator<Item = (usize, f64)> + Clone,
+    ) {
         let segment = &self.system.segments[gate.segment];
         let layout = &self.system.layout;
         let first = |gate: usize| layout.whole() + gate * layout.per_gate();
         let nuisance = &self.nuisance[segment.recording];
         for (i, (a, factor)) in self.gated.columns.iter().enumerate() {
             let row = first(gate.gate) + a;
+            let factor = share * factor;
             sums.gradient[i] += factor * segment.gradient[row];
             for (j, column) in nuisance.iter().enumerate() {
                 if let Some(column) = column {
@@ -181,10 +129,10 @@ impl Scan<'_> {
             }
             for (j, (b, other_factor)) in self.gated.columns.iter().enumerate() {
                 let column = first(gate.gate) + b;
-                let mut sum = segment.matrix[(row, column)];
-                for other in before.clone() {
-                    sum += segment.matrix[(row, first(other) + b)];
-                    sum += segment.matrix[(first(other) + a, column)];
+                let mut sum = share * segment.matrix[(row, column)];
+                for (other, theirs) in before.clone() {
+                    sum += theirs * segment.matrix[(row, first(other) + b)];
+                    sum += theirs * segment.matrix[(first(other) + a, column)];
                 }
                 sums.matrix[(i, j)] += factor * other_factor * sum;
             }
@@ -202,23 +150,25 @@ impl Scan<'_> {
         self.projection.score_with(&projected, 1.0)
     }
 
-    /// Sums over the gates that lie somewhere, and the seconds that they last.
-    fn sum(&self, chains: &[Chain], inside: impl Fn(&Gate) -> bool) -> (Sums, f64) {
+    /// Sums over the shares of gates that lie somewhere, and the seconds that they last.
+    fn sum(&self, chains: &[Chain], inside: impl Fn(&Gate) -> f64) -> (Sums, f64) {
         let mut sums = self.nothing();
         let mut seconds = 0.0;
         for chain in chains {
-            let set: Vec<&Gate> = chain.gates.iter().filter(|gate| inside(gate)).collect();
-            for (index, gate) in set.iter().enumerate() {
+            let shares = chain.gates.iter().map(|gate| (gate, inside(gate)));
+            let set: Vec<(&Gate, f64)> = shares.filter(|(_, share)| *share > 0.0).collect();
+            for (index, (gate, share)) in set.iter().enumerate() {
                 let before = set[..index].iter().rev();
-                let before = before.take_while(|other| other.segment == gate.segment);
-                self.add(&mut sums, gate, before.map(|other| other.gate));
-                seconds += gate.end - gate.start;
+                let before = before.take_while(|(other, _)| other.segment == gate.segment);
+                let before = before.map(|(other, theirs)| (other.gate, *theirs));
+                self.add(&mut sums, (gate, *share), before);
+                seconds += share * gate.seconds();
             }
         }
         (sums, seconds)
     }
 
-    /// The best interval of any run.
+    /// The best interval of any run, its ends moved until that gains nothing more.
     #[must_use]
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
         let mut best = Best::default();
@@ -232,7 +182,11 @@ impl Scan<'_> {
                     }
                     let before = chain.gates[from..to].iter().rev();
                     let before = before.take_while(|other| other.segment == gate.segment);
-                    self.add(&mut sums, gate, before.map(|other| other.gate));
+                    self.add(
+                        &mut sums,
+                        (gate, 1.0),
+                        before.map(|other| (other.gate, 1.0)),
+                    );
                     if length < SHORTEST {
                         continue;
                     }
@@ -246,7 +200,43 @@ impl Scan<'_> {
                 }
             }
         }
+        let mut shift = FIRST_SHIFT;
+        while shift > LAST_SHIFT {
+            let (Extent::Time(at), before) = best.found.clone()? else {
+                return None;
+            };
+            for [earlier, later] in [[shift, 0.0], [-shift, 0.0], [0.0, shift], [0.0, -shift]] {
+                let (start, end) = (at.start - earlier, at.end + later);
+                self.offer_interval(&mut best, chains, Stretch { start, end, ..at });
+            }
+            let gained = best.found.as_ref()?.1.evidence - before.evidence;
+            let moved = gained >= WORTH_A_MOVE;
+            if !moved {
+                shift *= 0.5;
+            }
+        }
         best.of_looked_at()
+    }
+
+    /// An interval whose ends lie within gates, of which it counts that share; within one chain.
+    fn offer_interval(&self, best: &mut Best, chains: &[Chain], at: Stretch) {
+        let middle = 0.5 * (at.start + at.end);
+        let covers = |chain: &&Chain| {
+            let ends = chain.gates.first().zip(chain.gates.last());
+            (chain.recording, chain.run) == (at.recording, at.run)
+                && ends.is_some_and(|(first, last)| first.start <= middle && middle <= last.end)
+        };
+        let Some(chain) = chains.iter().find(covers) else {
+            return;
+        };
+        let (sums, seconds) = self.sum(std::slice::from_ref(chain), |gate| {
+            gate.between(at.start, at.end)
+        });
+        // Beyond the chain's end nothing is told.
+        let inside = (seconds - (at.end - at.start)).abs() < 1e-6;
+        if inside && (SHORTEST..=LONGEST).contains(&seconds) {
+            best.offer(Extent::Time(at), self.score(&sums));
+        }
     }
 
     /// The best run, of several, from its beginning to its end.
@@ -270,7 +260,7 @@ impl Scan<'_> {
                 start: first.start,
                 end: last.end,
             });
-            best.offer(extent, self.score(&self.sum(run, |_| true).0));
+            best.offer(extent, self.score(&self.sum(run, |_| 1.0).0));
         }
         best.of_looked_at()
     }
@@ -306,10 +296,8 @@ impl Scan<'_> {
     }
 
     fn offer_disc(&self, best: &mut Best, chains: &[Chain], disc: [f64; 3]) {
-        let (sums, seconds) = self.sum(chains, |gate| {
-            let away = gate.place.map(|[x, y]| (x - disc[0]).hypot(y - disc[1]));
-            away.is_some_and(|away| away < disc[2])
-        });
+        let inside = |[x, y]: [f64; 2]| (x - disc[0]).hypot(y - disc[1]) < disc[2];
+        let (sums, seconds) = self.sum(chains, |gate| gate.within(inside));
         if seconds >= SHORTEST {
             best.offer(Extent::Place { disc }, self.score(&sums));
         }
@@ -321,16 +309,16 @@ impl Scan<'_> {
         let mut best = Best::default();
         for direction in (0..DIRECTIONS).map(|k| PI * k as f64 / DIRECTIONS as f64) {
             let (sin, cos) = direction.sin_cos();
-            let along = |gate: &Gate| gate.place.map(|[x, y]| x * cos + y * sin);
+            let along = |[x, y]: [f64; 2]| x * cos + y * sin;
             let gates = chains.iter().flat_map(|chain| &chain.gates);
-            let mut places: Vec<f64> = gates.filter_map(along).collect();
+            let mut places: Vec<f64> = gates.filter_map(Gate::place).map(along).collect();
             places.sort_by(f64::total_cmp);
             for k in 1..POSITIONS {
                 let Some(&position) = places.get(k * places.len() / POSITIONS) else {
                     continue;
                 };
-                let beyond = |gate: &Gate| along(gate).is_some_and(|at| at > position);
-                let (sums, _) = self.sum(chains, beyond);
+                let beyond = |place: [f64; 2]| along(place) > position;
+                let (sums, _) = self.sum(chains, |gate| gate.within(beyond));
                 let extent = Extent::Beyond {
                     direction,
                     position,

@@ -1,0 +1,105 @@
+//! Gates: the short times in which each effect's signal is resolved, with where the vehicle was.
+
+use super::system::System;
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::maps::Maps;
+use crate::recording::Channel;
+
+/// Places within a gate.
+const POINTS: usize = 5;
+
+/// One gate.
+#[derive(Debug, Clone, Copy)]
+pub struct Gate {
+    /// Place among the system's segments.
+    pub segment: usize,
+    /// Place within the segment.
+    pub gate: usize,
+    /// Beginning \[s\], by the run's clock.
+    pub start: f64,
+    /// End \[s\].
+    pub end: f64,
+    places: [Option<[f64; 2]>; POINTS],
+}
+
+impl Gate {
+    /// Length \[s\].
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.end - self.start
+    }
+
+    /// The place in the middle, where it is known and the same place means the same ground.
+    #[must_use]
+    pub fn place(&self) -> Option<[f64; 2]> {
+        self.places[POINTS / 2]
+    }
+
+    /// The share of it that lies within some seconds.
+    #[must_use]
+    pub fn between(&self, start: f64, end: f64) -> f64 {
+        let inside = self.end.min(end) - self.start.max(start);
+        (inside / self.seconds()).clamp(0.0, 1.0)
+    }
+
+    /// The share of it that lies somewhere on the map.
+    #[must_use]
+    pub fn within(&self, inside: impl Fn([f64; 2]) -> bool) -> f64 {
+        let places = self.places.iter();
+        let count = places.filter(|place| place.is_some_and(&inside)).count();
+        count as f64 / POINTS as f64
+    }
+}
+
+/// Gates of a run that follow one another without a gap.
+pub struct Chain {
+    /// Recording.
+    pub recording: usize,
+    /// Run.
+    pub run: usize,
+    /// The gates in their order.
+    pub gates: Vec<Gate>,
+}
+
+/// Gates in their order, run by run.
+#[must_use]
+pub fn chains(given: &Given, system: &System) -> Vec<Chain> {
+    let mut chains: Vec<Chain> = Vec::new();
+    for (place_of_segment, segment) in system.segments.iter().enumerate() {
+        let data = &given.segments[segment.index];
+        let follows = chains.last().is_some_and(|chain| {
+            let end = chain.gates.last().map(|gate| gate.end);
+            (chain.recording, chain.run) == (data.recording, data.run)
+                && end.is_some_and(|end| (end - segment.edges[0]).abs() < 1e-9)
+        });
+        if !follows {
+            chains.push(Chain {
+                recording: data.recording,
+                run: data.run,
+                gates: Vec::new(),
+            });
+        }
+        let run = &given.recordings[data.recording].runs[data.run];
+        let at = |channel, time| run.series(channel).and_then(|series| series.at(time));
+        let Some(chain) = chains.last_mut() else {
+            continue;
+        };
+        for (gate, edges) in segment.edges.windows(2).enumerate() {
+            let place = |point: usize| {
+                let share = (point as f64 + 0.5) / POINTS as f64;
+                let time = edges[0] + share * (edges[1] - edges[0]);
+                let pair = at(Channel::X, time).zip(at(Channel::Y, time));
+                pair.filter(|_| given.maps == Maps::One)
+                    .map(|(x, y)| [x, y])
+            };
+            chain.gates.push(Gate {
+                segment: place_of_segment,
+                gate,
+                start: edges[0],
+                end: edges[1],
+                places: std::array::from_fn(place),
+            });
+        }
+    }
+    chains
+}
