@@ -14,7 +14,7 @@ use crate::fit::problem::Weighing;
 const CLOSE: f64 = 4.5;
 const CLOSE_SHARE: f64 = 0.045;
 /// ... and where so much is at stake that noise may hold a part of it \[log odds\].
-const AT_STAKE: f64 = 20.0;
+pub const AT_STAKE: f64 = 20.0;
 /// At most so many contend.
 const MOST: usize = 3;
 

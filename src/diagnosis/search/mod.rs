@@ -6,6 +6,7 @@
 pub mod begins;
 pub mod choice;
 pub mod contest;
+pub mod edges;
 pub mod given_soil;
 pub mod load;
 pub mod member;

@@ -200,7 +200,8 @@ fn surprise_without(
 }
 
 /// The given model with the place where a proposal acts. `None` where it cannot act there.
-fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
+#[must_use]
+pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
     let mut given = given.clone();
     let Some(extent) = &proposal.extent else {
         return Some(given);

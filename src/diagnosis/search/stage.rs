@@ -2,6 +2,7 @@
 //! how it predicts.
 
 use super::contest::contend;
+use super::edges::settle_edges;
 use super::given_soil::{from_given_soil, seen_from_given_soil};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
@@ -151,6 +152,7 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
         .map(|sketch| from_given_soil(sketch, tuned, by))
         .filter_map(|sketch| finish(sketch, tuned, by))
         .collect();
+    settle_edges(&mut fitted, by);
     contend(&mut fitted, by);
     fitted
 }
