@@ -16,8 +16,10 @@ use crate::fit::problem::Weighing;
 const FIRST: f64 = 0.1;
 const LAST: f64 = 0.015;
 const SECONDS: f64 = 2.0;
-/// ... while that gains more than so much of the log evidence.
+/// ... while that gains more than so much of the log evidence; a move that gains less than so much is none, for fits end
+/// half a unit from where they lead.
 const WORTH: f64 = 1.0;
+const LEAST: f64 = 0.5;
 /// A disc has a place, two numbers, and a radius; an interval two ends.
 const EDGES: usize = 3;
 
@@ -69,7 +71,7 @@ fn moved_to(named: &mut Named, extent: Option<Extent>, by: &Weighing) -> bool {
         return false;
     };
     let gain = named.tuned.surprise - tuned.surprise;
-    if gain.is_nan() || gain <= 0.0 {
+    if gain.is_nan() || gain < LEAST {
         return false;
     }
     named.gain += gain;
