@@ -107,6 +107,12 @@ impl Recording {
     pub fn has(&self, channel: Channel) -> bool {
         self.runs.iter().any(|run| run.series(channel).is_some())
     }
+
+    /// What somebody should look at of what the reader did, each with the recording's name.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        let warnings = self.notes.iter().filter(|note| note.kind.is_warning());
+        warnings.map(|note| format!("{}: {note}", self.name))
+    }
 }
 
 #[cfg(test)]

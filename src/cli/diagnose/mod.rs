@@ -59,8 +59,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let recordings = read_all(&args.recordings)?;
     for recording in &recordings {
-        let warnings = recording.notes.iter().filter(|note| note.kind.is_warning());
-        warnings.for_each(|note| tell(&format!("{}: {note}", recording.name)));
+        recording.warnings().for_each(|warning| tell(&warning));
     }
     different_names(&recordings)?;
     let nominal = args.nominal.load(&recordings, args.quiet)?;

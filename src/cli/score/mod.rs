@@ -105,9 +105,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let given = Given::load(args)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
         let recording = read_recording(path)?;
-        let notes = recording.notes.iter().filter(|note| note.kind.is_warning());
-        let notes = notes.map(|note| format!("{}: {note}", recording.name));
-        Ok((notes.collect(), prepare(args, &recording, &given)?))
+        let warnings = recording.warnings().collect();
+        Ok((warnings, prepare(args, &recording, &given)?))
     };
     // Collected in the order of the arguments, so the first error is always the same.
     let prepared: Vec<_> = args.recordings.par_iter().map(prepared).collect();

@@ -45,11 +45,8 @@ pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
 /// What the reader put right or wants known of the recordings.
 #[must_use]
 pub fn read(recordings: &[Recording]) -> Vec<String> {
-    let told = recordings.iter().flat_map(|recording| {
-        let warnings = recording.notes.iter().filter(|note| note.kind.is_warning());
-        warnings.map(|note| format!("{}: {note}.", recording.name))
-    });
-    told.collect()
+    let warnings = recordings.iter().flat_map(Recording::warnings);
+    warnings.map(|warning| format!("{warning}.")).collect()
 }
 
 fn notes(searched: &Searched) -> Vec<String> {
