@@ -32,6 +32,22 @@ impl Linearised<'_> {
         normal
     }
 
+    /// The same with further unknowns, on which all segments depend by columns after their others; the precision of the
+    /// prior of each is given, which has its middle here.
+    #[must_use]
+    pub fn with_further(mut self, precision: &[f64]) -> Self {
+        let (count, more) = (self.precision.len(), precision.len());
+        for places in &mut self.places {
+            places.extend(count..count + more);
+        }
+        self.precision = self.precision.resize_vertically(count + more, 0.0);
+        self.precision
+            .rows_mut(count, more)
+            .copy_from_slice(precision);
+        self.pull = self.pull.resize_vertically(count + more, 0.0);
+        self
+    }
+
     /// Adds what is known of a segment's start.
     pub fn add_start_prior(&self, index: usize, normal: &mut Normal) {
         let (segment, start) = (self.segments[index], &self.starts[index]);

@@ -2,26 +2,37 @@
 //!
 //! The box scan sees places and times through the linearised problem, gate by gate. What acts there hard on and off is felt
 //! to a few hundredths of a second, and an edge that is off by a tenth costs all names alike more than what they differ
-//! by. So the edges of what came close to the likeliest are moved in the full fit.
+//! by. So the edges of what came close to the likeliest are moved in the full fit: they are unknowns of a Gauss–Newton step
+//! beside all others, their derivatives by differences, for the other unknowns have theirs at hand; then the others follow.
 
 use super::contest::{AT_STAKE, close_to};
 use super::naming::{Named, placed};
 use super::proposal::{Kind, Proposal};
+use crate::diagnosis::hypothesis::Solution;
 use crate::diagnosis::hypothesis::held_out::scores;
-use crate::diagnosis::hypothesis::likelihood::{SKETCH, tune_until};
+use crate::diagnosis::hypothesis::likelihood::{SKETCH, Tuned, cost, tune_until};
 use crate::diagnosis::screening::locate::Extent;
-use crate::fit::problem::Weighing;
+use crate::fit::normal::{Eliminated, START};
+use crate::fit::problem::{Tables, Weighing};
+use nalgebra::{DMatrix, DVector};
 
-/// Edges are moved by this share of the radius or of two seconds at first, and down to that one ...
-const FIRST: f64 = 0.1;
-const LAST: f64 = 0.015;
+/// Edges are counted in shares of the disc's radius or of two seconds. Derivatives are differences over this share ...
+const DIFFERENCE: f64 = 0.02;
 const SECONDS: f64 = 2.0;
-/// ... while that gains more than so much of the log evidence; a move that gains less than so much is none, for fits end
-/// half a unit from where they lead.
+/// ... what is known of them before is this share (one standard deviation), and a step goes no further than that one.
+const PRIOR: f64 = 1.0;
+const REACH: f64 = 0.25;
+/// A step that loses is halved, so many times.
+const HALVINGS: usize = 3;
+/// Steps at most, while one gains more than so much of the log evidence; one that gains less than so much is none, for fits
+/// end half a unit from where they lead.
+const STEPS: usize = 10;
 const WORTH: f64 = 1.0;
 const LEAST: f64 = 0.5;
 /// A disc has a place, two numbers, and a radius; an interval two ends.
 const EDGES: usize = 3;
+/// An interval stays as long as this \[s\].
+const SHORTEST: f64 = 0.1;
 
 /// Moves the edges of what acts at some time or place and came close to the likeliest.
 pub fn settle_edges(fitted: &mut [Named], by: &Weighing) {
@@ -38,67 +49,170 @@ pub fn settle_edges(fitted: &mut [Named], by: &Weighing) {
 }
 
 fn settle(named: &mut Named, by: &Weighing) {
-    let (mut share, mut moved) = (FIRST, false);
-    while share > LAST {
-        let before = named.tuned.surprise;
-        for edge in 0..EDGES {
-            for way in [share, -share] {
-                moved |= moved_to(named, nudged(named.proposal.extent.as_ref(), edge, way), by);
-            }
-        }
-        let gained = before - named.tuned.surprise;
-        if gained < WORTH {
-            share *= 0.5;
+    let begin = named.tuned.surprise;
+    for _ in 0..STEPS {
+        if stepped(named, by).is_none_or(|gain| gain < WORTH) {
+            break;
         }
     }
-    if moved {
+    if named.tuned.surprise < begin {
         named.scores = scores(&named.given, &named.tuned, by);
     }
 }
 
-/// Takes another extent where it does better, and says whether.
-fn moved_to(named: &mut Named, extent: Option<Extent>, by: &Weighing) -> bool {
-    let Some(extent) = extent else { return false };
-    let proposal = Proposal {
-        extent: Some(extent),
-        ..named.proposal.clone()
-    };
-    let Some(given) = placed(&named.given, &proposal) else {
-        return false;
-    };
-    let (knobs, begin) = (&named.tuned.knobs, &named.tuned.solution);
-    let Ok(tuned) = tune_until(&given, knobs, begin, by, SKETCH) else {
-        return false;
-    };
+/// One step of the edges and everything else; what it gained. `None` where there is nothing to gain.
+fn stepped(named: &mut Named, by: &Weighing) -> Option<f64> {
+    let knobs = &named.tuned.knobs;
+    let way = Way::of(named, by)?;
+    let (proposal, given, begin) = (0..=HALVINGS).find_map(|halved| {
+        let share = 0.5_f64.powi(halved as i32);
+        let proposal = moved(&named.proposal, &(&way.edges * share))?;
+        let given = placed(&named.given, &proposal)?;
+        let begin = way.solution(named, share);
+        let lower = cost(&given, knobs, &begin, by) < way.cost;
+        lower.then_some((proposal, given, begin))
+    })?;
+    let tuned = tune_until(&given, knobs, &begin, by, SKETCH).ok()?;
     let gain = named.tuned.surprise - tuned.surprise;
     if gain.is_nan() || gain < LEAST {
-        return false;
+        return None;
     }
     named.gain += gain;
     (named.proposal, named.given, named.tuned) = (proposal, given, tuned);
-    true
+    Some(gain)
 }
 
-/// The extent with one of its edges moved by a share of its size; `None` where it has no such edge.
-fn nudged(extent: Option<&Extent>, edge: usize, share: f64) -> Option<Extent> {
-    match extent? {
-        Extent::Place { disc } => {
-            let mut disc = *disc;
-            let step = share * disc[2];
-            *disc.get_mut(edge)? += step;
-            Some(Extent::Place { disc })
+/// Where the linearised problem leads with the edges among its unknowns.
+struct Way {
+    edges: DVector<f64>,
+    others: DVector<f64>,
+    starts: Vec<[f64; START]>,
+    /// Half the cost here.
+    cost: f64,
+}
+
+impl Way {
+    fn of(named: &Named, by: &Weighing) -> Option<Self> {
+        let Tuned {
+            knobs,
+            solution,
+            tables,
+            ..
+        } = &named.tuned;
+        let predictor = named.given.predictor(knobs);
+        let problem = named.given.problem(&predictor, knobs);
+        let point = named.given.point(&problem, knobs, solution);
+        let here = problem.evaluate_unless_one_fails(&point, false)?;
+        let after = (0..EDGES).map_while(|edge| {
+            let mut step = DVector::zeros(EDGES);
+            step[edge] = DIFFERENCE;
+            let given = placed(&named.given, &moved(&named.proposal, &step)?)?;
+            let predictor = given.predictor(knobs);
+            let problem = given.problem(&predictor, knobs);
+            problem.evaluate_unless_one_fails(&point, false)
+        });
+        let after: Vec<Vec<Tables>> = after.collect();
+        let others = problem.parameters.len();
+        let linearised = problem.linearised(&point);
+        let linearised = linearised.with_further(&vec![PRIOR.powi(-2); after.len()]);
+        let mut matrix = DMatrix::from_diagonal(&linearised.precision);
+        let mut gradient = linearised.pull.clone();
+        let mut each = Vec::new();
+        for (index, segment) in tables.iter().enumerate() {
+            let after: Vec<&Tables> = after.iter().map(|all| &all[index]).collect();
+            let felt = with_differences(segment, &here[index], &after);
+            let normal = linearised.normal(index, &felt, by);
+            let eliminated = Eliminated::new(&normal, 0.0)?;
+            matrix += &eliminated.matrix;
+            gradient += &eliminated.gradient;
+            each.push((normal, eliminated));
         }
-        Extent::Time(at) => {
-            let step = share * SECONDS;
-            let mut at = *at;
-            match edge {
-                0 => at.start += step,
-                1 => at.end += step,
-                _ => return None,
+        let gain = |matrix: DMatrix<f64>, gradient: DVector<f64>| {
+            let step = matrix.cholesky()?.solve(&gradient);
+            Some((0.5 * step.dot(&gradient), step))
+        };
+        let still = matrix.view((0, 0), (others, others)).into_owned();
+        let (without, _) = gain(still, gradient.rows(0, others).into_owned())?;
+        let (with, mut step) = gain(matrix, gradient)?;
+        let far = step.rows(others, after.len()).amax();
+        if (with - without).is_nan() || with - without < LEAST {
+            return None;
+        }
+        step *= (REACH / far).min(1.0);
+        let starts = each.iter();
+        let starts = starts.map(|(normal, eliminated)| eliminated.start_step(normal, &step));
+        Some(Self {
+            edges: step.rows(others, after.len()).into_owned(),
+            others: step.rows(0, others).into_owned(),
+            starts: starts.collect(),
+            cost: 0.5 * problem.cost(&here, &point, by),
+        })
+    }
+
+    /// The solution a share of the way from where a fit stands.
+    fn solution(&self, named: &Named, share: f64) -> Solution {
+        let Named { given, tuned, .. } = named;
+        let predictor = given.predictor(&tuned.knobs);
+        let problem = given.problem(&predictor, &tuned.knobs);
+        let mut point = given.point(&problem, &tuned.knobs, &tuned.solution);
+        for (k, parameter) in problem.parameters.iter().enumerate() {
+            let (low, high) = parameter.bounds();
+            point.coordinates[k] = (point.coordinates[k] + share * self.others[k]).clamp(low, high);
+        }
+        for (start, step) in point.starts.iter_mut().zip(&self.starts) {
+            for (value, step) in start.iter_mut().zip(step) {
+                *value += share * step;
             }
-            Some(Extent::Time(at))
         }
-        Extent::Run(_) | Extent::Beyond { .. } => None,
+        given.solution(&problem, &tuned.knobs, &point, &tuned.solution)
+    }
+}
+
+/// A segment's table with derivatives by the edges after the others: `after` are its residuals with each of them moved.
+fn with_differences(segment: &Tables, here: &Tables, after: &[&Tables]) -> Tables {
+    let columns = segment.columns + after.len();
+    let channels = segment.channels.iter().enumerate();
+    let channels = channels.map(|(channel, table)| {
+        let mut wider = Vec::with_capacity(table.len() / segment.columns * columns);
+        for (row, numbers) in table.chunks_exact(segment.columns).enumerate() {
+            let before = here.channels[channel][row];
+            let slope = |moved: &&Tables| (before - moved.channels[channel][row]) / DIFFERENCE;
+            wider.extend(numbers);
+            wider.extend(after.iter().map(slope));
+        }
+        wider
+    });
+    Tables {
+        channels: channels.collect(),
+        columns,
+    }
+}
+
+/// A proposal with its edges moved by shares of its size; `None` where it has none or would be no more.
+fn moved(proposal: &Proposal, by: &DVector<f64>) -> Option<Proposal> {
+    Some(Proposal {
+        extent: Some(nudged(proposal.extent.as_ref()?, by)?),
+        ..proposal.clone()
+    })
+}
+
+fn nudged(extent: &Extent, by: &DVector<f64>) -> Option<Extent> {
+    let by = |edge: usize| by.get(edge).copied().unwrap_or(0.0);
+    match extent {
+        Extent::Place { disc } => {
+            let radius = disc[2];
+            let at = |edge: usize| disc[edge] + by(edge) * radius;
+            Some(Extent::Place {
+                disc: [at(0), at(1), at(2)],
+            })
+        }
+        Extent::Time(at) if by(2) == 0.0 => {
+            let mut at = *at;
+            at.start += SECONDS * by(0);
+            at.end += SECONDS * by(1);
+            (at.end - at.start > SHORTEST).then_some(Extent::Time(at))
+        }
+        Extent::Time(_) | Extent::Run(_) | Extent::Beyond { .. } => None,
     }
 }
 
@@ -165,14 +279,29 @@ mod tests {
         let disc = Extent::Place {
             disc: [1.0, 2.0, 4.0],
         };
-        let moved = |edge| match nudged(Some(&disc), edge, 0.1) {
+        let by = |edge: usize| {
+            let mut by = DVector::zeros(EDGES);
+            by[edge] = 0.1;
+            by
+        };
+        let moved = |edge| match nudged(&disc, &by(edge)) {
             Some(Extent::Place { disc }) => disc,
             _ => unreachable!(),
         };
         assert_eq!(moved(0), [1.4, 2.0, 4.0]);
         assert_eq!(moved(1), [1.0, 2.4, 4.0]);
         assert_eq!(moved(2), [1.0, 2.0, 4.4]);
-        assert_eq!(nudged(Some(&disc), 3, 0.1), None);
-        assert_eq!(nudged(None, 0, 0.1), None);
+        let interval = |end| {
+            Extent::Time(Stretch {
+                recording: 0,
+                run: 0,
+                start: 1.0,
+                end,
+            })
+        };
+        assert_eq!(nudged(&interval(3.0), &by(1)), Some(interval(3.2)));
+        // An interval has two ends, and stays one.
+        assert_eq!(nudged(&interval(3.0), &by(2)), None);
+        assert_eq!(nudged(&interval(1.2), &by(0)), None);
     }
 }
