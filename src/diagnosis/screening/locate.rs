@@ -90,6 +90,16 @@ impl Scanned {
         })
     }
 
+    fn found(&self, extent: Extent, score: Score, evidence: f64) -> Found {
+        Found {
+            subject: self.subject,
+            extent,
+            knobs: self.knobs.clone(),
+            score,
+            evidence,
+        }
+    }
+
     /// A change of the soil: its factors act as the soil's numbers do. `None` where the given model has
     /// one.
     fn soil(given: &Given, soil: &[f64]) -> Option<Self> {
@@ -148,6 +158,48 @@ pub fn locate(
 ) -> Vec<Found> {
     let chains = chains(given, system);
     let discs = discs(&chains);
+    let best = |one: &Scanned, scan: &Scan| {
+        let best = [
+            scan.intervals(&chains),
+            scan.runs(&chains),
+            scan.discs(&chains, &discs),
+            scan.boundary(&chains).filter(|_| is_change(one.subject)),
+        ];
+        let best = best.into_iter().flatten();
+        best.map(|(extent, score, evidence)| one.found(extent, score, evidence))
+            .collect::<Vec<_>>()
+    };
+    let each = each(given, system, projection, scanned, best);
+    each.into_iter().flatten().collect()
+}
+
+/// Each candidate at one place or time, where looking has cost so much.
+#[must_use]
+pub fn located_at(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    scanned: &[Scanned],
+    (extent, looking): (&Extent, f64),
+) -> Vec<Found> {
+    let chains = chains(given, system);
+    let there = |one: &Scanned, scan: &Scan| {
+        let score = scan.within(&chains, extent)?;
+        let evidence = score.evidence - looking;
+        Some(one.found(extent.clone(), score, evidence))
+    };
+    let each = each(given, system, projection, scanned, there);
+    each.into_iter().flatten().collect()
+}
+
+/// Does something with each candidate's scan.
+fn each<T: Send>(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    scanned: &[Scanned],
+    work: impl Fn(&Scanned, &Scan) -> T + Sync,
+) -> Vec<T> {
     let (inverse, settled) = projection.inverse();
     let recordings = 0..given.recordings.len();
     let nuisance: Vec<_> = recordings
@@ -167,24 +219,9 @@ pub fn locate(
                 unknowns: unknowns.collect(),
             },
         };
-        let best = [
-            scan.intervals(&chains),
-            scan.runs(&chains),
-            scan.discs(&chains, &discs),
-            scan.boundary(&chains).filter(|_| is_change(one.subject)),
-        ];
-        let best = best.into_iter().flatten();
-        best.map(|(extent, score, evidence)| Found {
-            subject: one.subject,
-            extent,
-            knobs: one.knobs.clone(),
-            score,
-            evidence,
-        })
-        .collect::<Vec<_>>()
+        work(one, &scan)
     };
-    let each: Vec<Vec<Found>> = scanned.par_iter().map(scan).collect();
-    each.into_iter().flatten().collect()
+    scanned.par_iter().map(scan).collect()
 }
 
 fn is_change(subject: Subject) -> bool {

@@ -168,6 +168,28 @@ impl Scan<'_> {
         (sums, seconds)
     }
 
+    /// The one-step fit where it acts in one place or for some time only. `None` where that is none of the gates, or a
+    /// line on the map.
+    #[must_use]
+    pub fn within(&self, chains: &[Chain], extent: &Extent) -> Option<Score> {
+        let of_run = |at: &Stretch| {
+            let same = |chain: &&Chain| (chain.recording, chain.run) == (at.recording, at.run);
+            let gates = chains.iter().filter(same);
+            let sums = gates.map(|chain| {
+                self.sum(std::slice::from_ref(chain), |gate| {
+                    gate.between(at.start, at.end)
+                })
+            });
+            sums.max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let (sums, seconds) = match extent {
+            Extent::Time(at) => of_run(at)?,
+            Extent::Place { disc } => self.sum(chains, |gate| gate.within(inside(*disc))),
+            Extent::Run(_) | Extent::Beyond { .. } => return None,
+        };
+        (seconds > 0.0).then(|| self.score(&sums))
+    }
+
     /// The best interval of any run, its ends moved until that gains nothing more.
     #[must_use]
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
@@ -296,8 +318,7 @@ impl Scan<'_> {
     }
 
     fn offer_disc(&self, best: &mut Best, chains: &[Chain], disc: [f64; 3]) {
-        let inside = |[x, y]: [f64; 2]| (x - disc[0]).hypot(y - disc[1]) < disc[2];
-        let (sums, seconds) = self.sum(chains, |gate| gate.within(inside));
+        let (sums, seconds) = self.sum(chains, |gate| gate.within(inside(disc)));
         if seconds >= SHORTEST {
             best.offer(Extent::Place { disc }, self.score(&sums));
         }
@@ -328,4 +349,9 @@ impl Scan<'_> {
         }
         best.of_looked_at()
     }
+}
+
+/// Whether a place lies in a disc.
+fn inside([east, north, radius]: [f64; 3]) -> impl Fn([f64; 2]) -> bool {
+    move |[x, y]| (x - east).hypot(y - north) < radius
 }

@@ -34,9 +34,8 @@ const EDGES: usize = 3;
 /// An interval stays as long as this \[s\].
 const SHORTEST: f64 = 0.1;
 
-/// Moves the edges of what acts at some time or place and came close to the likeliest.
-pub fn settle_edges(fitted: &mut [Named], by: &Weighing) {
-    let best = fitted.iter().map(Named::odds).fold(0.0, f64::max);
+/// Moves the edges of what acts at some time or place and came close to the likeliest, whose log odds are `best`.
+pub fn settle_edges(fitted: &mut [Named], best: f64, by: &Weighing) {
     if best < AT_STAKE {
         return;
     }
@@ -263,7 +262,7 @@ mod tests {
         let begun = sketch(&stage.given, &proposal, &stage.tuned, &by, 1.0).unwrap();
         let mut fitted = [finish(begun, &stage.tuned, &by).unwrap()];
         let before = fitted[0].gain;
-        settle_edges(&mut fitted, &by);
+        settle_edges(&mut fitted, before, &by);
         let Some(Extent::Time(at)) = fitted[0].proposal.extent else {
             unreachable!()
         };

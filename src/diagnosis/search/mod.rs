@@ -5,6 +5,7 @@
 
 pub mod begins;
 pub mod choice;
+mod company;
 pub mod contest;
 pub mod edges;
 pub mod given_soil;

@@ -47,8 +47,8 @@ pub struct Screened {
 
 /// Proposals that are further behind this share of the best of their kind are not worth a full fit:
 /// throughout, where the linearised problem may be far off, and in one place.
-const BEHIND: [f64; 2] = [0.2, 0.6];
-const FAR_BEHIND: f64 = 8.0;
+pub const BEHIND: [f64; 2] = [0.2, 0.6];
+pub const FAR_BEHIND: f64 = 8.0;
 /// Share that re-tuning takes up of an effect that may be hidden.
 const HIDDEN: f64 = 0.9;
 /// Less evidence than this is not worth a fit.
@@ -119,11 +119,7 @@ pub fn proposals(
             same.map_or(0.0, |one| one.evidence.max(0.0))
         };
         let found = locate(given, system, projection, &scanned(given, system, soil, on));
-        let each = found
-            .into_iter()
-            .map(|found| local(found, given.soil.len()));
-        let mut found: Vec<Proposal> = each.collect();
-        place_load(given, &mut found);
+        let mut found = placed_locally(given, found);
         found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
         all.extend(found);
     }
@@ -229,6 +225,15 @@ fn steps(given: &Given, system: &System, one: &Screened) -> Vec<(usize, DVector<
             (knob, DVector::from_vec(each.collect()))
         })
         .collect()
+}
+
+/// What was found in one place or for some time, as proposals.
+#[must_use]
+pub fn placed_locally(given: &Given, found: Vec<Found>) -> Vec<Proposal> {
+    let each = found.into_iter();
+    let mut all: Vec<Proposal> = each.map(|one| local(one, given.soil.len())).collect();
+    place_load(given, &mut all);
+    all
 }
 
 fn local(found: Found, soil: usize) -> Proposal {

@@ -1,6 +1,7 @@
 //! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
 //! how it predicts.
 
+use super::company::{beside_the_likeliest, join, otherwise_confined};
 use super::contest::contend;
 use super::edges::settle_edges;
 use super::given_soil::{from_given_soil, seen_from_given_soil};
@@ -147,12 +148,27 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
                 .collect()
         }
     };
-    let mut fitted: Vec<Named> = promising(begun, NEAR, MOST)
-        .into_iter()
-        .map(|sketch| from_given_soil(sketch, tuned, by))
-        .filter_map(|sketch| finish(sketch, tuned, by))
-        .collect();
-    settle_edges(&mut fitted, by);
+    let best = |fitted: &[Named]| fitted.iter().map(Named::odds).fold(0.0, f64::max);
+    let finished = |sketches: Vec<Sketch<'a>>| -> Vec<Named<'a>> {
+        let sketches = sketches.into_iter();
+        sketches
+            .map(|sketch| from_given_soil(sketch, tuned, by))
+            .filter_map(|sketch| finish(sketch, tuned, by))
+            .collect()
+    };
+    let mut fitted = finished(promising(begun, NEAR, MOST));
+    let first = best(&fitted);
+    settle_edges(&mut fitted, first, by);
+    for where_else in [beside_the_likeliest, otherwise_confined] {
+        let there = where_else(stage, &fitted);
+        let begun = there.iter();
+        let begun = begun.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
+        let least = NEAR * best(&fitted) - CLOSE;
+        let mut there = finished(begun.filter(|sketch| sketch.promise() > least).collect());
+        let first = best(&fitted).max(best(&there));
+        settle_edges(&mut there, first, by);
+        join(&mut fitted, there);
+    }
     contend(&mut fitted, by);
     fitted
 }

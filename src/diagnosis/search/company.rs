@@ -1,0 +1,105 @@
+//! What else may act where the likeliest does.
+//!
+//! The box scan finds each candidate's best place through the linearised problem. Where something acts hard, that is far
+//! off: a slope that all but stops a vehicle promises less than half of what it comes to, at another time than it acts, and
+//! would never be fitted. So whatever the scan promises elsewhere, everything is begun where the likeliest acts as well.
+
+use super::contest::AT_STAKE;
+use super::naming::Named;
+use super::proposal::{BEHIND, FAR_BEHIND, Kind, Proposal, placed_locally};
+use super::stage::Stage;
+use crate::diagnosis::screening::locate::{Extent, Found, Scanned, locate, located_at, scanned};
+use crate::diagnosis::screening::screen::Projection;
+
+/// Two times or places that differ by less than this \[s, m\] are one.
+const SAME: f64 = 0.3;
+
+/// What is proposed where the likeliest acts, if that is a place or a time, and has not been fitted there.
+#[must_use]
+pub fn beside_the_likeliest(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
+    let Some((best, extent)) = likeliest(fitted) else {
+        return Vec::new();
+    };
+    let at = (extent, best.proposal.looking);
+    let mut there = found(stage, |projection, asked| {
+        located_at(&stage.given, &stage.looked.system, projection, asked, at)
+    });
+    let most = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
+    there.retain(|one| {
+        let known = |named: &Named| {
+            named.proposal.subject == one.subject
+                && are_alike(named.proposal.extent.as_ref(), extent)
+        };
+        one.evidence > BEHIND[0] * most - FAR_BEHIND && !fitted.iter().any(known)
+    });
+    there
+}
+
+/// The likeliest in a place where it acts for some time, and for some time where it acts in a place.
+#[must_use]
+pub fn otherwise_confined(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
+    let Some((best, extent)) = likeliest(fitted) else {
+        return Vec::new();
+    };
+    let mut there = found(stage, |projection, asked| {
+        let same = |one: &&Scanned| one.subject == best.proposal.subject;
+        let asked: Vec<Scanned> = asked.iter().filter(same).cloned().collect();
+        locate(&stage.given, &stage.looked.system, projection, &asked)
+    });
+    let is_place = |extent: &Extent| matches!(extent, Extent::Place { .. });
+    let other = |one: &Proposal| {
+        let is_other = |other: &Extent| is_place(other) != is_place(extent);
+        one.kind() == Kind::Local && one.extent.as_ref().is_some_and(is_other)
+    };
+    there.retain(other);
+    there
+}
+
+/// The likeliest where it acts somewhere only and something is at stake.
+fn likeliest<'n, 'a>(fitted: &'n [Named<'a>]) -> Option<(&'n Named<'a>, &'n Extent)> {
+    let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
+    let local = best.odds() > AT_STAKE && best.proposal.kind() == Kind::Local;
+    Some((best, best.proposal.extent.as_ref().filter(|_| local)?))
+}
+
+/// What a scan finds, as proposals.
+fn found(stage: &Stage, scan: impl Fn(&Projection, &[Scanned]) -> Vec<Found>) -> Vec<Proposal> {
+    let Stage { given, tuned, .. } = stage;
+    let system = &stage.looked.system;
+    let on = tuned.knobs.iter().flat_map(|knob| system.unknowns(*knob));
+    let Some(projection) = Projection::over_all(system, &on.collect::<Vec<_>>()) else {
+        return Vec::new();
+    };
+    let asked = scanned(given, system, &tuned.solution.soil, &tuned.knobs);
+    placed_locally(given, scan(&projection, &asked))
+}
+
+/// Whether two places or times are the same for what acts there.
+fn are_alike(one: Option<&Extent>, other: &Extent) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() < SAME;
+    match (one, other) {
+        (Some(Extent::Place { disc: a }), Extent::Place { disc: b }) => {
+            a.iter().zip(b).all(|(a, b)| near(*a, *b))
+        }
+        (Some(Extent::Time(a)), Extent::Time(b)) => {
+            (a.recording, a.run) == (b.recording, b.run)
+                && near(a.start, b.start)
+                && near(a.end, b.end)
+        }
+        _ => false,
+    }
+}
+
+/// Takes what was fitted where the likeliest acts; of each candidate the likelier place stays.
+pub fn join<'a>(fitted: &mut Vec<Named<'a>>, there: Vec<Named<'a>>) {
+    for one in there {
+        let same = |other: &Named| {
+            other.proposal.kind() == Kind::Local && other.proposal.subject == one.proposal.subject
+        };
+        match fitted.iter().position(same) {
+            Some(place) if fitted[place].odds() >= one.odds() => {}
+            Some(place) => fitted[place] = one,
+            None => fitted.push(one),
+        }
+    }
+}
