@@ -10,7 +10,9 @@ use super::naming::{Named, placed};
 use super::proposal::{Kind, Proposal};
 use crate::diagnosis::hypothesis::Solution;
 use crate::diagnosis::hypothesis::held_out::scores;
-use crate::diagnosis::hypothesis::likelihood::{SKETCH, Tuned, cost, tune_until};
+use crate::diagnosis::hypothesis::likelihood::{
+    SKETCH, Tuned, cost, own_noise, tune_on, tune_until,
+};
 use crate::diagnosis::screening::locate::Extent;
 use crate::fit::normal::{Eliminated, START};
 use crate::fit::problem::{Tables, Weighing};
@@ -45,6 +47,19 @@ pub fn settle_edges(fitted: &mut [Named], best: f64, by: &Weighing) {
         .iter_mut()
         .filter(close)
         .for_each(|named| settle(named, by));
+}
+
+/// The edges of what is taken under the noise that it leaves: that of the model without it holds a part of what its edges
+/// are told by. It keeps its odds.
+pub fn settle_under_own_noise(named: &mut Named, by: &Weighing) {
+    if named.proposal.kind() != Kind::Local || named.odds() < AT_STAKE {
+        return;
+    }
+    let gain = named.gain;
+    let own = own_noise(&named.given, &named.tuned, by);
+    named.tuned = tune_on(&named.given, &named.tuned, &own, SKETCH);
+    settle(named, &own);
+    named.gain = gain;
 }
 
 fn settle(named: &mut Named, by: &Weighing) {

@@ -5,6 +5,7 @@
 //! decides what is left out again and what else there is.
 
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
+use super::edges::settle_under_own_noise;
 use super::naming::Named;
 use super::proposal::Kind;
 use super::prune::{prune, without};
@@ -105,17 +106,17 @@ impl<'a> Path<'a> {
         progress: &Progress,
     ) -> Result<Self, DiagnosisError> {
         while self.members.len() < self.rounds() {
-            let Some(best) = choose(&fitted, &self.stage, prefer) else {
+            let Some(mut best) = choose(&fitted, &self.stage, prefer).cloned() else {
                 self.refused = self.rivals(&fitted);
                 break;
             };
+            settle_under_own_noise(&mut best, &self.by);
             self.members.push(Member {
-                proposal: best.proposal.clone(),
+                proposal: best.proposal,
                 gain: self.on_all(best.gain),
                 rivals: self.rivals(&fitted),
             });
-            let (placed, tuned) = (best.given.clone(), best.tuned.clone());
-            let (placed, tuned) = self.narrowed(placed, tuned);
+            let (placed, tuned) = self.narrowed(best.given, best.tuned);
             self.stage = look(placed, tuned, &mut self.by, options, progress)?;
             fitted = self.what_else(progress);
         }
