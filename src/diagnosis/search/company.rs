@@ -103,3 +103,73 @@ pub fn join<'a>(fitted: &mut Vec<Named<'a>>, there: Vec<Named<'a>>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::screening::locate::Stretch;
+    use crate::diagnosis::search::edges::tests::{drag, slowed};
+    use crate::diagnosis::search::stage::tests::retuned;
+
+    #[test]
+    fn everything_is_proposed_where_the_likeliest_acts() {
+        let (nominal, recordings) = slowed();
+        let (stage, by) = retuned(&nominal, &recordings);
+        let fitted = [drag(&stage, &by)];
+        let there = beside_the_likeliest(&stage, &fitted);
+        let extent = &fitted[0].proposal.extent;
+        assert!(
+            there
+                .iter()
+                .all(|one| &one.extent == extent && one.looking == 7.0)
+        );
+        let names: Vec<&str> = there.iter().map(|one| one.subject.name()).collect();
+        assert!(
+            names.contains(&"drawbar") && names.contains(&"terrain_change"),
+            "{names:?}"
+        );
+        assert!(!names.contains(&"drag"));
+        // Slowed for some seconds, it may as well have been somewhere.
+        let elsewhere = otherwise_confined(&stage, &fitted);
+        assert!(elsewhere.iter().all(|one| {
+            one.subject.name() == "drag" && matches!(one.extent, Some(Extent::Place { .. }))
+        }));
+        assert_eq!(elsewhere.len(), 1);
+    }
+
+    #[test]
+    fn of_each_candidate_the_likelier_place_stays() {
+        let (nominal, recordings) = slowed();
+        let (stage, by) = retuned(&nominal, &recordings);
+        let one = drag(&stage, &by);
+        let with = |gain: f64| Named {
+            gain,
+            ..one.clone()
+        };
+        let mut fitted = vec![with(30.0)];
+        join(&mut fitted, vec![with(20.0), with(40.0)]);
+        assert_eq!(fitted.len(), 1);
+        assert_eq!(fitted[0].gain, 40.0);
+    }
+
+    #[test]
+    fn times_and_places_are_alike_within_a_gate() {
+        let time = |start| {
+            Extent::Time(Stretch {
+                recording: 0,
+                run: 0,
+                start,
+                end: 9.0,
+            })
+        };
+        let place = |radius| Extent::Place {
+            disc: [1.0, 2.0, radius],
+        };
+        assert!(are_alike(Some(&time(3.0)), &time(3.2)));
+        assert!(!are_alike(Some(&time(3.0)), &time(3.5)));
+        assert!(are_alike(Some(&place(3.0)), &place(3.2)));
+        assert!(!are_alike(Some(&place(3.0)), &place(3.5)));
+        assert!(!are_alike(Some(&place(3.0)), &time(3.0)));
+        assert!(!are_alike(None, &time(3.0)));
+    }
+}

@@ -231,20 +231,21 @@ fn nudged(extent: &Extent, by: &DVector<f64>) -> Option<Extent> {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::diagnosis::Subject;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::screening::locate::Stretch;
     use crate::diagnosis::search::naming::{finish, sketch};
+    use crate::diagnosis::search::stage::Stage;
     use crate::diagnosis::search::stage::tests::retuned;
     use crate::effects::{CATALOGUE, Effects};
+    use crate::recording::Recording;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
-    use nalgebra::DVector;
 
-    #[test]
-    fn edges_move_to_where_something_acts() {
+    /// A vehicle and its recording, on which it was slowed from 6.7 s to 12.15 s.
+    pub fn slowed() -> (Specification, [Recording; 1]) {
         let soil = Terrain::preset("sandy_loam").unwrap();
         let nominal = Specification::plain(Vehicle::tran2007(), soil);
         let text = r#"{"drag": {"coefficient": 150}, "window": {"effects": ["drag"], "time": [6.7, 12.15]}}"#;
@@ -252,8 +253,12 @@ mod tests {
             effects: Effects::from_json(text).unwrap(),
             ..nominal.clone()
         };
-        let recordings = [driven(&slowed, "slalom")];
-        let (stage, by) = retuned(&nominal, &recordings);
+        let recording = driven(&slowed, "slalom");
+        (nominal, [recording])
+    }
+
+    /// Drag from 6.9 s to 12.4 s, fitted.
+    pub fn drag<'a>(stage: &Stage<'a>, by: &Weighing) -> Named<'a> {
         let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
         let subject = Subject::Effect(drag);
         let knobs: Vec<usize> = stage.given.candidates.of(subject).collect();
@@ -267,15 +272,22 @@ mod tests {
             })),
             steps: vec![(knobs[0], DVector::repeat(1, 100.0))],
             evidence: 0.0,
-            looking: 0.0,
+            looking: 7.0,
             stability: Vec::new(),
             soil: DVector::zeros(stage.given.soil.len()),
             hidden: false,
             anew: false,
             knobs,
         };
-        let begun = sketch(&stage.given, &proposal, &stage.tuned, &by, 1.0).unwrap();
-        let mut fitted = [finish(begun, &stage.tuned, &by).unwrap()];
+        let begun = sketch(&stage.given, &proposal, &stage.tuned, by, 1.0).unwrap();
+        finish(begun, &stage.tuned, by).unwrap()
+    }
+
+    #[test]
+    fn edges_move_to_where_something_acts() {
+        let (nominal, recordings) = slowed();
+        let (stage, by) = retuned(&nominal, &recordings);
+        let mut fitted = [drag(&stage, &by)];
         let before = fitted[0].gain;
         settle_edges(&mut fitted, before, &by);
         let Some(Extent::Time(at)) = fitted[0].proposal.extent else {
