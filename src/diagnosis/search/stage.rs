@@ -39,6 +39,8 @@ const SHARE: f64 = 0.95;
 /// Fits that are further behind after their first steps are not finished, or not widened to all stretches.
 const NEAR: f64 = 0.75;
 const NEAR_ON_A_PART: f64 = 0.5;
+/// The same where the likeliest acts: they do not differ by where they were looked for.
+const NEAR_THERE: f64 = 0.9;
 pub const CLOSE: f64 = 5.0;
 /// Where a law is likeliest, names lead on as well that have this share of its odds: a law may be two effects at once.
 pub const GOOD_PART: f64 = 0.2;
@@ -163,7 +165,7 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
         let there = where_else(stage, &fitted);
         let begun = there.iter();
         let begun = begun.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
-        let least = NEAR * best(&fitted) - CLOSE;
+        let least = NEAR_THERE * best(&fitted) - CLOSE;
         let mut there = finished(begun.filter(|sketch| sketch.promise() > least).collect());
         let first = best(&fitted).max(best(&there));
         settle_edges(&mut there, first, by);
