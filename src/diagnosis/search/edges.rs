@@ -43,14 +43,17 @@ pub fn settle_edges(fitted: &mut [Named], best: f64, by: &Weighing) {
     }
     let close =
         |named: &&mut Named| named.proposal.kind() == Kind::Local && named.odds() > close_to(best);
-    fitted
-        .iter_mut()
-        .filter(close)
-        .for_each(|named| settle(named, by));
+    for named in fitted.iter_mut().filter(close) {
+        let before = named.tuned.surprise;
+        settle(named, by);
+        if named.tuned.surprise < before {
+            named.scores = scores(&named.given, &named.tuned, by);
+        }
+    }
 }
 
 /// The edges of what is taken under the noise that it leaves: that of the model without it holds a part of what its edges
-/// are told by. It keeps its odds.
+/// are told by. It keeps its odds and scores.
 pub fn settle_under_own_noise(named: &mut Named, by: &Weighing) {
     if named.proposal.kind() != Kind::Local || named.odds() < AT_STAKE {
         return;
@@ -63,14 +66,10 @@ pub fn settle_under_own_noise(named: &mut Named, by: &Weighing) {
 }
 
 fn settle(named: &mut Named, by: &Weighing) {
-    let begin = named.tuned.surprise;
     for _ in 0..STEPS {
         if stepped(named, by).is_none_or(|gain| gain < WORTH) {
             break;
         }
-    }
-    if named.tuned.surprise < begin {
-        named.scores = scores(&named.given, &named.tuned, by);
     }
 }
 
