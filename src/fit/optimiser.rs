@@ -3,12 +3,14 @@
 //! Damping after H. B. Nielsen, "Damping parameter in Marquardt's method" (IMM-REP-1999-05).
 //! A step is also cut where it would carry a parameter too far at once, in units of its prior:
 //! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
-//! Steps stay within bounds as [`step_within`] tells.
+//! Steps stay within bounds as [`step_within`] tells. Where it would end, segments that stand out have their starts
+//! looked for anew (see [`super::restart`]).
 
 use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal};
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{Point, Problem, Tables, Weighing};
+use super::restart::outlying_restarted;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -46,6 +48,10 @@ const LARGEST_REACH: f64 = 3.0;
 /// A step that fails although it promises a gain, but less than so many times the least one
 /// worth a step, fails for rounding.
 const NEARLY: f64 = 5.0;
+/// So often starts are looked for anew where the search would end; it goes on, with half of the steps at least, where the
+/// cost falls by this share.
+const RENEWALS: usize = 2;
+const RENEWED: f64 = 0.05;
 /// Steps below this lead nowhere.
 const SMALLEST_REACH: f64 = 1e-6;
 
@@ -144,7 +150,7 @@ pub fn minimise_from<P: Predictor>(
     let first = here.cost;
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut reach = FIRST_REACH;
-    let mut steps = 0;
+    let (mut steps, mut renewals) = (0, 0);
     let (converged, promised) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
         let step = propose(problem, &here, damping, reach);
@@ -153,6 +159,17 @@ pub fn minimise_from<P: Predictor>(
             // Only derivatives of this point tell whether it is the end.
             here = renewed(here, &mut sure);
             continue;
+        }
+        if (ended || little) && renewals < RENEWALS {
+            renewals += 1;
+            if let Some(there) = restarted(problem, &here, by, &stand) {
+                if there.cost < (1.0 - RENEWED) * here.cost {
+                    steps = steps.min(stop.steps / 2);
+                    (damping, growth, reach) = (FIRST_DAMPING, 2.0, FIRST_REACH);
+                }
+                here = there;
+                continue;
+            }
         }
         if ended || little {
             break (little, step.map_or(0.0, |step| step.expected_gain));
@@ -210,6 +227,24 @@ pub fn minimise_from<P: Predictor>(
         converged,
         tables: here.tables,
     }
+}
+
+/// The same with other starts, where segments that stand out have better ones.
+fn restarted<P: Predictor>(
+    problem: &Problem<P>,
+    here: &Stand,
+    by: &Weighing,
+    stand: &impl Fn(Point) -> Result<Stand, PredictionError>,
+) -> Option<Stand> {
+    let costs = here.normals.iter().map(|normal| normal.cost);
+    let starts = outlying_restarted(problem, &here.point, by, costs)?;
+    let coordinates = here.point.coordinates.clone();
+    let there = stand(Point {
+        coordinates,
+        starts,
+    })
+    .ok()?;
+    (there.cost < here.cost).then_some(there)
 }
 
 /// Normal equations of all segments, computed side by side.

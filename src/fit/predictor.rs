@@ -55,7 +55,7 @@ impl Trajectory {
 }
 
 /// A model whose parameters can be fitted.
-pub trait Predictor: Sync {
+pub trait Predictor: Send + Sync {
     /// Number of free parameters.
     fn parameters(&self) -> usize;
 

@@ -28,12 +28,50 @@ const WORTH: f64 = 2.0;
 const FIRST_DAMPING: f64 = 1e-3;
 const LARGEST_DAMPING: f64 = 1e4;
 
+/// A segment may have gone astray where its samples cost so many times what those of the median segment do.
+const OUTLYING: f64 = 3.0;
+
 /// The starts of all segments, those that were found to do better anew; `None` where none was. The parameters are held.
 #[must_use]
-pub fn restarted<P: Predictor + Send>(
+pub fn restarted<P: Predictor>(
     problem: &Problem<P>,
     point: &Point,
     by: &Weighing,
+) -> Option<Vec<[f64; START]>> {
+    restarted_where(problem, point, by, &|_| true)
+}
+
+/// As [`restarted`], of the segments whose costs stand out from those of the others.
+#[must_use]
+pub fn outlying_restarted<P: Predictor>(
+    problem: &Problem<P>,
+    point: &Point,
+    by: &Weighing,
+    costs: impl Iterator<Item = f64>,
+) -> Option<Vec<[f64; START]>> {
+    let pairs = costs.zip(&problem.segments);
+    let each: Vec<f64> = pairs
+        .map(|(cost, segment)| cost / segment.sample_count().max(1) as f64)
+        .collect();
+    let bar = OUTLYING * median(&each)?;
+    let outlying = |index: usize| each[index] > bar;
+    if !(0..each.len()).any(outlying) {
+        return None;
+    }
+    restarted_where(problem, point, by, &outlying)
+}
+
+fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}
+
+fn restarted_where<P: Predictor>(
+    problem: &Problem<P>,
+    point: &Point,
+    by: &Weighing,
+    wanted: &(impl Fn(usize) -> bool + Sync),
 ) -> Option<Vec<[f64; START]>> {
     let held = |recording: usize| {
         let values = problem.model_values(recording, &point.coordinates);
@@ -52,14 +90,15 @@ pub fn restarted<P: Predictor + Send>(
     };
     let all = 0..problem.segments.len();
     let stretches: Vec<Stretch<P>> = all.map(stretch).collect();
-    let pairs = stretches.par_iter().zip(&point.starts);
-    let ends: Vec<_> = pairs.map(|(one, start)| one.end(start)).collect();
     let pairs = stretches.par_iter().enumerate().zip(&point.starts);
     let found: Vec<_> = pairs
         .map(|((index, one), start)| {
+            if !wanted(index) {
+                return None;
+            }
             let before = index.checked_sub(1);
             let before = before.filter(|k| one.segment.follows(stretches[*k].segment));
-            let before = before.and_then(|k| ends[k]);
+            let before = before.and_then(|k| stretches[k].end(&point.starts[k]));
             let begins = [Some(one.segment.start_prior), before];
             one.better(start, begins.iter().flatten())
         })

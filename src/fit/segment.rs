@@ -173,6 +173,12 @@ impl Segment {
         (self.recording, self.run) == (before.recording, before.run)
             && (self.start - before.end).abs() < SAME_TIME
     }
+
+    /// Number of samples, of all channels together.
+    #[must_use]
+    pub fn sample_count(&self) -> usize {
+        self.samples.iter().map(|samples| samples.time.len()).sum()
+    }
 }
 
 /// Standard deviations of the start's prior: pose \[m, m, rad\], then velocities.

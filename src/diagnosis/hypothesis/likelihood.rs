@@ -317,6 +317,7 @@ mod tests {
     use crate::diagnosis::Options;
     use crate::diagnosis::hypothesis::prepare::prepare;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::fit::restart::outlying_restarted;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
 
@@ -332,24 +333,36 @@ mod tests {
         let same = tune_restarted(&given, &tuned, &by);
         assert!((same.surprise - tuned.surprise).abs() < 1.0);
         // Driving backwards and sidewards, from somewhat aside: gone within tenths of a second.
-        for (segment, left) in [(3, 3.0), (4, 1.0)] {
+        for (segment, left, alone) in [(3, 3.0, true), (4, 1.0, false)] {
             let off = [0.4, -0.2 * left, 0.0, -2.0, left, 0.0];
             let mut wrong = tuned.solution.clone();
             for (value, off) in wrong.starts[segment].iter_mut().zip(off) {
                 *value += off;
             }
-            let still = Stop {
-                steps: 0,
-                gain: 0.0,
+            let predictor = given.predictor(&[]);
+            let problem = given.problem(&predictor, &[]);
+            let point = given.point(&problem, &[], &wrong);
+            let costs = |costly: usize| {
+                (0..point.starts.len()).map(move |k| if k == costly { 9.0 } else { 1.0 })
             };
-            let wrong = tune_until(&given, &[], &wrong, &by, still).unwrap();
-            let stuck = tune_on(&given, &wrong, &by, HELD);
-            assert!(stuck.surprise > tuned.surprise + 100.0);
-            let again = tune_restarted(&given, &wrong, &by);
-            assert!((again.surprise - tuned.surprise).abs() < 5.0);
-            // The soil went along.
+            for found in [
+                restarted(&problem, &point, &by),
+                outlying_restarted(&problem, &point, &by, costs(segment)),
+            ] {
+                let pairs = found.unwrap()[segment]
+                    .into_iter()
+                    .zip(tuned.solution.starts[segment]);
+                assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 0.1);
+            }
+            // Only what stands out is looked at.
+            assert!(outlying_restarted(&problem, &point, &by, costs(segment + 1)).is_none());
+            // Left there the soil goes along. Found where the fit would end if it stands out among the others, and where
+            // it is gone on with otherwise.
+            let stuck = tune(&given, &[], &wrong, &by).unwrap();
+            assert_eq!((stuck.surprise - tuned.surprise).abs() < 10.0, alone);
             let again = tune_restarted(&given, &stuck, &by);
-            assert!((again.surprise - tuned.surprise).abs() < 10.0);
+            let off = again.surprise - tuned.surprise;
+            assert!(off.abs() < 10.0, "{off}");
         }
     }
 
