@@ -4,15 +4,21 @@
 //! off: a slope that all but stops a vehicle promises less than half of what it comes to, at another time than it acts, and
 //! would never be fitted. So whatever the scan promises elsewhere, everything is begun where the likeliest acts as well.
 
+use super::begins::cheapest;
 use super::contest::AT_STAKE;
-use super::naming::Named;
+use super::naming::{Named, Sketch, finish, placed, sketch};
 use super::proposal::{BEHIND, FAR_BEHIND, Kind, Proposal, placed_locally};
 use super::stage::Stage;
+use crate::diagnosis::hypothesis::likelihood::{SKETCH, Tuned, tune_until};
 use crate::diagnosis::screening::locate::{Extent, Found, Scanned, locate, located_at, scanned};
 use crate::diagnosis::screening::screen::Projection;
+use crate::fit::problem::Weighing;
+use nalgebra::DVector;
 
 /// Two times or places that differ by less than this \[s, m\] are one.
 const SAME: f64 = 0.3;
+/// At most so many are finished where the likeliest acts.
+const MOST: usize = 4;
 
 /// What is proposed where the likeliest acts, if that is a place or a time, and has not been fitted there.
 #[must_use]
@@ -56,10 +62,71 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
 }
 
 /// The likeliest where it acts somewhere only and something is at stake.
-fn likeliest<'n, 'a>(fitted: &'n [Named<'a>]) -> Option<(&'n Named<'a>, &'n Extent)> {
+pub fn likeliest<'n, 'a>(fitted: &'n [Named<'a>]) -> Option<(&'n Named<'a>, &'n Extent)> {
     let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
     let local = best.odds() > AT_STAKE && best.proposal.kind() == Kind::Local;
     Some((best, best.proposal.extent.as_ref().filter(|_| local)?))
+}
+
+/// What is proposed where the likeliest acts, the most promising fitted in full where they may come to so much.
+#[must_use]
+pub fn fitted_there<'a>(
+    stage: &Stage<'a>,
+    proposals: &[Proposal],
+    likeliest: &Named,
+    least: f64,
+    by: &Weighing,
+) -> Vec<Named<'a>> {
+    let before = &stage.tuned;
+    let begun = proposals.iter();
+    let begun = begun.filter_map(|proposal| begun_there(stage, proposal, likeliest, by));
+    let mut begun: Vec<Sketch> = begun.filter(|sketch| sketch.promise() > least).collect();
+    begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+    begun.truncate(MOST);
+    let finished = begun.into_iter();
+    finished
+        .filter_map(|sketch| finish(sketch, before, by))
+        .map(|one| on_a_par(one, likeliest, before))
+        .collect()
+}
+
+/// The first steps of what is proposed where the likeliest acts. They begin on the soil and the starts that the likeliest
+/// came to: elsewhere both are right already, while re-tuning has gone far to imitate what acts there.
+fn begun_there<'a>(
+    stage: &Stage<'a>,
+    proposal: &Proposal,
+    likeliest: &Named,
+    by: &Weighing,
+) -> Option<Sketch<'a>> {
+    let Stage { given, tuned, .. } = stage;
+    let placed = placed(given, proposal)?;
+    let mut knobs = tuned.knobs.clone();
+    knobs.extend(&proposal.knobs);
+    let mut begin = likeliest.tuned.solution.clone();
+    if proposal.knobs != likeliest.proposal.knobs {
+        begin.take(&likeliest.proposal.knobs, &tuned.solution);
+        let knobs_alone = Proposal {
+            soil: DVector::zeros(0),
+            ..proposal.clone()
+        };
+        begin = cheapest(&placed, &knobs_alone, &knobs, &begin, by)?;
+    }
+    match tune_until(&placed, &knobs, &begin, by, SKETCH) {
+        Ok(begun) if begun.surprise.is_finite() => {
+            Some(Sketch::new(proposal, &placed, begun, tuned))
+        }
+        _ => sketch(given, proposal, tuned, by, 1.0),
+    }
+}
+
+/// The same measured against the hypothesis without it where the likeliest is: that one's soil may have turned out better
+/// than the re-tuned one without what is proposed, which is nobody's merit.
+fn on_a_par<'a>(one: Named<'a>, likeliest: &Named, before: &Tuned) -> Named<'a> {
+    let without = likeliest.gain + likeliest.tuned.surprise + likeliest.proposal.looking;
+    Named {
+        gain: one.gain - (before.surprise - without).max(0.0),
+        ..one
+    }
 }
 
 /// What a scan finds, as proposals.
@@ -135,6 +202,43 @@ mod tests {
             one.subject.name() == "drag" && matches!(one.extent, Some(Extent::Place { .. }))
         }));
         assert_eq!(elsewhere.len(), 1);
+    }
+
+    #[test]
+    fn first_steps_there_lead_as_far_as_from_the_re_tuned_soil() {
+        let (nominal, recordings) = slowed();
+        let (stage, by) = retuned(&nominal, &recordings);
+        let fitted = [drag(&stage, &by)];
+        let mut compared = 0;
+        for proposal in beside_the_likeliest(&stage, &fitted) {
+            let there = begun_there(&stage, &proposal, &fitted[0], &by).unwrap();
+            let Some(before) = sketch(&stage.given, &proposal, &stage.tuned, &by, 1.0) else {
+                continue;
+            };
+            let name = proposal.subject.name();
+            println!("{name} {} {}", there.odds(), before.odds());
+            assert!(there.promise() > before.odds() - 2.0, "{name}");
+            compared += 1;
+        }
+        assert!(compared > 3);
+    }
+
+    #[test]
+    fn a_soil_that_turned_out_better_is_nobodys_merit() {
+        let (nominal, recordings) = slowed();
+        let (stage, by) = retuned(&nominal, &recordings);
+        let one = drag(&stage, &by);
+        // Measured against the re-tuned model, and 30 better than that without anything.
+        let before = &stage.tuned;
+        let gain = before.surprise - one.tuned.surprise - one.proposal.looking;
+        let with = |gain: f64| Named {
+            gain,
+            ..one.clone()
+        };
+        let same = on_a_par(with(gain), &with(gain), before);
+        assert!((same.gain - gain).abs() < 1e-6);
+        let less = on_a_par(with(gain), &with(gain - 30.0), before);
+        assert!((less.gain - gain + 30.0).abs() < 1e-6);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
 //! how it predicts.
 
-use super::company::{beside_the_likeliest, join, otherwise_confined};
+use super::company::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
 use super::contest::contend;
 use super::edges::settle_edges;
 use super::given_soil::{from_given_soil, seen_from_given_soil};
@@ -162,11 +162,12 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
     let first = best(&fitted);
     settle_edges(&mut fitted, first, by);
     for where_else in [beside_the_likeliest, otherwise_confined] {
+        let Some((likeliest, _)) = likeliest(&fitted) else {
+            break;
+        };
         let there = where_else(stage, &fitted);
-        let begun = there.iter();
-        let begun = begun.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
         let least = NEAR_THERE * best(&fitted) - CLOSE;
-        let mut there = finished(begun.filter(|sketch| sketch.promise() > least).collect());
+        let mut there = fitted_there(stage, &there, likeliest, least, by);
         let first = best(&fitted).max(best(&there));
         settle_edges(&mut there, first, by);
         join(&mut fitted, there);
