@@ -253,7 +253,7 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
                     start_prior: [0.0; 6],
                     start_deviation: START_DEVIATION,
                 };
-                let count: usize = segment.samples.iter().map(|s| s.time.len()).sum();
+                let count = segment.sample_count();
                 if wheels.gap > LONGEST_GAP || count < FEWEST_SAMPLES {
                     cut.unusable += step;
                 } else {

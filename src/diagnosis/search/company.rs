@@ -216,7 +216,6 @@ mod tests {
                 continue;
             };
             let name = proposal.subject.name();
-            println!("{name} {} {}", there.odds(), before.odds());
             assert!(there.promise() > before.odds() - 2.0, "{name}");
             compared += 1;
         }
