@@ -356,6 +356,7 @@ mod tests {
             // it is gone on with otherwise.
             let stuck = tune(&given, &[], &wrong, &by).unwrap();
             assert_eq!((stuck.surprise - tuned.surprise).abs() < 10.0, alone);
+            assert!(alone || stuck.surprise > tuned.surprise + 100.0);
             let again = tune_restarted(&given, &stuck, &by);
             let off = again.surprise - tuned.surprise;
             assert!(off.abs() < 10.0, "{off}");
