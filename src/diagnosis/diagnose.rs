@@ -2,20 +2,20 @@
 
 use super::answer::account::{account, doubts, read};
 use super::answer::ambiguity::groups;
+use super::answer::augmented::model;
 use super::answer::errors::compare;
 use super::answer::findings::findings;
 use super::answer::traces::traces;
 use super::answer::verdict::{Odds, judge};
-use super::hypothesis::candidate::{Target, copy};
+use super::hypothesis::Given;
 use super::hypothesis::likelihood::Tuned;
 use super::hypothesis::prepare::{prepare, seconds};
-use super::hypothesis::{Given, What};
 use super::manoeuvre::next;
 use super::outcome::{Account, Candidate, Diagnosis, Subject, Verdict};
 use super::screening::screen::{Projection, one_degree};
 use super::search::{Searched, search};
 use super::{DiagnosisError, Options, Progress};
-use crate::effects::{CATALOGUE, Effects, Extent};
+use crate::effects::CATALOGUE;
 use crate::fit::Estimate;
 use crate::fit::parameter::NORMAL_95;
 use crate::fit::segment::Signal;
@@ -157,7 +157,9 @@ fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisEr
     let projection = Projection::over_all(&looked.system, &[]).ok_or(DiagnosisError::NotFinite)?;
     let alike = groups(&projection, &looked.screened);
     let one = |(screened, alike): (&super::search::proposal::Screened, Vec<(Subject, f64)>)| {
-        let knob = searched.given.candidates.of(screened.subject).next();
+        let mut knobs = searched.given.candidates.of(screened.subject);
+        // The one that the numbers are of: recordings may tell nothing of the others.
+        let knob = knobs.find(|knob| !looked.system.unknowns(*knob).is_empty());
         let knob = &searched.given.candidates.knobs[knob?];
         let (projected, score) = (&screened.projected, &screened.score);
         let information = projected.matrix[(0, 0)] / score.scatter;
@@ -257,58 +259,6 @@ fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
         )
     })
     .collect()
-}
-
-/// The augmented model: what is bound to some seconds of one drive is left out of it.
-fn model(searched: &Searched, nominal: &Specification) -> Result<Specification, DiagnosisError> {
-    let given = &searched.placed;
-    let mut model = given
-        .specification(&searched.augmented.solution, 0)
-        .map_err(|_| DiagnosisError::NotFinite)?;
-    let predictor = given.predictor(&searched.augmented.knobs);
-    let problem = given.problem(&predictor, &searched.augmented.knobs);
-    // What each recording has for itself goes in as the mean.
-    let mut sums: Vec<(usize, f64)> = Vec::new();
-    given.visit(&problem, &searched.augmented.knobs, |_, recording, what| {
-        if let What::Knob(knob) = what
-            && given.candidates.knobs[knob].own
-        {
-            let at = searched.augmented.solution.knobs[recording][knob];
-            let share = at / given.recordings.len() as f64;
-            match sums.iter_mut().find(|(other, _)| *other == knob) {
-                Some((_, sum)) => *sum += share,
-                None => sums.push((knob, share)),
-            }
-        }
-    });
-    for (knob, coordinate) in sums {
-        let about = &given.candidates.knobs[knob];
-        if let Target::Model(parameter) = about.target {
-            let value = about.parameter.value(coordinate);
-            parameter
-                .set(&mut model, value)
-                .map_err(|_| DiagnosisError::NotFinite)?;
-        }
-    }
-    if let Some(window) = model.effects.window.take() {
-        match window.extent {
-            Extent::Place { .. } => model.effects.window = Some(window),
-            Extent::Time { .. } => {
-                for effect in window.effects {
-                    copy(&mut model.effects, effect, &Effects::NONE)
-                        .map_err(|_| DiagnosisError::NotFinite)?;
-                }
-            }
-        }
-    }
-    // Where an effect that is off was expected to act is nobody's concern.
-    for effect in 0..CATALOGUE.len() {
-        if !model.effects.is_on(effect) {
-            copy(&mut model.effects, effect, &nominal.effects)
-                .map_err(|_| DiagnosisError::NotFinite)?;
-        }
-    }
-    Ok(model)
 }
 
 fn statement(diagnosis: &Diagnosis) -> String {

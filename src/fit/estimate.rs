@@ -155,7 +155,11 @@ pub fn fit<P: Predictor>(
     if options.starts > 0 {
         let found = search(&problem, &state.point, &state.by, &doubt, options, progress);
         if let Some(better) = &found.better {
+            let cut_for = latencies(&problem, &state);
             state.point = better.clone();
+            if is_later(&latencies(&problem, &state), &cut_for) {
+                recut(&mut problem, recordings, options, &mut state)?;
+            }
             turned = turns(&mut problem, recordings, options, &mut state, progress)?;
             doubt = doubts(&problem, &turned, &state)?;
         }
@@ -242,8 +246,7 @@ fn turns<P: Predictor>(
             });
         }
         let now = latencies(problem, state);
-        let shift = now.iter().zip(&cut_for).map(|(a, b)| (a - b).abs());
-        if shift.fold(0.0, f64::max) > LATER {
+        if is_later(&now, &cut_for) {
             cut_for = now;
             recut(problem, recordings, options, state)?;
             leave_out_undrivable(problem, state)?;
@@ -285,6 +288,12 @@ fn latencies<P: Predictor>(problem: &Problem<P>, state: &State) -> Vec<f64> {
         values[SensorParameter::PoseLatency.index()]
     };
     (0..problem.recordings.len()).map(late).collect()
+}
+
+/// Whether poses proved later, or less late, than segments were cut for.
+fn is_later(now: &[f64], cut_for: &[f64]) -> bool {
+    let mut pairs = now.iter().zip(cut_for);
+    pairs.any(|(a, b)| (a - b).abs() > LATER)
 }
 
 /// Cuts anew; segments that are still there keep their starts.

@@ -10,7 +10,7 @@ use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal};
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{Point, Problem, Tables, Weighing};
-use super::restart::outlying_restarted;
+use super::restart::{moved, outlying_restarted};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -151,10 +151,13 @@ pub fn minimise_from<P: Predictor>(
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut reach = FIRST_REACH;
     let (mut steps, mut renewals) = (0, 0);
+    // Whether what the next step promises is within the accuracy of the predictions.
+    let mut rounded = false;
     let (converged, promised) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
         let step = propose(problem, &here, damping, reach);
-        let little = step.as_ref().is_some_and(|s| s.expected_gain < stop.gain);
+        let enough = if rounded { NEARLY } else { 1.0 } * stop.gain;
+        let little = step.as_ref().is_some_and(|s| s.expected_gain < enough);
         if (ended || little) && here.age > 0 {
             // Only derivatives of this point tell whether it is the end.
             here = renewed(here, &mut sure);
@@ -162,7 +165,8 @@ pub fn minimise_from<P: Predictor>(
         }
         if (ended || little) && renewals < RENEWALS {
             renewals += 1;
-            if let Some(there) = restarted(problem, &here, by, &stand) {
+            rounded = false;
+            if let Some(there) = restarted(problem, &here, by) {
                 if there.cost < (1.0 - RENEWED) * here.cost {
                     steps = steps.min(stop.steps / 2);
                     (damping, growth, reach) = (FIRST_DAMPING, 2.0, FIRST_REACH);
@@ -208,8 +212,8 @@ pub fn minimise_from<P: Predictor>(
             here = renewed(here, &mut sure);
         } else {
             if step.expected_gain < stop.gain * NEARLY {
-                // So little is within the accuracy of the predictions.
-                break (true, step.expected_gain);
+                rounded = true;
+                continue;
             }
             reach = 0.3 * reach.min(step.reach);
             if trial_cost.is_finite() {
@@ -230,20 +234,11 @@ pub fn minimise_from<P: Predictor>(
 }
 
 /// The same with other starts, where segments that stand out have better ones.
-fn restarted<P: Predictor>(
-    problem: &Problem<P>,
-    here: &Stand,
-    by: &Weighing,
-    stand: &impl Fn(Point) -> Result<Stand, PredictionError>,
-) -> Option<Stand> {
+fn restarted<P: Predictor>(problem: &Problem<P>, here: &Stand, by: &Weighing) -> Option<Stand> {
     let costs = here.normals.iter().map(|normal| normal.cost);
     let starts = outlying_restarted(problem, &here.point, by, costs)?;
-    let coordinates = here.point.coordinates.clone();
-    let there = stand(Point {
-        coordinates,
-        starts,
-    })
-    .ok()?;
+    let (point, tables) = moved(problem, &here.point, &here.tables, starts)?;
+    let there = Stand::new(problem, point, tables, by);
     (there.cost < here.cost).then_some(there)
 }
 

@@ -233,14 +233,14 @@ impl<'a, P: Predictor> Problem<'a, P> {
     }
 
     /// The model's values for each recording.
-    fn values(&self, point: &Point) -> Vec<Vec<f64>> {
+    pub(super) fn values(&self, point: &Point) -> Vec<Vec<f64>> {
         let recordings = 0..self.recordings.len();
         recordings
             .map(|recording| self.model_values(recording, &point.coordinates))
             .collect()
     }
 
-    fn predicted(
+    pub(super) fn predicted(
         &self,
         (segment, start): (&Segment, &[f64; START]),
         point: &Point,

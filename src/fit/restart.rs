@@ -4,7 +4,8 @@
 //! it may have gone far off, to velocities that nothing measures and that are gone after some tenths of a second,
 //! and it stays there when the model is right: what that segment leaves over then looks like a force for some seconds.
 //! So each start is fitted again, the model held, from where it stands, from where the sensors show it and from where
-//! the segment before ends (as multiple shooting would have it: H. G. Bock, 1983), and the likeliest is taken.
+//! the segment before ends (as multiple shooting would have it: H. G. Bock, 1983), and the likeliest is taken. What the
+//! linearised segment foretells of another start, or one that is on its way to the same place, is not followed: most are.
 
 use super::linearised::add_segment;
 use super::normal::{Eliminated, Normal, START};
@@ -16,7 +17,7 @@ use super::segment::Segment;
 use super::sensor::{SensorParameter, SensorValues};
 use super::weighing::reweigh_segment;
 use crate::simulation::State;
-use nalgebra::DVector;
+use nalgebra::{DVector, SVector};
 use rayon::prelude::*;
 
 /// Steps at most.
@@ -27,6 +28,13 @@ const LEAST: f64 = 0.5;
 const WORTH: f64 = 2.0;
 const FIRST_DAMPING: f64 = 1e-3;
 const LARGEST_DAMPING: f64 = 1e4;
+
+/// Another start lies in the same basin where the cost there is what the linearised segment says, up to this share of the
+/// difference and this much.
+const FORETOLD: f64 = 0.25;
+const ROUGHLY: f64 = 2.0;
+/// It has come to the same place where the linearised cost there is higher by no more than this.
+const SAME: f64 = 4.0;
 
 /// A segment may have gone astray where its samples cost so many times what those of the median segment do.
 const OUTLYING: f64 = 3.0;
@@ -61,6 +69,56 @@ pub fn outlying_restarted<P: Predictor>(
     restarted_where(problem, point, by, &outlying)
 }
 
+/// The point with these starts, and its residuals and derivatives: those of segments whose start has not changed are at
+/// hand. `None` where one cannot be driven.
+#[must_use]
+pub fn moved<P: Predictor>(
+    problem: &Problem<P>,
+    point: &Point,
+    tables: &[Tables],
+    starts: Vec<[f64; START]>,
+) -> Option<(Point, Vec<Tables>)> {
+    let moved = Point {
+        coordinates: point.coordinates.clone(),
+        starts,
+    };
+    let values = problem.values(&moved);
+    let same = |index: usize| moved.starts[index] == point.starts[index];
+    let one = |(index, segment): (usize, &Segment)| {
+        if same(index) {
+            return Some(tables[index].clone());
+        }
+        let pair = (segment, &moved.starts[index]);
+        problem.predicted(pair, &moved, &values, true).ok()
+    };
+    let tables = problem.segments.par_iter().enumerate().map(one).collect();
+    let tables: Option<Vec<Tables>> = tables;
+    Some((moved, tables?))
+}
+
+/// The start of a segment in the basin of `start` that costs least, the parameters and the weights held. `None` where
+/// the vehicle cannot be driven. The weighing is of this segment alone.
+#[must_use]
+pub fn settled<P: Predictor>(
+    problem: &Problem<P>,
+    index: usize,
+    coordinates: &DVector<f64>,
+    start: [f64; START],
+    by: &Weighing,
+) -> Option<[f64; START]> {
+    let segment = &problem.segments[index];
+    let values = problem.model_values(segment.recording, coordinates);
+    let stretch = Stretch {
+        predictor: &problem.predictor().held(&values).ok()?,
+        segment,
+        sensors: problem.sensor_values(segment.recording, coordinates),
+        by: by.clone(),
+        reweighed: false,
+    };
+    let settled = stretch.settled(stretch.start(start)?, None)?;
+    Some(settled.at)
+}
+
 fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -86,6 +144,7 @@ fn restarted_where<P: Predictor>(
             segment,
             sensors: problem.sensor_values(segment.recording, &point.coordinates),
             by: by.of(&[index]),
+            reweighed: true,
         }
     };
     let all = 0..problem.segments.len();
@@ -117,14 +176,36 @@ struct Stretch<'p, P> {
     sensors: SensorValues,
     /// Noise, and the weights of this segment alone.
     by: Weighing,
+    /// Whether these follow the residuals of each start.
+    reweighed: bool,
 }
 
 /// A start, and what it costs.
 struct Start {
     at: [f64; START],
     normal: Normal,
-    /// Sum of the squares and of what the weights cost, each weight as its sample asks for.
+    /// Sum of the squares, and of what the weights cost where each is as its sample asks for.
     cost: f64,
+    /// These weights, by channel.
+    weights: Vec<Vec<f64>>,
+}
+
+impl Start {
+    /// By how much the squares are more at another start, if the segment is as linear as it looks from here.
+    fn foretold(&self, other: &[f64; START]) -> f64 {
+        let off = self.off(other);
+        off.dot(&(self.normal.by_start * off)) - 2.0 * self.normal.start_gradient.dot(&off)
+    }
+
+    fn off(&self, other: &[f64; START]) -> SVector<f64, START> {
+        SVector::from_fn(|k, _| other[k] - self.at[k])
+    }
+
+    /// Whether another start is as good as here.
+    fn reached(&self, other: &[f64; START]) -> bool {
+        let off = self.off(other);
+        off.dot(&(self.normal.by_start * off)) < SAME
+    }
 }
 
 impl<P: Predictor> Stretch<'_, P> {
@@ -153,11 +234,46 @@ impl<P: Predictor> Stretch<'_, P> {
     ) -> Option<[f64; START]> {
         let here = self.start(*start)?;
         let enough = here.cost - WORTH;
-        let others = others.filter_map(|begin| self.start(*begin));
-        let settled = std::iter::once(here).chain(others);
-        let settled = settled.map(|begin| self.settled(begin));
-        let best = settled.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let here = self.settled(here, None)?;
+        let others = others.filter(|begin| !self.foretells(&here, begin));
+        let others = others.filter_map(|begin| self.settled(self.start(*begin)?, Some(&here)));
+        let elsewhere = others.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let better = elsewhere.filter(|there| there.cost < here.cost);
+        let best = better.unwrap_or(here);
         (best.cost < enough).then_some(best.at)
+    }
+
+    /// Whether the squares at another start are about what the linearised segment says.
+    fn foretells(&self, here: &Start, other: &[f64; START]) -> bool {
+        let Some(squares) = self.squares(here, other) else {
+            return false;
+        };
+        let foretold = here.foretold(other);
+        (squares - here.normal.cost - foretold).abs() < FORETOLD * foretold.abs() + ROUGHLY
+    }
+
+    /// Sum of the squares at another start, the weights held. `None` where the vehicle cannot be driven from there.
+    fn squares(&self, here: &Start, other: &[f64; START]) -> Option<f64> {
+        let Self {
+            predictor,
+            segment,
+            sensors,
+            by,
+            ..
+        } = self;
+        let observed = observe(*predictor, segment, other, &[], sensors, false).ok()?;
+        let mut sum = 0.0;
+        for ((channel, samples), weights) in
+            observed.iter().zip(&segment.samples).zip(&here.weights)
+        {
+            let mut residual = channel.residual.clone();
+            let noise = by.noise[segment.recording][samples.signal.group() as usize];
+            noise.whiten(&samples.time, weights, 1, &mut residual);
+            sum += residual.iter().map(|r| r * r).sum::<f64>();
+        }
+        let apart = segment.start_prior.iter().zip(other);
+        let pairs = apart.zip(segment.start_deviation);
+        Some(sum + pairs.map(|((p, o), d)| ((p - o) / d).powi(2)).sum::<f64>())
     }
 
     /// `None` where the vehicle cannot be driven from there.
@@ -167,6 +283,7 @@ impl<P: Predictor> Stretch<'_, P> {
             segment,
             sensors,
             by,
+            reweighed,
         } = self;
         let observed = observe(*predictor, segment, &at, &[], sensors, true).ok()?;
         let width = columns(0);
@@ -184,20 +301,30 @@ impl<P: Predictor> Stretch<'_, P> {
         };
         let mut by = by.clone();
         let (noise, weights) = (&by.noise[segment.recording], &mut by.weights[0]);
-        reweigh_segment(segment, &tables, noise, weights);
+        if *reweighed {
+            reweigh_segment(segment, &tables, noise, weights);
+        }
         let penalty: f64 = weights.iter().flatten().map(|w| robust::penalty(*w)).sum();
         let mut normal = Normal::zeros(0);
         add_segment(&mut normal, segment, 0, &[], &tables, &by);
         let missing = std::array::from_fn(|k| segment.start_prior[k] - at[k]);
         normal.add_start_prior(&missing, &segment.start_deviation);
         let cost = normal.cost + penalty;
-        cost.is_finite().then_some(Start { at, normal, cost })
+        cost.is_finite().then_some(Start {
+            at,
+            normal,
+            cost,
+            weights: by.weights.swap_remove(0),
+        })
     }
 
-    /// The start in the same basin that costs least.
-    fn settled(&self, mut here: Start) -> Start {
+    /// The start in the same basin that costs least. `None` where it comes to one that is `known`.
+    fn settled(&self, mut here: Start, known: Option<&Start>) -> Option<Start> {
         let mut damping = FIRST_DAMPING;
         for _ in 0..STEPS {
+            if known.is_some_and(|known| known.reached(&here.at)) {
+                return None;
+            }
             let Some(eliminated) = Eliminated::new(&here.normal, damping) else {
                 break;
             };
@@ -208,12 +335,16 @@ impl<P: Predictor> Stretch<'_, P> {
             let there = self.start(std::array::from_fn(|k| here.at[k] + step[k]));
             match there.filter(|there| there.cost < here.cost) {
                 Some(there) => {
+                    let gain = here.cost - there.cost;
                     here = there;
                     damping *= 0.3;
+                    if gain < LEAST {
+                        break;
+                    }
                 }
                 None => damping *= 10.0,
             }
         }
-        here
+        Some(here)
     }
 }

@@ -185,6 +185,10 @@ impl Segment {
 const START_DEVIATION: [f64; 6] = [0.5, 0.5, 0.3, 0.5, 0.4, 0.5];
 /// The same for velocities that follow from the wheel speeds alone.
 const GUESSED_VELOCITY: [f64; 3] = [2.0, 1.0, 1.0];
+/// Standard deviation of a heading that nothing tells of \[rad\].
+const GUESSED_HEADING: f64 = 3.0;
+/// A vehicle that moves faster than this \[m/s\] heads where it goes, or where it comes from if its wheels turn backwards.
+const COURSE_SPEED: f64 = 0.3;
 /// A pose is differentiated over so many seconds to either side.
 const SLOPE_SECONDS: f64 = 0.4;
 /// The same where the wheels stand still: the vehicle does, too. A start that slides on locked
@@ -304,7 +308,8 @@ fn samples(run: &Run, sensors: &SensorValues, from: f64, to: f64) -> Vec<Samples
     Signal::ALL.into_iter().filter_map(within).collect()
 }
 
-/// Reads the start off the sensors.
+/// Reads the start off the sensors. Where none tells the heading it is the course, or that of later where the vehicle does
+/// not move yet.
 fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Segment {
     let time = segment.start;
     let late = Signal::X.latency(sensors);
@@ -314,7 +319,7 @@ fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Segmen
         let samples = segment.samples.iter().find(of_channel);
         samples.map_or(0.0, |samples| samples.value[0])
     };
-    let slope = |channel| {
+    let slope = |channel, time: f64| {
         let (from, to) = (time + late - SLOPE_SECONDS, time + late + SLOPE_SECONDS);
         let here = at(channel, time + late);
         match (at(channel, from), here, at(channel, to)) {
@@ -323,19 +328,35 @@ fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Segmen
             _ => None,
         }
     };
-    let pose = [Channel::X, Channel::Y, Channel::Heading]
+    let velocity = |time| slope(Channel::X, time).zip(slope(Channel::Y, time));
+    let course = |time| {
+        let (x, y) = velocity(time).filter(|(x, y)| x.hypot(*y) > COURSE_SPEED)?;
+        let row = segment.drive.time.partition_point(|t| *t <= time).max(1) - 1;
+        let turning: f64 = segment.drive.wheel_speeds(row).iter().sum();
+        let ahead = if turning < 0.0 { -1.0 } else { 1.0 };
+        Some((ahead * y).atan2(ahead * x))
+    };
+    let mut pose = [Channel::X, Channel::Y, Channel::Heading]
         .map(|channel| at(channel, time + late).unwrap_or_else(|| nearest(channel)));
+    let mut heads = run.series(Channel::Heading).is_some();
+    if !heads {
+        let moves = |step: i32| course(time + SLOPE_SECONDS * f64::from(step));
+        heads = moves(0).is_some();
+        let steps = 0..((segment.end - time) / SLOPE_SECONDS) as i32;
+        pose[2] = steps.into_iter().find_map(moves).unwrap_or(0.0);
+        if !heads {
+            segment.start_deviation[2] = GUESSED_HEADING;
+        }
+    }
     let (sin, cos) = pose[2].sin_cos();
-    let along = slope(Channel::X).zip(slope(Channel::Y));
-    let along = along
-        .filter(|_| run.series(Channel::Heading).is_some())
-        .map(|(x, y)| x * cos + y * sin);
+    let along = velocity(time).filter(|_| heads);
+    let along = along.map(|(x, y)| x * cos + y * sin);
     let bias = sensors[SensorParameter::YawRateBias.index()];
     let yaw = at(Channel::YawRate, time).map(|rate| rate - bias);
     let velocities = [
         at(Channel::VX, time).or(along),
         at(Channel::VY, time).or(along.map(|_| 0.0)),
-        yaw.or_else(|| slope(Channel::Heading)),
+        yaw.or_else(|| slope(Channel::Heading, time)),
     ];
     segment.start_prior[..3].copy_from_slice(&pose);
     for (k, velocity) in velocities.into_iter().enumerate() {

@@ -14,7 +14,12 @@ const HEAD: &str = "\
 Each effect is one file in `src/effects/`, of one shape, generic over the scalar: the same code is switched
 on by a file (`ugv simulate --effects FILE`), estimated by `ugv fit`, and set as an FMU's parameters. With all
 off the model is the paper's, bit for bit. An effect is on when one of its **bold** parameters differs from its
-default; the others shape it. Symbols as in the paper; i is the longitudinal slip, z and h the sinkage.
+default; the others shape it. Symbols as in the paper; z and h are the sinkage, and i is the slip
+(r omega - v) / max(abs(r omega), abs(v)), from -1 (locked) to 1, smooth between. (The output
+`longitudinal_slip` is the paper's, (13), which divides by r omega.)
+
+What is of the sensors moves no vehicle: `ugv fit` and `ugv diagnose` alone estimate it, under the names
+and the wider priors that `ugv fit --free help` prints; a simulation and an FMU leave it out.
 
 In a file `grade` may also hold slopes along the drive, linear in between:
 `\"profile\": {\"over\": \"time\" or \"distance\", \"points\": [[at, slope_east, slope_north], ...]}` or

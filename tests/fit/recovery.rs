@@ -2,6 +2,7 @@
 
 use crate::synthetic::{QUIET, Sensors, fitted, nominal, plain, record, truths};
 use ugv_terrain::fit::{Fit, Options};
+use ugv_terrain::recording::{Channel, Recording, Run};
 
 const FREE: [&str; 3] = ["cohesion", "friction_angle", "shear_modulus"];
 
@@ -82,6 +83,42 @@ fn noise_is_told_from_the_data() {
         } else {
             assert!(found.coloured < white, "{estimate:?}");
         }
+    }
+}
+
+/// The drive turned about its beginning, without a heading.
+fn headless(recording: &Recording, angle: f64) -> Recording {
+    let run = &recording.runs[0];
+    let series = |channel| run.series(channel).unwrap().clone();
+    let (mut x, mut y) = (series(Channel::X), series(Channel::Y));
+    let (sin, cos) = angle.sin_cos();
+    for (x, y) in x.value.iter_mut().zip(&mut y.value) {
+        (*x, *y) = (*x * cos - *y * sin, *x * sin + *y * cos);
+    }
+    let kept = [Channel::OmegaLeft, Channel::OmegaRight, Channel::YawRate];
+    let bare = kept.into_iter().fold(Run::new(""), |run, channel| {
+        run.with(channel, series(channel))
+    });
+    Recording {
+        runs: vec![bare.with(Channel::X, x).with(Channel::Y, y)],
+        ..recording.clone()
+    }
+}
+
+#[test]
+fn a_heading_that_nothing_tells_is_read_off_the_course() {
+    let truth = nominal("sandy_loam");
+    let mut begin = truth.clone();
+    begin.terrain.cohesion *= 1.5;
+    begin.terrain.shear_modulus *= 0.7;
+    let recording = record(&truth, 40.0, &QUIET);
+    for angle in [0.0, 1.5, 3.0, -2.0] {
+        let fit = fitted(&begin, &FREE, &[headless(&recording, angle)], &plain()).unwrap();
+        let position = fit.noise[0].noise;
+        let left = position.white.hypot(position.coloured);
+        assert!((left / 0.01 - 1.0).abs() < 0.25, "{angle}: {left}");
+        let misses = misses(&fit, &truths(&fit, &truth, &QUIET));
+        assert!(misses.iter().all(|miss| *miss < 3.0), "{angle} {misses:?}");
     }
 }
 

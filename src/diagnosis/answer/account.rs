@@ -2,6 +2,7 @@
 
 use super::findings::likeliest_first;
 use crate::diagnosis::Options;
+use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::maps::Maps;
 use crate::diagnosis::outcome::Account;
 use crate::diagnosis::search::Searched;
@@ -72,8 +73,9 @@ fn notes(searched: &Searched) -> Vec<String> {
         notes.push(note.into());
     }
     notes.extend(at_the_end_of_its_range(searched));
-    let window = searched.placed.nominal.effects.window.as_ref();
-    if let Some(Extent::Time { .. }) = window.map(|window| &window.extent) {
+    let window = |given: &Given| given.nominal.effects.window.clone();
+    let found = window(&searched.placed).filter(|_| window(&searched.given).is_none());
+    if let Some(Extent::Time { .. }) = found.map(|window| window.extent) {
         let note = "What acts in one drive only, or for some seconds of it, is not part of the augmented model.";
         notes.push(note.into());
     }

@@ -6,18 +6,17 @@
 //! compared on the segments that all models can drive; the score is over all.
 
 use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::block::{Block, blocks};
 use crate::diagnosis::hypothesis::held_out::Scores;
-use crate::diagnosis::hypothesis::likelihood::{
-    Block, HELD, Tuned, blocks, follow, own_noise, tune_on,
-};
+use crate::diagnosis::hypothesis::likelihood::{HELD, Tuned, follow, own_noise, tune_on};
 use crate::diagnosis::hypothesis::refitted::refitted;
 use crate::diagnosis::outcome::{Errors, HeldOut};
 use crate::diagnosis::search::Searched;
 use crate::fit::exact::ExactPredictor;
-use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::observation::observe;
 use crate::fit::optimiser::{Stop, minimise};
 use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::restart::settled;
 use crate::fit::robust::penalty;
 use crate::fit::segment::{Segment, Signal};
 use nalgebra::DVector;
@@ -25,8 +24,6 @@ use rayon::prelude::*;
 
 /// A start is fitted to so many seconds; the rest is predicted.
 const SEEN: f64 = 1.0;
-/// Steps that fit it.
-const STEPS: usize = 2;
 /// When starts alone are fitted.
 const START_STOP: Stop = Stop {
     steps: 10,
@@ -165,58 +162,31 @@ fn predicted(
     index: usize,
     segment: &Segment,
     at: &DVector<f64>,
-    mut start: [f64; 6],
+    start: [f64; 6],
     by: &Weighing,
 ) -> Option<Sums> {
     let values = problem.model_values(segment.recording, at);
     let sensors = problem.sensor_values(segment.recording, at);
     let seen = segment.start + SEEN;
-    let mut observed = Vec::new();
-    for step in 0..=STEPS {
-        let last = step == STEPS;
-        observed = observe(
-            problem.predictor(),
-            segment,
-            &start,
-            &values,
-            &sensors,
-            !last,
-        )
-        .ok()?;
-        if last {
-            break;
-        }
-        let mut normal = Normal::zeros(0);
-        for (channel, data) in segment.samples.iter().enumerate() {
-            let late = data.signal.latency(&sensors);
-            let weights: Vec<f64> = data
-                .time
-                .iter()
-                .zip(&by.weights[index][channel])
-                .map(|(time, weight)| if time - late <= seen { *weight } else { UNSEEN })
-                .collect();
-            let residuals = &observed[channel];
-            let width = residuals.rows.len() / residuals.residual.len().max(1);
-            let rows = residuals
-                .residual
-                .iter()
-                .zip(residuals.rows.chunks_exact(width));
-            let mut table: Vec<f64> = rows
-                .flat_map(|(residual, row)| {
-                    std::iter::once(*residual).chain(row[..6].iter().copied())
-                })
-                .collect();
-            let noise = by.noise[segment.recording][data.signal.group() as usize];
-            noise.whiten(&data.time, &weights, 7, &mut table);
-            normal.add(&table, &[]);
-        }
-        let missing = std::array::from_fn(|k| segment.start_prior[k] - start[k]);
-        normal.add_start_prior(&missing, &segment.start_deviation);
-        let step = Eliminated::new(&normal, 0.0)?.start_step(&normal, &DVector::zeros(0));
-        for (value, step) in start.iter_mut().zip(step) {
-            *value += step;
+    let mut own = by.of(&[index]);
+    for (data, weights) in segment.samples.iter().zip(&mut own.weights[0]) {
+        let late = data.signal.latency(&sensors);
+        for (time, weight) in data.time.iter().zip(weights) {
+            if time - late > seen {
+                *weight = UNSEEN;
+            }
         }
     }
+    let start = settled(problem, index, at, start, &own)?;
+    let observed = observe(
+        problem.predictor(),
+        segment,
+        &start,
+        &values,
+        &sensors,
+        false,
+    )
+    .ok()?;
     let mut sums = Sums::default();
     for (data, residuals) in segment.samples.iter().zip(&observed) {
         let late = data.signal.latency(&sensors);

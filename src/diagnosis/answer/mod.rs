@@ -2,6 +2,7 @@
 
 pub mod account;
 pub mod ambiguity;
+pub mod augmented;
 pub mod errors;
 pub mod findings;
 pub mod traces;

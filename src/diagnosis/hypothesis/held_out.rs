@@ -9,7 +9,8 @@
 //! to learn is less sure, not wrong.
 
 use super::Given;
-use super::likelihood::{Block, Tuned, blocks};
+use super::block::{Block, blocks};
+use super::likelihood::Tuned;
 use crate::fit::bounded::{room, step_within};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::problem::{Problem, Weighing};

@@ -8,13 +8,13 @@
 
 use super::{Given, Solution};
 use crate::fit::noise_estimate;
-use crate::fit::normal::{Eliminated, Normal};
+use crate::fit::normal::Eliminated;
 use crate::fit::optimiser::{Stop, minimise_from, normals};
 use crate::fit::predictor::{PredictionError, Predictor};
 use crate::fit::problem::{Point, Problem, Tables, Weighing};
-use crate::fit::restart::restarted;
+use crate::fit::restart::{moved, restarted};
 use crate::fit::weighing::reweigh;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// A hypothesis fitted to the recordings.
 #[derive(Debug, Clone)]
@@ -96,6 +96,27 @@ pub fn tune_until(
     ))
 }
 
+/// As [`tune_until`], the starts looked for anew first: those to begin with are of a model that is far off.
+///
+/// # Errors
+/// As [`tune`].
+pub fn tune_from_afar(
+    given: &Given,
+    knobs: &[usize],
+    begin: &Solution,
+    by: &Weighing,
+    stop: Stop,
+) -> Result<Tuned, PredictionError> {
+    let predictor = given.predictor(knobs);
+    let problem = given.problem(&predictor, knobs);
+    let mut begin = begin.clone();
+    let point = given.point(&problem, knobs, &begin);
+    if let Some(starts) = restarted(&problem, &point, by) {
+        begin.starts = starts;
+    }
+    tune_until(given, knobs, &begin, by, stop)
+}
+
 /// Goes on with a fit, the noise another one perhaps.
 #[must_use]
 pub fn tune_on(given: &Given, fitted: &Tuned, by: &Weighing, stop: Stop) -> Tuned {
@@ -107,19 +128,21 @@ pub fn tune_on(given: &Given, fitted: &Tuned, by: &Weighing, stop: Stop) -> Tune
     tuned_from(given, knobs, begin, &problem, point, tables, by, stop)
 }
 
-/// Goes on with a fit to its end, its starts looked for anew first (see [`crate::fit::restart`]).
+/// Goes on with a fit to its end, its starts looked for anew first (see [`crate::fit::restart`]). The noise may be another
+/// one than it was fitted under.
 #[must_use]
 pub fn tune_restarted(given: &Given, fitted: &Tuned, by: &Weighing) -> Tuned {
     let knobs = &fitted.knobs;
     let predictor = given.predictor(knobs);
     let problem = given.problem(&predictor, knobs);
     let point = given.point(&problem, knobs, &fitted.solution);
-    let anew = restarted(&problem, &point, by).map(|starts| Solution {
-        starts,
-        ..fitted.solution.clone()
-    });
-    let anew = anew.and_then(|begin| tune(given, knobs, &begin, by).ok());
-    anew.filter(|tuned| tuned.surprise < fitted.surprise)
+    let starts = restarted(&problem, &point, by);
+    let anew = starts.and_then(|starts| moved(&problem, &point, &fitted.tables, starts));
+    let begin = &fitted.solution;
+    let anew = anew
+        .map(|(point, tables)| tuned_from(given, knobs, begin, &problem, point, tables, by, HELD));
+    let (surprise, _) = evidence(&problem, &fitted.tables, &point, by);
+    anew.filter(|tuned| tuned.surprise < surprise)
         .unwrap_or_else(|| tune_on(given, fitted, by, HELD))
 }
 
@@ -138,7 +161,7 @@ fn tuned_from<P: Predictor>(
     stop: Stop,
 ) -> Tuned {
     let outcome = minimise_from(problem, &mut point, tables, by, stop);
-    let (surprise, covariance) = evidence(problem, &outcome.tables, &point, by, outcome.cost);
+    let (surprise, covariance) = evidence(problem, &outcome.tables, &point, by);
     Tuned {
         knobs: knobs.to_vec(),
         solution: given.solution(problem, knobs, &point, begin),
@@ -212,76 +235,6 @@ pub fn follow<P: Predictor>(
     change
 }
 
-/// A segment's normal equations by a hypothesis' unknowns, its start eliminated.
-#[derive(Debug, Clone)]
-pub struct Block {
-    /// H of the segment.
-    pub matrix: DMatrix<f64>,
-    /// g of the segment.
-    pub gradient: DVector<f64>,
-    /// Squares that the start does not take up.
-    pub cost: f64,
-    /// Log determinants of noise and start.
-    pub log_determinant: f64,
-    /// Number of samples.
-    pub samples: usize,
-}
-
-impl Block {
-    /// Log density of the segment's samples, but for what they all have in common.
-    #[must_use]
-    pub fn log_density(&self) -> f64 {
-        -0.5 * (self.cost + self.log_determinant)
-    }
-
-    /// The same where other segments tell the unknowns with the precision `told`, at `step` from here:
-    /// integrated over what they leave open. `None` where `told` is not positive definite.
-    #[must_use]
-    pub fn predictive(&self, told: &DMatrix<f64>, step: &DVector<f64>) -> Option<f64> {
-        let along = &self.matrix * step;
-        let cost = self.cost - (2.0 * &self.gradient - &along).dot(step);
-        let gradient = &self.gradient - along;
-        let both = (told + &self.matrix).cholesky()?;
-        let wider = both.ln_determinant() - told.clone().cholesky()?.ln_determinant();
-        let regained = gradient.dot(&both.solve(&gradient));
-        Some(-0.5 * (cost - regained + self.log_determinant + wider))
-    }
-}
-
-/// The segments of a fitted hypothesis. `None` where numbers are not finite.
-#[must_use]
-pub fn blocks<P: Predictor>(
-    problem: &Problem<P>,
-    tables: &[Tables],
-    point: &Point,
-    by: &Weighing,
-) -> Option<Vec<Block>> {
-    let normals = normals(problem, tables, point, by);
-    let one = |(index, normal): (usize, &Normal)| {
-        let eliminated = Eliminated::new(normal, 0.0)?;
-        let segment = &problem.segments[index];
-        let mut block = Block {
-            matrix: eliminated.matrix.clone(),
-            gradient: eliminated.gradient.clone(),
-            cost: normal.cost - eliminated.start_gain,
-            log_determinant: eliminated.log_determinant(),
-            samples: 0,
-        };
-        for deviation in segment.start_deviation {
-            block.log_determinant += 2.0 * deviation.ln();
-        }
-        for (channel, data) in segment.samples.iter().enumerate() {
-            let noise = by.noise[segment.recording][data.signal.group() as usize];
-            let weights = &by.weights[index][channel];
-            block.log_determinant +=
-                noise.whiten(&data.time, weights, 1, &mut vec![0.0; data.time.len()]);
-            block.samples += data.time.len();
-        }
-        Some(block)
-    };
-    normals.iter().enumerate().map(one).collect()
-}
-
 /// Minus the log of the evidence, and the covariance of the unknowns. Infinite where the numbers
 /// are not finite.
 fn evidence<P: Predictor>(
@@ -289,18 +242,18 @@ fn evidence<P: Predictor>(
     tables: &[Tables],
     point: &Point,
     by: &Weighing,
-    cost: f64,
 ) -> (f64, DMatrix<f64>) {
     let count = problem.parameters.len();
+    let mut cost = problem.prior_cost(&point.coordinates);
     let (precision, _) = problem.prior(&point.coordinates);
     let prior: f64 = precision.iter().map(|p| p.ln()).sum();
     let mut matrix = DMatrix::from_diagonal(&precision);
     let mut starts = 0.0;
-    let eliminate = |normal: &Normal| Eliminated::new(normal, 0.0);
-    for one in normals(problem, tables, point, by).iter().map(eliminate) {
-        let Some(one) = one else {
+    for normal in normals(problem, tables, point, by) {
+        let Some(one) = Eliminated::new(&normal, 0.0) else {
             return (f64::INFINITY, DMatrix::identity(count, count));
         };
+        cost += normal.cost;
         starts += one.log_determinant();
         matrix += &one.matrix;
     }
@@ -360,40 +313,15 @@ mod tests {
             let again = tune_restarted(&given, &stuck, &by);
             let off = again.surprise - tuned.surprise;
             assert!(off.abs() < 10.0, "{off}");
+            // Also where noise has become less meanwhile, and everything costs more.
+            let mut less = by.clone();
+            for noise in less.noise.iter_mut().flatten() {
+                noise.white *= 0.8;
+                noise.coloured *= 0.8;
+            }
+            let [again, right] = [&stuck, &tuned].map(|fit| tune_restarted(&given, fit, &less));
+            let off = again.surprise - right.surprise;
+            assert!(off.abs() < 10.0, "{off}");
         }
-    }
-
-    /// One segment, one unknown u in units of which a sample errs: the density integrated over what is known of u.
-    #[test]
-    fn predictions_integrate_what_the_others_leave_open() {
-        let block = Block {
-            matrix: DMatrix::from_element(1, 1, 9.0),
-            gradient: DVector::from_element(1, -6.0),
-            cost: 5.0,
-            log_determinant: 0.4,
-            samples: 1,
-        };
-        let (told, step) = (2.5_f64, 0.8);
-        let density = |u: f64| {
-            let cost = block.cost - 2.0 * block.gradient[0] * u + block.matrix[(0, 0)] * u * u;
-            (-0.5 * (cost + block.log_determinant)).exp()
-        };
-        let width = 1e-3;
-        let each = (-20_000..20_000).map(|k| f64::from(k) * width).map(|off| {
-            let known = (told / std::f64::consts::TAU).sqrt() * (-0.5 * told * off * off).exp();
-            density(step + off) * known * width
-        });
-        let expected = each.sum::<f64>().ln();
-        let known = |precision| DMatrix::from_element(1, 1, precision);
-        let at = DVector::from_element(1, step);
-        let predicted = block.predictive(&known(told), &at).unwrap();
-        assert!(
-            (predicted - expected).abs() < 1e-9,
-            "{predicted} {expected}"
-        );
-        // Nothing left open: the density there.
-        let sure = block.predictive(&known(1e12), &at).unwrap();
-        assert!((sure - density(step).ln()).abs() < 1e-9, "{sure}");
-        assert!(predicted > sure);
     }
 }

@@ -1,5 +1,6 @@
 //! Models that are compared: the given one, its soil free, with effects; and where each stands.
 
+pub mod block;
 pub mod candidate;
 pub mod held_out;
 pub mod likelihood;

@@ -5,16 +5,16 @@
 //! lead far off; what is told in the end is therefore fitted without the fold indeed.
 
 use super::Given;
+use super::block::{Block, blocks};
 use super::held_out::{Scores, folds, near, scores, told};
-use super::likelihood::{Block, SKETCH, Tuned, blocks};
+use super::likelihood::{SKETCH, Tuned};
 use crate::fit::exact::ExactPredictor;
-use crate::fit::normal::Eliminated;
-use crate::fit::optimiser::{minimise, normals};
+use crate::fit::normal::START;
+use crate::fit::optimiser::minimise_from;
 use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::restart::settled;
 use nalgebra::DVector;
-
-/// Steps that fit the starts of what was left out.
-const START_STEPS: usize = 2;
+use rayon::prelude::*;
 
 /// Judges a fitted hypothesis by fits without each fold; a fold without which it cannot be fitted
 /// is judged by the step from the whole fit. `None` where there is too little to hold out.
@@ -30,9 +30,9 @@ pub fn refitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
         let apart = |index: &usize| !near(&given.segments, &fold, out, *index);
         let all = 0..fold.len();
         let mut kept = Part::new(&problem, &point, by, all.clone().filter(apart).collect());
-        let Ok(outcome) = minimise(&kept.problem, &mut kept.point, &kept.by, SKETCH) else {
-            continue;
-        };
+        let tables = kept.indices.iter().map(|k| tuned.tables[*k].clone());
+        let tables = tables.collect();
+        let outcome = minimise_from(&kept.problem, &mut kept.point, tables, &kept.by, SKETCH);
         let Some(learnt) = blocks(&kept.problem, &outcome.tables, &kept.point, &kept.by) else {
             continue;
         };
@@ -84,17 +84,16 @@ impl<'p> Part<'p> {
     /// The segments with starts of their own at the parameters as they stand. `None` where they
     /// cannot be driven.
     fn judged(&mut self) -> Option<Vec<Block>> {
-        let still = DVector::zeros(self.problem.parameters.len());
-        for _ in 0..START_STEPS {
-            let tables = self.problem.evaluate(&self.point, true).ok()?;
-            let each = normals(&self.problem, &tables, &self.point, &self.by);
-            for (start, normal) in self.point.starts.iter_mut().zip(&each) {
-                let step = Eliminated::new(normal, 0.0)?.start_step(normal, &still);
-                for (value, step) in start.iter_mut().zip(step) {
-                    *value += step;
-                }
-            }
-        }
+        let Point {
+            coordinates,
+            starts,
+        } = &self.point;
+        let own = |(index, start): (usize, &[f64; START])| {
+            let by = self.by.of(&[index]);
+            settled(&self.problem, index, coordinates, *start, &by)
+        };
+        let starts: Option<Vec<_>> = starts.par_iter().enumerate().map(own).collect();
+        self.point.starts = starts?;
         let tables = self.problem.evaluate(&self.point, true).ok()?;
         blocks(&self.problem, &tables, &self.point, &self.by)
     }

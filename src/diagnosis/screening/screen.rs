@@ -327,12 +327,8 @@ pub fn chance(
         .collect();
     let joint = projection.of(&all);
     // In units of each unknown's own information; those that say nothing have no variance.
-    let unit: Vec<f64> = joint
-        .matrix
-        .diagonal()
-        .iter()
-        .map(|v| v.max(0.0).sqrt())
-        .collect();
+    let variance = joint.matrix.diagonal();
+    let unit: Vec<f64> = variance.iter().map(|v| v.max(0.0).sqrt()).collect();
     let correlation = DMatrix::from_fn(all.len(), all.len(), |i, j| {
         let scale = unit[i] * unit[j];
         let off = if scale > 0.0 {
@@ -347,15 +343,18 @@ pub fn chance(
     };
     let lower = factor.l();
     let mut random = fastrand::Rng::with_seed(seed);
+    let mut next = 0;
     let solvers: Vec<_> = candidates
         .iter()
         .filter_map(|candidate| {
             let count = candidate.unknowns.len();
+            let first = next;
+            next += count;
             let prior = DMatrix::from_fn(count, count, |i, j| {
                 let own = projection.system.precision[candidate.unknowns[i]];
                 if i == j { own } else { 0.0 }
             });
-            Some((count, (&candidate.matrix + prior).cholesky()?))
+            Some((first, count, (&candidate.matrix + prior).cholesky()?))
         })
         .collect();
     let mut largest: Vec<f64> = (0..draws)
@@ -365,10 +364,9 @@ pub fn chance(
             for (pull, unit) in pulls.iter_mut().zip(&unit) {
                 *pull *= unit;
             }
-            let (mut first, mut largest) = (0, 0.0_f64);
-            for (count, solver) in &solvers {
-                let pull = pulls.rows(first, *count).into_owned();
-                first += count;
+            let mut largest = 0.0_f64;
+            for (first, count, solver) in &solvers {
+                let pull = pulls.rows(*first, *count).into_owned();
                 largest = largest.max(one_degree(pull.dot(&solver.solve(&pull)), *count));
             }
             largest

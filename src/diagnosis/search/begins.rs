@@ -181,7 +181,11 @@ pub fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option
         let Target::Sensor(sensor) = given.candidates.knobs[*knob].target else {
             continue;
         };
-        for (values, late) in begin.knobs.iter_mut().zip(&given.late) {
+        let each = begin.knobs.iter_mut().zip(&given.late);
+        for ((values, late), recording) in each.zip(given.recordings) {
+            if !sensor.is_told_by(recording) {
+                continue;
+            }
             values[*knob] += late[sensor.index()];
             told |= late[sensor.index()] != 0.0;
         }

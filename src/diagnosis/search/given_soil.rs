@@ -7,7 +7,7 @@
 use super::begins::begin;
 use super::naming::Sketch;
 use super::proposal::{Kind, Proposal, proposals, screened, shortlist};
-use crate::diagnosis::hypothesis::likelihood::{LONG_SKETCH, Tuned, cost, tune_until};
+use crate::diagnosis::hypothesis::likelihood::{LONG_SKETCH, Tuned, cost, tune_from_afar};
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
@@ -89,7 +89,7 @@ pub fn from_given_soil<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) ->
     });
     let cheapest = begins.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     let again = cheapest
-        .and_then(|(_, begin)| tune_until(given, &fitted.knobs, &begin, by, LONG_SKETCH).ok());
+        .and_then(|(_, begin)| tune_from_afar(given, &fitted.knobs, &begin, by, LONG_SKETCH).ok());
     match again.filter(|again| again.surprise < fitted.surprise) {
         Some(again) => Sketch {
             gain: sketch.gain + fitted.surprise - again.surprise,

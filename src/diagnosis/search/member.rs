@@ -22,12 +22,18 @@ impl Member {
         own.map(|(_, odds)| *odds).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// It and what came close to it.
+    /// It and what came close to it, each once.
     #[must_use]
     pub fn close(&self) -> Vec<Subject> {
         let bar = close_to(self.odds(self.proposal.subject));
         let close = self.rivals.iter().filter(|(_, odds)| *odds > bar);
-        close.map(|(subject, _)| *subject).collect()
+        let mut once: Vec<Subject> = Vec::new();
+        for (subject, _) in close {
+            if !once.contains(subject) {
+                once.push(*subject);
+            }
+        }
+        once
     }
 
     /// Takes the odds of a later fit of it and of some others. The rest stays as far behind it as before.
@@ -90,6 +96,8 @@ mod tests {
         let one = member(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
         assert_eq!(one.close(), [Subject::Effect(0), Subject::Effect(1)]);
         assert_eq!(member(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
+        // The same name, for some seconds and throughout, is one.
+        assert_eq!(member(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
     }
 
     #[test]

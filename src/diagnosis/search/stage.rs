@@ -200,7 +200,13 @@ fn scouted<'a>(stage: &Stage<'a>, scouts: &Scouts<'a>, by: &Weighing) -> Vec<Ske
 fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64, most: usize) -> Vec<Sketch<'a>> {
     sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     // What was proposed twice, as seen and as hidden, and came to the same is finished once.
-    sketches.dedup_by(|later, earlier| later.is_twin_of(earlier));
+    let mut once: Vec<Sketch> = Vec::new();
+    for sketch in sketches {
+        if !once.iter().any(|earlier| sketch.is_twin_of(earlier)) {
+            once.push(sketch);
+        }
+    }
+    let mut sketches = once;
     let bar = Bar::of(&sketches);
     sketches.truncate(most);
     sketches.retain(|sketch| sketch.promise() > bar.least(sketch.proposal.kind(), share));

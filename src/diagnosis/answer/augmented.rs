@@ -1,0 +1,124 @@
+//! The given model with what was found.
+
+use crate::diagnosis::DiagnosisError;
+use crate::diagnosis::hypothesis::What;
+use crate::diagnosis::hypothesis::candidate::{Target, copy};
+use crate::diagnosis::hypothesis::likelihood::Tuned;
+use crate::diagnosis::search::Searched;
+use crate::effects::{CATALOGUE, Effects, Extent, Window};
+use crate::vehicle::Specification;
+
+/// What a recording tells of what is its own counts at least so much of what was expected before.
+const LEAST_TOLD: f64 = 1e-3;
+
+/// The augmented model: what is bound to some seconds of one drive is left out of it.
+pub fn model(
+    searched: &Searched,
+    nominal: &Specification,
+) -> Result<Specification, DiagnosisError> {
+    let given = &searched.placed;
+    let mut model = given
+        .specification(&searched.augmented.solution, 0)
+        .map_err(|_| DiagnosisError::NotFinite)?;
+    let predictor = given.predictor(&searched.augmented.knobs);
+    let problem = given.problem(&predictor, &searched.augmented.knobs);
+    // What each recording has for itself goes in as the mean.
+    let mut own: Vec<(usize, Vec<Told>)> = Vec::new();
+    let Tuned {
+        knobs,
+        solution,
+        covariance,
+        ..
+    } = &searched.augmented;
+    given.visit(&problem, knobs, |place, recording, what| {
+        if let What::Knob(knob) = what
+            && given.candidates.knobs[knob].own
+        {
+            let told = Told {
+                at: solution.knobs[recording][knob],
+                variance: covariance[(place, place)],
+            };
+            match own.iter_mut().find(|(other, _)| *other == knob) {
+                Some((_, all)) => all.push(told),
+                None => own.push((knob, vec![told])),
+            }
+        }
+    });
+    for (knob, all) in own {
+        let about = &given.candidates.knobs[knob];
+        let coordinate = mean(&all, about.parameter.prior.deviation);
+        if let Target::Model(parameter) = about.target {
+            let value = about.parameter.value(coordinate);
+            parameter
+                .set(&mut model, value)
+                .map_err(|_| DiagnosisError::NotFinite)?;
+        }
+    }
+    without_seconds(&mut model.effects, &nominal.effects)?;
+    // Where an effect that is off was expected to act is nobody's concern.
+    for effect in 0..CATALOGUE.len() {
+        if !model.effects.is_on(effect) {
+            copy(&mut model.effects, effect, &nominal.effects)
+                .map_err(|_| DiagnosisError::NotFinite)?;
+        }
+    }
+    Ok(model)
+}
+
+/// What a recording tells of a coordinate of its own.
+struct Told {
+    at: f64,
+    variance: f64,
+}
+
+/// The mean of a coordinate over recordings, each by what it tells beyond what was expected: a drive that was never there
+/// tells nothing.
+fn mean(each: &[Told], expected: f64) -> f64 {
+    let known = expected.powi(-2);
+    let weight = |told: &Told| (told.variance.recip() - known).max(LEAST_TOLD * known);
+    let sum: f64 = each.iter().map(|told| weight(told) * told.at).sum();
+    sum / each.iter().map(weight).sum::<f64>()
+}
+
+/// Turns off what was found in some seconds of one drive. Where the given model has a window of its own, nothing is
+/// looked for in another.
+fn without_seconds(effects: &mut Effects, given: &Effects) -> Result<(), DiagnosisError> {
+    if given.window.is_some() {
+        return Ok(());
+    }
+    let seconds = |window: &mut Window| matches!(window.extent, Extent::Time { .. });
+    if let Some(window) = effects.window.take_if(seconds) {
+        for effect in window.effects {
+            copy(effects, effect, &Effects::NONE).map_err(|_| DiagnosisError::NotFinite)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_that_was_never_there_does_not_count() {
+        let told = |at, variance| Told { at, variance };
+        // Slope in a disc: 0.06 rad where it was crossed; nothing but the prior of 0.1 rad where it was not.
+        let crossed = mean(&[told(0.06, 1e-4), told(0.0, 1e-2)], 0.1);
+        assert!((crossed - 0.06).abs() < 1e-5, "{crossed}");
+        let both = mean(&[told(0.06, 1e-4), told(0.04, 1e-4)], 0.1);
+        assert!((both - 0.05).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_window_that_was_given_stays() {
+        let text =
+            r#"{"drag": {"coefficient": 150}, "window": {"effects": ["drag"], "time": [12, 21]}}"#;
+        let windowed = Effects::from_json(text).unwrap();
+        let mut kept = windowed.clone();
+        without_seconds(&mut kept, &windowed).unwrap();
+        assert_eq!(kept, windowed);
+        let mut found = windowed.clone();
+        without_seconds(&mut found, &Effects::NONE).unwrap();
+        assert_eq!(found, Effects::NONE);
+    }
+}
