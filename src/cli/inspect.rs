@@ -45,7 +45,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut files = Vec::new();
     for path in [&args.json, &args.page].into_iter().flatten() {
-        files.push(target(path, &args.recording)?);
+        files.push(Output::of(Some(path), [&args.recording])?);
     }
     if let [json, page] = &files[..]
         && json.collides_with(page)
@@ -81,20 +81,4 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Ok(());
     }
     write_stdout(&text)
-}
-
-/// A file that is neither the recording nor the one beside it.
-fn target(path: &Path, recording: &Path) -> Result<Output, Failure> {
-    let beside = recording.with_extension("json");
-    let same = |other: &Path| {
-        path == other
-            || matches!((path.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b)
-    };
-    if same(recording) || same(&beside) {
-        return Err(Failure::Argument {
-            reason: format!("{} is the recording's own file", path.display()),
-            hint: Some("take another name, such as drive.inspection.json".into()),
-        });
-    }
-    Output::to(Some(path))
 }

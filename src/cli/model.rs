@@ -3,7 +3,7 @@
 use super::{Failure, tell};
 use std::fs;
 use std::path::{Path, PathBuf};
-use ugv_terrain::effects::{Boundary, Effects, Extent, Kind, SlopeProfile};
+use ugv_terrain::effects::{Boundary, CATALOGUE, Effects, Extent, Kind, SlopeProfile};
 use ugv_terrain::json::JsonError;
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
@@ -65,11 +65,7 @@ impl ModelArgs {
             }
             *effects = own;
         }
-        if let Some(names) = names(effects, Kind::Measurement) {
-            tell(&format!(
-                "note: {names} change what sensors report, not how the vehicle moves; left out here"
-            ));
-        }
+        tell_of_sensors(effects);
         Ok(())
     }
 
@@ -81,6 +77,30 @@ impl ModelArgs {
             .to_string_lossy()
             .into_owned()
     }
+}
+
+/// Says that what is of the sensors moves nothing.
+pub fn tell_of_sensors(effects: &Effects) {
+    if let Some(names) = names(effects, Kind::Measurement) {
+        tell(&format!(
+            "note: {names} change what sensors report, not how the vehicle moves; left out here"
+        ));
+    }
+}
+
+/// Leaves out what is of the sensors, and says so: a fit has numbers of its own for it.
+pub fn without_sensors(effects: &mut Effects) -> Result<(), Failure> {
+    tell_of_sensors(effects);
+    for effect in CATALOGUE.iter().filter(|e| e.kind == Kind::Measurement) {
+        for parameter in effect.parameters {
+            let name = format!("{}.{}", effect.name, parameter.name);
+            *effects = effects
+                .clone()
+                .with(&name, parameter.default)
+                .map_err(Failure::Model)?;
+        }
+    }
+    Ok(())
 }
 
 /// The effects of a kind that are on, if any is.

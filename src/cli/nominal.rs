@@ -1,9 +1,12 @@
 //! The model that recordings are compared with: what the arguments name, or the recordings.
 
-use super::model::{check_piecewise, load_effects, load_model, load_terrain, load_vehicle};
+use super::model::{
+    check_piecewise, load_effects, load_model, load_terrain, load_vehicle, without_sensors,
+};
 use super::{Failure, tell};
 use std::path::PathBuf;
 use ugv_terrain::recording::{Recording, read_recording};
+use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
 /// Which model; what is not named comes from what stands beside the recordings.
@@ -38,6 +41,7 @@ impl NominalArgs {
             nominal.effects = load_effects(path)?;
         }
         check_piecewise(&nominal.effects)?;
+        without_sensors(&mut nominal.effects)?;
         Ok(nominal)
     }
 
@@ -48,12 +52,29 @@ impl NominalArgs {
         };
         let terrain = match &self.terrain {
             Some(path) => load_terrain(path)?,
-            None => match recordings.iter().find_map(|r| r.about.terrain) {
-                Some(terrain) => terrain,
-                None => load_terrain("clayed_soil".as_ref())?,
-            },
+            None => recorded_terrain(recordings, quiet)?,
         };
         Ok(Specification::plain(vehicle, terrain))
+    }
+}
+
+/// That of the first recording that tells one: the others drive on the same, or so the fit has it.
+fn recorded_terrain(recordings: &[Recording], quiet: bool) -> Result<Terrain, Failure> {
+    let told = |recording: &&Recording| recording.about.terrain.is_some();
+    let Some(first) = recordings.iter().find(told) else {
+        return load_terrain("clayed_soil".as_ref());
+    };
+    let differs = |other: &&Recording| other.about.terrain != first.about.terrain;
+    let other = recordings.iter().filter(told).find(differs);
+    if let Some(other) = other.filter(|_| !quiet) {
+        tell(&format!(
+            "note: {} and {} tell different terrains; beginning with that of {} for all (see --terrain)",
+            first.name, other.name, first.name
+        ));
+    }
+    match first.about.terrain {
+        Some(terrain) => Ok(terrain),
+        None => load_terrain("clayed_soil".as_ref()),
     }
 }
 

@@ -46,9 +46,38 @@ impl Output {
         Ok(output)
     }
 
+    /// As [`Output::to`], for what is made of some files: neither those nor what stands beside a recording is replaced.
+    ///
+    /// # Errors
+    /// As [`Output::to`], and a path that leads to one of these files.
+    pub fn of<'a>(
+        path: Option<&Path>,
+        made_of: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Result<Self, Failure> {
+        let output = Self::to(path)?;
+        for source in made_of {
+            let beside = source.with_extension("json");
+            if output.is_at(source) || output.is_at(&beside) {
+                let path = path.map_or_else(String::new, |path| path.display().to_string());
+                return Err(Failure::Argument {
+                    reason: format!("{path} is the recording's own file"),
+                    hint: Some("take another name, or another folder".into()),
+                });
+            }
+        }
+        Ok(output)
+    }
+
+    fn is_at(&self, other: &Path) -> bool {
+        matches!(&self.target, Target::File(path) if place(path) == place(other))
+    }
+
     /// Whether both would end up in the same place.
     pub fn collides_with(&self, other: &Self) -> bool {
-        self.target == other.target
+        match &other.target {
+            Target::Stdout => self.target == Target::Stdout,
+            Target::File(path) => self.is_at(path),
+        }
     }
 
     /// What goes wrong in writing, told with the target.
@@ -102,6 +131,17 @@ fn check_place(path: &Path) -> io::Result<()> {
         Ok(metadata) if metadata.is_dir() => Ok(()),
         Ok(_) => Err(io::ErrorKind::NotADirectory.into()),
         Err(error) => Err(error),
+    }
+}
+
+/// A file's place whatever way leads there; the file need not be there yet.
+fn place(path: &Path) -> PathBuf {
+    if let Ok(there) = fs::canonicalize(path) {
+        return there;
+    }
+    match (fs::canonicalize(folder(path)), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.into(),
     }
 }
 

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use ugv_terrain::declaration::Configuration;
 use ugv_terrain::package::{MergeError, PackageError, Platform, Standard, merge_fmus, write_fmu};
+use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::VehicleModel;
 
 const EXAMPLES: &str = "\
@@ -181,10 +182,10 @@ fn configuration(args: &Args) -> Result<Configuration, Failure> {
             vehicle: args.model.vehicle()?,
             ..Configuration::default()
         };
-        if !terrain
+        let preset = terrain
             .to_str()
-            .is_some_and(|name| configuration.select(name))
-        {
+            .filter(|name| Terrain::preset(name).is_some());
+        if !preset.is_some_and(|name| configuration.select(name)) {
             configuration.select_custom(load_terrain(terrain)?);
         }
         args.model.replace_effects(&mut configuration.effects)?;

@@ -48,7 +48,8 @@ impl Resolution {
         check("arc", 1024.0, self.arc)?;
         check("width", 8.0, self.width)?;
         check("reversal", 1024.0, self.reversal)?;
-        check("sharp_reversal", 1024.0, self.sharp_reversal)
+        // From some 700 on the last of its crowded nodes is the arc's end.
+        check("sharp_reversal", 512.0, self.sharp_reversal)
     }
 
     /// Half the nodes in each direction.

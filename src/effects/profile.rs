@@ -22,6 +22,18 @@ pub struct Points {
     slopes: Vec<[f64; 2]>,
 }
 
+impl SlopeProfile {
+    /// The first moment after `time` \[s\] at which the slope begins to change otherwise, whatever the vehicle does.
+    #[must_use]
+    pub fn next_knot(&self, time: f64) -> Option<f64> {
+        let Self::Time(points) = self else {
+            return None;
+        };
+        let next = points.at.partition_point(|at| *at <= time);
+        points.at.get(next).copied()
+    }
+}
+
 /// Slopes at the corners of a rectangular grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {

@@ -19,7 +19,7 @@ pub struct ResidualMotion<S> {
     /// Sine and cosine of the heading: a step ahead goes so far north and east.
     pub heading: [S; 2],
     /// Speed over sqrt(g B) below which signs fade.
-    fading: f64,
+    fading: S,
 }
 
 /// What a [`ResidualMotion`] is made of.
@@ -53,16 +53,13 @@ impl<S: Scalar> ResidualMotion<S> {
             slip: scaled((left + right).scale(0.5) - motion.velocity[0]),
             turn_slip: scaled((right - left).scale(0.5) - around),
             heading: [sin, cos],
-            fading: fading * per_speed.value(),
+            fading: per_speed.scale(fading),
         }
     }
 
     /// The sign of a speed, s(v) = v / sqrt(v^2 + v_0^2): it fades towards standstill.
     pub(super) fn sign(&self, speed: S) -> S {
-        speed
-            * (speed * speed)
-                .offset(self.fading * self.fading)
-                .inverse_sqrt()
+        speed * (speed * speed + self.fading * self.fading).inverse_sqrt()
     }
 
     /// The size of a speed, s(v) v, without a kink.

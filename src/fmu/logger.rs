@@ -62,10 +62,21 @@ impl Logger {
     }
 
     /// Chooses what to report: all categories where none is named. To FMI 2.0 only the events can
-    /// be switched.
+    /// be switched: on where they are named, off where others are.
     pub(super) fn choose(&mut self, on: bool, named: [bool; 3]) {
         self.enabled = match self.callback {
-            Callback::Fmi2 { .. } => [true, true, on],
+            Callback::Fmi2 { .. } => {
+                let meant = named == [false; 3] || named[EVENT];
+                [
+                    true,
+                    true,
+                    if meant {
+                        on
+                    } else {
+                        !on && self.enabled[EVENT]
+                    },
+                ]
+            }
             Callback::Fmi3 { .. } if named == [false; 3] => [on; 3],
             Callback::Fmi3 { .. } => named.map(|named| named && on),
         };

@@ -1,7 +1,7 @@
 //! Changes of two quantities over the same second, one of them read late.
 
 use super::Estimate;
-use crate::recording::Series;
+use crate::recording::{Series, stretches};
 
 /// Length of an increment \[s\]: long against the sensors' intervals, short against a turn.
 const LENGTH: f64 = 1.0;
@@ -106,28 +106,64 @@ impl Increments {
     }
 }
 
-/// Times at which changes of both are known at every lag from the least to the most.
+/// Times at which changes of both are known at every lag from the least to the most. What lies between two samples
+/// far apart is not known.
 fn common_times(reference: &Series, trailing: &Series, least: f64, most: f64) -> Vec<f64> {
-    let bounds = (
-        reference.start(),
-        reference.end(),
-        trailing.start(),
-        trailing.end(),
-    );
-    let (Some(start), Some(end), Some(late_start), Some(late_end)) = bounds else {
-        return Vec::new();
-    };
-    let first = start.max(late_start - least);
-    let last = end.min(late_end - most) - LENGTH;
-    let count = ((last - first) / SPACING).floor();
-    (0..=count as i64)
-        .take_while(|_| count >= 0.0)
-        .map(|k| first + SPACING * k as f64)
-        .collect()
+    let (own, late) = (stretches(reference), stretches(trailing));
+    let mut times = Vec::new();
+    let mut next = 0;
+    for [start, end] in own {
+        // Those that end before this one begins end before all that follow.
+        next += late[next..].partition_point(|[_, late_end]| late_end - most < start);
+        for [late_start, late_end] in &late[next..] {
+            let first = start.max(late_start - least);
+            if first > end {
+                break;
+            }
+            let last = end.min(late_end - most) - LENGTH;
+            let count = ((last - first) / SPACING).floor();
+            let steps = (0..=count as i64).take_while(|_| count >= 0.0);
+            times.extend(steps.map(|k| first + SPACING * k as f64));
+        }
+    }
+    times
 }
 
 fn changes(reference: &Series, trailing: &Series, times: &[f64], lag: f64) -> Vec<(f64, f64)> {
     let change = |series: &Series, time: f64| Some(series.at(time + LENGTH)? - series.at(time)?);
     let pair = |time: &f64| Some((change(reference, *time)?, change(trailing, *time + lag)?));
     times.iter().filter_map(pair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_known_between_samples_far_apart() {
+        // Ten seconds at 20 Hz, and as much again after the clock was set.
+        let turning = |late: f64, pause: f64| -> Series {
+            let sample = |k: i32| {
+                let time = 0.05 * f64::from(k % 200) + f64::from(k / 200) * pause;
+                (time, (time - late).sin())
+            };
+            (0..400).map(sample).collect()
+        };
+        for pause in [20.0, 1.7e9] {
+            let (reference, trailing) = (turning(0.0, pause), turning(0.3, pause));
+            let times = common_times(&reference, &trailing, -0.5, 0.5);
+            assert!((150..180).contains(&times.len()), "{}", times.len());
+            let within = |time: &f64| (0.0..10.0).contains(&(time % pause));
+            assert!(times.iter().all(within));
+            assert!(times.is_sorted());
+        }
+        // Lags may overlap two stretches, times never twice.
+        let gaps = turning(0.0, 10.7);
+        let times = common_times(&gaps, &gaps, -1.0, 1.0);
+        assert!(
+            times
+                .windows(2)
+                .all(|pair| pair[1] - pair[0] > 0.5 * SPACING)
+        );
+    }
 }

@@ -128,8 +128,13 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
     (Clock::Header, notes)
 }
 
-/// The samples of a topic by time, no two at the same, and what had to be done for it.
-pub(super) fn ordered<T>(stream: Stream<T>, clock: Clock) -> (Vec<(i64, T)>, Option<String>) {
+/// The samples of a topic by time, no two at the same, and what had to be done for it. Of two at one time the first stays,
+/// and takes what it `lacks` from the other.
+pub(super) fn ordered<T>(
+    stream: Stream<T>,
+    clock: Clock,
+    lacks: impl Fn(&mut T, &T),
+) -> (Vec<(i64, T)>, Option<String>) {
     let topic = stream.topic.name;
     let samples = stream.samples.into_iter();
     let mut samples: Vec<(i64, T)> = samples
@@ -139,7 +144,13 @@ pub(super) fn ordered<T>(stream: Stream<T>, clock: Clock) -> (Vec<(i64, T)>, Opt
     let steps_back = steps_back.count();
     samples.sort_by_key(|(time, _)| *time);
     let before = samples.len();
-    samples.dedup_by_key(|(time, _)| *time);
+    samples.dedup_by(|later, first| {
+        let same = later.0 == first.0;
+        if same {
+            lacks(&mut first.1, &later.1);
+        }
+        same
+    });
     let repeated = before - samples.len();
     let note = match (steps_back, repeated) {
         (0, 0) => None,
@@ -186,12 +197,24 @@ mod tests {
     #[test]
     fn samples_are_sorted_and_the_first_of_a_time_stays() {
         let stream = stream("/a", &[(10, 1), (30, 2), (20, 3), (30, 4)]);
-        let (samples, note) = ordered(stream.clone(), Clock::Header);
+        let (samples, note) = ordered(stream.clone(), Clock::Header, |_, _| {});
         assert_eq!(samples, [(10, 0), (20, 2), (30, 1)]);
         assert!(note.unwrap().contains("steps back 1 times and 1 of 4"));
-        let (samples, note) = ordered(stream, Clock::Log);
+        let (samples, note) = ordered(stream, Clock::Log, |_, _| {});
         assert_eq!(samples, [(1, 0), (2, 1), (3, 2), (4, 3)]);
         assert_eq!(note, None);
+    }
+
+    #[test]
+    fn what_one_message_lacks_another_of_the_same_time_tells() {
+        let stream = stream("/a", &[(10, 1), (10, 2), (20, 3), (10, 4)]);
+        let sum = |first: &mut usize, other: &usize| *first += other;
+        let (samples, _) = ordered(stream, Clock::Header, sum);
+        assert_eq!(samples, [(10, 1 + 3), (20, 2)]);
+        let joint = |position, velocity| crate::import::collect::JointSample { position, velocity };
+        let mut arm = joint(f64::NAN, 2.0);
+        arm.take(&joint(1.0, 3.0));
+        assert_eq!(arm, joint(1.0, 2.0));
     }
 
     #[test]

@@ -61,6 +61,20 @@ pub(super) struct JointSample {
     pub velocity: f64,
 }
 
+impl JointSample {
+    /// Takes what is missing from another message of the same moment.
+    pub fn take(&mut self, other: &Self) {
+        for (own, other) in [
+            (&mut self.position, other.position),
+            (&mut self.velocity, other.velocity),
+        ] {
+            if own.is_nan() {
+                *own = other;
+            }
+        }
+    }
+}
+
 /// Left joints, then right ones, in the order of [`WheelJoints`].
 pub(super) type WheelSample = Box<[JointSample]>;
 

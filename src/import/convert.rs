@@ -38,7 +38,10 @@ pub(super) fn convert(all: Collected, options: &Options) -> Result<Converted, Im
         notes,
         ..Columns::default()
     };
-    let joints = track(all.joints, clock, &mut columns);
+    // A robot's arm and its wheels may tell of the same moment in two messages, as each side may.
+    let joints = track_with(all.joints, clock, &mut columns, |first, other| {
+        first.iter_mut().zip(other).for_each(|(a, b)| a.take(b));
+    });
     let odometry = all
         .odometry
         .map(|stream| track(stream, clock, &mut columns));
@@ -75,8 +78,17 @@ pub(super) fn convert(all: Collected, options: &Options) -> Result<Converted, Im
 }
 
 fn track<T>(stream: Stream<T>, clock: Clock, columns: &mut Columns) -> Track<T> {
+    track_with(stream, clock, columns, |_, _| {})
+}
+
+fn track_with<T>(
+    stream: Stream<T>,
+    clock: Clock,
+    columns: &mut Columns,
+    lacks: impl Fn(&mut T, &T),
+) -> Track<T> {
     let topic = stream.topic.name.clone();
-    let (samples, note) = ordered(stream, clock);
+    let (samples, note) = ordered(stream, clock, lacks);
     columns.notes.extend(note);
     Track { topic, samples }
 }

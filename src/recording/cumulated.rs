@@ -6,6 +6,21 @@ use super::Series;
 /// An interval is a gap where it is longer than so many median ones, and than so many seconds.
 const GAP: (f64, f64) = (5.0, 0.6);
 
+fn longest_interval(series: &Series) -> f64 {
+    let median = series.median_interval().unwrap_or(0.0);
+    (GAP.0 * median).max(GAP.1)
+}
+
+/// First and last times \[s\] of what was sampled without a gap.
+#[must_use]
+pub fn stretches(series: &Series) -> Vec<[f64; 2]> {
+    let limit = longest_interval(series);
+    let whole = series.time.chunk_by(|a, b| b - a <= limit);
+    whole
+        .map(|times| [times[0], times[times.len() - 1]])
+        .collect()
+}
+
 /// A quantity that has accumulated over time: a position, an angle, or the integral of a rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cumulated {
@@ -19,8 +34,7 @@ impl Cumulated {
     /// A position or an angle, as sampled.
     #[must_use]
     pub fn of_position(series: &Series) -> Self {
-        let median = series.median_interval().unwrap_or(0.0);
-        let limit = (GAP.0 * median).max(GAP.1);
+        let limit = longest_interval(series);
         let mut total = 0.0;
         let gaps = series.intervals().map(|interval| {
             total += if interval > limit { interval } else { 0.0 };

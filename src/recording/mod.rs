@@ -22,7 +22,7 @@ pub use about::About;
 pub use channel::Channel;
 #[cfg(feature = "cli")]
 pub use csv::{Cell, CsvError, read_drive};
-pub use cumulated::{Cumulated, Grid};
+pub use cumulated::{Cumulated, Grid, stretches};
 pub use drive::{Drive, fill_gaps};
 pub use moments::Moments;
 pub use note::{Note, NoteKind};

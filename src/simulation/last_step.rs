@@ -97,6 +97,10 @@ pub(super) fn share(length: f64, back: f64) -> f64 {
 impl Simulation {
     /// State and its slope `back` seconds before the end of the last step.
     fn within(&self, length: f64, back: f64) -> (StateVector, StateVector) {
+        if length == 0.0 {
+            // Behind an event: nothing has been driven yet with what holds from here on.
+            return (self.state.to_array().into(), self.now.derivative);
+        }
         self.work.stages.at(length, share(length, back))
     }
 

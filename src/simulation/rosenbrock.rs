@@ -149,7 +149,10 @@ impl Simulation {
         while done < seconds {
             let due = self.model.next_event(self.time);
             let event = due.filter(|event| *event <= start + seconds);
-            let goal = event.map_or(seconds, |event| (event - start).clamp(done, seconds));
+            let due = event.map_or(seconds, |event| (event - start).clamp(done, seconds));
+            let knot = self.model.next_knot(self.time).map(|knot| knot - start);
+            let knot = knot.filter(|knot| (done..due).contains(knot) && *knot > done);
+            let goal = knot.unwrap_or(due);
             let rest = goal - done;
             let wanted = self.integrator.next_step;
             // Rather two even steps than a long one and a stub.
@@ -163,7 +166,7 @@ impl Simulation {
             let last = step == rest;
             let reached = if last { goal } else { done + step };
             let end_speeds = speeds.after(self.input_rates, reached);
-            let passed = event.filter(|_| last);
+            let passed = event.filter(|_| last && knot.is_none());
             // Up to the event holds what held before it.
             let end_time = passed.map_or(start + reached, f64::next_down);
             if self.try_step(step, end_speeds, end_time)? {

@@ -111,6 +111,13 @@ impl VehicleModel {
         effects.window.as_ref()?.extent.next_edge(time)
     }
 
+    /// The first moment after `time` \[s\] at which a slope that is told over time begins to change otherwise: a step
+    /// that is longer might miss a bump.
+    pub(crate) fn next_knot(&self, time: f64) -> Option<f64> {
+        let effects = &self.altered()?.specification.effects;
+        effects.slope_profile.as_ref()?.next_knot(time)
+    }
+
     /// The directions to differentiate in, prepared; a model without effects has none.
     pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
         match self.altered() {

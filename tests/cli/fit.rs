@@ -54,6 +54,53 @@ fn model_and_report_are_written_and_the_model_drives() {
 }
 
 #[test]
+fn no_command_replaces_what_it_reads() {
+    let bench = Bench::new();
+    bench.write("rec.csv", recording());
+    bench.write("rec.json", r#"{"note": "kept"}"#);
+    let before = (bench.read("rec.csv"), bench.read("rec.json"));
+    for command in [
+        "fit rec.csv --output rec.json",
+        "fit rec.csv --report ./rec.json",
+        "score rec.csv --json rec.json",
+        "simulate --input rec.csv --output rec.csv",
+        "simulate --input rec.csv --plot rec.json",
+        "sweep --input rec.csv --vary soil.cohesion=list:1000 --output rec.csv",
+    ] {
+        let message = bench.fails(command, 2);
+        assert!(message.contains("own file"), "{command}: {message}");
+    }
+    bench.write("model.csv", recording());
+    bench.fails("diagnose model.csv --out .", 2);
+    let message = bench.fails("simulate --input rec.csv --output a.csv --plot ./a.csv", 2);
+    assert!(message.contains("lead to the same place"), "{message}");
+    assert_eq!(before, (bench.read("rec.csv"), bench.read("rec.json")));
+    assert_eq!(
+        bench.files(),
+        ["drive.csv", "model.csv", "rec.csv", "rec.json"]
+    );
+}
+
+#[test]
+fn what_is_left_out_or_chosen_for_all_is_told() {
+    let bench = Bench::new();
+    bench.write("rec.csv", recording());
+    bench.write("other.csv", recording());
+    bench.write("rec.json", r#"{"terrain": "dry_sand"}"#);
+    bench.write("other.json", r#"{"terrain": "dry_clay"}"#);
+    bench.write("offset.json", r#"{"heading_offset": {"offset": 0.1}}"#);
+    let command = "fit rec.csv other.csv --free friction_angle --starts 0 --effects offset.json";
+    let output = bench.ugv(command).assert().success();
+    let told = String::from_utf8(output.get_output().stderr.clone()).unwrap();
+    for expected in [
+        "heading_offset change what sensors report",
+        "rec and other tell different terrains",
+    ] {
+        assert!(told.contains(expected), "{told}");
+    }
+}
+
+#[test]
 fn names_are_listed_and_typos_answered() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());

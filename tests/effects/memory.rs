@@ -214,6 +214,56 @@ fn saved_memory_is_taken_up_again() {
 }
 
 #[test]
+fn derivatives_are_there_as_soon_as_a_state_is_taken_up() {
+    let build = || model("sandy_loam", &[("drag.coefficient", 7.0)]);
+    let mut drive = Simulation::new(build());
+    drive.set_wheel_speeds(speeds(5.0, 7.0)).unwrap();
+    drive.step(1.5).unwrap();
+    let mut other = Simulation::new(build());
+    other.restore(&drive.snapshot()).unwrap();
+    assert_eq!(drive.jacobian().unwrap(), other.jacobian().unwrap());
+}
+
+#[test]
+fn tyres_on_hard_ground_grip_while_shear_builds_up() {
+    // The contact is a few centimetres, on a circle of kilometres: shear has built up after as much.
+    let tyres = ("tyre_compliance.pressure", 60e3);
+    let mut at_once = Simulation::new(model("dry_clay", &[tyres]));
+    let slow = [tyres, ("transient_shear.relaxation", 1.0)];
+    let mut slow = Simulation::new(model("dry_clay", &slow));
+    for drive in [&mut at_once, &mut slow] {
+        drive.set_wheel_speeds(speeds(5.0, 5.0)).unwrap();
+        drive.step(3.0).unwrap();
+    }
+    let (x, all) = (slow.state().x, at_once.state().x);
+    assert!(all > 1.0 && (x / all - 1.0).abs() < 0.1, "{x} {all}");
+}
+
+#[test]
+fn a_bump_shorter_than_a_step_is_felt() {
+    use ugv_terrain::effects::{Effects, Points, SlopeProfile};
+    let mut effects = Effects::NONE;
+    let at = vec![0.0, 10.0, 10.05, 10.1, 20.0];
+    let slopes = [0.0, 0.0, 0.3, 0.0, 0.0].map(|east| [east, 0.0]).to_vec();
+    effects.slope_profile = Some(SlopeProfile::Time(Points::new(at, slopes).unwrap()));
+    let bumpy = super::specification("dry_clay", effects);
+    let flat = super::specification("dry_clay", Effects::NONE);
+    let [flat, at_once, in_steps] = [(&flat, 1), (&bumpy, 1), (&bumpy, 2000)].map(|(on, steps)| {
+        let mut drive = Simulation::new(VehicleModel::from_specification(on).unwrap());
+        drive.set_wheel_speeds(speeds(4.0, 4.0)).unwrap();
+        for _ in 0..steps {
+            drive.step(20.0 / f64::from(steps)).unwrap();
+        }
+        drive.state().x
+    });
+    let (felt, wanted) = (flat - at_once, flat - in_steps);
+    assert!(
+        wanted > 1e-3 && (felt / wanted - 1.0).abs() < 0.2,
+        "{felt} {wanted}"
+    );
+}
+
+#[test]
 fn the_distance_is_remembered_where_a_profile_needs_it() {
     use ugv_terrain::effects::{Effects, Points, SlopeProfile};
     let mut effects = Effects::NONE;

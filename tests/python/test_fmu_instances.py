@@ -282,6 +282,7 @@ class Logging(unittest.TestCase):
         self.assertEqual(events(True, None), ["logEvents"])
         self.assertEqual(events(False, []), ["logEvents"])
         self.assertEqual(events(False, [b"logEvents"]), ["logEvents"])
+        self.assertEqual(events(True, [b"logStatusError"]), [])
 
     def test_messages_are_safe_as_formats(self) -> None:
         with Instance(resources="file:/%25s%n#r1#") as instance:

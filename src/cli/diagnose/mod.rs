@@ -73,7 +73,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         source,
     })?;
     let files = ["diagnosis.json", "model.json", "report.html"];
-    let outputs = files.map(|name| Output::to(Some(&args.out.join(name))));
+    let outputs = files.map(|name| Output::of(Some(&args.out.join(name)), &args.recordings));
     let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let bar = Bar::new(args.quiet);
     let show = |step| bar.show(step);

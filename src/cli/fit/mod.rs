@@ -5,13 +5,13 @@ mod progress;
 mod report;
 mod summary;
 
-use super::Failure;
 use super::nominal::{NominalArgs, read_all};
 use super::output::Output;
+use super::{Failure, tell};
 use names::{Wanted, print_names};
 use progress::Progress;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::{Fit, Options, catalogue, fit};
@@ -108,6 +108,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         });
     }
     let mut recordings = read_all(&args.recordings)?;
+    for recording in &recordings {
+        recording.warnings().for_each(|warning| tell(&warning));
+    }
     if args.half {
         for recording in &mut recordings {
             *recording = fitted_part(recording, &Cut::default())?;
@@ -122,10 +125,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         seed: args.seed,
         robust: !args.not_robust,
     };
-    let output = args.output.as_deref().map(|path| Output::to(Some(path)));
-    let output = output.transpose()?;
-    let report = args.report.as_deref().map(|path| Output::to(Some(path)));
-    let report = report.transpose()?;
+    let own = |path: &Path| Output::of(Some(path), &args.recordings);
+    let output = args.output.as_deref().map(own).transpose()?;
+    let report = args.report.as_deref().map(own).transpose()?;
     if let (Some(output), Some(report)) = (&output, &report)
         && report.collides_with(output)
     {

@@ -5,7 +5,9 @@ mod entries;
 mod json;
 mod table;
 
-use super::model::{check_piecewise, load_effects, load_model, load_terrain, load_vehicle};
+use super::model::{
+    check_piecewise, load_effects, load_model, load_terrain, load_vehicle, without_sensors,
+};
 use super::output::{Output, write_stdout};
 use super::progress::Progress;
 use super::{Failure, tell};
@@ -100,7 +102,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let json = args
         .json
         .as_deref()
-        .map(|path| Output::to(Some(path)))
+        .map(|path| Output::of(Some(path), &args.recordings))
         .transpose()?;
     let given = Given::load(args)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
@@ -213,7 +215,10 @@ impl Given {
             given.terrain = Some(model.terrain);
             given.effects.get_or_insert(model.effects);
         }
-        check_piecewise(given.effects.as_ref().unwrap_or(&Effects::NONE))?;
+        if let Some(effects) = &mut given.effects {
+            check_piecewise(effects)?;
+            without_sensors(effects)?;
+        }
         Ok(given)
     }
 

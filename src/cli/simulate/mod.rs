@@ -88,11 +88,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         recording.wheel_speeds(0).into(),
     )?;
     let schedule = Schedule::new(&recording, args.output_step)?;
-    let mut table = Output::to(args.output.as_deref())?;
+    let own = |path: Option<&Path>| Output::of(path, [&args.input]);
+    let mut table = own(args.output.as_deref())?;
     let picture = args
         .plot
         .as_deref()
-        .map(|path| picture(path, &table))
+        .map(|path| picture(own(Some(path))?, &table))
         .transpose()?;
 
     let mut trace = picture
@@ -149,8 +150,16 @@ pub fn read_input(path: &Path) -> Result<Drive, Failure> {
         .map_err(Failure::Recording)
 }
 
-fn picture(path: &Path, table: &Output) -> Result<Output, Failure> {
-    let picture = Output::to(Some(path))?;
+/// Says that wheel speeds are missing.
+pub fn filled(drive: &Drive) -> String {
+    format!(
+        "note: {} of {} rows lack a wheel speed; it was interpolated",
+        drive.filled_rows,
+        drive.len()
+    )
+}
+
+fn picture(picture: Output, table: &Output) -> Result<Output, Failure> {
     if picture.collides_with(table) {
         return Err(Failure::Argument {
             reason: "--plot and --output lead to the same place".into(),
@@ -204,12 +213,8 @@ impl Summary {
         let seconds = recording.duration();
         let State { x, y, heading, .. } = self.last;
         let heading_deg = heading.to_degrees();
-        let filled = recording.filled_rows;
-        if filled > 0 {
-            tell(&format!(
-                "note: {filled} of {} rows lack a wheel speed; it was interpolated",
-                recording.len()
-            ));
+        if recording.filled_rows > 0 {
+            tell(&filled(recording));
         }
         let effects = effects.map_or(String::new(), |names| format!(", effects: {names}"));
         tell(&format!(

@@ -50,9 +50,18 @@ impl Distribution {
             Shape::Uniform => scaled(low) + share * (scaled(high) - scaled(low)),
             Shape::Normal { mean, deviation } => {
                 let normal = Normal::standard();
-                let [below, within] =
-                    [low, high].map(|end| normal.cdf((scaled(end) - mean) / deviation));
-                mean + deviation * normal.inverse_cdf(below + share * (within - below))
+                let [low, high] = [low, high].map(|end| (scaled(end) - mean) / deviation);
+                // Shares of the lower tail keep their digits; those of the upper one are its mirror image.
+                let within = |low: f64, high: f64, share: f64| {
+                    let [below, up_to] = [low, high].map(|end| normal.cdf(end));
+                    normal.inverse_cdf(below + share * (up_to - below))
+                };
+                let off = if low > 0.0 {
+                    -within(-high, -low, 1.0 - share)
+                } else {
+                    within(low, high, share)
+                };
+                mean + deviation * off
             }
         };
         let value = if self.is_log { value.exp() } else { value };
@@ -188,6 +197,9 @@ mod tests {
             ("log-normal:1000,2", 0.841_344_746_068_542_9, 2000.0),
             // Half of a normal: its median is the quartile of the whole.
             ("normal:0,1,0,1e9", 0.5, 0.674_489_750_196_081_7),
+            // Far out, where the share below is 1 to the last digit (SciPy's norm.isf).
+            ("normal:0,1,9,10", 0.5, 9.075_779_713_738_546),
+            ("normal:0,1,-10,-9", 0.5, -9.075_779_713_738_546),
         ] {
             let found = quantile(text, share);
             assert!(

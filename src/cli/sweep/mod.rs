@@ -10,7 +10,7 @@ use super::jobs::pool;
 use super::model::ModelArgs;
 use super::output::Output;
 use super::progress::Progress;
-use super::simulate::read_input;
+use super::simulate::{filled, read_input};
 use super::{Failure, tell};
 use distribution::{Values, Varied};
 use outcome::{COLUMNS, Outcome};
@@ -102,7 +102,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let mut output = Output::to(args.output.as_deref())?;
+    let sources = args.input.iter().chain(&args.table);
+    let mut output = Output::of(args.output.as_deref(), sources)?;
     let samples = match &args.table {
         Some(path) => Samples::read(path)?,
         None => draw(args)?,
@@ -112,6 +113,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => read_input(path)?,
         None => standstill(),
     };
+    if drive.filled_rows > 0 && !args.quiet {
+        tell(&filled(&drive));
+    }
     let setup = Setup::new(specification, &args.initial, &drive, &samples.names)?;
     setup.check(&samples)?;
     if args.samples_only {

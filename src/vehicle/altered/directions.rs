@@ -80,12 +80,18 @@ impl Directions {
         results: &mut Vec<Differentiated>,
     ) {
         results.resize_with(self.list.len(), Differentiated::default);
+        // A balance that was saved and taken up again has no slopes of its loads.
+        let mut loads = vec![[0.0; 3]; balance.wheels.len()];
+        altered
+            .prepare(motion, surroundings, model.regularisation())
+            .distribute(balance.acceleration, &mut loads);
         let at = Point {
             model,
             altered,
             motion,
             surroundings,
             balance,
+            loads,
             detail: if self.coarse {
                 Detail::Coarse
             } else {
@@ -133,6 +139,8 @@ struct Point<'a> {
     motion: &'a Motion,
     surroundings: &'a Surroundings<'a>,
     balance: &'a Balance,
+    /// Each wheel's load and its derivatives by the ground's specific force.
+    loads: Vec<[f64; 3]>,
     detail: Detail,
 }
 
@@ -343,7 +351,7 @@ impl Point<'_> {
                 };
                 let (change, growth) = (along(&held_changes[index]), along(&by_load[index]));
                 let direct = loads[index].eps[place];
-                let [_, by_x, by_y] = self.balance.loads[index];
+                let [_, by_x, by_y] = self.loads[index];
                 for row in 0..2 {
                     residual[row] += change[row] + growth[row] * direct;
                     matrix[row][0] -= growth[row] * by_x;
@@ -353,7 +361,7 @@ impl Point<'_> {
             let [s_x, s_y] = solve_2x2(matrix, residual);
             for index in 0..count {
                 let wheel = &self.balance.wheels[index];
-                let [_, by_x, by_y] = self.balance.loads[index];
+                let [_, by_x, by_y] = self.loads[index];
                 let load = loads[index].eps[place] + by_x * s_x + by_y * s_y;
                 loads[index].eps[place] = load;
                 let growth = slopes[index].vertical.eps[0];

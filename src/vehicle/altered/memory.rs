@@ -33,7 +33,7 @@ pub(crate) enum Remembered {
 const SHEAR: usize = WheelMemory::COUNT - 1;
 /// Least speed over distance \[m\] with a slope: keeps the speed's root smooth.
 pub(super) const SPEED_FLOOR: f64 = 1e-18;
-/// Entry angle \[rad\] below which a wheel's relaxation length no longer shrinks.
+/// Entry angle \[rad\] of a rigid wheel below which its relaxation length no longer shrinks.
 const SHORTEST_ARC: f64 = 0.02;
 
 impl MemoryLayout {
@@ -143,9 +143,14 @@ impl MemoryLayout {
             let [x, y] = at.velocity;
             rates.push((x * x + y * y).offset(SPEED_FLOOR).sqrt());
         }
+        if self.per_wheel() == 0 {
+            return;
+        }
+        let laws = (0..wheels.len()).map(|index| chassis.law(at, boundary, index));
+        let laws: Vec<_> = laws.collect();
         for (index, (entry_angle, memory)) in wheels.iter().enumerate() {
             let motion = chassis.wheel_motion(at, index);
-            let law = chassis.law(at, boundary, index);
+            let law = &laws[index];
             if let (true, Some(effect)) = (self.shear, &chassis.effects.transient_shear) {
                 let rim = motion.angular_speed * law.radius;
                 let drive = Displacement {
@@ -156,7 +161,9 @@ impl MemoryLayout {
                 };
                 let contact = law.arc(*entry_angle);
                 let turning = motion.angular_speed.rounded_abs(1e-9) * law.radius / contact.circle;
-                let arc = contact.entry.most(S::constant(SHORTEST_ARC));
+                // The shortest one is the wheel's, not that of the larger circle on which a flat tyre stands.
+                let shortest = (law.radius / contact.circle).scale(SHORTEST_ARC);
+                let arc = contact.entry.most(shortest);
                 let rate = effect.rate(
                     &memory.displacement,
                     &drive,
@@ -171,7 +178,7 @@ impl MemoryLayout {
                     chassis,
                     effect,
                     &motion,
-                    &law,
+                    &laws,
                     regularisation,
                     wheels,
                     index,

@@ -15,7 +15,7 @@ pub(super) fn rate<S: Scalar>(
     chassis: &Chassis<S>,
     effect: &Multipass<S>,
     motion: &WheelMotion<S>,
-    law: &WheelLaw<S>,
+    laws: &[WheelLaw<S>],
     regularisation: &Regularisation,
     wheels: &[(S, WheelMemory<S>)],
     index: usize,
@@ -31,7 +31,7 @@ pub(super) fn rate<S: Scalar>(
     // as the point midway between them moves aside, not the wheel.
     let missed = |row: usize| {
         let midway = motion.lateral + motion.yaw_rate * before(row).scale(0.5);
-        let beside = before(row) * midway / (forward * S::constant(law.width));
+        let beside = before(row) * midway / (forward * S::constant(laws[index].width));
         beside * beside
     };
     let mut rate = S::constant(0.0);
@@ -48,7 +48,7 @@ pub(super) fn rate<S: Scalar>(
         let arriving = match ahead.clone().map(missed).reduce(S::least) {
             Some(missed) => {
                 let (entry, memory) = &wheels[neighbour];
-                effect.arriving(depth(law, effect, *entry, memory), missed)
+                effect.arriving(depth(&laws[neighbour], *entry, memory), missed)
             }
             None => S::constant(0.0),
         };
@@ -86,14 +86,13 @@ impl Way {
     }
 }
 
-/// Depth of a wheel's lowest point below the untouched surface \[m\].
-fn depth<S: Scalar>(
-    law: &WheelLaw<S>,
-    effect: &Multipass<S>,
-    entry: S,
-    memory: &WheelMemory<S>,
-) -> S {
-    law.arc(entry).sinkage() + effect.rut(memory.pressed).ground
+/// Depth of a wheel's lowest point below the untouched surface \[m\]. Where ruts are not felt, all ground is untouched.
+fn depth<S: Scalar>(law: &WheelLaw<S>, entry: S, memory: &WheelMemory<S>) -> S {
+    let sinkage = law.arc(entry).sinkage();
+    match &law.multipass {
+        Some(effect) => sinkage + effect.rut(memory.pressed).ground,
+        None => sinkage,
+    }
 }
 
 #[cfg(test)]
