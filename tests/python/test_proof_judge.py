@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
 from judge import estimates, files
+from judge.__main__ import claim
 from judge.case import Judged
 from judge.drawing import figure
 from judge.listing import listing
@@ -129,6 +130,28 @@ class Metrics(unittest.TestCase):
         found = measured(cases)
         self.assertAlmostEqual(found["p_truth"], (0.8 + 0.0 + 0.7 + 0.0) / 4)
         self.assertAlmostEqual(found["calibration"], (abs(1.6 - 1) + 0.3) / 3)
+        calibration = next(m for m in metrics(cases) if m.key == "calibration")
+        self.assertTrue(0.0 <= calibration.low <= calibration.value <= calibration.high)
+        # Silence may be allowed where little is left; that nothing is missing is wrong all the same.
+        faint = case(truth("edge", signal=3.0, expected=["missing_physics", "nothing_missing"]), said("nothing_missing", p=0.8))
+        self.assertEqual((faint.right, faint.claim), (True, (0.8, False)))
+
+    def test_the_truth_and_nothing_else(self) -> None:
+        pair = truth("pair", (DRAWBAR, DRAWBAR | {"effect": "grade"}))
+        cases = [case(truth(), said("missing_physics", "drawbar")), case(truth(), said("missing_physics", "drawbar", "latency")),
+                 case(truth(), said("ambiguous", "drawbar", group=("drag",))), case(pair, said("missing_physics", "grade", "drawbar")),
+                 case(pair, said("missing_physics", "grade")), case(truth("outside", (GUSTS,)), said("unknown_physics", "unknown")),
+                 case(truth("nothing", (), 0.0), said("nothing_missing")), case(truth(), None)]
+        self.assertEqual([c.exact for c in cases], [True, False, False, True, False, True, True, False])
+        self.assertEqual(measured(cases)["exact"], 0.5)
+
+    def test_names_of_what_is_not_there(self) -> None:
+        outside = truth("outside", (GUSTS,))
+        cases = [case(outside, said("unknown_physics", "unknown", "grade")), case(outside, said("ambiguous", "grade", group=("unknown",))),
+                 case(truth(rivals=["drag"]), said("missing_physics", "drag")), case(truth(), said("missing_physics", "drawbar", "drag")),
+                 case(truth(), said("nothing_missing")), case(truth(), None)]
+        self.assertEqual([c.false_names for c in cases], [["grade"], [], [], ["drag"], [], []])
+        self.assertEqual(measured(cases)["false_names"], 0.4)
 
     def test_location(self) -> None:
         where = [{"recording": "drive", "start": 12.0, "end": 20.0}, {"recording": "second", "start": 0.0, "end": 90.0}]
@@ -142,6 +165,14 @@ class Metrics(unittest.TestCase):
         found = measured([case(truth(), said("missing_physics", name, parameters=told)) for name in ("drawbar", "grade")])
         self.assertAlmostEqual(found["parameter_error"], 0.15)
         self.assertEqual(found["coverage"], 0.0)
+        # Of several recordings the first; what is truly off as well.
+        shift = {"effect": "com_shift", "kind": "physics", "size": "large", "off": {"ahead": 0.0, "left": 0.0},
+                 "parameters": {"ahead": -0.1, "left": 0.0}}
+        told = {"drive.ahead": {"value": -0.09, "low": -0.12, "high": -0.07}, "second.ahead": {"value": 9.0, "low": 8.0, "high": 9.5},
+                "left": {"value": 0.03, "low": 0.01, "high": 0.05}}
+        one = case(truth(effects=(shift,)), said("missing_physics", "com_shift", parameters=told))
+        self.assertEqual([(name, round(error, 9), held) for name, error, held in one.parameters],
+                         [("com_shift.ahead", 0.1, True), ("com_shift.left", 0.3, False)])
 
     def test_a_change_of_soil_may_be_told_from_its_other_side(self) -> None:
         change = {"effect": "terrain_change", "kind": "physics", "size": "large", "off": {"cohesion_factor": 1.0},
@@ -173,6 +204,8 @@ class Metrics(unittest.TestCase):
         cases = [case(truth(), answer, retuned=0.3, oracle=o, own=0.15) for o in (0.1, 0.29, None)]
         metric = next(m for m in metrics(cases) if m.key == "gain")
         self.assertEqual((metric.n, metric.note[:10]), (1, "2 left out"))
+        cases = [case(truth(), answer, retuned=0.3, own=own) for own in (0.32, 0.34, 0.1, None)]
+        self.assertAlmostEqual(measured(cases)["harm"], 1 / 3)
 
     def test_look_alikes(self) -> None:
         alike = truth("lookalike", expected=["missing_physics", "ambiguous"])
@@ -186,7 +219,7 @@ class Metrics(unittest.TestCase):
     def test_outside_of_the_catalogue(self) -> None:
         outside = truth("outside", (GUSTS,))
         answers = [said("unknown_physics", "unknown"), said("missing_physics", "grade"), said("nothing_missing"),
-                   said("ambiguous", "grade", group=("unknown",))]
+                   said("ambiguous", "grade", group=("unknown",)), None]
         self.assertEqual(measured([case(outside, answer) for answer in answers])["misnamed"], 0.25)
 
     def test_targets(self) -> None:
@@ -260,6 +293,23 @@ class Running(unittest.TestCase):
         (result / "retuned.json").write_text('{"status": "do')
         self.assertNotEqual(self.bench.stage("a", "retuned")["status"], "done")
         self.assertIn("error", json.loads((result / "retuned.json").read_text()))
+
+    def test_answers_belong_to_one_set_of_cases(self) -> None:
+        for seed, name in ((1, "first"), (2, "second")):
+            files.save(self.folder / name / "set.json", {"seed": seed})
+        for name in ("first", "first"):
+            claim(self.folder, self.folder / name)
+        with self.assertRaisesRegex(SystemExit, "seed 1, these are of 2"):
+            claim(self.folder, self.folder / "second")
+
+    def test_a_longer_limit_has_what_ran_into_it_done_again(self) -> None:
+        self.case("a")
+        self.bench.diagnose("a")
+        run = self.folder / "results" / "a" / "answer" / "run.json"
+        for limit, calls in ((2.0, 1), (1.0, 2)):
+            files.save(run, files.load(run) | {"status": "timeout", "limit": limit})
+            self.bench.diagnose("a")
+            self.assertEqual(self.calls, calls)
 
     def test_crash_and_timeout_are_results(self) -> None:
         for name, status in (("crash", 3), ("slow", "timeout")):

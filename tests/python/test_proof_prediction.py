@@ -75,6 +75,8 @@ class Recordings(unittest.TestCase):
     def test_sensors_that_findings_tell_of(self) -> None:
         findings = [{"effect": "latency", "parameters": {"pose": {"value": 0.1}}}, {"effect": "grade", "parameters": {}}]
         self.assertEqual(told_sensors(findings), Sensors(latency={"pose": 0.1}))
+        both = {"drive.ahead": {"value": 0.5}, "second.ahead": {"value": 0.7}}
+        self.assertEqual(told_sensors([{"effect": "lever_arm", "parameters": both}]), Sensors(lever_arm={"ahead": 0.6}))
 
 
 class Peers(unittest.TestCase):

@@ -55,7 +55,7 @@ def draw(args: argparse.Namespace) -> tuple[list[Path], int]:
     for folder, family in sets.items():
         if not args.page:
             print(f"prove: {args.cases} cases, seed {seed} {' '.join(family)}", file=sys.stderr)
-            command = [sys.executable, "-m", "generator", "--out", folder, "--cases", args.cases, "--seed", seed, "--jobs", args.jobs]
+            command = [sys.executable, "-m", "generator", "--out", folder, "--cases", args.cases, "--seed", seed, "--jobs", min(args.jobs, 2)]
             if subprocess.run(list(map(str, [*command, *family])), check=False).returncode:
                 sys.exit("prove: the cases could not be drawn")
     return list(sets), seed
@@ -70,6 +70,14 @@ def listed(sets: list[Path], root: Path) -> list[str]:
             sys.exit(f"prove: {folder / 'set.json'} is not there or broken")
         names += [str((folder / name).relative_to(root)) for name in told["cases"]]
     return names
+
+
+def claim(out: Path, folder: Path) -> None:
+    """Results in a folder belong to one set of cases: refuses those of another."""
+    seed, known = (files.load(folder / "set.json") or {}).get("seed"), files.load(out / "judged.json")
+    if known and known["seed"] != seed:
+        sys.exit(f"prove: {out} holds answers to other cases (seed {known['seed']}, these are of {seed}); take another --out or remove it")
+    files.save(out / "judged.json", {"seed": seed})
 
 
 def sealed(case: Path) -> dict:
@@ -97,6 +105,8 @@ def main() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     files.make_folder(args.out)
     sets, seed = ([args.set], None) if args.set else draw(args)
+    if args.set:
+        claim(args.out, args.set)
     root = (args.set or args.out / "cases").resolve()
     names, results = listed([folder.resolve() for folder in sets], root), (args.out / "results").resolve()
     processes = Processes()

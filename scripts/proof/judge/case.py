@@ -6,6 +6,7 @@ from .estimates import overlap
 
 SILENT = {"nothing_missing", "insufficient_data"}
 NONE = "none"  # the verdict where there is no answer: crash, timeout
+HARM_SHARE, HARM = 0.1, 0.005  # of the re-tuned error, and m, by which a model must be worse than that one to do harm
 PLAIN = 8.0  # signal left after re-tuning, in sigma, from which on an effect should be found
 IDENTIFIABLE = {"single", "sensor", "absorbed", "local", "vehicle"}
 LEAST_SHARE, LEAST_GAIN = 0.1, 0.005  # of the re-tuned error, and m, that the oracle must gain to be compared with
@@ -101,8 +102,7 @@ class Judged:
             return None
         if self.detected and self.findings:
             return self.findings[0].get("probability") or 0.0, self.first
-        silent = self.probabilities.get("nothing_missing", 0.0)
-        return silent, "nothing_missing" in (*self.names, *self.truth["expected"])
+        return self.probabilities.get("nothing_missing", 0.0), not self.truth["effects"]
 
     @property
     def misnamed(self) -> bool:
@@ -111,6 +111,22 @@ class Judged:
             return False
         honest = self.verdict == "ambiguous" and self.verdict in self.truth["expected"]
         return "unknown" not in self.group and self.told[0] not in self.names and not honest
+
+    @property
+    def false_names(self) -> list[str]:
+        """What is told by a name of the catalogue and is not there: findings that are neither the truth nor a look-alike
+        of it, nor said to be one of a set in which either, or "unknown", is."""
+        there = {*self.names, *self.truth["rivals"], "unknown"}
+        findings = self.findings if self.detected else []
+        return [f["effect"] for f in findings if not there & {f["effect"], *(f.get("ambiguous_with") or [])}]
+
+    @property
+    def exact(self) -> bool:
+        """All that is missing by its name, and nothing else."""
+        if not self.truth["effects"]:
+            return self.answered and not self.detected
+        alone = not any(f.get("ambiguous_with") for f in self.findings)
+        return self.detected and alone and {f["effect"] for f in self.findings} == set(self.names)
 
     @property
     def right(self) -> bool:
@@ -159,18 +175,21 @@ class Judged:
         return overlap(self._rest(told), true) > overlap(told, true)
 
     def _parameters(self) -> list[tuple[str, float, bool]]:
-        """Of each strength that was told of a right effect: error over the effect's strength, interval holds truth."""
+        """Of each strength that was told of a right effect: error over the effect's strength, interval holds truth. A
+        strength that is truly off counts as well; of what each of several recordings has for itself the first's."""
         right = {f["effect"]: f for f in self.findings if f["effect"] in self.names}
         result = []
         for effect in self.truth["effects"]:
             finding = right.get(effect["effect"]) or {}
-            told = finding.get("parameters") or {}
+            told: dict[str, dict] = {}
+            for key, value in (finding.get("parameters") or {}).items():
+                told.setdefault(key.rpartition(".")[2], value)
             turned = self._turned_round(effect["effect"], seconds(finding))
             true, off = effect["parameters"], effect.get("off") or {}
             acting = [key for key in off if key in true and true[key] != off[key]]
             strength = max((min(abs(true[key] - off[key]), abs(true[key])) for key in acting), default=0.0)
-            for key in acting:
-                if key in told and strength > 0:
+            for key in off:
+                if key in told and key in true and strength > 0:
                     p = one_over(told[key]) if turned else told[key]
                     error = abs(p["value"] - true[key]) / strength
                     result.append((f"{effect['effect']}.{key}", error, p["low"] <= true[key] <= p["high"]))
@@ -189,6 +208,12 @@ class Judged:
             return None
         before, best, own = (self.unseen.get(key) for key in ("retuned", "oracle", "own"))
         return 0.0 if own is None else max(-1.0, min(1.0, (before - own) / (before - best)))
+
+    @property
+    def harmful(self) -> bool:
+        """On the unseen recording the model is worse than the re-tuned one."""
+        before, own = self.unseen.get("retuned"), self.unseen.get("own")
+        return before is not None and own is not None and own - before > max(HARM_SHARE * before, HARM)
 
     @property
     def short(self) -> str:

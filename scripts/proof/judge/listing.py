@@ -4,7 +4,7 @@ import csv
 import io
 from collections.abc import Sequence
 
-COLUMNS = ("case", "family", "variant", "truth", "signal_left", "plain", "identifiable", "expected", "verdict", "told", "right", "first", "two",
+COLUMNS = ("case", "family", "variant", "truth", "signal_left", "plain", "identifiable", "expected", "verdict", "told", "right", "exact", "first", "two", "false_names",
            "claim", "p_truth", "located", "gain")
 UNSEEN = ("nominal", "retuned", "own", "oracle")  # models whose position error on the unseen drive is listed, m
 

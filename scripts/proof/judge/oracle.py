@@ -1,4 +1,5 @@
-"""What one who knows the effect gains: soil and the true effects' strengths fitted to the recordings that the tool got."""
+"""What one who knows the effect gains: soil and the effects' strengths fitted, from the true ones on, to the recordings
+that the tool got."""
 
 import json
 import subprocess
@@ -19,8 +20,8 @@ SENSOR_NAMES = {
 
 
 def fit(tool: Path, recordings: list[Path], model: Path, free: list[str] = SOIL, sensors: list[str] | None = None,
-        effects: dict | None = None) -> dict:
-    """Fits with `ugv fit`, writes the model, and gives the report."""
+        effects: dict | None = None, terrain: dict | None = None) -> dict:
+    """Fits with `ugv fit` from the terrain of the recordings or this one on, writes the model, and gives the report."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         command = [str(tool), "fit", *map(str, recordings), "--free", ",".join(free), "--starts", "0", "--jobs", "1",
@@ -29,6 +30,10 @@ def fit(tool: Path, recordings: list[Path], model: Path, free: list[str] = SOIL,
             path = Path(folder) / "effects.json"
             path.write_text(json.dumps({"format": "ugv-effects/1", **effects}))
             command += ["--effects", str(path)]
+        if terrain:
+            path = Path(folder) / "terrain.json"
+            path.write_text(json.dumps(terrain))
+            command += ["--terrain", str(path)]
         done = subprocess.run([*command, "--quiet"], capture_output=True, text=True, check=False)
         if done.returncode:
             raise RuntimeError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "fit failed")
@@ -56,7 +61,8 @@ def place(effect: dict, drive: str) -> dict | None:
 
 
 def oracle(tool: Path, recordings: list[Path], truth: dict, model: Path) -> Sensors:
-    """Fits as one who knows the effects would, begun at their true strengths; gives what it says of the sensors."""
+    """Fits as one who knows the effects would, begun at the true soil and strengths: a search from further off may end
+    elsewhere. Gives what it says of the sensors."""
     free, sensors, effects, told = list(SOIL), [], {}, {}
     for effect in truth["effects"]:
         name, parameters = effect["effect"], effect["parameters"]
@@ -68,7 +74,7 @@ def oracle(tool: Path, recordings: list[Path], truth: dict, model: Path) -> Sens
             free += [f"{name}.{key}" for key in active(effect)]
             if window := place(effect, "drive"):
                 effects["window"] = window
-    report = fit(tool, recordings, model, free, sensors, effects)
+    report = fit(tool, recordings, model, free, sensors, effects, truth["true_terrain"])
     fitted = {p["name"].rpartition(".")[2]: p["value"] for p in report["parameters"] if p["kind"] == "sensor"}
     for (name, key), fitted_name in SENSOR_NAMES.items():
         if fitted_name in fitted and key in told.get(name, {}):

@@ -13,7 +13,7 @@ SHORT = {
     "right": "allowed", "failed": "no answer", "false_alarms": "false alarms", "detection": "detected", "first": "first",
     "two": "first two", "p_truth": "p(truth)", "calibration": "calibration error", "located": "overlap",
     "parameter_error": "parameter error", "coverage": "coverage", "gain": "gain", "gain_outside": "gain, outside",
-    "misnamed": "wrongly named", "seconds": "seconds",
+    "misnamed": "outside: wrongly named", "exact": "that and nothing else", "false_names": "false names", "harm": "harm", "seconds": "seconds",
 }
 
 PEERS = {
@@ -176,7 +176,8 @@ def page(cases: Sequence[Judged], summed: dict) -> str:
 <h2>By family</h2>{across("family", summed["families"], FAMILY_KEYS, counts)}
 <h2>Peers on the same cases</h2>
 <p class="soft">Gain: position error four seconds ahead on a drive that none of them saw, as the share of what an oracle that knows the effect gains over
-the re-tuned soil. All of them predict the same windows from the same states. {escape(" ".join(PEERS.values()))}</p>
+the re-tuned soil. All of them predict the same windows, each from the recorded states (less what it says of the sensors). Peers' seconds are those of
+their own work and of predicting the unseen drive; that they begin with the re-tuned soil is not counted. {escape(" ".join(PEERS.values()))}</p>
 {across("method", summed["peers"], peer_keys)}
 <h2>Every case</h2>{every(cases)}
 <p class="soft">Tool {escape(summed["tool"])}; time limit {summed["limit_s"]:.0f} s a case; numbers in proof.json.</p>

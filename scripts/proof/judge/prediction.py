@@ -2,6 +2,7 @@
 
 import json
 import math
+import statistics
 import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
@@ -59,11 +60,14 @@ def on_unseen(tool: Path, model: Path, recording: Path, sensors: Sensors = PERFE
 
 
 def told_sensors(findings: Sequence[dict]) -> Sensors:
-    """What findings say of the sensors."""
+    """What findings say of the sensors; of what each of several recordings has for itself the mean."""
     told = {}
     for finding in findings:
         if finding["effect"] in SENSOR_EFFECTS:
-            told[finding["effect"]] = {name: p["value"] for name, p in (finding.get("parameters") or {}).items()}
+            each: dict[str, list[float]] = {}
+            for name, p in (finding.get("parameters") or {}).items():
+                each.setdefault(name.rpartition(".")[2], []).append(p["value"])
+            told[finding["effect"]] = {name: statistics.fmean(values) for name, values in each.items()}
     return Sensors(**told)
 
 

@@ -6,9 +6,9 @@ from .case import Judged
 from .metrics import confusion, metrics, reliability
 
 NOT_ANSWERING = {"nominal": "as given", "retuned": "soil re-tuned"}  # peers that only predict
-PEER_KEYS = ["false_alarms", "detection", "first", "two", "p_truth", "calibration", "parameter_error", "coverage", "misnamed"]
+PEER_KEYS = ["false_alarms", "detection", "first", "two", "p_truth", "calibration", "parameter_error", "coverage", "misnamed", "exact", "false_names"]
 DETECTING = ["false_alarms", "detection"]
-PREDICTING = ["gain", "gain_outside"]
+PREDICTING = ["gain", "gain_outside", "harm"]
 
 
 def one(case: Judged) -> dict:
@@ -16,7 +16,8 @@ def one(case: Judged) -> dict:
     return {
         "case": case.name, "family": case.family, "variant": case.truth.get("variant", ""), "right": case.right,
         "truth": case.true_short, "names": case.names, "expected": case.truth["expected"], "signal_left": case.signal,
-        "plain": case.plain, "identifiable": case.identifiable, "first": case.first, "two": case.two,
+        "plain": case.plain, "identifiable": case.identifiable, "first": case.first, "two": case.two, "exact": case.exact,
+        "false_names": case.false_names,
         "verdict": case.verdict, "told": case.short, "p_truth": case.p_truth if case.answered else None,
         "claim": case.claim[0] if case.claim else None, "located": case.located, "gain": case.gain, "unseen_m": case.unseen,
         "parameters": [{"name": n, "error": e, "held": h} for n, e, h in case.parameters],
