@@ -200,7 +200,7 @@ struct Beside {
 
 impl Files {
     fn new(args: &Args) -> Result<Self, Failure> {
-        let table = Output::to(args.output.as_deref())?;
+        let table = Output::of(args.output.as_deref(), [&args.input])?;
         let path = args.output.as_ref().filter(|path| *path != Path::new("-"));
         let beside = path.map(|path| Beside::new(&path.with_extension("json")));
         let files = Self {

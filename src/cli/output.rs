@@ -60,7 +60,7 @@ impl Output {
             if output.is_at(source) || output.is_at(&beside) {
                 let path = path.map_or_else(String::new, |path| path.display().to_string());
                 return Err(Failure::Argument {
-                    reason: format!("{path} is the recording's own file"),
+                    reason: format!("{path} is what is read, or stands beside it"),
                     hint: Some("take another name, or another folder".into()),
                 });
             }

@@ -129,11 +129,11 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
 }
 
 /// The samples of a topic by time, no two at the same, and what had to be done for it. Of two at one time the first stays,
-/// and takes what it `lacks` from the other.
+/// and takes what it lacks from the other: `fills` says whether it took any.
 pub(super) fn ordered<T>(
     stream: Stream<T>,
     clock: Clock,
-    lacks: impl Fn(&mut T, &T),
+    fills: impl Fn(&mut T, &T) -> bool,
 ) -> (Vec<(i64, T)>, Option<String>) {
     let topic = stream.topic.name;
     let samples = stream.samples.into_iter();
@@ -144,10 +144,11 @@ pub(super) fn ordered<T>(
     let steps_back = steps_back.count();
     samples.sort_by_key(|(time, _)| *time);
     let before = samples.len();
+    let mut filled = "";
     samples.dedup_by(|later, first| {
         let same = later.0 == first.0;
-        if same {
-            lacks(&mut first.1, &later.1);
+        if same && fills(&mut first.1, &later.1) {
+            filled = ", with what it lacked from the others";
         }
         same
     });
@@ -155,14 +156,14 @@ pub(super) fn ordered<T>(
     let note = match (steps_back, repeated) {
         (0, 0) => None,
         (0, _) => Some(format!(
-            "{topic}: {repeated} of {before} messages repeat a time; the first of each is kept"
+            "{topic}: {repeated} of {before} messages repeat a time; the first of each is kept{filled}"
         )),
         (_, 0) => Some(format!(
             "{topic}: its time steps back {steps_back} times; its messages were sorted"
         )),
         _ => Some(format!(
             "{topic}: its time steps back {steps_back} times and {repeated} of {before} messages \
-             repeat a time; they were sorted, the first of each is kept"
+             repeat a time; they were sorted, the first of each is kept{filled}"
         )),
     };
     (samples, note)
@@ -197,10 +198,10 @@ mod tests {
     #[test]
     fn samples_are_sorted_and_the_first_of_a_time_stays() {
         let stream = stream("/a", &[(10, 1), (30, 2), (20, 3), (30, 4)]);
-        let (samples, note) = ordered(stream.clone(), Clock::Header, |_, _| {});
+        let (samples, note) = ordered(stream.clone(), Clock::Header, |_, _| false);
         assert_eq!(samples, [(10, 0), (20, 2), (30, 1)]);
         assert!(note.unwrap().contains("steps back 1 times and 1 of 4"));
-        let (samples, note) = ordered(stream, Clock::Log, |_, _| {});
+        let (samples, note) = ordered(stream, Clock::Log, |_, _| false);
         assert_eq!(samples, [(1, 0), (2, 1), (3, 2), (4, 3)]);
         assert_eq!(note, None);
     }
@@ -208,13 +209,21 @@ mod tests {
     #[test]
     fn what_one_message_lacks_another_of_the_same_time_tells() {
         let stream = stream("/a", &[(10, 1), (10, 2), (20, 3), (10, 4)]);
-        let sum = |first: &mut usize, other: &usize| *first += other;
-        let (samples, _) = ordered(stream, Clock::Header, sum);
+        let sum = |first: &mut usize, other: &usize| {
+            *first += other;
+            true
+        };
+        let (samples, note) = ordered(stream, Clock::Header, sum);
         assert_eq!(samples, [(10, 1 + 3), (20, 2)]);
+        assert!(
+            note.unwrap()
+                .ends_with("with what it lacked from the others")
+        );
         let joint = |position, velocity| crate::import::collect::JointSample { position, velocity };
         let mut arm = joint(f64::NAN, 2.0);
-        arm.take(&joint(1.0, 3.0));
+        assert!(arm.take(&joint(1.0, 3.0)));
         assert_eq!(arm, joint(1.0, 2.0));
+        assert!(!arm.take(&joint(5.0, 6.0)));
     }
 
     #[test]

@@ -62,16 +62,19 @@ pub(super) struct JointSample {
 }
 
 impl JointSample {
-    /// Takes what is missing from another message of the same moment.
-    pub fn take(&mut self, other: &Self) {
+    /// Takes what is missing from another message of the same moment, and says whether there was any.
+    pub fn take(&mut self, other: &Self) -> bool {
+        let mut taken = false;
         for (own, other) in [
             (&mut self.position, other.position),
             (&mut self.velocity, other.velocity),
         ] {
-            if own.is_nan() {
+            if own.is_nan() && !other.is_nan() {
                 *own = other;
+                taken = true;
             }
         }
+        taken
     }
 }
 

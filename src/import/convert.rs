@@ -40,7 +40,8 @@ pub(super) fn convert(all: Collected, options: &Options) -> Result<Converted, Im
     };
     // A robot's arm and its wheels may tell of the same moment in two messages, as each side may.
     let joints = track_with(all.joints, clock, &mut columns, |first, other| {
-        first.iter_mut().zip(other).for_each(|(a, b)| a.take(b));
+        let pairs = first.iter_mut().zip(other);
+        pairs.fold(false, |taken, (a, b)| a.take(b) | taken)
     });
     let odometry = all
         .odometry
@@ -78,17 +79,17 @@ pub(super) fn convert(all: Collected, options: &Options) -> Result<Converted, Im
 }
 
 fn track<T>(stream: Stream<T>, clock: Clock, columns: &mut Columns) -> Track<T> {
-    track_with(stream, clock, columns, |_, _| {})
+    track_with(stream, clock, columns, |_, _| false)
 }
 
 fn track_with<T>(
     stream: Stream<T>,
     clock: Clock,
     columns: &mut Columns,
-    lacks: impl Fn(&mut T, &T),
+    fills: impl Fn(&mut T, &T) -> bool,
 ) -> Track<T> {
     let topic = stream.topic.name.clone();
-    let (samples, note) = ordered(stream, clock, lacks);
+    let (samples, note) = ordered(stream, clock, fills);
     columns.notes.extend(note);
     Track { topic, samples }
 }

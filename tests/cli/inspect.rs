@@ -142,7 +142,10 @@ fn own_files_are_not_overwritten() {
         "--json ./drive.csv",
     ] {
         let message = bench.fails(&format!("inspect drive.csv {target}"), 2);
-        assert!(message.contains("is the recording's own file"), "{message}");
+        assert!(
+            message.contains("is what is read, or stands beside it"),
+            "{message}"
+        );
     }
     let message = bench.fails("inspect drive.csv --json same --page same", 2);
     assert!(message.contains("lead to the same place"), "{message}");

@@ -134,6 +134,7 @@ fn what_does_not_reach_the_end_is_told_and_kept() {
 fn wrong_sweeps_are_refused() {
     let bench = Bench::new();
     bench.write("bad.csv", "soil.cohesion\n5\nx\n");
+    bench.write("crlf.csv", "soil.cohesion\r\n5\r\n\r\nx\r\n");
     bench.write("twice.csv", "soil.cohesion,soil.cohesion\n5,6\n");
     bench.write("empty.csv", "soil.cohesion\n");
     bench.write("one.csv", "time,omega_left,omega_right\n0,1,1\n");
@@ -183,6 +184,11 @@ fn wrong_sweeps_are_refused() {
             "--table bad.csv",
             "bad.csv, line 3, soil.cohesion: found `x`",
             "--samples-only",
+        ),
+        (
+            "--table crlf.csv",
+            "crlf.csv, line 4, soil.cohesion: found `x`",
+            "",
         ),
         (
             "--table twice.csv",

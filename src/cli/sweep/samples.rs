@@ -2,7 +2,7 @@
 
 use super::distribution::{Values, Varied};
 use crate::cli::Failure;
-use std::fs::File;
+use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -81,11 +81,13 @@ impl Samples {
     /// # Errors
     /// A file that cannot be read, with the line and column of what is wrong.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let file = File::open(path).map_err(|source| Failure::Read {
+        let text = fs::read_to_string(path).map_err(|source| Failure::Read {
             path: path.into(),
             source,
         })?;
-        let mut reader = csv::Reader::from_reader(file);
+        // A record is said to begin before the second half of a CR LF.
+        let text = text.replace("\r\n", "\n");
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
         let wrong = |reason: String| Failure::Argument {
             reason: format!("{}{reason}", path.display()),
             hint: Some("`ugv sweep --vary ... --samples-only` writes tables that are right".into()),
@@ -100,7 +102,7 @@ impl Samples {
         let mut rows = Vec::new();
         for (number, record) in reader.records().enumerate() {
             let record = record.map_err(|e| wrong(format!(": {e}")))?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let start = record.position().map_or(0, |place| place.byte() as usize);
             let mut sample = Sample {
                 index: number as u64,
                 values: Vec::with_capacity(header.len()),
@@ -108,6 +110,7 @@ impl Samples {
             for (column, cell) in record.iter().enumerate() {
                 let expected = |what: &str| {
                     let name = &header[column];
+                    let line = line_from(&text, start);
                     wrong(format!(
                         ", line {line}, {name}: found `{cell}`, expected {what}"
                     ))
@@ -156,6 +159,13 @@ impl Sample {
             .iter()
             .try_for_each(|value| write!(out, ",{:?}", value + 0.0))
     }
+}
+
+/// The line, from 1, of the first that is not empty from some byte on.
+fn line_from(text: &str, start: usize) -> usize {
+    let (before, rest) = text.split_at(start);
+    let skipped = rest.len() - rest.trim_start_matches('\n').len();
+    1 + skipped + before.matches('\n').count()
 }
 
 fn check_unique(names: &[String], place: &str) -> Result<(), Failure> {
