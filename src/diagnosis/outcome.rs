@@ -330,7 +330,8 @@ pub struct Diagnosis {
     pub statement: String,
     /// Names of the recordings.
     pub recordings: Vec<String>,
-    /// What is missing, in the order in which it was found; first what has no name where that is the most.
+    /// What is missing, in the order of what each explains beside the others; first what has no name where that is the
+    /// main thing.
     pub findings: Vec<Finding>,
     /// Place of the finding that the verdict is about.
     pub leading: Option<usize>,

@@ -10,7 +10,7 @@ effect! {
     source "definition",
     {
         pose ["s"] 0.0..1.0, off 0.0, normal(0.2, 0.2), "Delay of position and heading";
-        yaw_rate ["s"] 0.0..1.0, off 0.0, normal(0.0, 0.05), "Delay of the yaw rate";
+        yaw_rate ["s"] 0.0..1.0, off 0.0, normal(0.0, 0.05), "Delay of the yaw rate (not estimated: the gyro is the clock)";
         wheels ["s"] 0.0..1.0, off 0.0, normal(0.1, 0.1), "Delay of the wheel speeds";
     }
 }

@@ -18,6 +18,11 @@ default; the others shape it. Symbols as in the paper; z and h are the sinkage, 
 (r omega - v) / max(abs(r omega), abs(v)), from -1 (locked) to 1, smooth between. (The output
 `longitudinal_slip` is the paper's, (13), which divides by r omega.)
 
+Priors: m ± s is normal, m ×/÷ f log-normal with ln f the standard deviation of the logarithm; `ugv fit` uses them, `ugv diagnose`
+[others around \"off\"](method.md#1-the-likelihood). Besides the paper's symbols: N wheels of width b, half a track B, the distance L to
+the row ahead, a sinkage h_0 under the axle, v_0 = 0.01 m/s, and after Hegedus D1 = 2 q, D2 = q + q^2 tan phi with
+q = sqrt(1 + tan^2 phi) + tan phi.
+
 What is of the sensors moves no vehicle: `ugv fit` and `ugv diagnose` alone estimate it, under the names
 and the wider priors that `ugv fit --free help` prints; a simulation and an FMU leave it out.
 

@@ -69,7 +69,7 @@ fn notes(searched: &Searched) -> Vec<String> {
         ));
     }
     if searched.given.maps == Maps::OfRecordings {
-        let note = "Recordings begin at one point, so each counts as having a map of its own: what belongs to a place is not sought across them. Give poses in one frame if they share one.";
+        let note = "Recordings begin at one point, so each counts as having a map of its own: what belongs to a place on the map is not sought. Give poses in one frame if they share one.";
         notes.push(note.into());
     }
     notes.extend(at_the_end_of_its_range(searched));
