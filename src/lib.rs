@@ -28,12 +28,13 @@
 //! with the feature `fmu`. [`effects`] are what the paper leaves out; contact and vehicle use them.
 //! [`recording`] stands beside them, and knows of vehicles and terrains only how they are described;
 //! `import` makes recordings from robots' logs, [`inspection`] looks at one, `report` shows what
-//! it saw, [`identification`] judges models by them, and `fit` fits models to them. Everything inside
+//! it saw, [`identification`] judges models by them, `fit` fits models to them (`fit::fit_model`), and `diagnosis` says
+//! what physics a model left out (`diagnosis::diagnose`). Everything inside
 //! is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
-//! - `cli` (default): the tool `ugv`, reading CSV and robots' logs (`import`), and [`package`],
-//!   which makes the FMU's archive.
+//! - `cli` (default): the tool `ugv` and what it uses: reading CSV and robots' logs (`import`), `fit`, `diagnosis`,
+//!   `report`, and `package`, which makes the FMU's archive. Without it: the model, its derivatives, effects, JSON.
 //! - `fmu`: the C interfaces of FMI 2.0 and 3.0; building it needs libclang.
 
 pub mod contact;

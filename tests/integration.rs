@@ -3,7 +3,7 @@
 mod common;
 
 use common::{accelerate_then_turn_right, drive, paper_model, speeds, starting_at};
-use ugv_terrain::simulation::{Simulation, SimulationError, State};
+use ugv_terrain::simulation::{Simulation, SimulationError, SnapshotError, State};
 use ugv_terrain::terrain::Terrain;
 
 /// The state at the end of the paper's manoeuvre, inputs linear over 0.1 s, taken in
@@ -148,7 +148,34 @@ fn clones_and_restored_snapshots_go_on_to_the_bit() {
 fn a_snapshot_of_another_vehicle_is_refused() {
     let mut simulation = Simulation::new(paper_model("dry_sand"));
     let expected = simulation.snapshot().len();
-    assert_eq!(simulation.restore(&[0.0; 3]), Err(expected));
+    let refused = simulation.restore(&[0.0; 3]);
+    assert_eq!(refused, Err(SnapshotError { expected, found: 3 }));
+}
+
+#[test]
+fn a_budget_of_steps_that_is_used_up_leaves_a_state_to_go_on_from() {
+    let begin = || {
+        let mut simulation = Simulation::new(paper_model("clayed_soil"));
+        simulation.set_wheel_speeds(speeds(3.0, 2.0)).unwrap();
+        simulation
+            .set_wheel_accelerations(speeds(1.0, 0.5))
+            .unwrap();
+        simulation
+    };
+    let mut whole = begin();
+    whole.step(2.0).unwrap();
+    let mut halted = begin();
+    halted.limit_steps(5);
+    let error = halted.step(2.0).unwrap_err();
+    let time = halted.time();
+    assert_eq!(error, SimulationError::StepBudget { time });
+    assert!(time > 0.0 && time < 2.0, "{time}");
+    // Time, inputs and state belong together.
+    assert!((halted.wheel_speeds().left - (3.0 + time)).abs() < 1e-12);
+    halted.limit_steps(u64::MAX);
+    halted.step(2.0 - time).unwrap();
+    let (a, b) = (halted.state(), whole.state());
+    assert!((a.x - b.x).hypot(a.y - b.y) < 1e-5, "{a:?} {b:?}");
 }
 
 #[test]
@@ -175,6 +202,7 @@ fn steps_and_inputs_that_make_no_sense_are_refused_and_change_nothing() {
     assert_eq!(simulation.step(-0.1), Err(SimulationError::StepSize(-0.1)));
     assert!(simulation.step(f64::NAN).is_err());
     assert!(simulation.step(1e300).is_err());
+    assert!(simulation.set_time(f64::NAN).is_err());
     assert!(simulation.set_wheel_speeds(speeds(f64::NAN, 0.0)).is_err());
     assert!(
         simulation

@@ -107,6 +107,9 @@ impl Failure {
             Self::Diagnosis(DiagnosisError::NothingMeasured { .. }) => Some(
                 "record a pose (x, y, heading) or at least the yaw rate beside the wheel speeds".into(),
             ),
+            Self::Diagnosis(DiagnosisError::SameName { .. }) => {
+                Some("rename one of the files: findings name the recording".into())
+            }
             Self::Diagnosis(DiagnosisError::Undrivable(_)) => Some(
                 "check the vehicle's mass, wheel radius and track (--vehicle), and the terrain to begin with (--terrain)".into(),
             ),

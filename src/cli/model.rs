@@ -3,7 +3,7 @@
 use super::{Failure, tell};
 use std::fs;
 use std::path::{Path, PathBuf};
-use ugv_terrain::effects::{Boundary, CATALOGUE, Effects, Extent, Kind, SlopeProfile};
+use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
 use ugv_terrain::json::JsonError;
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
@@ -126,13 +126,7 @@ pub fn load_effects(path: &Path) -> Result<Effects, Failure> {
 
 /// Refuses effects that depend on when a drive began, where its pieces are looked at one by one.
 pub fn check_piecewise(effects: &Effects) -> Result<(), Failure> {
-    let over_place = matches!(effects.slope_profile, None | Some(SlopeProfile::Place(_)));
-    let window = effects.window.as_ref();
-    let anytime = window.is_none_or(|window| matches!(window.extent, Extent::Place { .. }));
-    let bounded = effects
-        .on(Kind::Physics)
-        .any(|effect| effect.name == "terrain_change");
-    if over_place && anytime && (!bounded || effects.boundary == Boundary::Place) {
+    if !effects.depend_on_beginning() {
         return Ok(());
     }
     Err(Failure::Argument {

@@ -17,6 +17,7 @@ use super::search::{Searched, search};
 use super::{DiagnosisError, Options, Progress};
 use crate::effects::CATALOGUE;
 use crate::fit::Estimate;
+use crate::fit::error::LENGTHS;
 use crate::fit::parameter::NORMAL_95;
 use crate::fit::segment::Signal;
 use crate::recording::Recording;
@@ -28,8 +29,31 @@ const POWER: f64 = 1.28;
 
 /// Locates the mismatch between recordings and a model, says what physics was left out, and models it.
 ///
+/// Recordings and model as [`Recording`] and [`Specification`] have them (SI, radians); [`Diagnosis::model`] is the given
+/// model with its soil re-tuned and what was found. Takes half a minute to some minutes on rayon's present pool.
+///
+/// ```no_run
+/// use ugv_terrain::diagnosis::{Options, Progress, diagnose};
+/// use ugv_terrain::recording::read_recording;
+/// use ugv_terrain::terrain::Terrain;
+/// use ugv_terrain::vehicle::{Specification, Vehicle};
+///
+/// let recordings = [read_recording("there.csv".as_ref())?, read_recording("back.csv".as_ref())?];
+/// let loam = Terrain::preset("sandy_loam").expect("one of the paper's terrains");
+/// let nominal = Specification::plain(Vehicle::tran2007(), loam);
+/// let progress = Progress::new(&|step| eprintln!("{step}"));
+/// let found = diagnose(&recordings, &nominal, &Options::default(), &progress)?;
+/// println!("{}", found.statement);
+/// for finding in &found.findings {
+///     println!("{} with probability {:.2}", finding.subject.name(), finding.probability);
+/// }
+/// std::fs::write("model.json", found.model.to_json())?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
-/// Recordings that nothing can be said of, a model that cannot follow them.
+/// Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
+/// when a drive began. Of [`DiagnosisError::AtRest`] and [`DiagnosisError::TooShort`] [`insufficient`] makes an answer.
 pub fn diagnose(
     recordings: &[Recording],
     nominal: &Specification,
@@ -40,7 +64,18 @@ pub fn diagnose(
     if recordings.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
-    for recording in recordings {
+    if !LENGTHS.contains(&options.segment) {
+        return Err(DiagnosisError::SegmentLength(options.segment));
+    }
+    if nominal.effects.depend_on_beginning() {
+        return Err(DiagnosisError::DependsOnBeginning);
+    }
+    for (index, recording) in recordings.iter().enumerate() {
+        let name = &recording.name;
+        if recordings[..index].iter().any(|other| other.name == *name) {
+            return Err(DiagnosisError::SameName { name: name.clone() });
+        }
+        recording.check().map_err(DiagnosisError::Recording)?;
         if !Signal::ALL
             .iter()
             .any(|signal| recording.has(signal.channel()))
@@ -288,5 +323,45 @@ fn statement(diagnosis: &Diagnosis) -> String {
         Verdict::UnknownPhysics => {
             format!("Something is missing that the catalogue does not have: {told}.")
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Effects;
+    use crate::terrain::Terrain;
+    use crate::vehicle::Vehicle;
+
+    #[test]
+    fn what_cannot_be_diagnosed_is_refused() {
+        let soil = Terrain::preset("sandy_loam").unwrap();
+        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let options = Options::default();
+        let progress = Progress::new(&|_| ());
+        let refused = |recordings: &[Recording], nominal: &Specification, options: &Options| {
+            diagnose(recordings, nominal, options, &progress).unwrap_err()
+        };
+        assert_eq!(
+            refused(&[], &nominal, &options),
+            DiagnosisError::NoRecording
+        );
+        let one = [Recording::default()];
+        let short = Options {
+            segment: -5.0,
+            ..options.clone()
+        };
+        let found = refused(&one, &nominal, &short);
+        assert_eq!(found, DiagnosisError::SegmentLength(-5.0));
+        let window =
+            r#"{"drag": {"coefficient": 9}, "window": {"effects": ["drag"], "time": [1, 2]}}"#;
+        let bound = Specification {
+            effects: Effects::from_json(window).unwrap(),
+            ..nominal.clone()
+        };
+        let found = refused(&one, &bound, &options);
+        assert_eq!(found, DiagnosisError::DependsOnBeginning);
+        let found = refused(&one, &nominal, &options);
+        assert!(matches!(found, DiagnosisError::NothingMeasured { .. }));
     }
 }

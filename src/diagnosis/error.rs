@@ -1,6 +1,9 @@
 //! Why nothing can be diagnosed.
 
+use crate::fit::error::LENGTHS;
 use crate::fit::predictor::PredictionError;
+use crate::recording::RecordingFault;
+use std::error::Error;
 use std::fmt;
 
 /// The position of a vehicle at rest drifts about as far \[m\].
@@ -8,6 +11,7 @@ const DRIFT: f64 = 5.0;
 
 /// Why there is no diagnosis.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum DiagnosisError {
     /// No recording at all.
     NoRecording,
@@ -32,6 +36,17 @@ pub enum DiagnosisError {
     Undrivable(PredictionError),
     /// Numbers that left the range of the machine.
     NotFinite,
+    /// Samples that are no series in time.
+    Recording(RecordingFault),
+    /// A length of segments \[s\] that is none, or too short or too long.
+    SegmentLength(f64),
+    /// Effects of the given model that depend on when a drive began: segments begin anywhere.
+    DependsOnBeginning,
+    /// Two recordings of one name: findings name the recording.
+    SameName {
+        /// The name.
+        name: String,
+    },
 }
 
 impl fmt::Display for DiagnosisError {
@@ -59,8 +74,27 @@ impl fmt::Display for DiagnosisError {
                 "the given vehicle on the given terrain cannot follow most of the recording: {error}"
             ),
             Self::NotFinite => f.write_str("the diagnosis' numbers are not finite"),
+            Self::Recording(fault) => fault.fmt(f),
+            Self::SegmentLength(length) => write!(
+                f,
+                "segments of {length} s: expected {} to {} s",
+                LENGTHS.start(),
+                LENGTHS.end()
+            ),
+            Self::DependsOnBeginning => f.write_str(
+                "effects over the time or the distance driven do not fit segments, each with a beginning of its own",
+            ),
+            Self::SameName { name } => write!(f, "two recordings are called {name}"),
         }
     }
 }
 
-impl std::error::Error for DiagnosisError {}
+impl Error for DiagnosisError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Undrivable(error) => Some(error),
+            Self::Recording(fault) => Some(fault),
+            _ => None,
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! A part of a drive, outside of which effects are off.
 
-use super::{CATALOGUE, Effects, Kind};
+use super::{Boundary, CATALOGUE, Effects, Kind, SlopeProfile, TerrainChange};
 use std::fmt;
 
 /// Effects that act for a while only, or somewhere only.
@@ -36,11 +36,27 @@ pub enum Extent {
     },
 }
 
+impl Effects {
+    /// Whether what they do depends on when a drive began, or on how far it has come: slopes over time or distance, a
+    /// boundary of soils over either, a window of seconds. Pieces of a drive cannot be looked at one by one then.
+    #[must_use]
+    pub fn depend_on_beginning(&self) -> bool {
+        let slopes = !matches!(self.slope_profile, None | Some(SlopeProfile::Place(_)));
+        let window = self.window.as_ref();
+        let seconds = window.is_some_and(|w| matches!(w.extent, Extent::Time { .. }));
+        let name = TerrainChange::<f64>::DECLARATION.name;
+        let changes = self.on(Kind::Physics).any(|effect| effect.name == name);
+        slopes || seconds || (changes && self.boundary != Boundary::Place)
+    }
+}
+
 /// Why a window makes no sense.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WindowError {
     /// No effects in it.
     Empty,
+    /// A place in the catalogue at which there is no effect.
+    Unknown(usize),
     /// An effect that is off inside as well.
     Off(&'static str),
     /// An effect that changes what sensors report, which has no window.
@@ -57,6 +73,7 @@ impl fmt::Display for WindowError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty => write!(f, "it holds no effects: name at least one"),
+            Self::Unknown(place) => write!(f, "there is no effect number {place}"),
             Self::Off(effect) => write!(
                 f,
                 "{effect} is off: set its parameters beside the window, or leave it out"
@@ -86,7 +103,8 @@ impl Window {
             return Err(WindowError::Empty);
         }
         for effect in &self.effects {
-            let declaration = CATALOGUE[*effect];
+            let declaration = CATALOGUE.get(*effect);
+            let declaration = declaration.ok_or(WindowError::Unknown(*effect))?;
             if declaration.kind == Kind::Measurement {
                 return Err(WindowError::Sensor(declaration.name));
             }

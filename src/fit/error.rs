@@ -1,12 +1,18 @@
 //! Why nothing can be fitted.
 
 use super::predictor::PredictionError;
+use crate::recording::RecordingFault;
+use std::error::Error;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// Less driving than this cannot tell a soil from the noise \[s\].
 pub const SHORTEST: f64 = 3.0;
+/// Segments may be as long as this \[s\]: shorter ones tell nothing beside their starts, longer ones drift.
+pub(crate) const LENGTHS: RangeInclusive<f64> = 2.0..=60.0;
 /// Why there is no fit.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum FitError {
     /// A recording without anything to compare with.
     NothingMeasured {
@@ -24,6 +30,24 @@ pub enum FitError {
     Start(PredictionError),
     /// Numbers that left the range of the machine.
     NotFinite,
+    /// Samples that are no series in time.
+    Recording(RecordingFault),
+    /// A length of segments \[s\] that is none, or too short or too long.
+    SegmentLength(f64),
+    /// Effects that depend on when a drive began: segments begin anywhere.
+    DependsOnBeginning,
+    /// A parameter that is named twice.
+    Twice {
+        /// Its name.
+        name: String,
+    },
+    /// As many values to begin with as parameters are needed.
+    Values {
+        /// Number of parameters.
+        parameters: usize,
+        /// Number of values.
+        values: usize,
+    },
 }
 
 impl fmt::Display for FitError {
@@ -43,8 +67,30 @@ impl fmt::Display for FitError {
                 "the fit cannot begin with this vehicle and terrain: {error}"
             ),
             Self::NotFinite => f.write_str("the fit's numbers are not finite"),
+            Self::Recording(fault) => fault.fmt(f),
+            Self::SegmentLength(length) => write!(
+                f,
+                "segments of {length} s: expected {} to {} s",
+                LENGTHS.start(),
+                LENGTHS.end()
+            ),
+            Self::DependsOnBeginning => f.write_str(
+                "effects over the time or the distance driven do not fit segments, each with a beginning of its own",
+            ),
+            Self::Twice { name } => write!(f, "{name} is named twice"),
+            Self::Values { parameters, values } => {
+                write!(f, "{values} values to begin with for {parameters} parameters")
+            }
         }
     }
 }
 
-impl std::error::Error for FitError {}
+impl Error for FitError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Start(error) => Some(error),
+            Self::Recording(fault) => Some(fault),
+            _ => None,
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! The fit as a whole: motion, noise and weights in turns until none of them moves.
 
-use super::error::{FitError, SHORTEST};
+use super::error::{FitError, LENGTHS, SHORTEST};
 use super::identifiability::{Limit, limits};
 use super::noise_estimate;
 use super::optimiser::{Stop, minimise};
@@ -121,10 +121,12 @@ const LATER: f64 = 0.03;
 
 /// Fits a model's free parameters to recordings.
 ///
-/// `model` are the predictor's parameters and `nominal` their values to begin with.
+/// `model` are the predictor's parameters, in its order, and `nominal` their values to begin with. For a vehicle on a soil
+/// [`fit_model`](super::fit_model) puts these together.
 ///
 /// # Errors
-/// Recordings that tell nothing, and a model that cannot even begin.
+/// Recordings that tell nothing, and a model that cannot even begin; a length of segments that makes no sense, another
+/// number of parameters or values than the predictor has.
 pub fn fit<P: Predictor>(
     predictor: &P,
     model: Vec<Parameter>,
@@ -133,6 +135,19 @@ pub fn fit<P: Predictor>(
     options: &Options,
     progress: &(dyn Fn(Stage) + Sync),
 ) -> Result<Fit, FitError> {
+    if !LENGTHS.contains(&options.segment) {
+        return Err(FitError::SegmentLength(options.segment));
+    }
+    let parameters = predictor.parameters();
+    if let Some(values) = [model.len(), nominal.len()]
+        .into_iter()
+        .find(|n| *n != parameters)
+    {
+        return Err(FitError::Values { parameters, values });
+    }
+    for recording in recordings {
+        recording.check().map_err(FitError::Recording)?;
+    }
     let sensors = recordings
         .iter()
         .map(|recording| free_sensors(recording, &options.sensors))

@@ -98,7 +98,7 @@ impl Predictor for ExactPredictor {
             let mut simulation = Simulation::new(model);
             simulation.limit_steps(most);
             simulation.set_state(*request.start)?;
-            simulation.set_time(request.clock + begin);
+            simulation.set_time(request.clock + begin)?;
             drive(&mut simulation, request, out)?;
         }
         Ok(())

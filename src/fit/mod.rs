@@ -1,4 +1,4 @@
-//! Fitting soil, vehicle and sensor parameters to recordings.
+//! Fitting soil, vehicle and sensor parameters to recordings: [`fit_model`].
 //!
 //! Multiple shooting: recordings are cut into segments of some seconds, each with a start of
 //! its own ([`segment`]); a model predicts each ([`predictor`], [`exact`]), sensors report of it
@@ -19,6 +19,7 @@ pub mod estimate;
 pub mod exact;
 pub mod identifiability;
 pub mod linearised;
+mod model;
 pub mod noise;
 pub mod noise_estimate;
 pub mod normal;
@@ -37,4 +38,5 @@ pub mod weighing;
 
 pub use error::FitError;
 pub use estimate::{Estimate, Fit, Options, Stage, fit};
+pub use model::{Fitted, fit_model};
 pub use weighing::NoiseEstimate;

@@ -21,7 +21,7 @@ pub struct Prior {
 /// A parameter to be fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Full name, as `terrain.cohesion`.
+    /// Name in files, as `cohesion` or `drawbar.force`; of a sensor with its recording's before it.
     pub name: String,
     /// Unit of its value.
     pub unit: &'static str,

@@ -92,7 +92,14 @@ impl fmt::Display for PredictionError {
     }
 }
 
-impl std::error::Error for PredictionError {}
+impl std::error::Error for PredictionError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Parameter(error) => Some(error),
+            Self::Simulation(error) => Some(error),
+        }
+    }
+}
 
 impl From<ParameterError> for PredictionError {
     fn from(error: ParameterError) -> Self {

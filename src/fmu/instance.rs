@@ -120,7 +120,7 @@ impl Instance {
     pub(super) fn exit_initialization(&mut self) -> Outcome {
         let time = self.core.time;
         let simulation = self.core.simulation()?;
-        simulation.set_time(time);
+        simulation.set_time(time).map_err(broken)?;
         simulation.wrench().map_err(broken)?;
         self.core.mode = match self.interface {
             Interface::CoSimulation if self.has_events => Mode::StepEvent,
@@ -171,8 +171,7 @@ impl Instance {
             return refuse(format!("time {time} is not finite"));
         }
         self.core.time = time;
-        self.core.simulation()?.set_time(time);
-        Ok(())
+        self.core.simulation()?.set_time(time).map_err(broken)
     }
 
     /// One communication step. Input derivatives serve for this step alone.
@@ -195,9 +194,9 @@ impl Instance {
         }
         let rates = std::mem::take(&mut core.rates);
         let simulation = core.simulation()?;
-        simulation.set_time(point);
         let stepped = simulation
-            .set_wheel_accelerations(rates)
+            .set_time(point)
+            .and_then(|()| simulation.set_wheel_accelerations(rates))
             .and_then(|()| simulation.step(size));
         let (reached, speeds) = (simulation.time(), simulation.wheel_speeds());
         core.speeds = speeds;
@@ -291,10 +290,10 @@ impl Core {
                 .model()
                 .map_err(|e| Failure::Broken(e.to_string()))?;
             let mut simulation = Simulation::new(model);
-            simulation.set_time(self.time);
             let state = self.parameters.initial_state(self.speeds);
             simulation
-                .set_state(state)
+                .set_time(self.time)
+                .and_then(|()| simulation.set_state(state))
                 .and_then(|()| simulation.set_wheel_speeds(self.speeds))
                 .map_err(|e| Failure::Broken(e.to_string()))?;
             self.simulation = Some(simulation);

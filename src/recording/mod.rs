@@ -10,6 +10,7 @@ mod channel;
 mod csv;
 mod cumulated;
 mod drive;
+mod fault;
 mod moments;
 mod note;
 #[cfg(feature = "cli")]
@@ -24,6 +25,7 @@ pub use channel::Channel;
 pub use csv::{Cell, CsvError, read_drive};
 pub use cumulated::{Cumulated, Grid, stretches};
 pub use drive::{Drive, fill_gaps};
+pub use fault::{RecordingFault, SeriesFault};
 pub use moments::Moments;
 pub use note::{Note, NoteKind};
 #[cfg(feature = "cli")]

@@ -1,6 +1,6 @@
 //! The samples of one channel.
 
-/// Samples over time; a sample that is missing is not in it. Times increase strictly.
+/// Samples over time; a sample that is missing is not in it. Times increase strictly: [`Series::check`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Series {
     /// Time of each sample \[s\].

@@ -14,6 +14,7 @@ pub use jacobian::Jacobian;
 pub use last_step::{Derivatives, LastStep};
 pub use rosenbrock::Counters;
 pub use sensitivity::SensitiveSimulation;
+pub use snapshot::SnapshotError;
 pub use state::{State, WheelSpeeds};
 
 use crate::vehicle::{Balance, BalanceError, Motion, Trend, VehicleModel, Wrench};
@@ -65,6 +66,7 @@ struct Evaluation {
 
 /// Why a simulation cannot go on.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum SimulationError {
     /// The wheels find no balance at this time \[s\].
     Balance {
@@ -87,6 +89,11 @@ pub enum SimulationError {
         /// Simulated time \[s\].
         time: f64,
     },
+    /// More steps are needed than [`Simulation::limit_steps`] allows.
+    StepBudget {
+        /// Simulated time \[s\].
+        time: f64,
+    },
 }
 
 impl fmt::Display for SimulationError {
@@ -103,6 +110,10 @@ impl fmt::Display for SimulationError {
             Self::StepTooSmall { time } => write!(
                 f,
                 "at {time} s the motion changes faster than the smallest step can follow"
+            ),
+            Self::StepBudget { time } => write!(
+                f,
+                "at {time} s the number of steps that was set as a limit is used up"
             ),
         }
     }
@@ -163,11 +174,16 @@ impl Simulation {
     }
 
     /// Sets the simulated time \[s\]; only effects may depend on it.
-    pub fn set_time(&mut self, time: f64) {
+    ///
+    /// # Errors
+    /// A value that is not finite; then nothing has changed.
+    pub fn set_time(&mut self, time: f64) -> Result<(), SimulationError> {
+        finite(&["time"], &[time])?;
         if time != self.time && self.model.altered().is_some() {
             self.now.valid = false;
         }
         self.time = time;
+        Ok(())
     }
 
     /// Pose and velocities.

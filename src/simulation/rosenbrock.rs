@@ -117,7 +117,7 @@ impl Simulation {
         self.integrator.counters
     }
 
-    /// Gives up with [`SimulationError::StepTooSmall`] once so many steps are done from the beginning,
+    /// Gives up with [`SimulationError::StepBudget`] once more steps than this are done from the beginning,
     /// rejected ones counted: for a search among models of which some are hardly drivable.
     pub fn limit_steps(&mut self, most: u64) {
         self.integrator.most_steps = most;
@@ -147,6 +147,9 @@ impl Simulation {
         let (start, speeds) = (self.time, self.inputs);
         let mut done = 0.0;
         while done < seconds {
+            if self.integrator.counters.steps > self.integrator.most_steps {
+                return Err(SimulationError::StepBudget { time: self.time });
+            }
             let due = self.model.next_event(self.time);
             let event = due.filter(|event| *event <= start + seconds);
             let due = event.map_or(seconds, |event| (event - start).clamp(done, seconds));
@@ -224,11 +227,7 @@ impl Simulation {
             self.memory.copy_from_slice(&self.work.stages.memory);
             self.now.copy_from(&self.work.stages.end);
             self.anchor.copy_from(&self.now.balance);
-            return if integrator.counters.steps > integrator.most_steps {
-                Err(SimulationError::StepTooSmall { time: self.time })
-            } else {
-                Ok(true)
-            };
+            return Ok(true);
         }
         integrator.counters.rejected += 1;
         if integrator.jacobian_age > 0 {
@@ -238,9 +237,13 @@ impl Simulation {
         integrator.next_step = step * factor.min(0.7);
         let done = integrator.counters.steps + integrator.counters.rejected;
         let smallest = SMALLEST_STEP * self.time.abs().max(1.0);
-        if integrator.next_step < smallest || done > integrator.most_steps {
+        if integrator.next_step < smallest {
             let too_small = SimulationError::StepTooSmall { time: self.time };
             return Err(attempt.err().unwrap_or(too_small));
+        }
+        if done > integrator.most_steps {
+            let spent = SimulationError::StepBudget { time: self.time };
+            return Err(attempt.err().unwrap_or(spent));
         }
         Ok(false)
     }

@@ -21,6 +21,23 @@ use nalgebra::{DMatrix, Vector2};
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// A [`Simulation`] that carries the derivatives of its state along.
+///
+/// ```
+/// use ugv_terrain::simulation::{SensitiveSimulation, WheelSpeeds};
+/// use ugv_terrain::terrain::Terrain;
+/// use ugv_terrain::vehicle::{Parameter, Specification, TerrainParameter, Vehicle};
+///
+/// let loam = Terrain::preset("sandy_loam").expect("one of the paper's terrains");
+/// let model = Specification::plain(Vehicle::tran2007(), loam);
+/// let friction = Parameter::Terrain(TerrainParameter::FrictionAngle);
+/// let mut drive = SensitiveSimulation::new(&model, &[friction])?;
+/// drive.drive(WheelSpeeds { left: 8.0, right: 6.0 }, WheelSpeeds::default())?;
+/// drive.step(2.0)?;
+/// // Of x, y, heading, v_x, v_y, yaw_rate by the angle: with more friction it comes further.
+/// let [x, ..] = drive.derivatives().by_parameter(0);
+/// assert!(x > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct SensitiveSimulation {
     simulation: Simulation,
@@ -30,8 +47,8 @@ pub struct SensitiveSimulation {
 #[derive(Debug, Clone)]
 pub(super) struct Variation {
     directions: Directions,
-    /// For each direction its place among the parameters, where it is one.
-    places: Vec<Option<usize>>,
+    /// For each direction its places among the parameters, where it is one.
+    places: Vec<Vec<usize>>,
     results: Vec<Differentiated>,
     columns: Columns,
     /// Derivatives of the state and what is remembered (rows) by what [`Columns`] tells.
@@ -58,7 +75,7 @@ impl SensitiveSimulation {
     /// As [`SensitiveSimulation::new`], with derivatives besides by `gated` parameters as they act
     /// in each of so many gates, stretches of time that follow one another: see
     /// [`SensitiveSimulation::next_gate`]. Their sum is the derivative by a parameter that acts
-    /// throughout.
+    /// throughout. A parameter may be among both, or twice; without any gate there is one.
     ///
     /// # Errors
     /// As [`SensitiveSimulation::new`].
@@ -76,15 +93,25 @@ impl SensitiveSimulation {
             list.retain(|direction| !Direction::POSE.contains(direction));
         }
         let varied: Vec<Direction> = varied.by_ref().map(|p| Direction::Parameter(*p)).collect();
-        list.extend(&varied);
+        for direction in &varied {
+            if !list.contains(direction) {
+                list.push(*direction);
+            }
+        }
         // Those that do not reach the wheels are differentiated together, which costs little.
         list.sort_by_key(|direction| !direction.reaches_wheels());
-        let place = |direction: &Direction| varied.iter().position(|other| other == direction);
-        let places = list.iter().map(place).collect();
+        let places = |direction: &Direction| {
+            let columns = varied.iter().enumerate();
+            columns
+                .filter(|(_, other)| *other == direction)
+                .map(|(column, _)| column)
+                .collect()
+        };
+        let places = list.iter().map(places).collect();
         let columns = Columns {
             throughout: parameters.len(),
             gated: gated.len(),
-            gates,
+            gates: gates.max(1),
             gate: 0,
         };
         let directions = model.directions(list);
@@ -122,9 +149,13 @@ impl SensitiveSimulation {
     /// # Errors
     /// A value that is not finite; then nothing has changed.
     pub fn restart(&mut self, time: f64, state: State) -> Result<(), SimulationError> {
-        self.simulation.set_state(state)?;
+        let before = self.simulation.time();
+        self.simulation.set_time(time)?;
+        if let Err(error) = self.simulation.set_state(state) {
+            self.simulation.set_time(before)?;
+            return Err(error);
+        }
         self.simulation.forget();
-        self.simulation.set_time(time);
         let memory = self.simulation.memory().len();
         self.variation.columns.gate = 0;
         self.variation.by = identity(memory, &self.variation.columns);
@@ -208,6 +239,12 @@ impl SensitiveSimulation {
         self.simulation.state()
     }
 
+    /// The simulation that is driven.
+    #[must_use]
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
     /// Rate of change of the state, in the order of [`State::to_array`].
     ///
     /// # Errors
@@ -250,7 +287,7 @@ impl Variation {
             .view_mut((0, 0), (State::COUNT, State::COUNT))
             .copy_from(&kinematics);
         let directions = self.directions.list().iter().zip(&self.places);
-        for ((direction, place), result) in directions.zip(&self.results) {
+        for ((direction, places), result) in directions.zip(&self.results) {
             let wrench = &result.wrench;
             let change = [wrench.a_x, wrench.a_y, wrench.yaw_acceleration];
             let change = (3..).zip(change);
@@ -263,10 +300,14 @@ impl Variation {
                 Direction::Memory(index) => (&mut by_state, State::COUNT + index),
                 Direction::WheelSpeed(side) => (&mut by_speeds, side),
                 Direction::Time => continue,
-                Direction::Parameter(_) => match place {
-                    Some(place) => (&mut by_parameters, *place),
-                    None => continue,
-                },
+                Direction::Parameter(_) => {
+                    for place in places {
+                        for (row, value) in change.clone() {
+                            by_parameters[(row, *place)] += value;
+                        }
+                    }
+                    continue;
+                }
             };
             for (row, value) in change {
                 target[(row, column)] += value;

@@ -2,6 +2,28 @@
 
 use super::Simulation;
 use crate::vehicle::Motion;
+use std::fmt;
+
+/// Numbers that are no snapshot of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SnapshotError {
+    /// How many numbers this model's snapshots have.
+    pub expected: usize,
+    /// How many there are.
+    pub found: usize,
+}
+
+impl fmt::Display for SnapshotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { expected, found } = self;
+        write!(
+            f,
+            "{found} numbers are no snapshot of this model, which has {expected}"
+        )
+    }
+}
+
+impl std::error::Error for SnapshotError {}
 
 impl Simulation {
     /// Everything that determines how the simulation goes on, as numbers; the model is not
@@ -16,13 +38,15 @@ impl Simulation {
     /// Takes up the state of another simulation of the same model.
     ///
     /// # Errors
-    /// The number of numbers that this model's snapshots have, if it differs; then nothing
-    /// has changed.
-    pub fn restore(&mut self, snapshot: &[f64]) -> Result<(), usize> {
+    /// Another number of numbers than this model's snapshots have; then nothing has changed.
+    pub fn restore(&mut self, snapshot: &[f64]) -> Result<(), SnapshotError> {
         let mut expected = 0;
         self.visit(&mut |_| expected += 1);
         if snapshot.len() != expected {
-            return Err(expected);
+            return Err(SnapshotError {
+                expected,
+                found: snapshot.len(),
+            });
         }
         let mut numbers = snapshot.iter();
         self.visit(&mut |number| *number = numbers.next().copied().unwrap_or_default());

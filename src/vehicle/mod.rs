@@ -27,7 +27,7 @@ pub use linear::Linearisation;
 pub use loads::{GRAVITY, LoadPlane};
 pub use model::VehicleModel;
 pub use newton::BalanceError;
-pub use parameter::{Parameter, Specification};
+pub use parameter::{Parameter, Specification, TerrainParameter, VehicleParameter};
 pub(crate) use trend::Trend;
 pub use wrench::{WheelOutputs, Wrench};
 

@@ -22,39 +22,100 @@ pub struct Specification {
 /// One number of a [`Specification`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Parameter {
-    /// Of the vehicle, in the order of [`Parameter::VEHICLE`].
-    Vehicle(usize),
-    /// Of the soil, in the order of [`Terrain`]'s fields.
-    Terrain(usize),
+    /// Of the vehicle.
+    Vehicle(VehicleParameter),
+    /// Of the soil.
+    Terrain(TerrainParameter),
     /// Of an effect.
     Effect(ParameterName),
 }
 
-impl Parameter {
-    /// Names and units of the vehicle's numbers (its rows and the wheel width have none here: a
-    /// sensitivity by them is not offered).
-    pub const VEHICLE: [(&'static str, &'static str); 6] = [
-        ("mass", "kg"),
-        ("yaw_inertia", "kg m^2"),
-        ("wheel_radius", "m"),
-        ("half_track", "m"),
-        ("com_offset", "m"),
-        ("com_height", "m"),
-    ];
-    /// Names and units of the soil's numbers.
-    pub const TERRAIN: [(&'static str, &'static str); Terrain::COUNT] = [
-        ("cohesion", "Pa"),
-        ("friction_angle", "rad"),
-        ("cohesive_modulus", "N/m^(n+1)"),
-        ("frictional_modulus", "N/m^(n+2)"),
-        ("sinkage_exponent", "1"),
-        ("shear_modulus", "m"),
-    ];
+/// Numbers of a part of a [`Specification`]: each with its name in files, unit, and field.
+macro_rules! numbers {
+    (
+        $(#[$about:meta])* $parameter:ident of $part:ident, $count:expr;
+        $($(#[$told:meta])* $variant:ident $name:literal [$unit:literal] $field:ident,)*
+    ) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum $parameter {
+            $($(#[$told])* $variant,)*
+        }
 
+        impl $parameter {
+            /// All of them.
+            pub const ALL: [Self; $count] = [$(Self::$variant),*];
+
+            /// Name in files and on the command line.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+
+            /// Unit.
+            #[must_use]
+            pub const fn unit(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $unit,)*
+                }
+            }
+
+            fn get(self, part: &$part) -> f64 {
+                match self {
+                    $(Self::$variant => part.$field,)*
+                }
+            }
+
+            fn set(self, part: &mut $part, value: f64) {
+                match self {
+                    $(Self::$variant => part.$field = value,)*
+                }
+            }
+        }
+    };
+}
+
+numbers! {
+    /// One number of a [`Vehicle`]. Its rows and the wheel width are none: a sensitivity by them is not offered.
+    VehicleParameter of Vehicle, 6;
+    /// Mass.
+    Mass "mass" ["kg"] mass,
+    /// Yaw inertia about the centre of mass.
+    YawInertia "yaw_inertia" ["kg m^2"] yaw_inertia,
+    /// Radius of the wheels.
+    WheelRadius "wheel_radius" ["m"] wheel_radius,
+    /// Distance of the wheels' middle from the vehicle's axis.
+    HalfTrack "half_track" ["m"] half_track,
+    /// Centre of mass ahead of the middle.
+    ComOffset "com_offset" ["m"] com_offset,
+    /// Height of the centre of mass.
+    ComHeight "com_height" ["m"] com_height,
+}
+
+numbers! {
+    /// One number of a [`Terrain`], in the order of its fields.
+    TerrainParameter of Terrain, Terrain::COUNT;
+    /// Cohesion c.
+    Cohesion "cohesion" ["Pa"] cohesion,
+    /// Angle of internal friction phi.
+    FrictionAngle "friction_angle" ["rad"] friction_angle,
+    /// Cohesive modulus k_c.
+    CohesiveModulus "cohesive_modulus" ["N/m^(n+1)"] cohesive_modulus,
+    /// Frictional modulus k_phi.
+    FrictionalModulus "frictional_modulus" ["N/m^(n+2)"] frictional_modulus,
+    /// Sinkage exponent n.
+    SinkageExponent "sinkage_exponent" ["1"] sinkage_exponent,
+    /// Shear deformation modulus K.
+    ShearModulus "shear_modulus" ["m"] shear_modulus,
+}
+
+impl Parameter {
     /// All parameters: the soil's, the vehicle's, the effects'.
     pub fn all() -> impl Iterator<Item = Self> {
-        let terrain = (0..Self::TERRAIN.len()).map(Self::Terrain);
-        let vehicle = (0..Self::VEHICLE.len()).map(Self::Vehicle);
+        let terrain = TerrainParameter::ALL.into_iter().map(Self::Terrain);
+        let vehicle = VehicleParameter::ALL.into_iter().map(Self::Vehicle);
         terrain
             .chain(vehicle)
             .chain(ParameterName::all().map(Self::Effect))
@@ -64,8 +125,8 @@ impl Parameter {
     #[must_use]
     pub fn name(self) -> String {
         match self {
-            Self::Vehicle(index) => Self::VEHICLE[index].0.into(),
-            Self::Terrain(index) => Self::TERRAIN[index].0.into(),
+            Self::Vehicle(number) => number.name().into(),
+            Self::Terrain(number) => number.name().into(),
             Self::Effect(parameter) => parameter.full_name(),
         }
     }
@@ -74,8 +135,8 @@ impl Parameter {
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Vehicle(index) => Self::VEHICLE[index].1,
-            Self::Terrain(index) => Self::TERRAIN[index].1,
+            Self::Vehicle(number) => number.unit(),
+            Self::Terrain(number) => number.unit(),
             Self::Effect(parameter) => parameter.declaration().1.unit,
         }
     }
@@ -90,10 +151,9 @@ impl Parameter {
     #[must_use]
     pub fn get(self, specification: &Specification) -> f64 {
         match self {
+            Self::Vehicle(number) => number.get(&specification.vehicle),
+            Self::Terrain(number) => number.get(&specification.terrain),
             Self::Effect(parameter) => specification.effects.get(parameter),
-            _ => *self
-                .slot(&mut specification.clone())
-                .expect("not an effect's"),
         }
     }
 
@@ -103,35 +163,11 @@ impl Parameter {
     /// A value outside the range of an effect's parameter.
     pub fn set(self, specification: &mut Specification, value: f64) -> Result<(), ParameterError> {
         match self {
-            Self::Effect(parameter) => specification.effects.set(parameter, value),
-            _ => {
-                if let Some(slot) = self.slot(specification) {
-                    *slot = value;
-                }
-                Ok(())
-            }
+            Self::Vehicle(number) => number.set(&mut specification.vehicle, value),
+            Self::Terrain(number) => number.set(&mut specification.terrain, value),
+            Self::Effect(parameter) => return specification.effects.set(parameter, value),
         }
-    }
-
-    fn slot(self, specification: &mut Specification) -> Option<&mut f64> {
-        let Specification {
-            vehicle, terrain, ..
-        } = specification;
-        Some(match self {
-            Self::Vehicle(0) => &mut vehicle.mass,
-            Self::Vehicle(1) => &mut vehicle.yaw_inertia,
-            Self::Vehicle(2) => &mut vehicle.wheel_radius,
-            Self::Vehicle(3) => &mut vehicle.half_track,
-            Self::Vehicle(4) => &mut vehicle.com_offset,
-            Self::Vehicle(_) => &mut vehicle.com_height,
-            Self::Terrain(0) => &mut terrain.cohesion,
-            Self::Terrain(1) => &mut terrain.friction_angle,
-            Self::Terrain(2) => &mut terrain.cohesive_modulus,
-            Self::Terrain(3) => &mut terrain.frictional_modulus,
-            Self::Terrain(4) => &mut terrain.sinkage_exponent,
-            Self::Terrain(_) => &mut terrain.shear_modulus,
-            Self::Effect(_) => return None,
-        })
+        Ok(())
     }
 
     /// Whether forces that it scales depend on position or heading.

@@ -326,3 +326,28 @@ fn derivatives_within_a_step_are_those_of_a_drive_that_ends_there() {
         compare("within", found.by_wheel_delay(), there.by_wheel_delay());
     }
 }
+
+#[test]
+fn a_parameter_may_be_asked_for_twice_and_in_gates_as_well() {
+    let specification = specification("sandy_loam", Effects::NONE);
+    let [friction, mass] = ["friction_angle", "mass"].map(|name| Parameter::find(name).unwrap());
+    let alone = sensitive(&specification, &[friction]).derivatives();
+    let close = |found: [f64; 6]| {
+        let pairs = found.into_iter().zip(alone.by_parameter(0));
+        pairs
+            .into_iter()
+            .all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs()))
+    };
+    let twice = sensitive(&specification, &[friction, mass, friction]).derivatives();
+    for place in [0, 2] {
+        assert!(close(twice.by_parameter(place)), "{place}");
+    }
+    // Without any gate there is one, which is the whole drive.
+    let gated = SensitiveSimulation::with_gates(&specification, &[friction], &[friction], 0);
+    let gated = driven(gated.unwrap()).derivatives();
+    for place in [0, 1] {
+        assert!(close(gated.by_parameter(place)), "{place}");
+    }
+    let mut drive = SensitiveSimulation::new(&specification, &[]).unwrap();
+    assert!(drive.restart(f64::NAN, START).is_err());
+}

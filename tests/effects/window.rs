@@ -99,7 +99,7 @@ fn forces_are_those_of_the_effects_switched_on_or_off_bit_for_bit() {
 /// Drives on another model from where a drive stands.
 fn switched(drive: &Simulation, model: VehicleModel) -> Simulation {
     let mut next = Simulation::new(model);
-    next.set_time(drive.time());
+    next.set_time(drive.time()).unwrap();
     next.set_state(drive.state()).unwrap();
     next.set_wheel_speeds(drive.wheel_speeds()).unwrap();
     next

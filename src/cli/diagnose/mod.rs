@@ -11,7 +11,6 @@ use progress::Bar;
 use std::io::Write;
 use std::path::PathBuf;
 use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
-use ugv_terrain::recording::Recording;
 use ugv_terrain::report::diagnosis::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -61,7 +60,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for recording in &recordings {
         recording.warnings().for_each(|warning| tell(&warning));
     }
-    different_names(&recordings)?;
     let nominal = args.nominal.load(&recordings, args.quiet)?;
     let options = Options {
         seed: args.seed,
@@ -113,20 +111,4 @@ fn write(outputs: Vec<Output>, texts: [String; 3]) -> Result<(), Failure> {
     };
     let each: Vec<_> = outputs.into_iter().zip(texts).map(one).collect();
     each.into_iter().collect()
-}
-
-/// Findings name recordings: two of one name could not be told apart.
-fn different_names(recordings: &[Recording]) -> Result<(), Failure> {
-    for (index, recording) in recordings.iter().enumerate() {
-        if recordings[..index]
-            .iter()
-            .any(|other| other.name == recording.name)
-        {
-            return Err(Failure::Argument {
-                reason: format!("two recordings are called {}", recording.name),
-                hint: Some("rename one of the files: findings name the recording".into()),
-            });
-        }
-    }
-    Ok(())
 }

@@ -13,8 +13,7 @@ use progress::Progress;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use ugv_terrain::fit::exact::ExactPredictor;
-use ugv_terrain::fit::{Fit, Options, catalogue, fit};
+use ugv_terrain::fit::{Fit, Fitted, Options, fit_model};
 use ugv_terrain::identification::{Cut, fitted_part};
 use ugv_terrain::recording::Recording;
 
@@ -138,33 +137,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let started = Instant::now();
     let progress = Progress::new(args.starts, args.quiet);
-    let predictor = ExactPredictor::new(nominal.clone(), wanted.model.clone());
-    let parameters = wanted
-        .model
-        .iter()
-        .map(|k| catalogue::describe(*k, &nominal));
-    let values: Vec<f64> = wanted.model.iter().map(|k| k.get(&nominal)).collect();
-    let parameters = parameters.collect();
     let pool = super::jobs::pool(args.jobs)?;
     let show = |stage| progress.show(stage);
-    let fitted = pool
-        .install(|| {
-            fit(
-                &predictor,
-                parameters,
-                &values,
-                &recordings,
-                &options,
-                &show,
-            )
-        })
-        .map_err(Failure::Fit)?;
+    let found = pool.install(|| fit_model(&nominal, &wanted.model, &recordings, &options, &show));
+    let Fitted { model, fit: fitted } = found.map_err(Failure::Fit)?;
     progress.finish();
-    let values: Vec<f64> = fitted.estimates[..fitted.model_parameters]
-        .iter()
-        .map(|estimate| estimate.value)
-        .collect();
-    let model = predictor.with(&values).map_err(Failure::Model)?;
     let to_stdout = args
         .output
         .as_deref()

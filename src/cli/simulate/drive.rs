@@ -105,7 +105,7 @@ pub fn drive(
     for (row, &knot) in recording.time.iter().enumerate() {
         // The simulation counts from zero: its smallest step is a share of its time, which
         // a clock that started in 1970 would make far too long.
-        simulation.set_time(knot - start);
+        simulation.set_time(knot - start).map_err(failed)?;
         simulation
             .set_wheel_speeds(recording.wheel_speeds(row).into())
             .map_err(failed)?;

@@ -65,7 +65,7 @@ fn along(
     for row in 1..rows.len() {
         let time = rows.time[row - 1] - rows.time[0];
         simulation.set_wheel_speeds(rows.wheel_speeds(row - 1).into())?;
-        simulation.set_time(time);
+        simulation.set_time(time)?;
         simulation.set_wheel_accelerations(rows.wheel_accelerations(row - 1).into())?;
         simulation.step(rows.time[row] - rows.time[row - 1])?;
         let state = simulation.state();

@@ -3,8 +3,7 @@
 use crate::contact::WheelLaw;
 use crate::effects::{ActiveEffects, Soil};
 use crate::scalar::Scalar;
-use crate::terrain::Terrain;
-use crate::vehicle::{Parameter, Specification};
+use crate::vehicle::{Parameter, Specification, TerrainParameter, VehicleParameter};
 
 /// A vehicle on a soil with its effects applied, generic over the scalar.
 #[derive(Debug, Clone)]
@@ -43,9 +42,8 @@ impl<S: Scalar> Chassis<S> {
             .effects
             .active(|parameter, _| seed(Parameter::Effect(parameter)));
         let [mass, yaw_inertia, radius, half_track, offset, height] =
-            std::array::from_fn(|index| lifted(Parameter::Vehicle(index)));
-        let terrain: [S; Terrain::COUNT] =
-            std::array::from_fn(|index| lifted(Parameter::Terrain(index)));
+            VehicleParameter::ALL.map(|number| lifted(Parameter::Vehicle(number)));
+        let terrain = TerrainParameter::ALL.map(|number| lifted(Parameter::Terrain(number)));
         let soil = Soil::from_terrain(&terrain, S::constant(vehicle.wheel_width));
         let zero = S::constant(0.0);
         let one = S::constant(1.0);

@@ -112,7 +112,7 @@ impl World {
                 simulation = Simulation::new(self.model(mask, &mut models));
                 simulation.set_state(state)?;
             }
-            simulation.set_time(time);
+            simulation.set_time(time).unwrap();
             simulation.set_wheel_speeds(WheelSpeeds::from(pair[0]))?;
             let rates = [0, 1].map(|side| (pair[1][side] - pair[0][side]) / STEP);
             simulation.set_wheel_accelerations(WheelSpeeds::from(rates))?;
