@@ -52,7 +52,7 @@ const POWER: f64 = 1.28;
 /// ```
 ///
 /// # Errors
-/// Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
+/// That it was stopped ([`Progress::stopped_by`]). Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
 /// when a drive began. Of [`DiagnosisError::AtRest`] and [`DiagnosisError::TooShort`] [`insufficient`] makes an answer.
 pub fn diagnose(
     recordings: &[Recording],
@@ -60,7 +60,7 @@ pub fn diagnose(
     options: &Options,
     progress: &Progress,
 ) -> Result<Diagnosis, DiagnosisError> {
-    progress.step("preparing");
+    progress.step("preparing")?;
     if recordings.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
@@ -88,21 +88,21 @@ pub fn diagnose(
     let mut given = Given::new(nominal, recordings);
     let (cut, by) = prepare(&mut given, options)?;
     let mut searched = search(&given, by, options, progress)?;
-    progress.step("holding out what was found");
+    progress.step("holding out what was found")?;
     let mut held = compare(&searched);
     if held.is_some_and(|held| held.gain.0 < -held.gain.1) {
         searched.withdraw();
         held = compare(&searched);
     }
-    progress.step("judging");
+    progress.step("judging")?;
     let mut candidates = candidates(&searched)?;
     let hidden = candidates.iter().filter(|c| !c.1);
     let hidden: Vec<Subject> = hidden.map(|c| c.0.subject).collect();
     let seen = 1.0 - hidden.len() as f64 / candidates.len().max(1) as f64;
     let judgement = judge(&searched, seen);
-    progress.step("what to drive next");
+    progress.step("what to drive next")?;
     let next = next(&searched, &judgement, &hidden, options);
-    progress.step("reporting");
+    progress.step("reporting")?;
     for (candidate, _) in &mut candidates {
         candidate.probability = judgement.odds.of(candidate.subject);
     }
@@ -329,9 +329,33 @@ fn statement(diagnosis: &Diagnosis) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::effects::Effects;
     use crate::terrain::Terrain;
     use crate::vehicle::Vehicle;
+    use std::sync::Mutex;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    #[test]
+    fn a_diagnosis_can_be_stopped() {
+        let model =
+            |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
+        let recordings = [driven(&model("sandy_loam"), "spiral")];
+        let (stop, seen) = (AtomicBool::new(false), Mutex::new(Vec::new()));
+        let tell = |step| {
+            seen.lock().unwrap().push(step);
+            stop.store(step == "naming", Ordering::Relaxed);
+        };
+        let progress = Progress::new(&tell).stopped_by(&stop);
+        let found = diagnose(
+            &recordings,
+            &model("dry_sand"),
+            &Options::default(),
+            &progress,
+        );
+        assert_eq!(found.unwrap_err(), DiagnosisError::Stopped);
+        assert_eq!(seen.lock().unwrap().last(), Some(&"naming"));
+    }
 
     #[test]
     fn what_cannot_be_diagnosed_is_refused() {

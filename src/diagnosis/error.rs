@@ -36,6 +36,8 @@ pub enum DiagnosisError {
     Undrivable(PredictionError),
     /// Numbers that left the range of the machine.
     NotFinite,
+    /// Somebody wanted it to end: see [`Progress::stopped_by`](super::Progress::stopped_by).
+    Stopped,
     /// Samples that are no series in time.
     Recording(RecordingFault),
     /// A length of segments \[s\] that is none, or too short or too long.
@@ -74,6 +76,7 @@ impl fmt::Display for DiagnosisError {
                 "the given vehicle on the given terrain cannot follow most of the recording: {error}"
             ),
             Self::NotFinite => f.write_str("the diagnosis' numbers are not finite"),
+            Self::Stopped => f.write_str("the diagnosis was stopped"),
             Self::Recording(fault) => fault.fmt(f),
             Self::SegmentLength(length) => write!(
                 f,

@@ -1,12 +1,15 @@
 //! How far a diagnosis has come.
 
+use super::DiagnosisError;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Tells of every step that begins, and keeps how long each took.
 pub struct Progress<'a> {
     tell: &'a (dyn Fn(&'static str) + Sync),
     steps: Mutex<Vec<(&'static str, Instant)>>,
+    stop: Option<&'a AtomicBool>,
 }
 
 impl<'a> Progress<'a> {
@@ -16,14 +19,36 @@ impl<'a> Progress<'a> {
         Self {
             tell,
             steps: Mutex::new(Vec::new()),
+            stop: None,
         }
     }
 
+    /// Ends the diagnosis with [`DiagnosisError::Stopped`] within seconds after `stop` has become true; `tell` may
+    /// set it, or another thread.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: &'a AtomicBool) -> Self {
+        self.stop = Some(stop);
+        self
+    }
+
+    /// Whether somebody wants it to end.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
     /// The next step begins.
-    pub(crate) fn step(&self, name: &'static str) {
+    ///
+    /// # Errors
+    /// Somebody wants it to end.
+    pub(crate) fn step(&self, name: &'static str) -> Result<(), DiagnosisError> {
         (self.tell)(name);
         if let Ok(mut steps) = self.steps.lock() {
             steps.push((name, Instant::now()));
+        }
+        if self.is_stopped() {
+            Err(DiagnosisError::Stopped)
+        } else {
+            Ok(())
         }
     }
 

@@ -91,10 +91,12 @@ mod tests {
         let nominal = Specification::plain(Vehicle::tran2007(), soil);
         let cohesion = Parameter::Terrain(TerrainParameter::Cohesion);
         let options = Options::default();
-        let fitted =
-            |nominal: &Specification, free: &[Parameter], recordings: &[Recording], options| {
-                fit_model(nominal, free, recordings, options, &|_| ()).map(|_| ())
-            };
+        let fitted = |nominal: &Specification,
+                      free: &[Parameter],
+                      recordings: &[Recording],
+                      options: &Options| {
+            fit_model(nominal, free, recordings, options, &|_| ()).map(|_| ())
+        };
         let name = "cohesion".into();
         let twice = fitted(&nominal, &[cohesion, cohesion], &[], &options);
         assert_eq!(twice, Err(FitError::Twice { name }));

@@ -96,21 +96,21 @@ pub fn search<'a>(
     options: &Options,
     progress: &Progress,
 ) -> Result<Searched<'a>, DiagnosisError> {
-    progress.step("re-tuning the soil");
+    progress.step("re-tuning the soil")?;
     let begin = given.begin();
     let undrivable = DiagnosisError::Undrivable;
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
     let (given, retuned) = reconstructed(given, retuned, &mut by);
     let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
-    progress.step("naming");
-    let mut fitted = try_all(&stage, &by);
+    progress.step("naming")?;
+    let mut fitted = try_all(&stage, &by, progress)?;
     for _ in 0..AGAIN {
         let Some(better) = unstuck(&stage, &fitted, &by) else {
             break;
         };
         stage = look(given.clone(), better, &mut by, options, progress)?;
-        progress.step("naming");
-        fitted = try_all(&stage, &by);
+        progress.step("naming")?;
+        fitted = try_all(&stage, &by, progress)?;
     }
     let first = Arc::clone(&stage.looked);
     let tested = stage.scores.is_some();

@@ -118,9 +118,9 @@ impl<'a> Path<'a> {
             });
             let (placed, tuned) = self.narrowed(best.given, best.tuned);
             self.stage = look(placed, tuned, &mut self.by, options, progress)?;
-            fitted = self.what_else(progress);
+            fitted = self.what_else(progress)?;
         }
-        progress.step("what can be left out again");
+        progress.step("what can be left out again")?;
         let ratio = self.on_all(1.0);
         prune(&mut self.stage, &mut self.members, &self.by, ratio);
         Ok(self)
@@ -152,17 +152,17 @@ impl<'a> Path<'a> {
     }
 
     /// Fits what may be missing beside what was found; nothing where no more may be found.
-    fn what_else(&mut self, progress: &Progress) -> Vec<Named<'a>> {
+    fn what_else(&mut self, progress: &Progress) -> Result<Vec<Named<'a>>, DiagnosisError> {
         if self.members.len() >= self.rounds() {
-            return Vec::new();
+            return Ok(Vec::new());
         }
-        progress.step("what else");
+        progress.step("what else")?;
         if let Reach::Narrowed(..) = self.reach {
             // What acts for some seconds only may lie between the stretches.
             let proposals = &mut self.stage.proposals;
             proposals.retain(|proposal| proposal.kind() != Kind::Local);
         }
-        try_all(&self.stage, &self.by)
+        try_all(&self.stage, &self.by, progress)
     }
 
     /// What was found first, on a part where that is to be gone on with; noise and weights move along.
@@ -188,7 +188,7 @@ impl<'a> Path<'a> {
             return Ok(self);
         };
         let (first, tuned, by) = *whole;
-        progress.step("what else");
+        progress.step("what else")?;
         self.by.weights = by.weights;
         let given = Given {
             segments: first.segments.clone(),
@@ -208,7 +208,7 @@ impl<'a> Path<'a> {
             }
         };
         self.stage = look(given, tuned, &mut self.by, options, progress)?;
-        let fitted = self.what_else(progress);
+        let fitted = self.what_else(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
@@ -218,7 +218,7 @@ impl<'a> Path<'a> {
         if self.members.is_empty() {
             return Ok(self);
         }
-        progress.step("noise");
+        progress.step("noise")?;
         let Stage { given, tuned, .. } = self.stage;
         let mut own = self.by.clone();
         let tuned = match tune_with_noise(&given, &tuned.knobs, &tuned.solution, &mut own) {
@@ -229,7 +229,7 @@ impl<'a> Path<'a> {
             Err(_) => tuned,
         };
         self.stage = look(given, tuned, &mut self.by, options, progress)?;
-        let fitted = self.what_else(progress);
+        let fitted = self.what_else(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
@@ -247,13 +247,13 @@ impl<'a> Path<'a> {
             if close.len() < 2 {
                 continue;
             }
-            progress.step("what came close");
+            progress.step("what came close")?;
             let Some(mut path) = self.opened(index, options, progress)? else {
                 continue;
             };
             let proposals = &mut path.stage.proposals;
             proposals.retain(|proposal| close.contains(&proposal.subject));
-            let fitted = try_all(&path.stage, &path.by);
+            let fitted = try_all(&path.stage, &path.by, progress)?;
             match choose(&fitted, &path.stage, Prefer::Nothing) {
                 Some(best) if best.proposal.subject == subject => {
                     let rivals = path.rivals(&fitted);
@@ -283,7 +283,7 @@ impl<'a> Path<'a> {
         let Some(mut path) = self.opened(law, options, progress)? else {
             return Ok(None);
         };
-        let mut fitted = path.what_else(progress);
+        let mut fitted = path.what_else(progress)?;
         fitted.retain(|named| named.proposal.kind() != Kind::Law);
         if choose(&fitted, &path.stage, Prefer::Names).is_none() {
             return Ok(None);

@@ -75,12 +75,12 @@ pub fn look<'a>(
     options: &Options,
     progress: &Progress,
 ) -> Result<Stage<'a>, DiagnosisError> {
-    progress.step("sensitivities to every candidate");
+    progress.step("sensitivities to every candidate")?;
     let on = tuned.knobs.clone();
     let layout = Layout::new(&given, &on);
     let mut tables = sensitivities(&given, &layout, &tuned.solution);
     weigh(&given, &on, &tuned.tables, by);
-    progress.step("noise");
+    progress.step("noise")?;
     noise::update(
         &given,
         &linearise(&given, &layout, &tables, &tuned.solution, by),
@@ -88,9 +88,9 @@ pub fn look<'a>(
         &tuned.solution,
         by,
     );
-    progress.step("re-tuning the soil");
+    progress.step("re-tuning the soil")?;
     let again = tune_restarted(&given, &tuned, by);
-    progress.step("sensitivities to every candidate");
+    progress.step("sensitivities to every candidate")?;
     let mut at = &tuned.solution;
     if moved(&given, at, &again.solution) > MOVED {
         at = &again.solution;
@@ -102,7 +102,7 @@ pub fn look<'a>(
     drop(tables);
     let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
     let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
-    progress.step("screening and locating");
+    progress.step("screening and locating")?;
     let screened = screened(&given, &system, &projection, &on);
     let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
     let threshold = chance(&projection, &equations, SHARE, NULLS, options.seed);
@@ -140,12 +140,20 @@ fn moved(given: &Given, from: &Solution, to: &Solution) -> f64 {
 }
 
 /// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
-pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
+///
+/// # Errors
+/// Somebody wants it to end.
+pub fn try_all<'a>(
+    stage: &Stage<'a>,
+    by: &Weighing,
+    progress: &Progress,
+) -> Result<Vec<Named<'a>>, DiagnosisError> {
     let Stage { given, tuned, .. } = stage;
+    let goes_on = || !progress.is_stopped();
     let begun = match Scouts::new(given, tuned, by) {
-        Some(scouts) => scouted(stage, &scouts, by),
+        Some(scouts) => scouted(stage, &scouts, by, goes_on),
         None => {
-            let all = stage.proposals.iter();
+            let all = stage.proposals.iter().take_while(|_| goes_on());
             all.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0))
                 .collect()
         }
@@ -154,6 +162,7 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
     let finished = |sketches: Vec<Sketch<'a>>| -> Vec<Named<'a>> {
         let sketches = sketches.into_iter();
         sketches
+            .take_while(|_| goes_on())
             .map(|sketch| from_given_soil(sketch, tuned, by))
             .filter_map(|sketch| finish(sketch, tuned, by))
             .collect()
@@ -162,6 +171,9 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
     let first = best(&fitted);
     settle_edges(&mut fitted, first, by);
     for where_else in [beside_the_likeliest, otherwise_confined] {
+        if progress.is_stopped() {
+            return Err(DiagnosisError::Stopped);
+        }
         let Some((likeliest, _)) = likeliest(&fitted) else {
             break;
         };
@@ -173,25 +185,31 @@ pub fn try_all<'a>(stage: &Stage<'a>, by: &Weighing) -> Vec<Named<'a>> {
         join(&mut fitted, there);
     }
     contend(&mut fitted, by);
-    fitted
+    Ok(fitted)
 }
 
 /// The first steps on a long recording: what acts throughout takes them on a part, and on all of it where it
 /// keeps its promise; what acts at some time or place only takes all, where it may come near.
-fn scouted<'a>(stage: &Stage<'a>, scouts: &Scouts<'a>, by: &Weighing) -> Vec<Sketch<'a>> {
+fn scouted<'a>(
+    stage: &Stage<'a>,
+    scouts: &Scouts<'a>,
+    by: &Weighing,
+    goes_on: impl Fn() -> bool,
+) -> Vec<Sketch<'a>> {
     let Stage { given, tuned, .. } = stage;
     let proposals = stage.proposals.iter();
     let (throughout, local): (Vec<_>, Vec<_>) = proposals.partition(|p| p.extent.is_none());
-    let throughout = throughout.into_iter();
+    let throughout = throughout.into_iter().take_while(|_| goes_on());
     let begun = throughout.filter_map(|proposal| scouts.sketch(proposal));
     let near = promising(begun.collect(), NEAR_ON_A_PART, 2 * MOST);
     let further = near.iter().map(|sketch| scouts.further(sketch));
     let near = promising(further.collect(), NEAR_ON_A_PART, MOST);
     let bar = Bar::of(&near);
-    let widened = near.iter();
+    let widened = near.iter().take_while(|_| goes_on());
     let widened = widened.filter_map(|sketch| scouts.widened(sketch, given, tuned, by));
     let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.least(p.kind(), NEAR_ON_A_PART);
     let local = local.into_iter().filter(may_be_near);
+    let local = local.take_while(|_| goes_on());
     let local = local.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
     widened.chain(local).collect()
 }
