@@ -33,16 +33,18 @@
 //! is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Features
-//! - `cli` (default): the tool `ugv` and what it uses: reading CSV and robots' logs (`import`), `fit`, `diagnosis`,
-//!   `report`, and `package`, which makes the FMU's archive. Without it: the model, its derivatives, effects, JSON.
+//! - `analysis`: reading recordings (CSV), `fit`, `diagnosis` and `report`. Without it: the model, its derivatives,
+//!   effects, JSON.
+//! - `cli` (default): with that the tool `ugv`, reading robots' logs (`import`), and `package`, which makes the FMU's
+//!   archive.
 //! - `fmu`: the C interfaces of FMI 2.0 and 3.0; building it needs libclang.
 
 pub mod contact;
 pub mod declaration;
-#[cfg(feature = "cli")]
+#[cfg(feature = "analysis")]
 pub mod diagnosis;
 pub mod effects;
-#[cfg(feature = "cli")]
+#[cfg(feature = "analysis")]
 pub mod fit;
 #[cfg(feature = "fmu")]
 pub mod fmu;
@@ -55,7 +57,7 @@ pub mod json;
 pub mod package;
 pub mod parameter;
 pub mod recording;
-#[cfg(feature = "cli")]
+#[cfg(feature = "analysis")]
 pub mod report;
 pub mod scalar;
 pub mod simulation;

@@ -34,6 +34,28 @@ const LIBRARY: &[&str] = &[
     "zmij",
 ];
 
+/// What fitting and diagnosing add: `csv`, `fastrand`, `rayon`, `statrs`, and theirs; no argument parsing, plots or C.
+const ANALYSIS: &[&str] = &[
+    "crossbeam_deque",
+    "crossbeam_epoch",
+    "crossbeam_utils",
+    "csv",
+    "csv_core",
+    "either",
+    "fastrand",
+    "libm",
+    "proc_macro2",
+    "quote",
+    "rayon",
+    "rayon_core",
+    "ryu",
+    "statrs",
+    "syn",
+    "thiserror",
+    "thiserror_impl",
+    "unicode_ident",
+];
+
 /// What the C interface adds: the standard's types (`fmi_sys`, and theirs), percent-encoded paths.
 const FMU: &[&str] = &[
     "cfg_if",
@@ -87,6 +109,11 @@ fn allowed(lists: &[&[&str]]) -> BTreeSet<String> {
 #[test]
 fn the_library_has_the_dependencies_that_are_listed() {
     assert_eq!(dependencies(""), allowed(&[LIBRARY]));
+}
+
+#[test]
+fn fitting_and_diagnosing_have_the_dependencies_that_are_listed() {
+    assert_eq!(dependencies("analysis"), allowed(&[LIBRARY, ANALYSIS]));
 }
 
 #[test]

@@ -6,14 +6,14 @@
 
 mod about;
 mod channel;
-#[cfg(feature = "cli")]
+#[cfg(feature = "analysis")]
 mod csv;
 mod cumulated;
 mod drive;
 mod fault;
 mod moments;
 mod note;
-#[cfg(feature = "cli")]
+#[cfg(feature = "analysis")]
 mod reading;
 mod run;
 mod series;
@@ -21,14 +21,14 @@ mod way;
 
 pub use about::About;
 pub use channel::Channel;
-#[cfg(feature = "cli")]
+#[cfg(feature = "analysis")]
 pub use csv::{Cell, CsvError, read_drive};
 pub use cumulated::{Cumulated, Grid, stretches};
 pub use drive::{Drive, fill_gaps};
 pub use fault::{RecordingFault, SeriesFault};
 pub use moments::Moments;
 pub use note::{Note, NoteKind};
-#[cfg(feature = "cli")]
+#[cfg(feature = "analysis")]
 pub use reading::{RecordingError, read_recording};
 pub use run::{Recording, Run};
 pub use series::Series;
