@@ -113,8 +113,10 @@ impl Channel {
 pub struct Interval {
     /// Name of the recording.
     pub recording: String,
-    /// Which of its runs.
+    /// Which of its runs, from 0.
     pub run: usize,
+    /// What the run is called where the recording has several; else empty.
+    pub label: String,
     /// Beginning \[s\], by the run's clock.
     pub start: f64,
     /// End \[s\].
@@ -282,8 +284,10 @@ pub struct WrenchTrace {
 pub struct RunTrace {
     /// Name of the recording.
     pub recording: String,
-    /// Which of its runs.
+    /// Which of its runs, from 0.
     pub run: usize,
+    /// What the run is called where the recording has several; else empty.
+    pub label: String,
     /// Times of the path's points \[s\].
     pub time: Vec<f64>,
     /// Measured positions, east and north \[m\]; where no position was recorded, predicted ones.

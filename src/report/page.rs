@@ -24,7 +24,11 @@ pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String
     let few = if header.len() < 6 { " few" } else { "" };
     let mut html = format!("<div class=\"wide{few}\"><table><tr>");
     for (column, name) in header.iter().enumerate() {
-        html += &format!("<th{}>{}</th>", class(column), escape(name.trim_end()));
+        html += &format!(
+            "<th scope=\"col\"{}>{}</th>",
+            class(column),
+            escape(name.trim_end())
+        );
     }
     html += "</tr>\n";
     for row in rows {

@@ -51,6 +51,9 @@ pub fn sample(verdict: Verdict) -> Diagnosis {
         _ => vec![run("drive3", 0, 90.0, 12.0)],
     };
     if verdict == Verdict::UnknownPhysics {
+        for (index, run) in runs.iter_mut().enumerate() {
+            run.label = (index + 1).to_string();
+        }
         runs[2].wrench = None;
         runs[2].residuals.remove(0);
     }
@@ -91,6 +94,7 @@ fn place(start: f64, end: f64, channel: Channel, regime: &str) -> Interval {
     Interval {
         recording: "drive3".into(),
         run: 0,
+        label: String::new(),
         start,
         end,
         channel,
@@ -454,6 +458,7 @@ fn run(recording: &str, run: usize, seconds: f64, peak: f64) -> RunTrace {
     RunTrace {
         recording: recording.into(),
         run,
+        label: String::new(),
         time: time.clone(),
         path,
         mismatch,

@@ -1,7 +1,7 @@
 //! What was found, in numbers and plain words.
 
 use super::verdict::Judged;
-use super::words::statement;
+use super::words::{statement, whose};
 use crate::diagnosis::hypothesis::candidate::Target;
 use crate::diagnosis::hypothesis::likelihood::Tuned;
 use crate::diagnosis::hypothesis::{Given, What};
@@ -192,6 +192,7 @@ fn places(
     let interval = |recording: usize, run: usize, start: f64, end: f64, patch| Interval {
         recording: given.names[recording].clone(),
         run,
+        label: given.label_of(recording, run),
         start,
         end,
         channel: what,
@@ -334,6 +335,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
             Interval {
                 recording: given.names[recording].clone(),
                 run,
+                label: given.label_of(recording, run),
                 start: trace.time[first] - half,
                 end: trace.time[last] + half,
                 channel,
@@ -369,7 +371,9 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
     let strongest = places.first().map_or(String::new(), |place| {
         format!(
             ", the strongest from {:.1} to {:.1} s of {}",
-            place.start, place.end, place.recording
+            place.start,
+            place.end,
+            whose(place)
         )
     });
     Finding {

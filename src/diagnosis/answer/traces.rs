@@ -34,6 +34,7 @@ pub fn traces(searched: &Searched) -> Vec<RunTrace> {
         RunTrace {
             recording: given.names[recording].clone(),
             run,
+            label: given.label_of(recording, run),
             time: seen(&time),
             mismatch: seen(&mismatch),
             path: path.iter().flatten().copied().collect(),

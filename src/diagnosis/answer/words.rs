@@ -1,6 +1,6 @@
 //! Subjects and findings in plain words.
 
-use crate::diagnosis::outcome::{Channel, Finding, Quantity, Subject, Term};
+use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
 use crate::effects::CATALOGUE;
 
 /// Names that say less than they should.
@@ -59,7 +59,7 @@ pub fn statement(finding: &Finding) -> String {
     let place = first.filter(|_| finding.local);
     let place = place.map_or(String::new(), |place| {
         let (start, end) = (place.start, place.end);
-        format!(", from {start:.1} to {end:.1} s of {}", place.recording)
+        format!(", from {start:.1} to {end:.1} s of {}", whose(place))
     });
     let regime = first.map_or("", |place| &place.regime);
     let regime = if regime.is_empty() {
@@ -68,6 +68,16 @@ pub fn statement(finding: &Finding) -> String {
         format!("; it shows most at {regime}")
     };
     format!("{what}{place}{regime}")
+}
+
+/// The recording of a place, with its run where that has a name.
+#[must_use]
+pub fn whose(place: &Interval) -> String {
+    let run = match &place.label[..] {
+        "" => String::new(),
+        label => format!(", run {label}"),
+    };
+    format!("{}{run}", place.recording)
 }
 
 /// The words of a law: what it pushes, and with what that grows.

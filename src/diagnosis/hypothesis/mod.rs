@@ -128,6 +128,20 @@ impl<'a> Given<'a> {
         runs
     }
 
+    /// What a run is called where its recording has several: its label where that tells it from the others, else its
+    /// number from 1.
+    #[must_use]
+    pub fn label_of(&self, recording: usize, run: usize) -> String {
+        let runs = &self.recordings[recording].runs;
+        let label = &runs[run].label;
+        let alike = runs.iter().filter(|other| other.label == *label).count();
+        match runs.len() {
+            1 => String::new(),
+            _ if alike == 1 && !label.is_empty() => label.clone(),
+            _ => (run + 1).to_string(),
+        }
+    }
+
     /// The soil's numbers with their scales and priors.
     #[must_use]
     pub fn soil_parameters(&self) -> Vec<parameter::Parameter> {

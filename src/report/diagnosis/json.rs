@@ -53,11 +53,12 @@ fn kind(subject: Subject) -> Option<&'static str> {
 }
 
 fn finding(finding: &Finding, diagnosis: &Diagnosis) -> Value {
-    let parameters: Map<String, Value> = finding
-        .parameters
-        .iter()
-        .map(|found| (words::parameter(found, diagnosis), quantity(found)))
-        .collect();
+    // Terms of a law may have one name in two channels.
+    let terms = finding.law.iter();
+    let terms = terms.map(|term| (term.parameter.clone(), quantity(&term.coefficient)));
+    let named = finding.parameters.iter().filter(|_| finding.law.is_empty());
+    let named = named.map(|found| (words::parameter(found, diagnosis), quantity(found)));
+    let parameters: Map<String, Value> = terms.chain(named).collect();
     object!({
         "effect": finding.subject.name(),
         "kind": kind(finding.subject),
@@ -92,6 +93,7 @@ fn place(place: &Interval) -> Value {
     let mut value = object!({
         "recording": place.recording,
         "run": place.run,
+        "label": place.label,
         "start": place.start,
         "end": place.end,
         "channel": place.channel.name(),

@@ -70,7 +70,12 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         facts.push(fact("On unseen data", told));
     }
     if let Some(next) = &diagnosis.next {
-        let told = format!("{}: {}", next.name, next.description);
+        let told = format!(
+            "{}: {} Expected to {}.",
+            next.name.replace('_', " "),
+            words::sentence(&next.description),
+            words::expected(next)
+        );
         facts.push(fact("Drive next", told));
     }
     html += "<dl>\n";
@@ -95,7 +100,7 @@ fn size(finding: &Finding, diagnosis: &Diagnosis) -> String {
             0 => String::new(),
             more => format!(" and {more} more"),
         };
-        told.push(format!("{where_} {}{more}", words::place(first, diagnosis)));
+        told.push(format!("{where_} {}{more}", words::place(first)));
     }
     told.join("; ")
 }
@@ -116,7 +121,7 @@ fn details(finding: &Finding, diagnosis: &Diagnosis) -> String {
             escape(effect.source)
         );
     }
-    if !finding.parameters.is_empty() {
+    if !finding.parameters.is_empty() && finding.law.is_empty() {
         let rows = finding.parameters.iter().map(|found| {
             let what = words::declared(finding.subject, &found.name);
             vec![
@@ -155,7 +160,7 @@ fn details(finding: &Finding, diagnosis: &Diagnosis) -> String {
         };
         html += &format!("<p>{label}</p>\n<ul>\n");
         for place in &finding.places {
-            html += &format!("<li>{}</li>\n", escape(&words::place(place, diagnosis)));
+            html += &format!("<li>{}</li>\n", escape(&words::place(place)));
         }
         html += "</ul>\n";
     }
@@ -217,11 +222,16 @@ fn asked(diagnosis: &Diagnosis) -> String {
     let mut html = String::from("<h2>What was asked about</h2>\n<div class=\"plots\">\n");
     html += &tables::probabilities(diagnosis);
     html += "</div>\n";
+    if diagnosis.findings.len() > 1 {
+        html += "<p class=\"soft\">Several things were found: these are the averages of their probabilities, each \
+                 weighed by what it explains, so that a small one has little of it however sure its name is.</p>\n";
+    }
     html += &tables::candidates(diagnosis);
     html + "<p class=\"soft\">Taken up by re-tuning: share of the candidate's signal that other soil \
            parameters imitate; only the rest can be seen. Signal over chance: over 1 is more than \
-           chance alone gives the largest of all candidates. Would show from: smallest value of the \
-           parameter that these recordings would have shown. Held-out gain: of the log score per \
+           chance alone gives the largest of all candidates. Estimate: one linear step from the re-tuned \
+           model. Would show from: smallest size of the parameter, or distance from where it is off, that \
+           these recordings would have shown. Held-out gain: of the log score per \
            sample over the re-tuned model, with its standard error. Looks like: candidates with \
            nearly the same signal, with the cosine.</p>\n"
 }
@@ -231,6 +241,9 @@ fn account(diagnosis: &Diagnosis) -> String {
     let mut html = String::from("<h2>How it was done</h2>\n");
     for note in &account.notes {
         html += &paragraph(note);
+    }
+    if account.segments == 0 {
+        return html;
     }
     html += &format!(
         "<p>{} segments over {:.0} s of driving; {:.0} s were left out (rest, gaps, what the model \

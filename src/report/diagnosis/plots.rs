@@ -45,7 +45,7 @@ pub fn figures(run: &RunTrace, diagnosis: &Diagnosis) -> String {
     let mut html = map.replacen("<figure>", "<figure class=\"tall\">", 1);
     let spans = spans(run, diagnosis);
     for residual in &run.residuals {
-        html += &residuals(residual, &spans, !diagnosis.findings.is_empty()).figure();
+        html += &residuals(residual, &spans, words::has_model(diagnosis)).figure();
     }
     if let Some(wrench) = &run.wrench {
         for chart in wrenches(wrench, &spans) {
@@ -207,12 +207,22 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
     } else {
         [&trace.before; 2]
     };
-    let limit = limit(&shown);
+    // What was found for some seconds is no outlier.
+    let inside = |time: f64| {
+        spans
+            .iter()
+            .any(|(_, start, end)| (*start..=*end).contains(&time))
+    };
+    let told = shown
+        .iter()
+        .flat_map(|values| trace.time.iter().zip(values.iter()));
+    let told = told.filter(|(time, value)| inside(**time) && value.is_finite());
+    let limit = told.fold(limit(&shown), |most, (_, value)| most.max(value.abs()));
     let beyond = |index: &usize| shown.iter().any(|values| values[*index].abs() > limit);
     let cut = match (0..trace.time.len()).filter(beyond).count() {
         0 => String::new(),
-        1 => " (an outlier cut off)".into(),
-        count => format!(" ({count} outliers cut off)"),
+        1 => " (one sample beyond the axis)".into(),
+        count => format!(" ({count} samples beyond the axis)"),
     };
     let line = |name: &str, values: &[f64]| Line {
         name: name.into(),
@@ -317,7 +327,7 @@ pub fn heading(run: &RunTrace, diagnosis: &Diagnosis) -> String {
     if diagnosis.runs.len() < 2 {
         return String::new();
     }
-    let name = words::run(&run.recording, run.run, diagnosis);
+    let name = words::run(&run.recording, &run.label);
     format!("<h3>{}</h3>\n", crate::report::chart::escape(&name))
 }
 
@@ -343,9 +353,17 @@ mod tests {
             after: noise.clone(),
         };
         let chart = residuals(&trace(&spiked), &[], true);
-        assert!(chart.title.ends_with("predicted (an outlier cut off)"));
+        assert!(
+            chart
+                .title
+                .ends_with("predicted (one sample beyond the axis)")
+        );
         let lowest = chart.lines[0].parts.iter().flatten().map(|point| point.1);
         assert_eq!(lowest.fold(f64::INFINITY, f64::min), -6.0);
+        // Where something was found to act the signal is shown whole.
+        let acts = [("where it acts", 45.0, 55.0)];
+        let chart = residuals(&trace(&spiked), &acts, true);
+        assert!(chart.title.ends_with("predicted"), "{}", chart.title);
         assert!(
             residuals(&trace(&noise), &[], true)
                 .title

@@ -90,7 +90,8 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
     let rows = ranked(diagnosis).into_iter().map(|candidate| {
         let is_effect = matches!(candidate.subject, Subject::Effect(_));
         let unit = candidate.unit;
-        let never = if is_effect { "never" } else { "-" };
+        let unseen = is_effect && !candidate.smallest_detectable.is_nan();
+        let never = if unseen { "never" } else { "-" };
         let alike = candidate
             .alike
             .iter()
@@ -106,7 +107,7 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
             candidate.parameter.into(),
             with_unit(candidate.estimate, unit),
             if candidate.smallest_detectable.is_finite() {
-                with_unit(candidate.smallest_detectable, unit)
+                words::smallest(candidate)
             } else {
                 never.into()
             },
@@ -193,7 +194,7 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
 
 /// The soil as given, re-tuned and with what was found.
 pub fn soil(diagnosis: &Diagnosis) -> String {
-    let found = !diagnosis.findings.is_empty();
+    let found = words::has_model(diagnosis);
     let mut header = vec!["soil", "unit ", "as given", "re-tuned", "90 % interval"];
     if found {
         header.extend(["with what was found", "90 % interval"]);

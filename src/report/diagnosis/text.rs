@@ -40,11 +40,10 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     }
     if let Some(next) = &diagnosis.next {
         let told = format!(
-            "{}: {} Expected to {} by {:.1} deviations.",
+            "{}: {} Expected to {}.",
             next.name,
-            sentence(&next.description),
-            words::purpose(next),
-            next.separation
+            words::sentence(&next.description),
+            words::expected(next)
         );
         lines.add("drive next", &told);
     }
@@ -69,7 +68,7 @@ fn tell(lines: &mut Lines, finding: &Finding, diagnosis: &Diagnosis) {
     for equation in law::equations(&finding.law) {
         lines.add("law", &equation);
     }
-    let places = finding.places.iter().map(|p| words::place(p, diagnosis));
+    let places = finding.places.iter().map(|p| words::place(p));
     let places = some(&places.collect::<Vec<_>>(), MOST, "; ");
     let label = if finding.local { "only at" } else { "most at" };
     lines.add(label, &places);
@@ -83,17 +82,6 @@ fn some(all: &[String], most: usize, between: &str) -> String {
         text += &format!("{between}{} more", all.len() - most);
     }
     text
-}
-
-/// A sentence with its full stop.
-fn sentence(text: &str) -> String {
-    let text = text.trim();
-    let stop = if text.ends_with(['.', '!', '?']) {
-        ""
-    } else {
-        "."
-    };
-    format!("{text}{stop}")
 }
 
 fn took(diagnosis: &Diagnosis) -> String {
@@ -168,6 +156,5 @@ mod tests {
         let all = ["a", "b", "c"].map(String::from);
         assert_eq!(some(&all, 2, ", "), "a, b, 1 more");
         assert_eq!(some(&all, 3, ", "), "a, b, c");
-        assert_eq!(sentence("Drive on "), "Drive on.");
     }
 }

@@ -1,8 +1,8 @@
 //! What text and page say alike.
 
 use crate::diagnosis::{
-    Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject, Verdict,
-    phrase,
+    Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity,
+    Subject, Verdict, phrase,
 };
 use crate::effects::{CATALOGUE, ParameterDeclaration};
 use crate::report::number::{percent, shown, with_interval, with_unit};
@@ -28,6 +28,31 @@ pub fn purpose(next: &Manoeuvre) -> String {
     }
 }
 
+/// What it is expected to do, and how well: less than two deviations decide hardly anything.
+pub fn expected(next: &Manoeuvre) -> String {
+    let hardly = if next.separation < 2.0 {
+        ", which decides hardly anything"
+    } else {
+        ""
+    };
+    format!(
+        "{} by {:.1} deviations{hardly}",
+        purpose(next),
+        next.separation
+    )
+}
+
+/// A sentence with its full stop.
+pub fn sentence(text: &str) -> String {
+    let text = text.trim();
+    let stop = if text.ends_with(['.', '!', '?']) {
+        ""
+    } else {
+        "."
+    };
+    format!("{text}{stop}")
+}
+
 /// Names in a row: "a, b and c".
 pub fn list(names: &[String], last: &str) -> String {
     match names {
@@ -47,10 +72,15 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
         }
         (Verdict::InsufficientData, _) => "These recordings are too little to tell".into(),
         (Verdict::Ambiguous, Some(set)) => {
-            let mut names = vec![name(set.subject).to_owned()];
-            names.extend(set.ambiguous_with.iter().map(|s| name(*s).to_owned()));
+            let all = || std::iter::once(&set.subject).chain(&set.ambiguous_with);
+            let names: Vec<String> = all().map(|s| name(*s).to_owned()).collect();
+            let what = if all().any(|subject| subject.is_sensor()) {
+                "The model lacks, or the sensors add, one of"
+            } else {
+                "The model lacks"
+            };
             format!(
-                "The model lacks {}: these recordings do not tell which",
+                "{what} {}: these recordings do not tell which",
                 list(&names, "or")
             )
         }
@@ -65,11 +95,16 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// What was found of a sort, each thing once.
+/// What was found of a sort, each thing once; what is less likely than not with a word of doubt.
 fn phrases(findings: &[Finding], of: fn(Subject) -> bool) -> String {
     let mut phrases: Vec<String> = Vec::new();
     for finding in findings.iter().filter(|finding| of(finding.subject)) {
         let phrase = phrase(finding.subject);
+        let phrase = if finding.probability < 0.5 {
+            format!("perhaps {phrase}")
+        } else {
+            phrase
+        };
         if !phrases.contains(&phrase) {
             phrases.push(phrase);
         }
@@ -97,7 +132,7 @@ fn lacking(findings: &[Finding]) -> String {
 
 /// How sure: the finding's probability and the runner-up's. Of several findings each is told with its own.
 pub fn sureness(diagnosis: &Diagnosis) -> String {
-    if diagnosis.account.segments == 0 {
+    if diagnosis.account.segments == 0 || diagnosis.verdict == Verdict::InsufficientData {
         // Nothing was asked.
         return String::new();
     }
@@ -203,15 +238,11 @@ pub fn declared(subject: Subject, name: &str) -> Option<&'static ParameterDeclar
 }
 
 /// A recording and its run, which is told where there are several.
-pub fn run(recording: &str, run: usize, diagnosis: &Diagnosis) -> String {
-    let several = diagnosis
-        .runs
-        .iter()
-        .any(|trace| trace.recording == recording && trace.run != run);
-    if several || run > 0 {
-        format!("{recording} run {run}")
-    } else {
+pub fn run(recording: &str, label: &str) -> String {
+    if label.is_empty() {
         recording.into()
+    } else {
+        format!("{recording} run {label}")
     }
 }
 
@@ -226,10 +257,10 @@ pub fn channel(channel: Channel) -> &'static str {
 }
 
 /// A place: recording, seconds, patch, channel and regime.
-pub fn place(place: &Interval, diagnosis: &Diagnosis) -> String {
+pub fn place(place: &Interval) -> String {
     let mut text = format!(
         "{}, {:.1} .. {:.1} s",
-        run(&place.recording, place.run, diagnosis),
+        run(&place.recording, &place.label),
         place.start,
         place.end
     );
@@ -243,13 +274,19 @@ pub fn place(place: &Interval, diagnosis: &Diagnosis) -> String {
     text
 }
 
+/// Whether something was found that the augmented model has: a wrench that comes and goes is in none.
+pub fn has_model(diagnosis: &Diagnosis) -> bool {
+    let findings = &diagnosis.findings;
+    findings.iter().any(|found| !found.parameters.is_empty())
+}
+
 /// The models of a comparison with their names; the last only where something was found.
 pub fn models(held_out: &HeldOut, diagnosis: &Diagnosis) -> Vec<(&'static str, Errors)> {
     let mut models = vec![
         ("as given", held_out.nominal),
         ("re-tuned", held_out.retuned),
     ];
-    if !diagnosis.findings.is_empty() {
+    if has_model(diagnosis) {
         models.push(("with what was found", held_out.augmented));
     }
     models
@@ -281,7 +318,18 @@ pub fn improvement(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     told.take(2).collect::<Vec<_>>().join("; ")
 }
 
-/// Which effects would have shown, from which size on; and those that would not.
+/// A candidate's smallest size: of a parameter that is off elsewhere than at 0 its distance from there.
+pub fn smallest(candidate: &Candidate) -> String {
+    let size = with_unit(candidate.smallest_detectable, candidate.unit);
+    let off = declared(candidate.subject, candidate.parameter).map_or(0.0, |p| p.default);
+    if off == 0.0 {
+        size
+    } else {
+        format!("{size} from {}", with_unit(off, candidate.unit))
+    }
+}
+
+/// Which effects would have shown, from which size on; and those that would not. What was not screened is neither.
 pub fn detectable(diagnosis: &Diagnosis) -> (Vec<String>, Vec<String>) {
     let (mut shown, mut hidden) = (Vec::new(), Vec::new());
     for candidate in &diagnosis.candidates {
@@ -290,9 +338,9 @@ pub fn detectable(diagnosis: &Diagnosis) -> (Vec<String>, Vec<String>) {
         }
         let name = name(candidate.subject);
         if candidate.smallest_detectable.is_finite() {
-            let size = with_unit(candidate.smallest_detectable, candidate.unit);
+            let size = smallest(candidate);
             shown.push(format!("{name} ({} {size})", candidate.parameter));
-        } else {
+        } else if !candidate.smallest_detectable.is_nan() {
             hidden.push(name.to_owned());
         }
     }
@@ -326,5 +374,6 @@ mod tests {
         assert_eq!(list(&names[..2], "and"), "a and b");
         assert_eq!(list(&names[..1], "and"), "a");
         assert_eq!(list(&[], "and"), "");
+        assert_eq!(sentence("Drive on "), "Drive on.");
     }
 }

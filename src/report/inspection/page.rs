@@ -22,7 +22,8 @@ pub fn page(recording: &Recording, inspection: &Inspection) -> String {
     body += "<h2>Delays between sensors</h2>\n";
     body += &delays(inspection);
     body += "<p>By cross-correlation of mean rates over 0.5 s; 90 % intervals from drawing blocks of \
-             the recording anew. On slippery ground a delay behind the wheels holds the vehicle's \
+             the recording anew. Scale: of what is behind, in its unit, over the other, in its own (metres for a \
+             radian of the wheels, say). On slippery ground a delay behind the wheels holds the vehicle's \
              own response, too.</p>\n";
     body += "<h2>Plots</h2>\n<div class=\"plots\">\n";
     for chart in plots::charts(recording, inspection) {
@@ -60,7 +61,7 @@ fn motion(recording: &Recording, inspection: &Inspection) -> String {
         if recording.runs.len() == 1 { "" } else { "s" },
         motion.duration,
         optional(motion.distance, "m driven"),
-        optional(motion.turned, "rad turned"),
+        optional(motion.turned.map(f64::to_degrees), "deg turned"),
         motion.at_rest
     )
 }
@@ -134,7 +135,7 @@ fn runs(runs: &[RunReport]) -> String {
         "start [s]",
         "duration [s]",
         "distance [m]",
-        "turned [rad]",
+        "turned [deg]",
         "at rest [s]",
         "longest gap [s]",
     ];
@@ -147,10 +148,10 @@ fn runs(runs: &[RunReport]) -> String {
             .max_by(|a, b| a.1.longest.total_cmp(&b.1.longest));
         vec![
             run.label.clone(),
-            digits(run.start, 4),
+            format!("{:.2}", run.start),
             format!("{:.2}", motion.duration),
             optional(motion.distance),
-            optional(motion.turned),
+            optional(motion.turned.map(f64::to_degrees)),
             format!("{:.2}", motion.at_rest),
             longest.map_or("-".into(), |(channel, timing)| {
                 format!("{} in {channel}", digits(timing.longest, 2))

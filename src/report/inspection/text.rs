@@ -25,7 +25,7 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
             1 => format!(
                 "{} s at {}",
                 digits(timing.longest, 2),
-                digits(timing.longest_at.0, 4)
+                clock(timing.longest_at.0)
             ),
             _ => format!("{} s", digits(timing.longest, 2)),
         };
@@ -77,6 +77,15 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
         text += &table(&header.map(String::from), &rows);
     }
     text
+}
+
+/// A moment \[s\]: to a hundredth where a clock counts from 1970.
+fn clock(time: f64) -> String {
+    if time.abs() < 1e4 {
+        digits(time, 4)
+    } else {
+        format!("{time:.2}")
+    }
 }
 
 fn headline(recording: &Recording, inspection: &Inspection) -> String {
