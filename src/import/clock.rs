@@ -34,6 +34,12 @@ impl Clock {
 /// clocks \[ns\].
 const LARGEST_DELAY_DIFFERENCE: i64 = 200_000_000;
 
+/// A clock that goes back by more than this was set \[ns\].
+const SET_BACK: i64 = 1_000_000_000;
+
+/// One in so many messages may lack its time of measuring: it is left out.
+const STRAY: usize = 100;
+
 /// Times of measuring may span twice those of logging, and this more \[ns\].
 const SPAN_TOLERANCE: i64 = 1_000_000_000;
 
@@ -52,7 +58,8 @@ pub(super) struct Times {
 impl Times {
     pub fn of<T>(stream: &Stream<T>) -> Self {
         let stamped = stream.samples.iter().filter(|sample| sample.stamp != 0);
-        let mut delays: Vec<i64> = stamped.map(|sample| sample.logged - sample.stamp).collect();
+        let delays = stamped.clone();
+        let mut delays: Vec<i64> = delays.map(|sample| sample.logged - sample.stamp).collect();
         let unstamped = stream.samples.len() - delays.len();
         delays.sort_unstable();
         Self {
@@ -61,7 +68,7 @@ impl Times {
             messages: stream.samples.len(),
             delay: delays.get(delays.len() / 2).copied(),
             spans: [
-                span(stream.samples.iter().map(|sample| sample.stamp)),
+                span(stamped.map(|sample| sample.stamp)),
                 span(stream.samples.iter().map(|sample| sample.logged)),
             ],
         }
@@ -88,7 +95,10 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
             )
         })
         .collect();
-    if !unstamped.is_empty() {
+    let few = topics
+        .iter()
+        .all(|times| times.unstamped * STRAY <= times.messages);
+    if !unstamped.is_empty() && !few {
         let note = format!(
             "messages without a time of measurement ({}): the time of logging is taken for all topics",
             unstamped.join(", ")
@@ -104,17 +114,20 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
         let [measured, logged] = times.spans;
         measured / 2 > logged + SPAN_TOLERANCE
     });
-    let mut notes: Vec<String> = strayed
-        .map(|times| {
-            format!(
-                "warning: the times of measuring of {} span {:.0} s, those of logging {:.0} s: the clock \
-                 was set on the way, or some are wrong; --time log takes the time of logging",
-                times.topic,
-                times.spans[0] as f64 * 1e-9,
-                times.spans[1] as f64 * 1e-9
-            )
-        })
-        .collect();
+    let stray = (!unstamped.is_empty()).then(|| {
+        let which = unstamped.join(", ");
+        format!("messages without a time of measurement ({which}) are left out")
+    });
+    let strayed = strayed.map(|times| {
+        format!(
+            "warning: the times of measuring of {} span {:.0} s, those of logging {:.0} s: the clock \
+             was set on the way, or some are wrong; --time log takes the time of logging",
+            times.topic,
+            times.spans[0] as f64 * 1e-9,
+            times.spans[1] as f64 * 1e-9
+        )
+    });
+    let mut notes: Vec<String> = stray.into_iter().chain(strayed).collect();
     if let (Some((least, first)), Some((most, last))) = (delays.first(), delays.last())
         && most.saturating_sub(*least) > LARGEST_DELAY_DIFFERENCE
     {
@@ -137,10 +150,14 @@ pub(super) fn ordered<T>(
 ) -> (Vec<(i64, T)>, Option<String>) {
     let topic = stream.topic.name;
     let samples = stream.samples.into_iter();
+    let has_time = |sample: &Sample<T>| clock == Clock::Log || sample.stamp != 0;
     let mut samples: Vec<(i64, T)> = samples
+        .filter(has_time)
         .map(|sample| (clock.of(&sample), sample.value))
         .collect();
     let steps_back = samples.windows(2).filter(|pair| pair[1].0 < pair[0].0);
+    let set_back = samples.windows(2).map(|pair| pair[0].0 - pair[1].0).max();
+    let set_back = set_back.filter(|back| *back > SET_BACK);
     let steps_back = steps_back.count();
     samples.sort_by_key(|(time, _)| *time);
     let before = samples.len();
@@ -165,6 +182,14 @@ pub(super) fn ordered<T>(
             "{topic}: its time steps back {steps_back} times and {repeated} of {before} messages \
              repeat a time; they were sorted, the first of each is kept{filled}"
         )),
+    };
+    let note = match (set_back, note) {
+        (Some(back), Some(note)) => Some(format!(
+            "warning: {note}; its clock was set back by {:.0} s, so parts of the drive may lie in each \
+             other: --time log takes the time of logging",
+            back as f64 * 1e-9
+        )),
+        (_, note) => note,
     };
     (samples, note)
 }
@@ -234,6 +259,38 @@ mod tests {
         let (clock, notes) = settle(Clock::Header, &[good, bare]);
         assert_eq!(clock, Clock::Log);
         assert!(notes[0].contains("2 of 2 of /bare"), "{notes:?}");
+        // A few alone are left out, and move nothing else.
+        let mut most: Vec<(i64, i64)> = (1..200).map(|k| (k * second, k * second)).collect();
+        most.insert(0, (0, 5));
+        let most = stream("/most", &most);
+        let (clock, notes) = settle(Clock::Header, &[Times::of(&most)]);
+        assert_eq!(clock, Clock::Header);
+        assert!(
+            notes[0].contains("1 of 200 of /most) are left out"),
+            "{notes:?}"
+        );
+        let (samples, note) = ordered(most, clock, |_, _| false);
+        assert_eq!((samples.len(), samples[0], note), (199, (second, 1), None));
+    }
+
+    #[test]
+    fn a_clock_that_is_set_back_is_a_warning() {
+        let second = 1_000_000_000;
+        let times: Vec<(i64, i64)> = (0..60)
+            .map(|k| {
+                (
+                    k * second - if k < 40 { 0 } else { 30 * second } + 1,
+                    k * second,
+                )
+            })
+            .collect();
+        let (samples, note) = ordered(stream("/gps", &times), Clock::Header, |_, _| false);
+        assert_eq!(samples.len(), 40);
+        let note = note.unwrap();
+        assert!(
+            note.starts_with("warning: ") && note.contains("by 29 s"),
+            "{note}"
+        );
     }
 
     #[test]

@@ -131,7 +131,7 @@ impl Columns {
             ));
         }
         let conversion = "yaw of the orientation, counted on over whole turns";
-        self.push("heading", topic, conversion, headings)
+        self.push_measured("heading", topic, conversion, headings)
     }
 
     /// Position of odometry.
@@ -221,14 +221,15 @@ impl Columns {
             let FixSample { status, place } = &sample.1;
             let [latitude, longitude, _] = place;
             // Comparisons with NaN are false.
-            *status >= 0 && latitude.abs() <= 90.0 && longitude.abs() <= 180.0
+            let is_somewhere = *latitude != 0.0 || *longitude != 0.0;
+            *status >= 0 && is_somewhere && latitude.abs() <= 90.0 && longitude.abs() <= 180.0
         };
         let valid: Vec<&(i64, FixSample)> = samples.iter().filter(is_valid).collect();
         let lost = samples.len() - valid.len();
         if lost > 0 {
             self.notes.push(format!(
-                "{topic}: {lost} of {} fixes are invalid (status below 0, or no latitude and longitude); \
-                 left out",
+                "{topic}: {lost} of {} fixes are invalid (status below 0, no latitude and longitude, or \
+                 exactly 0 of both); left out",
                 samples.len()
             ));
         }

@@ -108,12 +108,22 @@ fn wheels(
         right,
         source,
         dead_velocity,
+        still,
     } = speeds.ok_or_else(|| ImportError::Joints {
         topic: topic.clone(),
         reason: "no message has the velocities, and no two the positions, of all wheels of a side"
             .into(),
         found: names.left.iter().chain(&names.right).cloned().collect(),
     })?;
+    if !still.is_empty() {
+        let all: Vec<&String> = names.left.iter().chain(&names.right).collect();
+        let names: Vec<&str> = still.iter().map(|joint| all[*joint].as_str()).collect();
+        columns.notes.push(format!(
+            "warning: {topic}: {} stays exactly at zero while others of its side turn, as joints do that nobody \
+             measures; left out of the mean",
+            names.join(", ")
+        ));
+    }
     let how = match source {
         Source::Velocity => "velocity",
         Source::Position { .. } => "velocity from differences of position",

@@ -24,6 +24,8 @@ pub(super) struct WheelSpeeds {
     pub source: Source,
     /// Why positions were taken although there are velocities.
     pub dead_velocity: bool,
+    /// Joints that stay exactly still while others of their side turn: they are left out.
+    pub still: Vec<usize>,
 }
 
 /// A wheel that turned further than this did turn \[rad\].
@@ -38,11 +40,20 @@ const WRAP_TOLERANCE: f64 = 1e-3;
 /// the left. `None` where a side has neither.
 pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Option<WheelSpeeds> {
     let joints = samples.first()?.1.len();
-    let sides = [0..left, left..joints];
-    let velocities = sides.clone().map(|side| {
+    let turning: Vec<bool> = (0..joints).map(|joint| turns(samples, joint)).collect();
+    let mut still = Vec::new();
+    let sides = [0..left, left..joints].map(|side| -> Vec<usize> {
+        let (on, off): (Vec<usize>, Vec<usize>) = side.clone().partition(|joint| turning[*joint]);
+        if on.is_empty() {
+            return side.collect();
+        }
+        still.extend(off);
+        on
+    });
+    let velocities = [&sides[0], &sides[1]].map(|side| {
         let means = samples.iter().filter_map(|(time, sample)| {
-            let side = &sample[side.clone()];
-            let mean = side.iter().map(|joint| joint.velocity).sum::<f64>() / side.len() as f64;
+            let sum: f64 = side.iter().map(|joint| sample[*joint].velocity).sum();
+            let mean = sum / side.len() as f64;
             mean.is_finite().then_some((*time, mean))
         });
         means.collect::<Series>()
@@ -58,16 +69,28 @@ pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Optio
             right,
             source: Source::Velocity,
             dead_velocity,
+            still,
         });
     }
     let wrapped = (0..joints).any(|joint| is_wrapped(samples, joint));
-    let [left, right] = sides.map(|side| differences(samples, side, wrapped));
+    let [left, right] = sides.map(|side| differences(samples, &side, wrapped));
     (!left.is_empty() && !right.is_empty()).then_some(WheelSpeeds {
         left,
         right,
         source: Source::Position { wrapped },
         dead_velocity,
+        still,
     })
+}
+
+/// Whether a joint turns, or nothing is known of it: one that tells its velocity, exactly 0 throughout, and whose position
+/// does not change stands still, or nobody measures it.
+fn turns(samples: &[(i64, WheelSample)], joint: usize) -> bool {
+    let velocities = samples.iter().map(|(_, sample)| sample[joint].velocity);
+    let mut known = velocities
+        .filter(|velocity| velocity.is_finite())
+        .peekable();
+    known.peek().is_none() || known.any(|velocity| velocity != 0.0) || span(samples, joint) > TURNED
 }
 
 fn positions(samples: &[(i64, WheelSample)], joint: usize) -> impl Iterator<Item = f64> {
@@ -93,14 +116,10 @@ fn is_wrapped(samples: &[(i64, WheelSample)], joint: usize) -> bool {
 
 /// Mean speeds between samples, at the times in the middle: exact to second order, and without
 /// delay.
-fn differences(
-    samples: &[(i64, WheelSample)],
-    side: std::ops::Range<usize>,
-    wrapped: bool,
-) -> Series {
+fn differences(samples: &[(i64, WheelSample)], side: &[usize], wrapped: bool) -> Series {
     let known = |sample: &&(i64, WheelSample)| {
-        let mut joints = sample.1[side.clone()].iter();
-        joints.all(|joint| joint.position.is_finite())
+        let mut joints = side.iter();
+        joints.all(|joint| sample.1[*joint].position.is_finite())
     };
     let known: Vec<&(i64, WheelSample)> = samples.iter().filter(known).collect();
     let mut steps: Vec<i64> = known.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
@@ -121,8 +140,10 @@ fn differences(
         if step / LONGEST_GAP >= usual {
             return None;
         }
-        let pairs = before[side.clone()].iter().zip(&after[side.clone()]);
-        let sum: f64 = pairs.map(|(from, to)| turned(from, to)).sum();
+        let each = side
+            .iter()
+            .map(|joint| turned(&before[*joint], &after[*joint]));
+        let sum: f64 = each.sum();
         let speed = sum / side.len() as f64 / (step as f64 * 1e-9);
         Some((from + step / 2, speed))
     });
@@ -176,6 +197,23 @@ mod tests {
                 assert!((left - 20.0).abs() < 1e-9 && (right + 20.0).abs() < 1e-9);
             }
         }
+    }
+
+    #[test]
+    fn a_wheel_that_nobody_measures_does_not_halve_the_speed() {
+        let row = |time: i64| {
+            let angle = time as f64 * 1e-3;
+            sample(
+                time,
+                &[(0.0, 0.0), (angle, 1.0), (angle, 1.0), (angle, 1.0)],
+            )
+        };
+        let speeds = wheel_speeds(&[0, 1000, 2000].map(row), 2).unwrap();
+        assert_eq!((speeds.still, speeds.left[0].1), (vec![0], 1.0));
+        // All of a side that stand still do stand.
+        let row = |time: i64| sample(time, &[(0.0, 0.0), (0.0, 0.0), (0.0, 1.0)]);
+        let speeds = wheel_speeds(&[0, 1000, 2000].map(row), 2).unwrap();
+        assert_eq!((speeds.still.len(), speeds.left[0].1), (0, 0.0));
     }
 
     #[test]

@@ -36,7 +36,7 @@ const COLUMNS: [Column; RUN_INDEX + 1] = {
 };
 
 /// Words that programs write for a number that they do not have.
-const MISSING: [&str; 4] = ["nan", "null", "na", "n/a"];
+const MISSING: [&str; 6] = ["nan", "-nan", "null", "none", "na", "n/a"];
 
 /// A measured value.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -16,7 +16,7 @@ const SHORTEST: f64 = 1.0;
 /// Longer ones cannot be seconds between samples of wheel speeds.
 const LONGEST: f64 = 5.0;
 /// Rates at which vehicles are recorded \[Hz\]; no two units both give one of them.
-const RATES: std::ops::RangeInclusive<f64> = 1.5..=600.0;
+const RATES: std::ops::RangeInclusive<f64> = 1.5..=1400.0;
 /// How far heading and gyro may differ in what they tell of the unit.
 const FACTOR: f64 = 2.0;
 const STRONG: f64 = 0.8;
@@ -57,19 +57,19 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
         (None, None) if median > LONGEST => {
             let expected =
                 format!("a median interval of at most {LONGEST} s, or one in ms, us or ns");
-            let line = samples
-                .of(Channel::OmegaLeft)
-                .next()
-                .map_or(2, |sample| sample.line);
+            let line = first_line(samples);
             return Err(malformed(samples.time_cell(line), evidence, expected));
         }
-        (None, None) => return Ok(None),
+        (None, None) => {
+            let text = format!(
+                "{evidence} s, which is slow for wheel speeds; left as it is: milliseconds?"
+            );
+            let place = (intervals.len(), first_line(samples));
+            return Ok(note(NoteKind::Suspicion, None, place, text));
+        }
     };
     let count = intervals.len();
-    let line = samples
-        .of(Channel::OmegaLeft)
-        .next()
-        .map_or(2, |sample| sample.line);
+    let line = first_line(samples);
     for run in &mut samples.runs {
         for sample in run.channels.iter_mut().flatten() {
             sample.time *= unit.1;
@@ -77,6 +77,11 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
     }
     let text = format!("taken as {} and converted: {evidence}", unit.0);
     Ok(note(NoteKind::TimeUnit, None, (count, line), text))
+}
+
+fn first_line(samples: &Samples) -> usize {
+    let first = samples.of(Channel::OmegaLeft).next();
+    first.map_or(2, |sample| sample.line)
 }
 
 enum Turning {

@@ -187,6 +187,17 @@ fn units_of_time_are_seen() {
             .collect();
         assert!((read(&wheels).unwrap().runs[0].duration() - 59.95).abs() < 1e-6);
     }
+    // A thousand times a second; and what is slow is told.
+    let wheels = |factor: f64| {
+        let rows = good.iter().take(600).enumerate();
+        let rows = rows.map(|(k, (_, v))| format!("{},{},{}\n", factor * k as f64, v[0], v[1]));
+        format!("time,omega_left,omega_right\n{}", rows.collect::<String>())
+    };
+    let fast = read(&wheels(1e3)).unwrap();
+    assert!((fast.runs[0].duration() - 0.599).abs() < 1e-9);
+    let slow = read(&wheels(2.0)).unwrap();
+    let kinds: Vec<_> = slow.notes.iter().map(|note| note.kind).collect();
+    assert_eq!(kinds, [NoteKind::Suspicion], "{:?}", slow.notes);
     let bad = with(&good, |t, _| *t *= 1.7e4);
     let error = read(&bad).unwrap_err().to_string();
     assert!(error.contains("the median interval is 850"), "{error}");
@@ -211,6 +222,22 @@ fn swapped_columns_are_seen() {
     assert_restored(&good, &bad, &[(NoteKind::Sign, Some(Channel::YawRate))]);
     let bad = with(&good, |_, v| v[4] = FRAC_PI_2 - v[4]);
     assert_restored(&good, &bad, &[(NoteKind::Sign, Some(Channel::Heading))]);
+    // Heading and gyro clockwise, as navigation has them: the wheels are right.
+    let clockwise = |_: &mut f64, v: &mut [f64; 6]| (v[4], v[5]) = (FRAC_PI_2 - v[4], -v[5]);
+    let signs = |channels: [Channel; 2]| channels.map(|one| (NoteKind::Sign, Some(one)));
+    let found = signs([Channel::Heading, Channel::YawRate]);
+    assert_restored(&good, &with(&good, clockwise), &found);
+    // Both wheels count backwards.
+    let bad = with(&good, |_, v| (v[0], v[1]) = (-v[0], -v[1]));
+    let found = signs([Channel::OmegaLeft, Channel::OmegaRight]);
+    assert_restored(&good, &bad, &found);
+    // A vehicle that comes 0.3 m in some seconds shows its direction as well.
+    let slow: Rows = drive(600.0, 5)
+        .into_iter()
+        .map(|(time, v)| (time, [v[0], v[1], 0.1 * v[2], 0.1 * v[3], v[4], v[5]]))
+        .collect();
+    let bad = with(&slow, |_, v| v[4] = FRAC_PI_2 - v[4]);
+    assert_restored(&slow, &bad, &[(NoteKind::Sign, Some(Channel::Heading))]);
 }
 
 #[test]

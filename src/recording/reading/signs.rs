@@ -11,8 +11,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 const STEP: f64 = 0.1;
 /// Slower turning than this is noise \[rad/s\].
 const SLOWEST_TURN: f64 = 0.03;
-/// Directions of travel are those of so many seconds, in which the vehicle comes this far \[m\].
-const TRAVEL: (f64, f64) = (1.0, 0.3);
+/// Directions of travel are those of so many seconds \[s\], the shortest of which there are enough, in which the vehicle
+/// comes this far \[m\].
+const SPANS: [f64; 3] = [1.0, 3.0, 10.0];
+const TRAVEL: f64 = 0.3;
 /// Fewer directions tell nothing.
 const FEWEST: usize = 50;
 /// How well directions must agree with one relation, and how badly with the other: lengths of
@@ -67,9 +69,21 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
     let pose_gyro = Comparison::of(compare(samples, STEP, heading, gyro));
     let is_mirrored = position(samples) == Some(Relation::Mirrored);
     match (pose_wheels.vote, gyro_wheels.vote, pose_gyro.vote) {
-        (Against, Against, Together) => swap_wheels(samples, "yaw_rate and heading", gyro_wheels.r),
+        (Against, Against, Together) if is_mirrored => {
+            let text = format!(
+                "the wheels went the other way (correlation {:.2}), and the direction of travel is a \
+                 quarter turn less the heading",
+                gyro_wheels.r
+            );
+            let heading = format!("taken as clockwise from north and converted: {text}");
+            let gyro = format!("taken as clockwise, its sign turned round: {text}");
+            let mut notes = turn_round(samples, Channel::Heading, FRAC_PI_2, heading);
+            notes.extend(turn_round(samples, Channel::YawRate, 0.0, gyro));
+            notes
+        }
+        (Against, Against, Together) => mend_wheels(samples, "yaw_rate and heading", gyro_wheels.r),
         (Absent, Against, _) => swap_wheels(samples, "yaw_rate", gyro_wheels.r),
-        (Against, Absent, _) if !is_mirrored => swap_wheels(samples, "heading", pose_wheels.r),
+        (Against, Absent, _) if !is_mirrored => mend_wheels(samples, "heading", pose_wheels.r),
         (Together, Against, Against) => {
             let text = format!(
                 "sign turned round: it contradicts heading (correlation {:.2}) and wheels \
@@ -97,6 +111,24 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Wheels that turn the vehicle the other way are swapped, or both count backwards: then the vehicle comes the other way,
+/// too.
+fn mend_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
+    let ahead = |run: &_| wheels(run, [0.5, 0.5]);
+    let found = Comparison::of(compare(samples, STEP, ahead, travel));
+    if found.vote != Vote::Against {
+        return swap_wheels(samples, witness, r);
+    }
+    let text = format!(
+        "its sign turned round, as that of the other side: {witness} went the other way (correlation {r:.2}), and so \
+         did the way along the heading ({:.2})",
+        found.r
+    );
+    let mut notes = turn_round(samples, Channel::OmegaLeft, 0.0, text.clone());
+    notes.extend(turn_round(samples, Channel::OmegaRight, 0.0, text));
+    notes
 }
 
 fn swap_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
@@ -167,8 +199,15 @@ enum Relation {
     Mirrored,
 }
 
-/// The relation that the positions show, if they show one.
+/// The relation that the positions show, if they show one: a slow vehicle takes longer to come anywhere.
 fn position(samples: &Samples) -> Option<Relation> {
+    SPANS
+        .into_iter()
+        .find_map(|seconds| over(samples, seconds))?
+}
+
+/// The relation over so many seconds; `None` where they show too few directions.
+fn over(samples: &Samples, seconds: f64) -> Option<Option<Relation>> {
     // Sums of unit vectors at twice the angles, so that reverse counts as forward.
     let (mut same, mut mirrored) = ([0.0; 2], [0.0; 2]);
     let mut count = 0;
@@ -177,11 +216,11 @@ fn position(samples: &Samples) -> Option<Relation> {
             continue;
         };
         for sample in &run.channels[Channel::Heading.index()] {
-            let speed = |sum: &Cumulated| sum.mean_rate(sample.time, TRAVEL.0);
+            let speed = |sum: &Cumulated| sum.mean_rate(sample.time, seconds);
             let (Some(east), Some(north)) = (speed(&x), speed(&y)) else {
                 continue;
             };
-            if east.hypot(north) * TRAVEL.0 < TRAVEL.1 {
+            if east.hypot(north) * seconds < TRAVEL {
                 continue;
             }
             let travel = north.atan2(east);
@@ -200,11 +239,12 @@ fn position(samples: &Samples) -> Option<Relation> {
     }
     let length = |sum: [f64; 2]| sum[0].hypot(sum[1]) / count as f64;
     let off = (mirrored[1].atan2(mirrored[0]) - PI).rem_euclid(TAU);
-    if length(mirrored) >= CLEAR && length(same) <= UNCLEAR && off.min(TAU - off) <= NEAR {
+    let is_mirrored = length(mirrored) >= CLEAR && length(same) <= UNCLEAR;
+    Some(if is_mirrored && off.min(TAU - off) <= NEAR {
         Some(Relation::Mirrored)
     } else {
         (length(same) >= CLEAR && length(mirrored) <= UNCLEAR).then_some(Relation::Same)
-    }
+    })
 }
 
 /// Way along the heading \[m\].

@@ -23,11 +23,13 @@ pub fn is_wrapped(headings: impl Iterator<Item = f64>) -> bool {
 
 /// Takes full turns out of headings that are kept within one turn, so that they go on beyond it.
 pub fn unwrap(samples: &mut Samples) -> Option<Note> {
-    if !is_wrapped(samples.of(Channel::Heading).map(|sample| sample.value)) {
-        return None;
-    }
     let (mut count, mut line) = (0, 0);
     for run in &mut samples.runs {
+        // One that goes on beyond a turn says nothing of another.
+        let headings = run.channels[Channel::Heading.index()].iter();
+        if !is_wrapped(headings.map(|sample| sample.value)) {
+            continue;
+        }
         let gyro = cumulated(run, Channel::YawRate);
         let mut turns = 0.0;
         let mut last: Option<Sample> = None;
