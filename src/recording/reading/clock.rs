@@ -17,6 +17,8 @@ const SHORTEST: f64 = 1.0;
 const LONGEST: f64 = 5.0;
 /// Rates at which vehicles are recorded \[Hz\]; no two units both give one of them.
 const RATES: std::ops::RangeInclusive<f64> = 1.5..=1400.0;
+/// So many wheel speeds at intervals of seconds are odd.
+const MANY: usize = 1000;
 /// How far heading and gyro may differ in what they tell of the unit.
 const FACTOR: f64 = 2.0;
 const STRONG: f64 = 0.8;
@@ -60,6 +62,7 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
             let line = first_line(samples);
             return Err(malformed(samples.time_cell(line), evidence, expected));
         }
+        (None, None) if intervals.len() < MANY => return Ok(None),
         (None, None) => {
             let text = format!(
                 "{evidence} s, which is slow for wheel speeds; left as it is: milliseconds?"
