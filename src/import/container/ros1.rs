@@ -178,6 +178,9 @@ fn cut<'a>(rest: &mut &'a [u8]) -> Result<&'a [u8], Stop> {
     Ok(bytes)
 }
 
+/// Recorders write chunks of some hundred kilobytes, at most some messages' worth \[bytes\].
+const LARGEST_CHUNK: u64 = 1 << 30;
+
 /// The content of a chunk.
 fn unpack<'a>(
     fields: &Fields,
@@ -185,6 +188,11 @@ fn unpack<'a>(
     unpacked: &'a mut Vec<u8>,
 ) -> Result<&'a [u8], Stop> {
     let size = u64::from(fields.u32("size")?);
+    if size > LARGEST_CHUNK {
+        return broken(format!(
+            "a chunk of {size} bytes is larger than any recorder writes"
+        ));
+    }
     let compression = fields.text("compression")?;
     // One byte more shows a chunk that is longer than it says.
     let mut all = |from: &mut dyn Read| -> io::Result<usize> {

@@ -151,6 +151,14 @@ fn wheel_speeds_that_cannot_be_are_converted_or_refused() {
         [v[0], v[1]] = [v[0].to_degrees(), v[1].to_degrees()]
     });
     assert_restored(&good, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
+    // Revolutions per minute that might be rad/s are told.
+    let bad = with(&good, |_, v| {
+        [v[0], v[1]] = [v[0], v[1]].map(|speed| speed * 30.0 / PI)
+    });
+    let notes = read(&bad).unwrap().notes;
+    let kinds: Vec<_> = notes.iter().map(|note| note.kind).collect();
+    assert_eq!(kinds, [NoteKind::Suspicion], "{notes:?}");
+    assert!(notes[0].text.contains("may be rpm"), "{notes:?}");
     // One spike is left out.
     let bad = with(&good, |t, v| v[1] = if *t == 20.0 { 400.0 } else { v[1] });
     assert_restored(

@@ -136,7 +136,8 @@ fn degrees(samples: &mut Samples) -> Vec<Note> {
     notes
 }
 
-/// Wheel speeds beyond the limit that in another unit move the vehicle as its pose says.
+/// Wheel speeds that in another unit move the vehicle as its pose says: those beyond the limit are converted, others told,
+/// for wheels that slip look the same.
 fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> {
     let sides = [Channel::OmegaLeft, Channel::OmegaRight];
     let beyond = |side: Channel| {
@@ -145,9 +146,6 @@ fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> 
             .any(|sample| sample.value.abs() > limit(side))
     };
     let radius = vehicle?.wheel_radius;
-    if !sides.into_iter().any(beyond) {
-        return None;
-    }
     let mean = |run: &_| wheels(run, [0.5, 0.5]);
     let (correlation, slope) = compare(samples, STEP, super::signs::travel, mean)?.strongest();
     let units = [("degrees per second", DEGREES), ("rpm", 30.0 / PI)];
@@ -156,11 +154,17 @@ fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> 
         .into_iter()
         .find(fits)
         .filter(|_| correlation >= STRONG)?;
-    let places = sides.map(|side| scale(samples, side, 1.0 / size));
-    let text = format!(
-        "both wheel speeds taken as {name} and converted: as rad/s the vehicle would move at {:.3} \
-         of the rims' speed (correlation {correlation:.2})",
+    let evidence = format!(
+        "as rad/s the vehicle would move at {:.3} of the rims' speed (correlation {correlation:.2})",
         slope / radius
     );
-    note(NoteKind::Unit, Some(Channel::OmegaLeft), places[0], text)
+    if !sides.into_iter().any(beyond) {
+        let first = samples.of(sides[0]).next().map_or(0, |sample| sample.line);
+        let place = (samples.of(sides[0]).count(), first);
+        let text = format!("both wheel speeds may be {name}: {evidence}; left as they are");
+        return note(NoteKind::Suspicion, Some(sides[0]), place, text);
+    }
+    let places = sides.map(|side| scale(samples, side, 1.0 / size));
+    let text = format!("both wheel speeds taken as {name} and converted: {evidence}");
+    note(NoteKind::Unit, Some(sides[0]), places[0], text)
 }
