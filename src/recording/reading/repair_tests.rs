@@ -142,6 +142,14 @@ fn units_of_angles_are_seen() {
     assert_restored(&good, &bad, &[unwrapped]);
     let bad = with(&good, |_, v| v[4] = v[4].to_degrees().rem_euclid(360.0));
     assert_restored(&good, &bad, &[unit(Channel::Heading), unwrapped]);
+    // Two antennas that were taken for each other once.
+    let bad = with(&good, |t, v| {
+        let turned = if *t == 30.0 { 180.0 } else { 0.0 };
+        v[4] = (v[4].to_degrees() + turned).rem_euclid(360.0);
+    });
+    let notes = read(&bad).unwrap().notes;
+    let is_unit = |note: &Note| (note.kind, note.channel) == unit(Channel::Heading);
+    assert!(notes.iter().any(is_unit), "{notes:?}");
 }
 
 #[test]
@@ -239,6 +247,23 @@ fn swapped_columns_are_seen() {
     let bad = with(&good, |_, v| (v[0], v[1]) = (-v[0], -v[1]));
     let found = signs([Channel::OmegaLeft, Channel::OmegaRight]);
     assert_restored(&good, &bad, &found);
+    // Without a heading the course says which of gyro and wheels is right.
+    let without = |text: String| {
+        let cells = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            [&cells[..5], &cells[6..]].concat().join(",") + "\n"
+        };
+        text.lines().map(cells).collect::<String>()
+    };
+    let kinds = |text: &str| -> Vec<_> {
+        let notes = read(text).unwrap().notes;
+        notes.into_iter().map(|note| note.kind).collect()
+    };
+    let bad = without(with(&good, |_, v| v[5] = -v[5]));
+    assert_eq!(kinds(&bad), [NoteKind::Sign]);
+    let bad = without(with(&good, |_, v| v.swap(0, 1)));
+    assert_eq!(kinds(&bad), [NoteKind::SwappedWheels]);
+    assert!(kinds(&without(text(&good))).is_empty());
     // A vehicle that comes 0.3 m in some seconds shows its direction as well.
     let slow: Rows = drive(600.0, 5)
         .into_iter()

@@ -82,7 +82,7 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
             notes
         }
         (Against, Against, Together) => mend_wheels(samples, "yaw_rate and heading", gyro_wheels.r),
-        (Absent, Against, _) => swap_wheels(samples, "yaw_rate", gyro_wheels.r),
+        (Absent, Against, _) => settle_gyro(samples, gyro_wheels.r),
         (Against, Absent, _) if !is_mirrored => mend_wheels(samples, "heading", pose_wheels.r),
         (Together, Against, Against) => {
             let text = format!(
@@ -111,6 +111,47 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Without a heading the course decides between gyro and wheels; without that, too, the wheels are swapped.
+fn settle_gyro(samples: &mut Samples, r: f64) -> Vec<Note> {
+    let difference = |run: &_| wheels(run, [-1.0, 1.0]);
+    let gyro = |run: &_| cumulated(run, Channel::YawRate);
+    let by_wheels = Comparison::of(compare(samples, STEP, difference, course));
+    let by_gyro = Comparison::of(compare(samples, STEP, gyro, course));
+    match (by_wheels.vote, by_gyro.vote) {
+        (Vote::Together, Vote::Against) => {
+            let text = format!(
+                "sign turned round: it contradicts the course (correlation {:.2}) and wheels ({r:.2}), which agree",
+                by_gyro.r
+            );
+            turn_round(samples, Channel::YawRate, 0.0, text)
+        }
+        (Vote::Against, Vote::Together) => swap_wheels(samples, "yaw_rate and the course", r),
+        _ => swap_wheels(samples, "yaw_rate", r),
+    }
+}
+
+/// The course over the ground \[rad\], counted on over whole turns, forward as in reverse.
+fn course(run: &RawRun) -> Option<Cumulated> {
+    let (x, y) = (cumulated(run, Channel::X)?, cumulated(run, Channel::Y)?);
+    let mut twice: Option<f64> = None;
+    let mut angles: Vec<(f64, f64)> = Vec::new();
+    for sample in &run.channels[Channel::X.index()] {
+        let speed = |sum: &Cumulated| sum.mean_rate(sample.time, SPANS[0]);
+        let (Some(east), Some(north)) = (speed(&x), speed(&y)) else {
+            continue;
+        };
+        if east.hypot(north) * SPANS[0] >= TRAVEL {
+            let now = 2.0 * north.atan2(east);
+            let before = twice.unwrap_or(now);
+            let now = now + ((before - now) / TAU).round() * TAU;
+            twice = Some(now);
+            angles.push((sample.time, 0.5 * now));
+        }
+    }
+    let series: Series = angles.into_iter().collect();
+    (series.len() > 1).then(|| Cumulated::of_position(&series))
 }
 
 /// Wheels that turn the vehicle the other way are swapped, or both count backwards: then the vehicle comes the other way,

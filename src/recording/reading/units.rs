@@ -19,10 +19,13 @@ const STRONG: f64 = 0.9;
 /// have a radius of more than its track, and degrees make it 57 times as much.
 const MOST_TURN: f64 = 3.0;
 /// Jumps of a wrapped heading in degrees, smaller ones that do not count \[deg\], and the longest
-/// interval in which no vehicle turns by as much as lies between \[s\].
+/// intervals in which no vehicle turns by a full turn, and by as much as lies between \[s\].
 const FULL_TURN: RangeInclusive<f64> = 310.0..=360.5;
 const LARGE: f64 = 50.0;
-const QUICK: f64 = 0.35;
+const QUICK: [f64; 2] = [1.2, 0.35];
+/// Some other jumps may be among them (a course at standstill) where more than half of all values are beyond this,
+/// which is no wrapped heading in radians \[rad\].
+const NO_RADIANS: f64 = 7.0;
 /// Share of the rim speed at which a vehicle may seem to move, where the unit is right.
 const EFFECTIVE: RangeInclusive<f64> = 0.7..=1.2;
 
@@ -66,9 +69,11 @@ fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
         let (mut full, mut other) = (0, 0);
         for pair in run.channels[heading].windows(2) {
             let size = (pair[1].value - pair[0].value).abs();
-            if size > LARGE && pair[1].time - pair[0].time < QUICK {
-                full += usize::from(FULL_TURN.contains(&size));
-                other += usize::from(!FULL_TURN.contains(&size));
+            let interval = pair[1].time - pair[0].time;
+            if FULL_TURN.contains(&size) {
+                full += usize::from(interval < QUICK[0]);
+            } else {
+                other += usize::from(size > LARGE && interval < QUICK[1]);
             }
         }
         (full, other)
@@ -78,7 +83,11 @@ fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
         .iter()
         .map(jumps)
         .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    if full == 0 || other > 0 {
+    let all = samples.of(Channel::Heading).count();
+    let beyond = samples.of(Channel::Heading);
+    let beyond = beyond.filter(|sample| sample.value.abs() > NO_RADIANS);
+    let is_degrees = 2 * beyond.count() > all && other <= full;
+    if full == 0 || (other > 0 && !is_degrees) {
         return None;
     }
     let evidence = format!("it stays within 360 and jumps by that {full} times");
