@@ -174,6 +174,14 @@ class Metrics(unittest.TestCase):
         self.assertEqual([(name, round(error, 9), held) for name, error, held in one.parameters],
                          [("com_shift.ahead", 0.1, True), ("com_shift.left", 0.3, False)])
 
+    def test_latencies_count_from_the_gyro(self) -> None:
+        late = {"effect": "latency", "kind": "sensor", "size": "large", "off": {"pose": 0.0, "yaw_rate": 0.0, "wheels": 0.0},
+                "parameters": {"pose": 0.2, "yaw_rate": 0.06, "wheels": 0.0}}
+        told = {"pose": {"value": 0.14, "low": 0.13, "high": 0.15}, "wheels": {"value": -0.06, "low": -0.07, "high": -0.05}}
+        one = case(truth("sensor", (late,)), said("sensor", "latency", parameters=told))
+        self.assertEqual([(name, round(error, 9), held) for name, error, held in one.parameters],
+                         [("latency.pose", 0.0, True), ("latency.wheels", 0.0, True)])
+
     def test_a_change_of_soil_may_be_told_from_its_other_side(self) -> None:
         change = {"effect": "terrain_change", "kind": "physics", "size": "large", "off": {"cohesion_factor": 1.0},
                   "parameters": {"cohesion_factor": 0.5, "over": "time", "position": 30.0}}

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from .estimates import overlap
+from .gauge import told_by
 
 SILENT = {"nothing_missing", "insufficient_data"}
 NONE = "none"  # the verdict where there is no answer: crash, timeout
@@ -179,7 +180,7 @@ class Judged:
         strength that is truly off counts as well; of what each of several recordings has for itself the first's."""
         right = {f["effect"]: f for f in self.findings if f["effect"] in self.names}
         result = []
-        for effect in self.truth["effects"]:
+        for effect in map(told_by, self.truth["effects"]):
             finding = right.get(effect["effect"]) or {}
             told: dict[str, dict] = {}
             for key, value in (finding.get("parameters") or {}).items():

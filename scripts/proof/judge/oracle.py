@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from .gauge import told_by
 from .prediction import SENSOR_EFFECTS, Sensors
 
 SOIL = ["cohesion", "friction_angle", "frictional_modulus", "sinkage_exponent", "shear_modulus"]
@@ -64,7 +65,7 @@ def oracle(tool: Path, recordings: list[Path], truth: dict, model: Path) -> Sens
     """Fits as one who knows the effects would, begun at the true soil and strengths: a search from further off may end
     elsewhere. Gives what it says of the sensors."""
     free, sensors, effects, told = list(SOIL), [], {}, {}
-    for effect in truth["effects"]:
+    for effect in map(told_by, truth["effects"]):
         name, parameters = effect["effect"], effect["parameters"]
         if name in SENSOR_EFFECTS:
             told[name] = dict(parameters)
