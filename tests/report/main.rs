@@ -287,6 +287,6 @@ fn of_many_runs_the_worst_are_plotted() {
         page.matches("Mismatch of the re-tuned model").count(),
         2 * 4
     );
-    assert!(page.contains("<h3>drive3 run 4</h3>"), "it has a place");
+    assert!(page.contains("<h3>drive3 run 5</h3>"), "it has a place");
     assert!(page.contains("the worst; 2 more are not"));
 }
