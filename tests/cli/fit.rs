@@ -68,7 +68,7 @@ fn no_command_replaces_what_it_reads() {
         "sweep --input rec.csv --vary soil.cohesion=list:1000 --output rec.csv",
     ] {
         let message = bench.fails(command, 2);
-        assert!(message.contains("own file"), "{command}: {message}");
+        assert!(message.contains("is what is read"), "{command}: {message}");
     }
     bench.write("model.csv", recording());
     bench.fails("diagnose model.csv --out .", 2);

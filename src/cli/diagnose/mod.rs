@@ -60,6 +60,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for recording in &recordings {
         recording.warnings().for_each(|warning| tell(&warning));
     }
+    // Before anything is said of the others.
+    for (index, recording) in recordings.iter().enumerate() {
+        let name = &recording.name;
+        if recordings[..index].iter().any(|other| other.name == *name) {
+            let name = name.clone();
+            return Err(Failure::Diagnosis(DiagnosisError::SameName { name }));
+        }
+    }
     let nominal = args.nominal.load(&recordings, args.quiet)?;
     let options = Options {
         seed: args.seed,
