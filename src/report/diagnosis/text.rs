@@ -68,7 +68,7 @@ fn tell(lines: &mut Lines, finding: &Finding, diagnosis: &Diagnosis) {
     for equation in law::equations(&finding.law) {
         lines.add("law", &equation);
     }
-    let places = finding.places.iter().map(|p| words::place(p));
+    let places = finding.places.iter().map(words::place);
     let places = some(&places.collect::<Vec<_>>(), MOST, "; ");
     let label = if finding.local { "only at" } else { "most at" };
     lines.add(label, &places);
