@@ -207,17 +207,19 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
     } else {
         [&trace.before; 2]
     };
-    // What was found for some seconds is no outlier.
+    // What was found for some seconds is no outlier: there nearly all is shown as well.
     let inside = |time: f64| {
         spans
             .iter()
             .any(|(_, start, end)| (*start..=*end).contains(&time))
     };
-    let told = shown
-        .iter()
-        .flat_map(|values| trace.time.iter().zip(values.iter()));
-    let told = told.filter(|(time, value)| inside(**time) && value.is_finite());
-    let limit = told.fold(limit(&shown), |most, (_, value)| most.max(value.abs()));
+    let there = |values: &[f64]| -> Vec<f64> {
+        let pairs = trace.time.iter().zip(values);
+        let pairs = pairs.filter(|(time, _)| inside(**time));
+        pairs.map(|(_, value)| *value).collect()
+    };
+    let there = shown.map(|values| there(values));
+    let limit = limit(&shown).max(usual(&there.each_ref()).unwrap_or(0.0));
     let beyond = |index: &usize| shown.iter().any(|values| values[*index].abs() > limit);
     let cut = match (0..trace.time.len()).filter(beyond).count() {
         0 => String::new(),
@@ -249,20 +251,23 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
 /// Where residuals are cut off: far beyond nearly all of them, infinite where none goes much further. One
 /// outlier would hide all the others.
 fn limit(shown: &[&Vec<f64>]) -> f64 {
+    let sizes = shown.iter().flat_map(|values| values.iter());
+    let largest = sizes.fold(0.0, |most: f64, value| most.max(value.abs()));
+    match usual(shown) {
+        Some(limit) if limit > 0.0 && largest > CUT * limit => limit,
+        _ => f64::INFINITY,
+    }
+}
+
+/// What nearly all stay under, with room; `None` of nothing.
+fn usual(shown: &[&Vec<f64>]) -> Option<f64> {
     let sizes = shown
         .iter()
         .flat_map(|values| values.iter().map(|value| value.abs()));
     let mut sizes: Vec<f64> = sizes.filter(|size| size.is_finite()).collect();
     sizes.sort_by(f64::total_cmp);
-    let Some(largest) = sizes.last() else {
-        return f64::INFINITY;
-    };
-    let limit = CUT * sizes[(NEARLY_ALL * (sizes.len() - 1) as f64) as usize];
-    if limit > 0.0 && *largest > CUT * limit {
-        limit
-    } else {
-        f64::INFINITY
-    }
+    let last = sizes.len().checked_sub(1)?;
+    Some(CUT * sizes[(NEARLY_ALL * last as f64) as usize])
 }
 
 /// Points of a curve, parted where nothing was recorded for a while.
@@ -360,10 +365,12 @@ mod tests {
         );
         let lowest = chart.lines[0].parts.iter().flatten().map(|point| point.1);
         assert_eq!(lowest.fold(f64::INFINITY, f64::min), -6.0);
-        // Where something was found to act the signal is shown whole.
+        // Where something was found to act the signal is shown, an outlier is not.
         let acts = [("where it acts", 45.0, 55.0)];
-        let chart = residuals(&trace(&spiked), &acts, true);
-        assert!(chart.title.ends_with("predicted"), "{}", chart.title);
+        let title = |before: &Vec<f64>| residuals(&trace(before), &acts, true).title;
+        assert!(title(&spiked).ends_with("predicted (one sample beyond the axis)"));
+        spiked[47..54].fill(-400.0);
+        assert!(title(&spiked).ends_with("predicted"));
         assert!(
             residuals(&trace(&noise), &[], true)
                 .title
