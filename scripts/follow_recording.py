@@ -74,7 +74,9 @@ def finite(text: str, place: str) -> float:
 def drive(fmu: Path, recording: dict[str, Series], seconds: float) -> np.ndarray:
     """Time, east and north of an FMU."""
     wheels = [recording[name] for name in ("omega_left", "omega_right")]
-    begin = max(time[0] for time, _ in wheels)
+    pose = {name: recording[name] for name in ("x", "y", "heading")}
+    pose["heading"] = pose["heading"][0], np.unwrap(pose["heading"][1])
+    begin = max(time[0] for time, _ in [*wheels, *pose.values()])  # where the vehicle is known to be
     end = min(begin + seconds, *(time[-1] for time, _ in wheels))
     clock = np.arange(begin, end, STEP)
     if len(clock) < 2:
@@ -82,7 +84,7 @@ def drive(fmu: Path, recording: dict[str, Series], seconds: float) -> np.ndarray
     speeds = [np.interp(clock, *series) for series in wheels]
     kind = [("time", float), ("omega_left", float), ("omega_right", float)]
     signals = np.array(list(zip(clock, *speeds, strict=True)), dtype=kind)
-    start = {f"initial.{name}": values[0] for name in ("x", "y", "heading") for _, values in [recording[name]]}
+    start = {f"initial.{name}": np.interp(begin, *series) for name, series in pose.items()}
     start |= {"omega_left": speeds[0][0], "omega_right": speeds[1][0]}
     start["initial.no_slip"] = bool(max(abs(speed[0]) for speed in speeds) > STANDSTILL)
     try:

@@ -24,8 +24,8 @@ FMU = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "ugv.fmu"
 PLACE = {"initial.x": 3.0, "initial.y": -2.0, "initial.heading": 0.7}
 
 
-def recorded(path: Path, terrain: int) -> None:
-    """What the FMU itself does on a terrain, as a recording with its pose at 5 Hz."""
+def recorded(path: Path, terrain: int, first: float = 0.0) -> None:
+    """What the FMU itself does on a terrain, as a recording with its pose at 5 Hz, from a moment on."""
     time = np.arange(0.0, 12.0, 0.02)
     speeds = [4.0 * np.minimum(time, 1.0) + side * np.sin(0.6 * time) for side in (-1.0, 1.0)]
     names = ("time", "omega_left", "omega_right")
@@ -37,7 +37,7 @@ def recorded(path: Path, terrain: int) -> None:
         writer.writerow([*names, "x", "y", "heading"])
         for k, moment in enumerate(time):
             at = np.argmin(np.abs(result["time"] - moment))
-            pose = [f"{result[name][at]:.6f}" for name in ("x", "y", "heading")] if k % 10 == 0 else ["", "", ""]
+            pose = [f"{result[name][at]:.6f}" for name in ("x", "y", "heading")] if k % 10 == 0 and moment >= first else ["", "", ""]
             writer.writerow([f"{moment:.3f}", *(f"{speed[k]:.6f}" for speed in speeds), *pose])
 
 
@@ -55,6 +55,17 @@ class Follow(unittest.TestCase):
                 after = float(re.search(r"ugv\.fmu: .* ([0-9.]+) m after 12 s", said.getvalue())[1])
                 self.assertTrue(least <= after <= most, said.getvalue())
                 self.assertGreater(matplotlib.image.imread(picture).std(), 0.05)
+
+    def test_it_begins_where_the_vehicle_is_known_to_be(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            recording = Path(folder) / "drive.csv"
+            recorded(recording, 3, 5.0)
+            said = io.StringIO()
+            arguments = ["follow", str(recording), str(FMU), "--output", str(Path(folder) / "follow.png")]
+            with mock.patch.object(sys, "argv", arguments), contextlib.redirect_stdout(said):
+                follow_recording.main()
+        after = float(re.search(r"ugv\.fmu: .* ([0-9.]+) m after 7 s", said.getvalue())[1])
+        self.assertLess(after, 0.2, said.getvalue())  # it was driven without slip there, so far as it knows
 
     def test_what_is_wrong_is_told_in_a_line_and_no_picture_is_left(self) -> None:
         header = "time,omega_left,omega_right,x,y,heading"
