@@ -14,7 +14,7 @@ use super::manoeuvre::next;
 use super::outcome::{Account, Candidate, Diagnosis, Subject, Verdict};
 use super::screening::screen::{Projection, one_degree};
 use super::search::{Searched, search};
-use super::{DiagnosisError, Options, Progress};
+use super::{DiagnosisError, Options, Progress, different_names};
 use crate::effects::CATALOGUE;
 use crate::fit::Estimate;
 use crate::fit::error::LENGTHS;
@@ -70,11 +70,8 @@ pub fn diagnose(
     if nominal.effects.depend_on_beginning() {
         return Err(DiagnosisError::DependsOnBeginning);
     }
-    for (index, recording) in recordings.iter().enumerate() {
-        let name = &recording.name;
-        if recordings[..index].iter().any(|other| other.name == *name) {
-            return Err(DiagnosisError::SameName { name: name.clone() });
-        }
+    different_names(recordings)?;
+    for recording in recordings {
         recording.check().map_err(DiagnosisError::Recording)?;
         if !Signal::ALL
             .iter()

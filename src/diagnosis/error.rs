@@ -1,8 +1,8 @@
 //! Why nothing can be diagnosed.
 
-use crate::fit::error::LENGTHS;
+use crate::fit::error::{DEPENDS_ON_BEGINNING, segment_length};
 use crate::fit::predictor::PredictionError;
-use crate::recording::RecordingFault;
+use crate::recording::{Recording, RecordingFault};
 use std::error::Error;
 use std::fmt;
 
@@ -78,15 +78,8 @@ impl fmt::Display for DiagnosisError {
             Self::NotFinite => f.write_str("the diagnosis' numbers are not finite"),
             Self::Stopped => f.write_str("the diagnosis was stopped"),
             Self::Recording(fault) => fault.fmt(f),
-            Self::SegmentLength(length) => write!(
-                f,
-                "segments of {length} s: expected {} to {} s",
-                LENGTHS.start(),
-                LENGTHS.end()
-            ),
-            Self::DependsOnBeginning => f.write_str(
-                "effects over the time or the distance driven do not fit segments, each with a beginning of its own",
-            ),
+            Self::SegmentLength(length) => segment_length(*length, f),
+            Self::DependsOnBeginning => f.write_str(DEPENDS_ON_BEGINNING),
             Self::SameName { name } => write!(f, "two recordings are called {name}"),
         }
     }
@@ -100,4 +93,18 @@ impl Error for DiagnosisError {
             _ => None,
         }
     }
+}
+
+/// Refuses recordings of one name: findings name the recording.
+///
+/// # Errors
+/// The first name that comes again.
+pub fn different_names(recordings: &[Recording]) -> Result<(), DiagnosisError> {
+    for (index, recording) in recordings.iter().enumerate() {
+        let name = &recording.name;
+        if recordings[..index].iter().any(|other| other.name == *name) {
+            return Err(DiagnosisError::SameName { name: name.clone() });
+        }
+    }
+    Ok(())
 }

@@ -10,6 +10,15 @@ use std::ops::RangeInclusive;
 pub const SHORTEST: f64 = 3.0;
 /// Segments may be as long as this \[s\]: shorter ones tell nothing beside their starts, longer ones drift.
 pub(crate) const LENGTHS: RangeInclusive<f64> = 2.0..=60.0;
+/// What is said of effects that depend on when a drive began.
+pub(crate) const DEPENDS_ON_BEGINNING: &str = "effects over the time or the distance driven do not fit segments, each with a beginning of its own";
+
+/// Says that segments are too short or too long.
+pub(crate) fn segment_length(length: f64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let (least, most) = (LENGTHS.start(), LENGTHS.end());
+    write!(f, "segments of {length} s: expected {least} to {most} s")
+}
+
 /// Why there is no fit.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -68,18 +77,14 @@ impl fmt::Display for FitError {
             ),
             Self::NotFinite => f.write_str("the fit's numbers are not finite"),
             Self::Recording(fault) => fault.fmt(f),
-            Self::SegmentLength(length) => write!(
-                f,
-                "segments of {length} s: expected {} to {} s",
-                LENGTHS.start(),
-                LENGTHS.end()
-            ),
-            Self::DependsOnBeginning => f.write_str(
-                "effects over the time or the distance driven do not fit segments, each with a beginning of its own",
-            ),
+            Self::SegmentLength(length) => segment_length(*length, f),
+            Self::DependsOnBeginning => f.write_str(DEPENDS_ON_BEGINNING),
             Self::Twice { name } => write!(f, "{name} is named twice"),
             Self::Values { parameters, values } => {
-                write!(f, "{values} values to begin with for {parameters} parameters")
+                write!(
+                    f,
+                    "{values} values to begin with for {parameters} parameters"
+                )
             }
         }
     }

@@ -10,7 +10,9 @@ use folder::Folder;
 use progress::Bar;
 use std::io::Write;
 use std::path::PathBuf;
-use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
+use ugv_terrain::diagnosis::{
+    DiagnosisError, Options, Progress, diagnose, different_names, insufficient,
+};
 use ugv_terrain::report::diagnosis::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -61,13 +63,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         recording.warnings().for_each(|warning| tell(&warning));
     }
     // Before anything is said of the others.
-    for (index, recording) in recordings.iter().enumerate() {
-        let name = &recording.name;
-        if recordings[..index].iter().any(|other| other.name == *name) {
-            let name = name.clone();
-            return Err(Failure::Diagnosis(DiagnosisError::SameName { name }));
-        }
-    }
+    different_names(&recordings).map_err(Failure::Diagnosis)?;
     let nominal = args.nominal.load(&recordings, args.quiet)?;
     let options = Options {
         seed: args.seed,
