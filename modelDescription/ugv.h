@@ -358,7 +358,7 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component component,
 // Saves the instance's state.
 //
 // # Safety
-// A live component; `state` points to null or to a live state.
+// A live component; `state` can be written.
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state);
 
 // Returns to a saved state.
@@ -370,7 +370,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state);
 // Frees a saved state; nothing for null.
 //
 // # Safety
-// A live component; `state` is null or points to null or to a live state.
+// A live component; `state` is null or can be read and written.
 fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state);
 
 // The number of bytes that [`fmi2SerializeFMUstate`] writes.
@@ -391,7 +391,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component,
 // Makes a state from bytes.
 //
 // # Safety
-// A live component; `size` bytes; `state` points to null or to a live state.
+// A live component; `size` bytes; `state` can be written.
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component component,
                                    const fmi2Byte *serialized,
                                    size_t size,

@@ -1,11 +1,11 @@
 //! `ugv package`: makes an FMU of a vehicle on a terrain.
 
 use super::model::{ModelArgs, load_terrain};
+use super::output::Output;
 use super::{Failure, tell};
 use std::fs;
-use std::io::{self, Cursor};
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 use ugv_terrain::declaration::Configuration;
 use ugv_terrain::package::{MergeError, PackageError, Platform, Standard, merge_fmus, write_fmu};
 use ugv_terrain::terrain::Terrain;
@@ -25,7 +25,7 @@ Examples:
 /// The four terrains of the paper are in every FMU, to be chosen by its parameter `terrain`;
 /// a terrain from a file, or a model's, becomes its custom one. An effect that adds states of its own
 /// (transient_shear, multipass, what is measured over the distance driven) makes the FMU one for
-/// co-simulation alone.
+/// co-simulation alone, and so does a window on the map.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -57,6 +57,7 @@ pub struct Args {
         long,
         value_name = "FILE.fmu",
         num_args = 2..,
+        requires = "output",
         conflicts_with_all = ["fmi", "library", "vehicle", "terrain", "model", "effects"]
     )]
     merge: Vec<PathBuf>,
@@ -72,32 +73,37 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         "3" => (Standard::Fmi3, "ugv-fmi3.fmu"),
         _ => (Standard::Fmi2, "ugv.fmu"),
     };
-    let output = args.output.as_deref().unwrap_or(Path::new(default));
-    replace(output, |file| {
-        write_fmu(file, standard, &configuration, &libraries).map_err(|error| match error {
-            PackageError::Write(source) => cannot_write(output, source),
-            other => Failure::Argument {
-                reason: other.to_string(),
-                hint: Some("build the library anew with scripts/package.sh".into()),
-            },
-        })
+    let path = args.output.as_deref().unwrap_or(Path::new(default));
+    let mut read = args.model.files();
+    read.extend(libraries.iter().map(|library| library.path.clone()));
+    let output = Output::of(Some(path), &read)?;
+    let libraries: Vec<(Platform, Vec<u8>)> = libraries
+        .into_iter()
+        .map(|library| (library.platform, library.bytes))
+        .collect();
+    let mut fmu = Cursor::new(Vec::new());
+    let written = write_fmu(&mut fmu, standard, &configuration, &libraries);
+    written.map_err(|error| match error {
+        PackageError::Write(source) => output.failure(source),
+        other => Failure::Argument {
+            reason: other.to_string(),
+            hint: Some("build the library anew with scripts/package.sh".into()),
+        },
     })?;
+    put(output, fmu.get_ref())?;
     let platforms: Vec<&str> = libraries
         .iter()
         .map(|(platform, _)| platform.name())
         .collect();
-    let remembering = configuration.remembering();
-    let limits = if remembering.is_empty() {
+    let alone = configuration.for_co_simulation_alone();
+    let limits = if alone.is_empty() {
         String::new()
     } else {
-        format!(
-            ", for co-simulation alone (states of their own: {})",
-            remembering.join(", ")
-        )
+        format!(", for co-simulation alone ({})", alone.join(", "))
     };
     tell(&format!(
         "{} written, for {}{limits}",
-        output.display(),
+        path.display(),
         platforms.join(", ")
     ));
     Ok(())
@@ -109,19 +115,21 @@ fn merge(args: &Args) -> Result<(), Failure> {
     for path in &args.merge {
         parts.push((path.display().to_string(), Cursor::new(read(path)?)));
     }
-    let output = args.output.as_deref().unwrap_or(Path::new("ugv.fmu"));
-    let merged = replace(output, |file| {
-        merge_fmus(file, parts).map_err(|error| match error {
-            MergeError::Write(source) => cannot_write(output, source),
-            other => Failure::Argument {
-                hint: Some(remedy(&other).into()),
-                reason: other.to_string(),
-            },
-        })
+    let path = args.output.as_deref().unwrap_or(Path::new("ugv.fmu"));
+    // One of the parts may be replaced by all of them.
+    let output = Output::to(Some(path))?;
+    let mut fmu = Cursor::new(Vec::new());
+    let merged = merge_fmus(&mut fmu, parts).map_err(|error| match error {
+        MergeError::Write(source) => output.failure(source),
+        other => Failure::Argument {
+            hint: Some(remedy(&other).into()),
+            reason: other.to_string(),
+        },
     })?;
+    put(output, fmu.get_ref())?;
     tell(&format!(
         "{} written, with {}",
-        output.display(),
+        path.display(),
         merged.join(", ")
     ));
     Ok(())
@@ -139,38 +147,11 @@ fn remedy(error: &MergeError) -> &'static str {
     }
 }
 
-/// Writes beside the file and renames, so that at no moment half an FMU stands there.
-fn replace<T>(
-    path: &Path,
-    write: impl FnOnce(&mut fs::File) -> Result<T, Failure>,
-) -> Result<T, Failure> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let fail = |source| cannot_write(path, source);
-    let mut file = NamedTempFile::new_in(folder).map_err(fail)?;
-    let written = write(file.as_file_mut())?;
-    make_readable(file.as_file()).map_err(fail)?;
-    file.persist(path).map_err(|error| fail(error.error))?;
-    Ok(written)
-}
-
-fn cannot_write(path: &Path, source: io::Error) -> Failure {
-    Failure::Write {
-        target: path.display().to_string(),
-        source,
-    }
-}
-
-/// A temporary file is its owner's alone; an FMU is like any other file.
-fn make_readable(file: &fs::File) -> io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        file.set_permissions(fs::Permissions::from_mode(0o644))?;
-    }
-    Ok(())
+/// Brings an FMU to where it belongs.
+fn put(mut output: Output, fmu: &[u8]) -> Result<(), Failure> {
+    let written = output.write_all(fmu);
+    written.map_err(|source| output.failure(source))?;
+    output.finish()
 }
 
 fn configuration(args: &Args) -> Result<Configuration, Failure> {
@@ -196,12 +177,29 @@ fn configuration(args: &Args) -> Result<Configuration, Failure> {
     Ok(configuration)
 }
 
-fn libraries(named: &[String]) -> Result<Vec<(Platform, Vec<u8>)>, Failure> {
-    if named.is_empty() {
-        let path = built_library()?;
-        return Ok(vec![(Platform::Linux64, read(&path)?)]);
+/// A shared library with its file.
+struct Library {
+    platform: Platform,
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+impl Library {
+    fn read(platform: Platform, path: PathBuf) -> Result<Self, Failure> {
+        let bytes = read(&path)?;
+        Ok(Self {
+            platform,
+            path,
+            bytes,
+        })
     }
-    let mut libraries: Vec<(Platform, Vec<u8>)> = Vec::new();
+}
+
+fn libraries(named: &[String]) -> Result<Vec<Library>, Failure> {
+    if named.is_empty() {
+        return Ok(vec![Library::read(Platform::Linux64, built_library()?)?]);
+    }
+    let mut libraries: Vec<Library> = Vec::new();
     for argument in named {
         let platform = argument.split_once('=').and_then(|(name, path)| {
             let known = Platform::ALL
@@ -218,13 +216,13 @@ fn libraries(named: &[String]) -> Result<Vec<(Platform, Vec<u8>)>, Failure> {
                 )),
             });
         };
-        if libraries.iter().any(|(other, _)| *other == platform) {
+        if libraries.iter().any(|other| other.platform == platform) {
             return Err(Failure::Argument {
                 reason: format!("--library {argument}: there is one for this platform already"),
                 hint: None,
             });
         }
-        libraries.push((platform, read(Path::new(path))?));
+        libraries.push(Library::read(platform, path.into())?);
     }
     Ok(libraries)
 }

@@ -4,7 +4,7 @@
 use super::Quantity;
 #[cfg(feature = "fmu")]
 use crate::effects::ParameterName;
-use crate::effects::{CATALOGUE, Effects};
+use crate::effects::{CATALOGUE, Effects, Extent};
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
 use crate::vehicle::{Specification, Vehicle};
@@ -19,6 +19,8 @@ pub const TERRAIN_NAMES: [&str; 5] = [
 ];
 
 const CLAYED_SOIL: usize = 2;
+/// What a window that depends on the place is called beside the effects.
+const WINDOW_ON_THE_MAP: &str = "a window on the map";
 /// Position of the custom soil in [`TERRAIN_NAMES`].
 pub(super) const CUSTOM: usize = 4;
 /// The one parameter that is not kept in the unit that it is set in.
@@ -85,14 +87,26 @@ impl Configuration {
         self.vehicle.row_positions.len()
     }
 
-    /// Names of the effects that are on and make the model remember more than the six states of model
-    /// exchange: with any of them the FMU is for co-simulation alone.
+    /// Why the FMU is for co-simulation alone, by name; empty where it is for model exchange as well. That knows
+    /// six states, and so none of what effects make the vehicle and its ground remember; and no event
+    /// indicators, which the edge of a window on the map would need.
     #[must_use]
-    pub fn remembering(&self) -> Vec<&'static str> {
+    pub fn for_co_simulation_alone(&self) -> Vec<&'static str> {
         let numbered = CATALOGUE.iter().enumerate();
-        let on = numbered
+        let remembering = numbered
             .filter(|(effect, _)| self.effects.remembers(*effect) && self.effects.is_on(*effect));
-        on.map(|(_, declaration)| declaration.name).collect()
+        let extent = self.effects.window.as_ref().map(|window| window.extent);
+        let placed = matches!(extent, Some(Extent::Place { .. }));
+        remembering
+            .map(|(_, declaration)| declaration.name)
+            .chain(placed.then_some(WINDOW_ON_THE_MAP))
+            .collect()
+    }
+
+    /// The terrains that cannot be set.
+    #[cfg(feature = "fmu")]
+    pub(crate) fn presets(&self) -> &[Terrain] {
+        &self.terrains[..CUSTOM]
     }
 
     /// Chooses one of the terrains by name; whether there is one.
@@ -212,6 +226,35 @@ impl Configuration {
 mod tests {
     use super::*;
     use crate::effects::ParameterName;
+
+    #[test]
+    fn what_model_exchange_cannot_see_is_for_co_simulation_alone() {
+        let drag = r#""drag": {"coefficient": 9}"#;
+        for (effects, expected) in [
+            ("{}".to_owned(), &[][..]),
+            (
+                r#"{"multipass": {"memory": 1}, "transient_shear": {"relaxation": 1}}"#.to_owned(),
+                &["multipass", "transient_shear"],
+            ),
+            (
+                format!(r#"{{{drag}, "window": {{"effects": ["drag"], "time": [1, 2]}}}}"#),
+                &[],
+            ),
+            (
+                format!(
+                    r#"{{{drag}, "window": {{"effects": ["drag"], "place": {{"x": 1, "y": 0, "radius": 2}}}}}}"#
+                ),
+                &["a window on the map"],
+            ),
+        ] {
+            let configuration = Configuration {
+                effects: Effects::from_json(&effects).unwrap(),
+                ..Configuration::default()
+            };
+            let found = configuration.for_co_simulation_alone();
+            assert_eq!(found, expected, "{effects}");
+        }
+    }
 
     #[test]
     fn parameters_are_read_back_as_they_were_set() {

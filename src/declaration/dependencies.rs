@@ -1,6 +1,6 @@
-//! What outputs and rates depend on while the simulation runs.
+//! What outputs and rates depend on, at the start and while the simulation runs.
 
-use super::{Configuration, Quantity};
+use super::{ArrayVariable, Causality, Configuration, Quantity, array_variables};
 use crate::effects::{Boundary, Extent, SlopeProfile};
 
 /// How an unknown depends on what it depends on.
@@ -48,6 +48,19 @@ pub fn dependencies(
     }
 }
 
+/// The variables that each output and rate may depend on at the start, in any way: whatever can be set, and the
+/// start time where forces may depend on it.
+#[must_use]
+pub fn initial_dependencies(configuration: &Configuration) -> Vec<ArrayVariable> {
+    let mut known = array_variables(configuration);
+    known.retain(|variable| match variable.attributes.causality {
+        Causality::Input | Causality::Parameter => true,
+        Causality::Independent => configuration.depends_on_time(),
+        Causality::Output | Causality::Local => false,
+    });
+    known
+}
+
 impl Configuration {
     /// Whether forces may depend on the time itself: a boundary, slopes or a window over it.
     #[must_use]
@@ -78,5 +91,30 @@ mod tests {
             configuration.effects = Effects::from_json(effects).unwrap();
             assert_eq!(count(&configuration), 9, "{effects}");
         }
+    }
+
+    #[test]
+    fn at_the_start_all_depends_on_what_can_be_set() {
+        let mut configuration = Configuration::default();
+        let names = |configuration: &Configuration| -> Vec<String> {
+            let known = initial_dependencies(configuration).into_iter();
+            known.map(|variable| variable.name).collect()
+        };
+        let plain = names(&configuration);
+        for (name, there) in [
+            ("omega_left", true),
+            ("terrain", true),
+            ("initial.v_x", true),
+            ("initial.no_slip", true),
+            ("vehicle.row_positions", true),
+            ("time", false),
+            ("v_x", false),
+            ("der(v_x)", false),
+        ] {
+            assert_eq!(plain.iter().any(|known| known == name), there, "{name}");
+        }
+        let profile = r#"{"grade": {"profile": {"over": "time", "points": [[0, 0.1, 0]]}}}"#;
+        configuration.effects = Effects::from_json(profile).unwrap();
+        assert!(names(&configuration).contains(&"time".to_owned()));
     }
 }

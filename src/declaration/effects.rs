@@ -148,7 +148,11 @@ mod tests {
                 let model = VehicleModel::from_specification(&configuration.specification());
                 let remembers = model.unwrap().memory_count() > 0;
                 let expected: &[&str] = if remembers { &[effect.name] } else { &[] };
-                assert_eq!(configuration.remembering(), expected, "{boundary:?}");
+                assert_eq!(
+                    configuration.for_co_simulation_alone(),
+                    expected,
+                    "{boundary:?}"
+                );
             }
         }
     }

@@ -12,7 +12,7 @@ mod resources;
 
 pub use arrays::{ArrayVariable, Elements, Naming, array_variables};
 pub use configuration::{Configuration, TERRAIN_NAMES};
-pub use dependencies::{DependencyKind, dependencies};
+pub use dependencies::{DependencyKind, dependencies, initial_dependencies};
 pub use resources::{ConfigurationError, guid};
 
 use crate::effects::ParameterName;
@@ -132,8 +132,13 @@ pub struct Enumeration {
 
 include!(concat!(env!("OUT_DIR"), "/declared.rs"));
 
-/// The declaration itself, as it is written.
-pub const SOURCE: &str = include_str!("../../modelDescription/variables.json");
+/// What every library of this version holds and no other: the declaration as it is written, and the version.
+pub const MARK: &str = concat!(
+    include_str!("../../modelDescription/variables.json"),
+    " ",
+    env!("CARGO_PKG_VERSION"),
+    "\n"
+);
 
 /// One variable of the FMU of a vehicle.
 #[derive(Debug, Clone, PartialEq)]

@@ -119,7 +119,7 @@ impl Configuration {
 /// that they start with: a model description and a library belong together if they agree.
 #[must_use]
 pub fn guid(configuration: &Configuration) -> String {
-    let mut content = format!("{} {}\n", super::SOURCE, env!("CARGO_PKG_VERSION"));
+    let mut content = super::MARK.to_owned();
     for variable in super::effects::variables(configuration) {
         content += &format!("{variable:?}\n");
     }

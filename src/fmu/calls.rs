@@ -38,6 +38,16 @@ impl Mode {
         Self::Poisoned,
     ];
 
+    /// Whether the states are those that the importer's solver tries.
+    pub(super) fn has_solver(self) -> bool {
+        matches!(self, Self::Event | Self::ContinuousTime)
+    }
+
+    /// Whether the initialization is still to be ended.
+    pub(super) fn is_early(self) -> bool {
+        matches!(self, Self::Instantiated | Self::Initialization)
+    }
+
     pub(super) fn from_code(code: u16) -> Option<Self> {
         Self::ALL.into_iter().find(|mode| *mode as u16 == code)
     }

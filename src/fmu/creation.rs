@@ -95,11 +95,11 @@ fn configure(
              resources; package the FMU anew with \"ugv package\""
         ));
     }
-    let remembering = configuration.remembering();
-    if interface == Interface::ModelExchange && !remembering.is_empty() {
+    let alone = configuration.for_co_simulation_alone();
+    if interface == Interface::ModelExchange && !alone.is_empty() {
         return Err(format!(
-            "this FMU is for co-simulation alone: with {} its model has states that model exchange does not see",
-            remembering.join(", ")
+            "this FMU is for co-simulation alone: with {} its model has states or events that model exchange does not see",
+            alone.join(", ")
         ));
     }
     Ok(configuration)

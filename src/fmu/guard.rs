@@ -6,7 +6,8 @@ use super::status::Status;
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What a component handle points to.
+/// What a component handle points to. Laid out as in C, so that the mark comes first.
+#[repr(C)]
 pub(super) struct Handle {
     /// Tells a handle from memory that is something else.
     magic: u64,
@@ -21,18 +22,32 @@ pub(super) fn into_component(instance: Instance) -> *mut c_void {
     Box::into_raw(Box::new(Handle { magic, instance })).cast()
 }
 
+/// The handle behind a component; none where the mark is missing.
+///
+/// # Safety
+/// `component` is null or points to eight bytes that can be read; where they are the mark, it came
+/// from [`into_component`], has not been freed, and nobody else uses it while the result is.
+unsafe fn handle<'a>(component: *mut c_void) -> Option<&'a mut Handle> {
+    let handle = component.cast::<Handle>();
+    if handle.is_null() || !handle.is_aligned() {
+        return None;
+    }
+    // SAFETY: not null and aligned; by the caller's promise the mark's bytes can be read. A reference to
+    // the whole would already claim that an instance follows them.
+    let magic = unsafe { (&raw const (*handle).magic).read() };
+    // SAFETY: the mark is there, so by the caller's promise this is a live handle.
+    (magic == MAGIC).then(|| unsafe { &mut *handle })
+}
+
 /// Takes an instance back from C and drops it.
 ///
 /// # Safety
 /// `component` is null or came from [`into_component`] and has not been freed.
 pub(super) unsafe fn free(component: *mut c_void) {
     // SAFETY: by the caller's promise the pointer is null or a live handle.
-    let Some(handle) = (unsafe { component.cast::<Handle>().as_mut() }) else {
+    let Some(handle) = (unsafe { handle(component) }) else {
         return;
     };
-    if handle.magic != MAGIC {
-        return;
-    }
     handle.magic = 0;
     // Dropping cannot be expected to panic; if it does, leaking is what is left.
     let _ = catch_unwind(|| {
@@ -69,9 +84,8 @@ unsafe fn checked(
     body: impl FnOnce(&mut Instance) -> Outcome,
 ) -> Status {
     // SAFETY: by the caller's promise the pointer is null or a live handle.
-    let handle = match unsafe { component.cast::<Handle>().as_mut() } {
-        Some(handle) if handle.magic == MAGIC => handle,
-        _ => return Status::Error,
+    let Some(handle) = (unsafe { handle(component) }) else {
+        return Status::Error;
     };
     let instance = &mut handle.instance;
     if let Err(message) = call.check(function, instance.core.mode, instance.interface) {
@@ -83,6 +97,11 @@ unsafe fn checked(
         Ok(Err(Failure::Refused(message))) => {
             instance.logger.error(&format!("{function}: {message}"));
             Status::Error
+        }
+        Ok(Err(Failure::Broken(message))) if instance.core.mode.has_solver() => {
+            // The states were a trial of the importer's solver, which may try a shorter step.
+            instance.logger.discard(&format!("{function}: {message}"));
+            Status::Discard
         }
         Ok(Err(Failure::Broken(message))) => {
             instance.core.mode = Mode::Error;
@@ -189,6 +208,10 @@ mod tests {
     }
 
     fn component(environment: &Log) -> fmi2Component {
+        component_for(Interface::CoSimulation, environment, false)
+    }
+
+    fn component_for(interface: Interface, environment: &Log, verbose: bool) -> fmi2Component {
         // SAFETY: the fixed arguments of a variadic function are passed like any others.
         let logger: fmi2CallbackLogger = unsafe { std::mem::transmute(log as *const ()) };
         let functions = fmi2CallbackFunctions {
@@ -198,10 +221,10 @@ mod tests {
             stepFinished: None,
             componentEnvironment: std::ptr::from_ref(environment).cast_mut().cast(),
         };
-        let logger = Logger::fmi2(Some(&functions), c"test", false);
+        let logger = Logger::fmi2(Some(&functions), c"test", verbose);
         let configuration = Configuration::default();
         let purpose = Purpose {
-            interface: Interface::CoSimulation,
+            interface,
             naming: Naming::Scalars,
             has_events: false,
         };
@@ -292,16 +315,54 @@ mod tests {
     }
 
     #[test]
+    fn a_solver_may_try_again_after_a_computation_that_failed() {
+        for (mode, verbose) in [
+            (Mode::Event, false),
+            (Mode::ContinuousTime, false),
+            (Mode::ContinuousTime, true),
+        ] {
+            let log = Log::default();
+            let component = component_for(Interface::ModelExchange, &log, verbose);
+            let enter = |instance: &mut Instance| {
+                instance.core.mode = mode;
+                Ok(())
+            };
+            assert_eq!(run(component, enter), fmi2Status_fmi2OK);
+            let broken = |_: &mut Instance| Err(Failure::Broken("reason".to_owned()));
+            assert_eq!(run(component, broken), fmi2Status_fmi2Discard);
+            // A solver's trials are many: only who asked for events is told of them.
+            let told = (fmi2Status_fmi2Discard, "fmi2Test: reason".to_owned());
+            assert_eq!(log.0.take(), if verbose { vec![told] } else { vec![] });
+            let still = |instance: &mut Instance| {
+                assert_eq!(instance.core.mode, mode);
+                Ok(())
+            };
+            assert_eq!(run(component, still), fmi2Status_fmi2OK);
+            // SAFETY: it is live, and not used any more.
+            unsafe { free(component) };
+        }
+    }
+
+    #[test]
     fn what_is_no_handle_is_refused() {
         let unreachable = |_: &mut Instance| unreachable!();
         assert_eq!(run(null_mut(), unreachable), fmi2Status_fmi2Error);
-        let mut memory = vec![0_u64; size_of::<Handle>()];
-        let other = memory.as_mut_ptr().cast();
+        // No longer than the mark: a memory checker sees what reads more of it.
+        let mut mark = 0_u64;
+        let other = (&raw mut mark).cast();
         assert_eq!(run(other, unreachable), fmi2Status_fmi2Error);
+        // The mark where no handle can begin.
+        let mut bytes = vec![0_u64; size_of::<Handle>()];
+        let odd = bytes.as_mut_ptr().wrapping_byte_add(1);
+        // SAFETY: there is room for eight bytes.
+        unsafe { odd.write_unaligned(MAGIC) };
+        let odd = odd.cast();
+        assert_eq!(run(odd, unreachable), fmi2Status_fmi2Error);
         // SAFETY: null is allowed, and what has not the handle's mark is not touched.
         unsafe {
             free(null_mut());
             free(other);
+            free(odd);
         }
     }
 

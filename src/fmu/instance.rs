@@ -4,14 +4,14 @@ use super::calls::Mode;
 use super::logger::Logger;
 use super::parameters::Parameters;
 use crate::declaration::{Configuration, Naming, state_nominals};
-use crate::simulation::{Simulation, SimulationError, State, WheelSpeeds};
+use crate::simulation::{LONGEST_CALL, Simulation, SimulationError, State, WheelSpeeds};
 
 /// Why a call cannot be fulfilled.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Failure {
     /// The call was wrong; the instance stands where it stood.
     Refused(String),
-    /// The computation failed; the instance has to be reset.
+    /// The computation failed; the instance has to be reset, unless a solver may try again.
     Broken(String),
     /// What was asked for does not exist.
     Unavailable(String),
@@ -62,6 +62,8 @@ pub(super) struct Core {
     pub time: f64,
     /// Infinite where none is defined.
     pub stop_time: f64,
+    /// The next event when continuous-time mode was entered; infinite where there is none.
+    pub due: f64,
     /// Whether a lifted wheel has been reported.
     pub lift_reported: bool,
     /// Built from the parameters when first needed; none while they may still change.
@@ -140,11 +142,13 @@ impl Instance {
             }
             Interface::ModelExchange => Mode::Event,
         };
-        Ok(())
+        self.core.pass_on_time()
     }
 
-    pub(super) fn enter_continuous_time_mode(&mut self) {
+    pub(super) fn enter_continuous_time_mode(&mut self) -> Outcome {
+        self.core.due = self.next_event()?.unwrap_or(f64::INFINITY);
         self.core.mode = Mode::ContinuousTime;
+        self.core.pass_on_time()
     }
 
     pub(super) fn enter_step_mode(&mut self) {
@@ -171,7 +175,7 @@ impl Instance {
             return refuse(format!("time {time} is not finite"));
         }
         self.core.time = time;
-        self.core.simulation()?.set_time(time).map_err(broken)
+        self.core.pass_on_time()
     }
 
     /// One communication step. Input derivatives serve for this step alone.
@@ -179,6 +183,11 @@ impl Instance {
         let core = &mut self.core;
         if !(size.is_finite() && size > 0.0) {
             return refuse(format!("a communication step of {size} s is not positive"));
+        }
+        if size > LONGEST_CALL {
+            return refuse(format!(
+                "a communication step of {size} s is longer than {LONGEST_CALL} s"
+            ));
         }
         let rounding = TIME_ROUNDING * size + TIME_RESOLUTION * core.time.abs();
         let on_time = (point - core.time).abs() <= rounding;
@@ -247,7 +256,7 @@ impl Instance {
         let simulation = self.core.simulation()?;
         simulation
             .set_state(State::from_array(array))
-            .map_err(|e| Failure::Refused(e.to_string()))
+            .map_err(broken)
     }
 }
 
@@ -277,9 +286,20 @@ impl Core {
             rates: WheelSpeeds::default(),
             time: 0.0,
             stop_time: f64::INFINITY,
+            due: f64::INFINITY,
             lift_reported: false,
             simulation: None,
         }
+    }
+
+    /// Tells the simulation the time. While the importer integrates towards an event, what held before it
+    /// holds up to it and beyond: what it switches is switched in event mode, and no solver meets a jump.
+    fn pass_on_time(&mut self) -> Outcome {
+        let time = match self.mode {
+            Mode::ContinuousTime => self.time.min(self.due.next_down()),
+            _ => self.time,
+        };
+        self.simulation()?.set_time(time).map_err(broken)
     }
 
     /// The simulation, built from the parameters if there is none yet.
@@ -302,5 +322,77 @@ impl Core {
             Some(simulation) => Ok(simulation),
             None => Err(Failure::Broken("there is no simulation".to_owned())),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::declaration::Quantity;
+    use crate::fmu::test_instance::running;
+
+    const DRIVING: [f64; State::COUNT] = [0.0, 0.0, 0.3, 1.1, 0.02, 0.1];
+    const WINDOW: &str =
+        r#"{"grade": {"slope_east": 0.1}, "window": {"effects": ["grade"], "time": [0.25, 0.5]}}"#;
+
+    fn rates(instance: &mut Instance) -> [f64; State::COUNT] {
+        let mut rates = [0.0; State::COUNT];
+        instance.get_rates(&mut rates).unwrap();
+        rates
+    }
+
+    #[test]
+    fn a_window_opens_and_closes_at_the_events_alone() {
+        let mut instance = running(Interface::ModelExchange, WINDOW);
+        for (edge, beyond) in [(0.25_f64, 0.3), (0.5, 0.6)] {
+            instance.enter_continuous_time_mode().unwrap();
+            instance.set_time(edge.next_down()).unwrap();
+            let before = rates(&mut instance);
+            // At the event itself, and where a solver's trial oversteps it.
+            for time in [edge, beyond, edge] {
+                instance.set_time(time).unwrap();
+                assert_eq!(rates(&mut instance), before, "{time}");
+                assert_eq!(instance.core.time, time);
+            }
+            instance.enter_event_mode().unwrap();
+            let behind = rates(&mut instance);
+            assert!((behind[3] - before[3]).abs() > 0.5, "{behind:?}");
+            instance.enter_continuous_time_mode().unwrap();
+            assert_eq!(rates(&mut instance), behind);
+        }
+        assert_eq!(instance.next_event(), Ok(None));
+    }
+
+    #[test]
+    fn a_trial_that_cannot_be_computed_can_be_taken_back() {
+        let mut instance = running(Interface::ModelExchange, "{}");
+        instance.enter_continuous_time_mode().unwrap();
+        instance.set_states(&DRIVING).unwrap();
+        let before = rates(&mut instance);
+        let mut trial = DRIVING;
+        trial[2] = f64::NAN;
+        let failed = instance.set_states(&trial);
+        assert!(matches!(failed, Err(Failure::Broken(_))), "{failed:?}");
+        assert_eq!(rates(&mut instance), before);
+        // There are no forces at such a wheel speed.
+        let left =
+            |instance: &mut Instance, speed| instance.core.set_real(Quantity::Input(0), speed);
+        left(&mut instance, 1e300).unwrap();
+        let failed = instance.get_rates(&mut trial);
+        assert!(matches!(failed, Err(Failure::Broken(_))), "{failed:?}");
+        left(&mut instance, 0.0).unwrap();
+        for (again, before) in rates(&mut instance).into_iter().zip(before) {
+            assert!((again - before).abs() < 1e-8, "{again}, {before}");
+        }
+    }
+
+    #[test]
+    fn a_step_that_is_too_long_is_refused_before_anything_is_taken() {
+        let mut instance = running(Interface::CoSimulation, "{}");
+        instance.core.rates.left = 1.0;
+        let refused = instance.step(0.0, 1.1e6).unwrap_err();
+        assert!(matches!(refused, Failure::Refused(_)), "{refused:?}");
+        assert_eq!(instance.core.rates.left, 1.0);
+        instance.step(0.0, 0.1).unwrap();
     }
 }

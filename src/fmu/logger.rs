@@ -102,6 +102,12 @@ impl Logger {
         self.report(Status::Warning, WARNING, message);
     }
 
+    /// A trial of the importer's solver that cannot be computed: there may be many, so that only who
+    /// asked for events is told.
+    pub(super) fn discard(&self, message: &str) {
+        self.report(Status::Discard, EVENT, message);
+    }
+
     /// Something for the curious.
     pub(super) fn event(&self, message: &str) {
         self.report(Status::Ok, EVENT, message);

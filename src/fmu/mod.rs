@@ -19,4 +19,6 @@ mod saved;
 mod sensitivity;
 mod status;
 mod stored;
+#[cfg(test)]
+mod test_instance;
 mod values;

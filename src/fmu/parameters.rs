@@ -29,16 +29,21 @@ impl Parameters {
 
     /// Pose and velocities at the start, with these wheel speeds.
     pub(super) fn initial_state(&self, speeds: WheelSpeeds) -> State {
+        self.start(self.initial, speeds)
+    }
+
+    /// How a drive starts from an initial state and wheel speeds; linear in both together, so that it is
+    /// also how the start changes with their changes.
+    pub(super) fn start(&self, initial: State, speeds: WheelSpeeds) -> State {
         let Vehicle {
             wheel_radius,
             half_track,
             ..
         } = self.configuration.vehicle;
         if self.no_slip {
-            self.initial
-                .rolling_without_slip(speeds, wheel_radius, half_track)
+            initial.rolling_without_slip(speeds, wheel_radius, half_track)
         } else {
-            self.initial
+            initial
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Reads the resource location as importers write it: a `file:` URI with one to four
 /// slashes, percent-encoded or not, or a plain absolute path; with or without a slash at
-/// the end. `None` stands for no location at all.
+/// the end; on Windows also of a server. `None` stands for no location at all.
 ///
 /// # Errors
 /// Anything else, in words.
@@ -24,21 +24,40 @@ pub(super) fn folder(location: &str) -> Result<Option<PathBuf>, String> {
     let decoded = percent_decode_str(rest)
         .decode_utf8()
         .map_err(|_| wrong("is not UTF-8"))?;
-    let path = decoded.trim_start_matches('/');
-    let path = match path.split_once('/') {
-        // file://localhost/path
-        Some(("localhost", path)) if decoded.starts_with("//localhost/") => path,
-        _ => path,
-    };
-    if path.contains('\0') {
+    if decoded.contains('\0') {
         return Err(wrong("contains a zero byte"));
     }
-    let has_drive = path.as_bytes().get(1) == Some(&b':');
-    Ok(Some(PathBuf::from(if cfg!(windows) && has_drive {
-        path.to_owned()
+    let path = path(&decoded, cfg!(windows)).map_err(wrong)?;
+    Ok(Some(PathBuf::from(path)))
+}
+
+/// The path that the rest of a `file:` URI stands for, on Windows or elsewhere.
+fn path(decoded: &str, windows: bool) -> Result<String, &'static str> {
+    let rest = decoded.trim_start_matches('/');
+    let slashes = decoded.len() - rest.len();
+    let host = match slashes {
+        // file://host/path
+        2 => rest.split('/').next().unwrap_or_default(),
+        _ => "",
+    };
+    let is_here = host.eq_ignore_ascii_case("localhost");
+    let path = if is_here {
+        rest[host.len()..].trim_start_matches('/')
     } else {
-        format!("/{path}")
-    })))
+        rest
+    };
+    if windows && path.as_bytes().get(1) == Some(&b':') {
+        return Ok(path.to_owned());
+    }
+    let is_remote = !is_here && !host.is_empty();
+    // Four slashes: a Windows path of a server behind "file://".
+    if windows && (is_remote || (slashes >= 4 && !path.is_empty())) {
+        return Ok(format!(r"\\{}", path.replace('/', r"\")));
+    }
+    if is_remote {
+        return Err("is on a server, from which nothing can be read here");
+    }
+    Ok(format!("/{path}"))
 }
 
 fn strip_scheme(location: &str) -> Option<&str> {
@@ -55,10 +74,39 @@ pub(super) fn read(folder: &Path, name: &str) -> std::io::Result<Option<String>>
     }
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
+    #[test]
+    fn paths_are_those_of_the_system() {
+        const NOWHERE: Option<&str> = None;
+        for (decoded, windows, elsewhere) in [
+            ("/tmp/a b", Some("/tmp/a b"), Some("/tmp/a b")),
+            ("///tmp/a", Some("/tmp/a"), Some("/tmp/a")),
+            ("////tmp/a", Some(r"\\tmp\a"), Some("/tmp/a")),
+            ("//localhost/tmp/a", Some("/tmp/a"), Some("/tmp/a")),
+            ("//LOCALHOST/tmp/a", Some("/tmp/a"), Some("/tmp/a")),
+            ("//localhost", Some("/"), Some("/")),
+            ("///", Some("/"), Some("/")),
+            ("///C:/a b/", Some("C:/a b/"), Some("/C:/a b/")),
+            ("//localhost/C:/a", Some("C:/a"), Some("/C:/a")),
+            ("/C:/a", Some("C:/a"), Some("/C:/a")),
+            ("//C:/a", Some("C:/a"), NOWHERE),
+            ("////C:/a", Some("C:/a"), Some("/C:/a")),
+            ("//server/share/a b/", Some(r"\\server\share\a b\"), NOWHERE),
+            (
+                "////server/share/a",
+                Some(r"\\server\share\a"),
+                Some("/server/share/a"),
+            ),
+        ] {
+            assert_eq!(path(decoded, true).ok().as_deref(), windows, "{decoded}");
+            assert_eq!(path(decoded, false).ok().as_deref(), elsewhere, "{decoded}");
+        }
+    }
+
+    #[cfg(unix)]
     #[test]
     fn every_importers_way_of_writing_is_understood() {
         let expected = Some(PathBuf::from("/tmp/a b/r\u{e9}sources"));
@@ -74,12 +122,14 @@ mod tests {
         }
     }
 
+    #[cfg(unix)]
     #[test]
     fn nothing_is_no_folder_and_rubbish_an_error() {
         assert_eq!(folder("").unwrap(), None);
         for location in [
             "rubbish",
             "http://host/x",
+            "file://host/x",
             "file:relative",
             "file:///%FF%FE",
             "%%%",

@@ -11,7 +11,7 @@ pub(super) struct Saved {
 }
 
 /// Bytes that every serialized state begins with: what it is, and its version.
-const MAGIC: &[u8; 8] = b"ugvstat1";
+const MAGIC: &[u8; 8] = b"ugvstat2";
 
 impl Instance {
     pub(super) fn save(&self) -> Saved {
@@ -22,16 +22,18 @@ impl Instance {
     pub(super) fn restore(&mut self, saved: &Saved) -> Outcome {
         let configuration = &saved.core.parameters.configuration;
         if !same_fixtures(configuration, self.configuration()) {
-            return refuse("the state was saved from another vehicle, or with other effects");
+            return refuse(
+                "the state was saved from another vehicle, with other terrains, or with other effects",
+            );
         }
         let foreign = match self.interface {
             Interface::CoSimulation => &[Mode::Event, Mode::ContinuousTime],
             Interface::ModelExchange => &[Mode::StepComplete, Mode::StepEvent],
         };
-        let integrable = self.interface == Interface::CoSimulation;
-        if foreign.contains(&saved.core.mode)
-            || !(integrable || configuration.remembering().is_empty())
-        {
+        // What the state's parameters switch on may be more than model exchange sees.
+        let steps = self.interface == Interface::CoSimulation;
+        let exchangeable = steps || configuration.for_co_simulation_alone().is_empty();
+        if foreign.contains(&saved.core.mode) || !exchangeable {
             return refuse("the state was saved from an instance of the other interface");
         }
         if saved.core.mode == Mode::StepEvent && !self.has_events {
@@ -111,7 +113,7 @@ fn same_fixtures(one: &Configuration, other: &Configuration) -> bool {
     let effects = [&one.effects, &other.effects];
     let [one_fixed, other_fixed] =
         effects.map(|effects| (effects.boundary, &effects.slope_profile, &effects.window));
-    one.rows() == other.rows() && one_fixed == other_fixed
+    one.rows() == other.rows() && one.presets() == other.presets() && one_fixed == other_fixed
 }
 
 /// FNV-1a: tells bytes that were damaged or cut short, not ones that were forged.
@@ -136,11 +138,64 @@ impl Core {
         }
         visit(&mut self.time);
         visit(&mut self.stop_time);
+        visit(&mut self.due);
         let mut reported = f64::from(u8::from(self.lift_reported));
         visit(&mut reported);
         self.lift_reported = reported != 0.0;
         let mut present = f64::from(u8::from(self.simulation.is_some()));
         visit(&mut present);
         present != 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmu::test_instance::{instance, running, with_effects};
+
+    const MULTIPASS: &str = r#"{"multipass": {"memory": 1.0}}"#;
+
+    fn why(instance: &mut Instance, saved: &Saved) -> String {
+        match instance.restore(saved) {
+            Err(Failure::Refused(why)) => why,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_state_with_more_than_six_states_is_none_of_model_exchange() {
+        let mut exchange = instance(Interface::ModelExchange, with_effects("{}"));
+        // Before the initialization, when both interfaces stand in the same mode.
+        let early = instance(Interface::CoSimulation, with_effects(MULTIPASS));
+        for other in [early, running(Interface::CoSimulation, MULTIPASS)] {
+            let why = why(&mut exchange, &other.save());
+            assert!(why.contains("of the other interface"), "{why}");
+        }
+    }
+
+    #[test]
+    fn a_state_of_other_preset_terrains_is_refused_and_one_of_another_custom_soil_is_not() {
+        let mut one = running(Interface::CoSimulation, "{}");
+        let mut changed = with_effects("{}");
+        changed.terrains[4].cohesion += 1.0;
+        one.restore(&instance(Interface::CoSimulation, changed.clone()).save())
+            .unwrap();
+        changed.terrains[0].cohesion += 1.0;
+        let why = why(&mut one, &instance(Interface::CoSimulation, changed).save());
+        assert!(why.contains("with other terrains"), "{why}");
+    }
+
+    #[test]
+    fn the_next_event_is_part_of_the_state() {
+        let effects =
+            r#"{"grade": {"slope_east": 0.1}, "window": {"effects": ["grade"], "time": [1, 2]}}"#;
+        let mut one = running(Interface::ModelExchange, effects);
+        one.enter_continuous_time_mode().unwrap();
+        let bytes = one.serialize(&one.save());
+        let mut other = running(Interface::ModelExchange, effects);
+        let saved = other.deserialize(&bytes).unwrap();
+        other.restore(&saved).unwrap();
+        assert_eq!(other.core.due, 1.0);
+        assert_eq!(other.serialize(&other.save()), bytes);
     }
 }

@@ -1,6 +1,7 @@
 //! Directional derivatives and derivatives in time, exact by dual numbers.
 
-use super::instance::{Instance, Outcome, broken, refuse};
+use super::calls::Mode;
+use super::instance::{Failure, Instance, Outcome, broken, refuse};
 use super::values::{total, wheel_field};
 use crate::declaration::{Kind, Quantity};
 use crate::simulation::{State, WheelSpeeds};
@@ -15,16 +16,30 @@ struct Direction {
 }
 
 impl Direction {
-    /// Adds a change of a quantity; whether it is one that can be chosen.
-    fn add(&mut self, quantity: Quantity, seed: f64) -> bool {
+    /// Adds a change of the quantity behind a reference, if it is a known. During the initialization the
+    /// states are unknowns, which follow from their initial values.
+    fn add(&mut self, (reference, quantity): (u32, Quantity), seed: f64, early: bool) -> Outcome {
         match quantity {
             Quantity::Input(0) => self.speeds.left += seed,
             Quantity::Input(_) => self.speeds.right += seed,
-            Quantity::State(index) => self.state[index] += seed,
+            Quantity::State(index) if !early => self.state[index] += seed,
+            Quantity::Initial(index) if early => self.state[index] += seed,
             Quantity::Time => self.time += seed,
-            _ => return false,
+            Quantity::Soil(_) | Quantity::Vehicle(_) | Quantity::Row(_) | Quantity::Effect(_)
+                if early =>
+            {
+                return Err(Failure::Unavailable(format!(
+                    "there are no derivatives by the parameter with value reference {reference}"
+                )));
+            }
+            _ => {
+                let known = if early { "an initial value" } else { "a state" };
+                return refuse(format!(
+                    "value reference {reference} is neither an input nor {known}"
+                ));
+            }
         }
-        true
+        Ok(())
     }
 
     fn motion(&self) -> Motion {
@@ -91,15 +106,9 @@ impl Instance {
         values: &mut [f64],
     ) -> Outcome {
         self.check_count(knowns, Kind::Real, seeds.len())?;
-        let mut direction = Direction::default();
-        for ((reference, quantity), seed) in self.knowns(knowns)?.into_iter().zip(seeds) {
-            if !seed.is_finite() {
-                return refuse(format!("a seed cannot be {seed}"));
-            }
-            if !direction.add(quantity, *seed) {
-                return no_known(reference);
-            }
-        }
+        check_seeds(seeds)?;
+        let knowns = self.knowns(knowns)?.into_iter();
+        let direction = self.direction(knowns.zip(seeds.iter().copied()))?;
         self.along(direction, unknowns, values)
     }
 
@@ -114,23 +123,36 @@ impl Instance {
     ) -> Outcome {
         self.check_count(unknowns, Kind::Real, seeds.len())?;
         self.check_count(knowns, Kind::Real, values.len())?;
-        if let Some(seed) = seeds.iter().find(|seed| !seed.is_finite()) {
-            return refuse(format!("a seed cannot be {seed}"));
-        }
+        check_seeds(seeds)?;
         let mut column = vec![0.0; seeds.len()];
-        for ((reference, quantity), value) in self.knowns(knowns)?.into_iter().zip(values) {
-            let mut direction = Direction::default();
-            if !direction.add(quantity, 1.0) {
-                return no_known(reference);
-            }
+        for (known, value) in self.knowns(knowns)?.into_iter().zip(values) {
+            let direction = self.direction([(known, 1.0)])?;
             self.along(direction, unknowns, &mut column)?;
-            *value = column
-                .iter()
-                .zip(seeds)
-                .map(|(change, seed)| change * seed)
-                .sum();
+            let terms = column.iter().zip(seeds).map(|(change, seed)| change * seed);
+            *value = terms.sum();
+            if !value.is_finite() {
+                return overflow(known.0);
+            }
         }
         Ok(())
+    }
+
+    /// The direction in which knowns change by their seeds.
+    fn direction(
+        &self,
+        changes: impl IntoIterator<Item = ((u32, Quantity), f64)>,
+    ) -> Outcome<Direction> {
+        let early = self.core.mode == Mode::Initialization;
+        let mut direction = Direction::default();
+        for (known, seed) in changes {
+            direction.add(known, seed, early)?;
+        }
+        if early {
+            let initial = State::from_array(direction.state);
+            let start = self.core.parameters.start(initial, direction.speeds);
+            direction.state = start.to_array();
+        }
+        Ok(direction)
     }
 
     /// The quantities behind references, with the reference of each.
@@ -183,11 +205,12 @@ impl Instance {
     fn changes(&self, change: &Change, references: &[u32], values: &mut [f64]) -> Outcome {
         self.check_count(references, Kind::Real, values.len())?;
         let mut places = values.iter_mut();
-        for reference in references {
-            let (elements, _) = self.find(*reference, Kind::Real)?;
+        for &reference in references {
+            let (elements, _) = self.find(reference, Kind::Real)?;
             for (quantity, place) in elements.quantities().zip(&mut places) {
                 match change.of(quantity) {
-                    Some(number) => *place = number,
+                    Some(number) if number.is_finite() => *place = number,
+                    Some(_) => return overflow(reference),
                     None => {
                         return refuse(format!(
                             "value reference {reference} is neither an output nor a state derivative"
@@ -200,8 +223,149 @@ impl Instance {
     }
 }
 
-fn no_known<T>(reference: u32) -> Outcome<T> {
+fn check_seeds(seeds: &[f64]) -> Outcome {
+    match seeds.iter().find(|seed| !seed.is_finite()) {
+        Some(seed) => refuse(format!("a seed cannot be {seed}")),
+        None => Ok(()),
+    }
+}
+
+/// Finite seeds can be too large for finite derivatives.
+fn overflow<T>(reference: u32) -> Outcome<T> {
     refuse(format!(
-        "value reference {reference} is neither an input nor a state"
+        "the derivative at value reference {reference} is not finite"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::declaration::variables;
+    use crate::fmu::instance::Interface;
+    use crate::fmu::test_instance::{instance, running, with_effects};
+
+    fn reference(instance: &Instance, name: &str) -> u32 {
+        let all = variables(instance.configuration());
+        all.iter().find(|v| v.name == name).unwrap().reference
+    }
+
+    fn derivatives(
+        instance: &mut Instance,
+        unknowns: &[&str],
+        known: &str,
+        seed: f64,
+    ) -> Outcome<Vec<f64>> {
+        let known = reference(instance, known);
+        let unknowns: Vec<u32> = unknowns.iter().map(|n| reference(instance, n)).collect();
+        let mut values = vec![f64::NAN; unknowns.len()];
+        instance.directional_derivative(&unknowns, &[known], &[seed], &mut values)?;
+        Ok(values)
+    }
+
+    fn starting(no_slip: bool) -> Instance {
+        let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
+        instance.enter_initialization();
+        instance.core.parameters.no_slip = no_slip;
+        for (input, speed) in [(0, 4.0), (1, 5.0)] {
+            instance
+                .core
+                .set_real(Quantity::Input(input), speed)
+                .unwrap();
+        }
+        instance
+    }
+
+    const STATES: [&str; State::COUNT] = ["x", "y", "heading", "v_x", "v_y", "yaw_rate"];
+
+    #[test]
+    fn without_slip_the_start_follows_from_the_wheel_speeds() {
+        let mut rolling = starting(true);
+        let vehicle = rolling.configuration().vehicle.clone();
+        let (ahead, turn) = (
+            vehicle.wheel_radius / 2.0,
+            vehicle.wheel_radius / (2.0 * vehicle.half_track),
+        );
+        for (known, expected) in [
+            ("omega_left", [0.0, 0.0, 0.0, ahead, 0.0, -turn]),
+            ("omega_right", [0.0, 0.0, 0.0, ahead, 0.0, turn]),
+            ("initial.heading", [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
+            ("initial.v_x", [0.0; 6]),
+        ] {
+            let found = derivatives(&mut rolling, &STATES, known, 1.0).unwrap();
+            assert_eq!(found, expected, "{known}");
+        }
+        let mut given = starting(false);
+        let found = derivatives(&mut given, &STATES, "omega_left", 1.0).unwrap();
+        assert_eq!(found, [0.0; 6]);
+        let found = derivatives(&mut given, &STATES, "initial.v_x", 2.0).unwrap();
+        assert_eq!(found, [0.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn at_the_start_derivatives_are_the_limit_of_differences() {
+        const STEP: f64 = 1e-5;
+        let unknowns = ["a_x", "der(v_y)", "der(yaw_rate)", "wheel[1].force_x"];
+        for (no_slip, known) in [
+            (true, "omega_left"),
+            (false, "omega_left"),
+            (false, "initial.v_x"),
+            (false, "initial.yaw_rate"),
+        ] {
+            let mut instance = starting(no_slip);
+            let exact = derivatives(&mut instance, &unknowns, known, 1.0).unwrap();
+            let known = [reference(&instance, known)];
+            let read = unknowns.map(|name| reference(&instance, name));
+            let mut middle = [0.0];
+            instance.get_reals(&known, &mut middle).unwrap();
+            let [above, below] = [STEP, -STEP].map(|step| {
+                let mut values = [0.0; 4];
+                instance.set_reals(&known, &[middle[0] + step]).unwrap();
+                instance.get_reals(&read, &mut values).unwrap();
+                values
+            });
+            let largest = exact.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            assert!(largest > 0.0);
+            for index in 0..4 {
+                let difference = (above[index] - below[index]) / (2.0 * STEP);
+                let allowed = 1e-4 * largest + 1e-6 * above[index].abs();
+                assert!(
+                    (exact[index] - difference).abs() < allowed,
+                    "{no_slip} {known:?} {}: {}, {difference}",
+                    unknowns[index],
+                    exact[index]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn states_are_unknown_at_the_start_and_derivatives_by_other_parameters_are_not_available() {
+        let mut early = starting(false);
+        let refused = derivatives(&mut early, &["a_x"], "v_x", 1.0);
+        assert!(matches!(refused, Err(Failure::Refused(_))), "{refused:?}");
+        for name in ["vehicle.mass", "soil.cohesion", "effects.grade.slope_east"] {
+            let refused = derivatives(&mut early, &["a_x"], name, 1.0);
+            assert!(
+                matches!(refused, Err(Failure::Unavailable(_))),
+                "{refused:?}"
+            );
+        }
+        let mut late = running(Interface::CoSimulation, "{}");
+        for name in ["initial.v_x", "vehicle.mass"] {
+            let refused = derivatives(&mut late, &["a_x"], name, 1.0);
+            assert!(matches!(refused, Err(Failure::Refused(_))), "{refused:?}");
+        }
+        assert!(derivatives(&mut late, &["a_x"], "v_x", 1.0).is_ok());
+    }
+
+    #[test]
+    fn derivatives_that_are_not_finite_are_refused() {
+        let mut instance = running(Interface::CoSimulation, "{}");
+        let refused = derivatives(&mut instance, &["wheel[1].force_x"], "v_x", 1.7e308);
+        assert!(matches!(refused, Err(Failure::Refused(_))), "{refused:?}");
+        let force = reference(&instance, "wheel[1].force_x");
+        let known = reference(&instance, "v_x");
+        let refused = instance.adjoint_derivative(&[force], &[known], &[1.7e308], &mut [f64::NAN]);
+        assert!(matches!(refused, Err(Failure::Refused(_))), "{refused:?}");
+    }
 }

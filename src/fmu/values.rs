@@ -178,7 +178,8 @@ impl Instance {
         Ok(())
     }
 
-    /// References of what an output or a state derivative depends on, and how.
+    /// References of what an output or a state derivative depends on, and how: until the initialization
+    /// ends, on what it starts from.
     pub(super) fn dependencies(&self, reference: u32) -> Outcome<(Vec<u32>, DependencyKind)> {
         let (elements, _) = self.find(reference, Kind::Real)?;
         let configuration = self.configuration();
@@ -186,6 +187,13 @@ impl Instance {
         if quantities.is_empty() {
             return refuse(format!(
                 "value reference {reference} is neither an output nor a state derivative"
+            ));
+        }
+        if self.core.mode.is_early() {
+            let known = declaration::initial_dependencies(configuration).into_iter();
+            return Ok((
+                known.map(|v| v.reference).collect(),
+                DependencyKind::Dependent,
             ));
         }
         let variables = declaration::array_variables(configuration);
@@ -198,16 +206,14 @@ impl Instance {
 
     /// In model exchange the states are the importer's, and some set them one by one.
     fn is_free_state(&self, elements: Elements) -> bool {
-        matches!(elements, Elements::One(Quantity::State(_)))
-            && matches!(self.core.mode, Mode::Event | Mode::ContinuousTime)
+        matches!(elements, Elements::One(Quantity::State(_))) && self.core.mode.has_solver()
     }
 
     /// Inputs can be set at any time, parameters until the end of the initialization.
     fn check_settable(&self, reference: u32, attributes: &Attributes) -> Outcome {
-        let early = matches!(self.core.mode, Mode::Instantiated | Mode::Initialization);
         match attributes.causality {
             Causality::Input => Ok(()),
-            Causality::Parameter if early => Ok(()),
+            Causality::Parameter if self.core.mode.is_early() => Ok(()),
             Causality::Parameter => refuse(format!(
                 "the parameter with value reference {reference} can only be set before the end of the initialization"
             )),
@@ -288,8 +294,7 @@ impl Core {
     }
 
     fn pass_on_speeds(&mut self) -> Outcome {
-        let early = matches!(self.mode, Mode::Instantiated | Mode::Initialization);
-        if early && self.parameters.no_slip {
+        if self.mode.is_early() && self.parameters.no_slip {
             // The initial velocities follow from the wheel speeds.
             self.simulation = None;
         }

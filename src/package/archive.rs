@@ -1,7 +1,7 @@
 //! The FMU's archive.
 
 use super::{MODEL_IDENTIFIER, documentation, model_description, model_description_3};
-use crate::declaration::{Configuration, SOURCE};
+use crate::declaration::{Configuration, MARK};
 use std::fmt;
 use std::io::{self, Seek, Write};
 use zip::write::SimpleFileOptions;
@@ -54,14 +54,33 @@ impl Platform {
         }
     }
 
-    /// The name of its folder under `binaries/`.
-    #[must_use]
-    pub fn folder(self, standard: Standard) -> &'static str {
+    /// The names of its folders under `binaries/`: FMI 3.0 has one for each processor, the libraries of macOS may be for both.
+    fn folders(self, standard: Standard) -> &'static [&'static str] {
         match (standard, self) {
-            (Standard::Fmi2, _) | (Standard::Fmi3, Self::Aarch64Linux) => self.name(),
-            (Standard::Fmi3, Self::Linux64) => "x86_64-linux",
-            (Standard::Fmi3, Self::Win64) => "x86_64-windows",
-            (Standard::Fmi3, Self::Darwin64) => "x86_64-darwin",
+            (Standard::Fmi2, Self::Linux64) => &["linux64"],
+            (Standard::Fmi2, Self::Win64) => &["win64"],
+            (Standard::Fmi2, Self::Darwin64) => &["darwin64"],
+            (_, Self::Aarch64Linux) => &["aarch64-linux"],
+            (Standard::Fmi3, Self::Linux64) => &["x86_64-linux"],
+            (Standard::Fmi3, Self::Win64) => &["x86_64-windows"],
+            (Standard::Fmi3, Self::Darwin64) => &["aarch64-darwin", "x86_64-darwin"],
+        }
+    }
+
+    /// Whether binaries for it lie in a folder of this name in either standard.
+    pub(super) fn has_folder(self, name: &str) -> bool {
+        [Standard::Fmi2, Standard::Fmi3]
+            .into_iter()
+            .any(|standard| self.folders(standard).contains(&name))
+    }
+
+    /// The folders that a library goes to: of macOS' those of the processors that it is for.
+    fn folders_of(self, standard: Standard, library: &[u8]) -> &'static [&'static str] {
+        let all = self.folders(standard);
+        match (all.len(), library.get(..8)) {
+            (2, Some([0xcf, 0xfa, 0xed, 0xfe, 0x0c, ..])) => &all[..1],
+            (2, Some([0xcf, 0xfa, 0xed, 0xfe, 0x07, ..])) => &all[1..],
+            _ => all,
         }
     }
 
@@ -157,7 +176,7 @@ pub fn write_fmu<W: Write + Seek>(
         if !platform.recognises(library) {
             return Err(PackageError::WrongPlatform(*platform));
         }
-        if !contains(library, SOURCE.as_bytes()) {
+        if !contains(library, MARK.as_bytes()) {
             return Err(PackageError::OtherVersion(*platform));
         }
     }
@@ -195,11 +214,13 @@ pub fn write_fmu<W: Write + Seek>(
     let mut libraries: Vec<&(Platform, Vec<u8>)> = libraries.iter().collect();
     libraries.sort_by_key(|(platform, _)| *platform);
     for (platform, library) in libraries {
-        let (folder, extension) = (platform.folder(standard), platform.extension());
-        add(
-            &format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}"),
-            library,
-        )?;
+        let extension = platform.extension();
+        for folder in platform.folders_of(standard, library) {
+            add(
+                &format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}"),
+                library,
+            )?;
+        }
     }
     zip.finish()?;
     Ok(())
@@ -242,7 +263,7 @@ mod tests {
         let mut library = b"\x7fELF".to_vec();
         library.resize(64, 0);
         library[18] = 62;
-        library.extend(SOURCE.as_bytes());
+        library.extend(MARK.as_bytes());
         library
     }
 
@@ -280,6 +301,25 @@ mod tests {
     }
 
     #[test]
+    fn libraries_of_macos_are_found_on_the_processors_that_they_are_for() {
+        let folders = |magic: &[u8]| {
+            let library = [magic, MARK.as_bytes()].concat();
+            let libraries = [(Platform::Darwin64, library)];
+            let mut bytes = Cursor::new(Vec::new());
+            let configuration = Configuration::default();
+            write_fmu(&mut bytes, Standard::Fmi3, &configuration, &libraries).unwrap();
+            let archive = zip::ZipArchive::new(bytes).unwrap();
+            ["x86_64-darwin", "aarch64-darwin"].map(|folder| {
+                let binary = format!("binaries/{folder}/ugv.dylib");
+                archive.index_for_name(&binary).is_some()
+            })
+        };
+        assert_eq!(folders(b"\xca\xfe\xba\xbe"), [true, true]);
+        assert_eq!(folders(b"\xcf\xfa\xed\xfe\x07\0\0\x01"), [true, false]);
+        assert_eq!(folders(b"\xcf\xfa\xed\xfe\x0c\0\0\x01"), [false, true]);
+    }
+
+    #[test]
     fn fmi_3_has_folders_and_an_icon_of_its_own() {
         let libraries = [(Platform::Linux64, library())];
         let mut bytes = Cursor::new(Vec::new());
@@ -310,12 +350,20 @@ mod tests {
 
     #[test]
     fn foreign_libraries_are_refused() {
-        let mut other = library();
-        other.truncate(64);
-        assert!(matches!(
-            packed(&[(Platform::Linux64, other)]),
-            Err(PackageError::OtherVersion(Platform::Linux64))
-        ));
+        let without = &library()[..64];
+        // The same variables, but built from another version of the crate.
+        let (declared, _) = MARK.rsplit_once(' ').unwrap();
+        for mark in [
+            "".to_owned(),
+            format!("{declared} 99.0.0\n"),
+            format!("{}0\n", MARK.trim_end()),
+        ] {
+            let other = [without, mark.as_bytes()].concat();
+            assert!(matches!(
+                packed(&[(Platform::Linux64, other)]),
+                Err(PackageError::OtherVersion(Platform::Linux64))
+            ));
+        }
         assert!(matches!(
             packed(&[(Platform::Win64, library())]),
             Err(PackageError::WrongPlatform(Platform::Win64))

@@ -26,7 +26,7 @@ pub fn documentation(standard: Standard, configuration: &Configuration) -> Strin
         Standard::Fmi2 => ("2.0", RAMPS),
         Standard::Fmi3 => ("3.0", ""),
     };
-    let interfaces = if configuration.remembering().is_empty() {
+    let interfaces = if configuration.for_co_simulation_alone().is_empty() {
         "co-simulation and model exchange"
     } else {
         "co-simulation"

@@ -1,6 +1,6 @@
 //! Brings the shared libraries of several FMUs of one model into one file.
 
-use super::archive::{Platform, Standard, add};
+use super::archive::{Platform, add};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read, Seek, Write};
@@ -142,11 +142,7 @@ fn place(path: &str) -> usize {
     let folder = path[BINARIES.len()..].split('/').next();
     Platform::ALL
         .iter()
-        .position(|platform| {
-            let folders =
-                [Standard::Fmi2, Standard::Fmi3].map(|standard| platform.folder(standard));
-            folders.map(Some).contains(&folder)
-        })
+        .position(|platform| folder.is_some_and(|folder| platform.has_folder(folder)))
         .unwrap_or(Platform::ALL.len())
 }
 
@@ -206,7 +202,8 @@ pub fn merge_fmus<W: Write + Seek, R: Read + Seek>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::declaration::{Configuration, SOURCE};
+    use crate::declaration::{Configuration, MARK};
+    use crate::package::Standard;
     use crate::package::write_fmu;
     use std::io::Cursor;
 
@@ -224,7 +221,7 @@ mod tests {
                 };
             }
         }
-        library.extend(SOURCE.as_bytes());
+        library.extend(MARK.as_bytes());
         (platform, library)
     }
 

@@ -76,7 +76,7 @@ fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
     Ok(())
 }
 
-/// Co-simulation, and model exchange unless the model remembers more than its six states.
+/// Co-simulation, and model exchange where that sees all that the model does.
 fn write_interfaces(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
     let common = [
         ("modelIdentifier", MODEL_IDENTIFIER),
@@ -85,7 +85,7 @@ fn write_interfaces(xml: &mut Xml, configuration: &Configuration) -> io::Result<
         ("canSerializeFMUstate", "true"),
         ("providesDirectionalDerivative", "true"),
     ];
-    if configuration.remembering().is_empty() {
+    if configuration.for_co_simulation_alone().is_empty() {
         xml.create_element("ModelExchange")
             .with_attributes(common)
             .with_attribute(("completedIntegratorStepNotNeeded", "true"))

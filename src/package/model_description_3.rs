@@ -7,7 +7,7 @@ use super::xml::{
 };
 use crate::declaration::{
     ArrayVariable, Causality, Configuration, Elements, Kind, Quantity, array_variables,
-    dependencies, enumerations, guid,
+    dependencies, enumerations, guid, initial_dependencies,
 };
 use crate::simulation::State;
 use std::io;
@@ -72,7 +72,7 @@ fn write(xml: &mut Xml, model: &Model) -> io::Result<()> {
     Ok(())
 }
 
-/// Co-simulation, and model exchange unless the model remembers more than its six states.
+/// Co-simulation, and model exchange where that sees all that the model does.
 fn write_interfaces(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
     let common = [
         ("modelIdentifier", MODEL_IDENTIFIER),
@@ -82,7 +82,7 @@ fn write_interfaces(xml: &mut Xml, configuration: &Configuration) -> io::Result<
         ("providesAdjointDerivatives", "true"),
         ("providesPerElementDependencies", "true"),
     ];
-    if configuration.remembering().is_empty() {
+    if configuration.for_co_simulation_alone().is_empty() {
         xml.create_element("ModelExchange")
             .with_attributes(common)
             .write_empty()?;
@@ -194,24 +194,16 @@ fn write_structure(xml: &mut Xml, model: &Model) -> io::Result<()> {
     for rate in rates() {
         write_unknown(xml, "ContinuousStateDerivative", rate, model)?;
     }
-    // At the start everything may depend on whatever can be set, and the start time. To leave the
-    // list away would say the same, but CasADi 3.8 wants it.
-    let set = model
-        .variables
-        .iter()
-        .filter(|v| match v.attributes.causality {
-            Causality::Input | Causality::Parameter => true,
-            Causality::Independent => model.configuration.depends_on_time(),
-            Causality::Output | Causality::Local => false,
-        });
-    let set: Vec<String> = set.map(|v| v.reference.to_string()).collect();
-    let set = set.join(" ");
+    // To leave the list away would say the same, but CasADi 3.8 wants it.
+    let known = initial_dependencies(model.configuration).into_iter();
+    let known: Vec<String> = known.map(|v| v.reference.to_string()).collect();
+    let known = known.join(" ");
     for initial in outputs().chain(rates()) {
         let reference = initial.reference.to_string();
         xml.create_element("InitialUnknown")
             .with_attributes([
                 ("valueReference", reference.as_str()),
-                ("dependencies", set.as_str()),
+                ("dependencies", known.as_str()),
             ])
             .write_empty()?;
     }

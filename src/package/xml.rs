@@ -80,7 +80,11 @@ fn write_categories(xml: &mut Xml, always: &str) -> io::Result<()> {
             "What the user should know, such as a lifted wheel",
             always,
         ),
-        ("logEvents", "What the integration has cost, at the end", ""),
+        (
+            "logEvents",
+            "What the integration has cost, at the end; in model exchange, trials of the solver that are discarded",
+            "",
+        ),
     ] {
         let description = format!("{description}{always}");
         xml.create_element("Category")

@@ -22,9 +22,10 @@ const FIRST_STEP: f64 = 1e-3;
 const LONGEST_STEP: f64 = 0.5;
 /// Longest time \[s\] that one call may ask for, some days: more is a slip of the pen, and
 /// would seem to hang.
-const LONGEST_CALL: f64 = 1e6;
-/// Below this share of the elapsed time (or this time \[s\]) a step means nothing any more.
+pub(crate) const LONGEST_CALL: f64 = 1e6;
+/// A shorter step means nothing any more \[s\], or one of less than this share of the time: it hardly moves the clock.
 const SMALLEST_STEP: f64 = 1e-12;
+const SMALLEST_SHARE: f64 = 16.0 * f64::EPSILON;
 /// Step control: safety factor, and limits of the change from one step to the next.
 const SAFETY: f64 = 0.85;
 const SHRINK: f64 = 0.2;
@@ -236,7 +237,7 @@ impl Simulation {
         }
         integrator.next_step = step * factor.min(0.7);
         let done = integrator.counters.steps + integrator.counters.rejected;
-        let smallest = SMALLEST_STEP * self.time.abs().max(1.0);
+        let smallest = SMALLEST_STEP.max(SMALLEST_SHARE * self.time.abs());
         if integrator.next_step < smallest {
             let too_small = SimulationError::StepTooSmall { time: self.time };
             return Err(attempt.err().unwrap_or(too_small));

@@ -3,9 +3,7 @@
 use super::*;
 use predicates::prelude::*;
 use predicates::str::contains;
-
-/// What marks a library of this version.
-const MARK: &[u8] = include_bytes!("../../modelDescription/variables.json");
+use ugv_terrain::declaration::MARK;
 
 impl Bench {
     /// Writes what passes for a library of a platform.
@@ -13,7 +11,7 @@ impl Bench {
         let mut library = magic.to_vec();
         library.resize(64, 0);
         library[18] = machine;
-        self.write(name, [&library, MARK].concat());
+        self.write(name, [&library, MARK.as_bytes()].concat());
     }
 
     fn packaged(arguments: &str) -> Self {
@@ -61,6 +59,62 @@ fn merged_fmus_are_what_packaging_at_once_gives() {
     assert_eq!(bench.bytes("win64.fmu"), bench.bytes("ugv.fmu"));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_link_to_an_fmu_stays_a_link() {
+    let bench = Bench::new();
+    bench.library("ugv.so", b"\x7fELF", 62);
+    bench.write("real.fmu", "old");
+    std::os::unix::fs::symlink("real.fmu", bench.path("link.fmu")).unwrap();
+    let package = "package --library linux64=ugv.so --output link.fmu";
+    bench.ugv(package).assert().success();
+    assert!(bench.path("link.fmu").is_symlink());
+    assert!(bench.bytes("real.fmu").starts_with(b"PK"));
+}
+
+/// What model exchange cannot see is left to co-simulation, and told.
+#[test]
+fn an_fmu_for_co_simulation_alone_says_why() {
+    let bench = Bench::new();
+    bench.library("ugv.so", b"\x7fELF", 62);
+    let drag = r#""drag": {"coefficient": 9}"#;
+    for (effects, why) in [
+        (
+            format!(
+                r#"{{{drag}, "window": {{"effects": ["drag"], "place": {{"x": 1, "y": 0, "radius": 2}}}}}}"#
+            ),
+            ", for co-simulation alone (a window on the map)",
+        ),
+        (
+            r#"{"multipass": {"memory": 1}, "transient_shear": {"relaxation": 1}}"#.to_owned(),
+            ", for co-simulation alone (multipass, transient_shear)",
+        ),
+        (
+            format!(r#"{{{drag}, "window": {{"effects": ["drag"], "time": [1, 2]}}}}"#),
+            "",
+        ),
+    ] {
+        bench.write("effects.json", &effects);
+        for version in ["2", "3"] {
+            let package = "package --library linux64=ugv.so --effects effects.json --fmi";
+            bench
+                .ugv(&format!("{package} {version} --output some.fmu"))
+                .assert()
+                .success()
+                .stderr(format!("ugv: some.fmu written, for linux64{why}\n"));
+            let fmu = std::io::Cursor::new(bench.bytes("some.fmu"));
+            let mut fmu = zip::ZipArchive::new(fmu).unwrap();
+            let mut text =
+                |name: &str| std::io::read_to_string(fmu.by_name(name).unwrap()).unwrap();
+            let exchange = text("modelDescription.xml").contains("<ModelExchange");
+            assert_eq!(exchange, why.is_empty(), "{effects}");
+            let told =
+                text("documentation/index.html").contains("co-simulation and model exchange");
+            assert_eq!(told, why.is_empty(), "{effects}");
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_merged_is_named_and_nothing_is_written() {
     let bench =
@@ -70,6 +124,9 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
         .assert()
         .success();
     bench.write("rubbish.fmu", "rubbish");
+    // The same variables, built from another version.
+    let older = MARK.rsplit_once(' ').unwrap().0;
+    bench.write("old.dll", format!("MZ{}{older} 0.0.0\n", "\0".repeat(62)));
     let whole = bench.bytes("win64.fmu");
     bench.write("cut.fmu", &whole[..whole.len() / 2]);
     bench.write("merged.fmu", "precious");
@@ -104,6 +161,10 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
         (
             "--library linux64=ugv.dll",
             "the library for linux64 is none for that platform",
+        ),
+        (
+            "--library win64=old.dll",
+            "the library for win64 was built from another version of ugv-terrain",
         ),
         (
             "--library amiga=ugv.dll",

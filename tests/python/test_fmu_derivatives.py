@@ -5,6 +5,7 @@ import unittest
 from typing import ClassVar
 
 import numpy as np
+from fmpy.fmi2 import fmi2Discard, fmi2Error
 from fmu_support import INPUTS, RATES, STATES, Failed, Instance, fmu, model_exchange
 
 # Central differences: the difference's own error grows with the square of the step, the noise of
@@ -162,6 +163,65 @@ class Directional(unittest.TestCase):
                     instance.directional([unknown], [known], [1.0])
             with self.assertRaisesRegex(Failed, "a seed cannot be NaN"):
                 instance.directional(["a_x"], ["v_x"], [float("nan")])
+            with self.assertRaisesRegex(Failed, "derivative at value reference .* is not finite"):
+                instance.directional(["wheel[1].force_x"], ["v_x"], [1.7e308])
+
+
+class Initial(unittest.TestCase):
+    """fmi2GetDirectionalDerivative before the initialization ends: states are unknowns."""
+
+    UNKNOWNS = (*STATES, "a_x", "der(v_y)", "der(yaw_rate)", "wheel[1].force_x")
+
+    def starting(self, values: dict[str, float]) -> Instance:
+        """An instance in initialization mode."""
+        instance = Instance()
+        self.addCleanup(instance.free)
+        instance.set({"omega_left": 4.0, "omega_right": 5.0} | values)
+        instance.setup()
+        instance.do("EnterInitializationMode")
+        return instance
+
+    def test_they_are_the_limit_of_differences(self) -> None:
+        driving = dict(zip((f"initial.{state}" for state in STATES), POINTS[0][0], strict=True))
+        for values in (driving, {"initial.no_slip": True}):
+            instance = self.starting(values)
+            for known in (*INPUTS, *(f"initial.{state}" for state in STATES)):
+                (middle,) = instance.get([known])
+                exact = np.array(instance.directional(self.UNKNOWNS, [known], [1.0]))
+                found = []
+                for number in (middle + STEP, middle - STEP, middle):
+                    instance.set({known: number})
+                    found.append(np.array(instance.get(self.UNKNOWNS)))
+                differences = (found[0] - found[1]) / (2.0 * STEP)
+                # Without slip most initial values do nothing.
+                allowed = RELATIVE_TOLERANCE * np.abs(exact).max()
+                allowed = allowed + VALUE_TOLERANCE * (1.0 + np.abs(found[2]))
+                with self.subTest(values=values, known=known):
+                    np.testing.assert_array_less(np.abs(exact - differences), allowed)
+
+    def test_without_slip_the_velocities_follow_from_the_wheels(self) -> None:
+        instance = self.starting({"initial.no_slip": True})
+        radius, track = instance.get(["vehicle.wheel_radius", "vehicle.half_track"])
+        for known, turn in (("omega_left", -1.0), ("omega_right", 1.0)):
+            found = instance.directional(("v_x", "v_y", "yaw_rate"), [known], [1.0])
+            np.testing.assert_allclose(
+                found, [radius / 2.0, 0.0, turn * radius / (2.0 * track)], rtol=1e-15
+            )
+
+    def test_states_are_not_known_and_other_parameters_are_not_available(self) -> None:
+        instance = self.starting({})
+        for known, status, reason in (
+            ("v_x", fmi2Error, "is neither an input nor an initial value"),
+            ("vehicle.mass", fmi2Discard, "no derivatives by the parameter"),
+            ("effects.grade.slope_east", fmi2Discard, "no derivatives by the parameter"),
+        ):
+            with self.assertRaisesRegex(Failed, reason) as failed:
+                instance.directional(["a_x"], [known], [1.0])
+            self.assertEqual(failed.exception.status, status)
+        instance.do("ExitInitializationMode")
+        instance.directional(["a_x"], ["v_x"], [1.0])
+        with self.assertRaisesRegex(Failed, "is neither an input nor a state"):
+            instance.directional(["a_x"], ["initial.v_x"], [1.0])
 
 
 class OutputDerivatives(unittest.TestCase):

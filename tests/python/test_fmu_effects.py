@@ -130,11 +130,29 @@ class Remembering(unittest.TestCase):
             instance.step(0.5)
             self.assertNotEqual(instance.outputs(), driven({}))
             state = instance.save()
-            with model_exchange() as other, self.assertRaises(Failed):
-                other.restore(state)
             with Instance() as other, self.assertRaisesRegex(Failed, "with other effects"):
                 other.restore(state)
             instance.free_state(state)
+        # Where nothing but parameters differ, and before the initialization, when the modes of both
+        # interfaces are the same.
+        with Instance(**with_effects({"multipass": {"memory": 1.0}})) as early:
+            state = early.save()
+            with model_exchange() as other, self.assertRaisesRegex(Failed, "the other interface"):
+                other.restore(state)
+            early.free_state(state)
+
+    def test_a_window_on_the_map_has_no_model_exchange(self) -> None:
+        drag = {"drag": {"coefficient": 30.0}}
+        place = {"effects": ["drag"], "place": {"x": 1.0, "y": 0.0, "radius": 2.0}}
+        arguments = with_effects(drag | {"window": place})
+        complaint = refusal(kind=fmi2ModelExchange, **arguments)
+        self.assertIn("for co-simulation alone: with a window on the map", complaint)
+        with Instance(**arguments).start(SPEEDS) as instance:
+            instance.step(0.5)
+        # One in time is told as time events.
+        arguments = with_effects(drag | {"window": {"effects": ["drag"], "time": [1.0, 2.0]}})
+        with Instance(fmi2ModelExchange, **arguments) as instance:
+            self.assertIsNotNone(instance.handle)
 
     def test_a_state_goes_with_what_is_remembered(self) -> None:
         arguments = with_effects(REMEMBERING)

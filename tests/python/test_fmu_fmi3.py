@@ -25,6 +25,7 @@ from fmi3_support import (
 from fmpy import simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave, fmi3Constant, fmi3Dependent
+from fmpy.model_description import Unknown
 from fmpy.validation import validate_fmu
 from fmu_support import (
     INPUTS,
@@ -252,24 +253,36 @@ class Description(unittest.TestCase):
         self.assertIsNone(root.find("ScheduledExecution"))
 
     def test_dependencies_are_told_by_functions_as_well(self) -> None:
-        structure = [*fmi3().description.outputs, *fmi3().description.derivatives]
-        kinds = {"constant": fmi3Constant, "dependent": fmi3Dependent}
+        description = fmi3().description
+        running = [*description.outputs, *description.derivatives]
+        self.assertEqual(len(running), len(description.initialUnknowns))
         with Instance3() as instance:
-            for each in structure:
-                reference, count = c_uint(each.variable.valueReference), c_size_t()
-                instance.do("GetNumberOfVariableDependencies", reference, byref(count))
-                self.assertEqual(count.value, len(each.dependencies), each.variable.name)
-                size = count.value
-                found = (c_size_t * size)(*[9] * size), (c_uint * size)()
-                found += (c_size_t * size)(*[9] * size), (c_int * size)()
-                instance.do("GetVariableDependencies", reference, *found, count)
-                elements, references, others, kind = map(list, found)
-                self.assertEqual(references, [v.valueReference for v in each.dependencies])
-                self.assertEqual(kind, [kinds[name] for name in each.dependenciesKind])
-                # All elements depend on all.
-                self.assertEqual(elements + others, [0] * 2 * size)
-                with self.assertRaisesRegex(Failed, f"there are {size} dependencies, not"):
-                    instance.do("GetVariableDependencies", reference, *found, c_size_t(size + 1))
+            self.compare_dependencies(instance, description.initialUnknowns)
+            instance.initialize()
+            self.compare_dependencies(instance, description.initialUnknowns)
+            instance.do("ExitInitializationMode")
+            self.compare_dependencies(instance, running)
+
+    def compare_dependencies(self, instance: Instance3, unknowns: Iterable[Unknown]) -> None:
+        """Compares what functions tell with the model description."""
+        kinds = {"constant": fmi3Constant, "dependent": fmi3Dependent}
+        for each in unknowns:
+            reference, count = c_uint(each.variable.valueReference), c_size_t()
+            instance.do("GetNumberOfVariableDependencies", reference, byref(count))
+            self.assertEqual(count.value, len(each.dependencies), each.variable.name)
+            size = count.value
+            found = (c_size_t * size)(*[9] * size), (c_uint * size)()
+            found += (c_size_t * size)(*[9] * size), (c_int * size)()
+            instance.do("GetVariableDependencies", reference, *found, count)
+            elements, references, others, kind = map(list, found)
+            self.assertEqual(references, [v.valueReference for v in each.dependencies])
+            # Where no kind is told it is the weakest.
+            expected = each.dependenciesKind or ["dependent"] * size
+            self.assertEqual(kind, [kinds[name] for name in expected])
+            # All elements depend on all.
+            self.assertEqual(elements + others, [0] * 2 * size)
+            with self.assertRaisesRegex(Failed, f"there are {size} dependencies, not"):
+                instance.do("GetVariableDependencies", reference, *found, c_size_t(size + 1))
 
     def test_the_library_has_every_function_of_the_standard(self) -> None:
         self.assertEqual(len(STANDARD), 75)
@@ -411,6 +424,26 @@ class Events(unittest.TestCase):
             four = [False] * 4
             expected = [([*four, True], 0.25), ([*four, True], 0.5), ([*four, False], 0.0)]
             self.assertEqual(found, expected)
+
+    def test_a_window_opens_in_event_mode_and_not_before(self) -> None:
+        arguments = with_effects(self.EFFECTS)
+        with Instance3("ModelExchange", **arguments).start().continuous() as instance:
+            for edge, beyond in ((0.25, 0.3), (0.5, 0.6)):
+                instance.do("SetTime", c_double(np.nextafter(edge, 0.0)))
+                before = instance.derivatives()
+                # A solver may try what lies beyond.
+                for time in (edge, beyond, edge):
+                    instance.do("SetTime", c_double(time))
+                    self.assertEqual(bits(instance.derivatives()), bits(before))
+                    self.assertEqual(instance.get(["time"]), [time])
+                goes_on = Instance3("ModelExchange", **arguments)
+                with goes_on.take_over(instance.serialize()):
+                    self.assertEqual(bits(goes_on.derivatives()), bits(before))
+                instance.do("EnterEventMode")
+                behind = instance.derivatives()
+                self.assertGreater(abs(behind[3] - before[3]), 0.5)
+                instance.continuous()
+                self.assertEqual(bits(instance.derivatives()), bits(behind))
 
     def test_steps_land_on_the_edges_themselves(self) -> None:
         arguments = with_effects(self.EFFECTS)

@@ -125,7 +125,8 @@ def table() -> dict[str, tuple[tuple[object, ...], Mode, bool]]:
     room = c_size_t(len(Kept.buffer))
     bytes_ = (Kept.data, c_size_t(len(Kept.data)), byref(Kept.place))
     flags = tuple(byref(c_bool()) for _ in range(5))
-    partial = (OUTPUT, ONE, STATE, ONE, REAL, ONE, REALS, ONE)
+    # States are known once the initialization is over.
+    partial = (OUTPUT, ONE, INPUT, ONE, REAL, ONE, REALS, ONE)
     step = (c_double(0.0), c_double(0.01), c_bool(True), *flags[:3], byref(c_double()))
     dependencies = (c_uint(OUTPUT[0]), *[(c_size_t * 8)()] * 4, EIGHT)
     both = {
@@ -152,7 +153,8 @@ def table() -> dict[str, tuple[tuple[object, ...], Mode, bool]]:
         "GetDirectionalDerivative": (partial, READABLE),
         "GetAdjointDerivative": (partial, READABLE),
         "GetNumberOfVariableDependencies": ((c_uint(OUTPUT[0]), byref(c_size_t())), ANY),
-        "GetVariableDependencies": (dependencies, ANY),
+        # At the start there are more of them than eight.
+        "GetVariableDependencies": (dependencies, RUNNING | OVER),
         "GetOutputDerivatives": ((OUTPUT, ONE, ORDER, REAL, ONE), Mode.STEP | OVER),
         "DoStep": (step, Mode.STEP),
         "EnterStepMode": ((), Mode.STEP_EVENT),

@@ -165,6 +165,31 @@ class States(unittest.TestCase):
         self.assertGreater(self.instance.time, time)
         self.instance.free_state(saved)
 
+    def test_a_place_for_a_state_may_hold_anything(self) -> None:
+        data = self.instance.serialize()
+        for function, arguments in (
+            ("GetFMUstate", ()),
+            ("DeSerializeFMUstate", (data, c_size_t(len(data)))),
+        ):
+            place = c_void_p(int.from_bytes(b"\xaa" * 8))
+            self.instance.do(function, *arguments, byref(place))
+            self.instance.restore(place)
+            self.assertEqual(self.instance.serialize(), data)
+            self.instance.free_state(place)
+
+    def test_a_state_that_is_freed_is_none_any_more(self) -> None:
+        saved = self.instance.save()
+        copy = c_void_p(saved.value)
+        self.instance.free_state(saved)
+        for function, argument in (
+            ("SetFMUstate", copy),
+            ("SerializedFMUstateSize", copy),
+            ("FreeFMUstate", byref(copy)),
+        ):
+            status = self.instance.call(function, argument, byref(c_size_t()))
+            self.assertEqual(status, fmi2Error)
+            self.assertIn("the state is none, or has been freed", self.instance.messages[-1].text)
+
     def test_states_are_saved_in_every_mode(self) -> None:
         with Instance() as instance:
             data = instance.serialize()

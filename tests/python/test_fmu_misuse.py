@@ -3,7 +3,7 @@
 import unittest
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 
-from fmpy.fmi2 import fmi2Discard, fmi2Error, fmi2OK
+from fmpy.fmi2 import fmi2Discard, fmi2Error, fmi2ModelExchange, fmi2OK
 from fmu_support import (
     INPUTS,
     STANDARD,
@@ -164,13 +164,37 @@ class Values(unittest.TestCase):
                     with self.assertRaisesRegex(Failed, "cannot be set to (NaN|-?inf)"):
                         early.set({name: value})
             early.start().step(0.01)
-        with model_exchange() as instance:
+        with Instance(fmi2ModelExchange, logging=True).start().continuous() as instance:
             for value in (NAN, INFINITY):
-                with self.assertRaisesRegex(Failed, "heading = (NaN|inf) is not finite"):
+                # A solver may try it, and take it back.
+                with self.assertRaisesRegex(Failed, "heading = (NaN|inf) is not finite") as failed:
                     instance.set_states([0.0, 0.0, value, 0.0, 0.0, 0.0])
-                with self.assertRaisesRegex(Failed, "is not finite"):
+                self.assertEqual(failed.exception.status, fmi2Discard)
+                with self.assertRaisesRegex(Failed, "is not finite") as failed:
                     instance.do("SetTime", c_double(value))
+                self.assertEqual(failed.exception.status, fmi2Error)
             self.assertEqual(instance.get(["heading"]), [0.0])
+
+    def test_what_a_solver_tries_in_vain_is_discarded(self) -> None:
+        state, rates = [0.0, 0.0, 0.3, 1.1, 0.02, 0.1], as_reals([0.0] * 6)
+        for logging in (False, True):
+            instance = Instance(fmi2ModelExchange, logging=logging).start().continuous()
+            with self.subTest(logging=logging), instance:
+                instance.set_states(state)
+                before = instance.derivatives()
+                # There are no forces at such a wheel speed.
+                instance.set({"omega_left": 1e300})
+                self.assertEqual(instance.call("GetDerivatives", rates, c_size_t(6)), fmi2Discard)
+                with self.assertRaises(Failed) as failed:
+                    instance.get(["a_x"])
+                self.assertEqual(failed.exception.status, fmi2Discard)
+                told = [(m.status, m.category) for m in instance.messages]
+                self.assertEqual(told, [(fmi2Discard, "logEvents")] * 2 if logging else [])
+                # The next trial is one like any other.
+                instance.set({"omega_left": 0.0})
+                for now, then in zip(instance.derivatives(), before, strict=True):
+                    self.assertAlmostEqual(now, then, delta=1e-8)
+                instance.do("EnterEventMode")
 
     def test_what_is_computed_cannot_be_set(self) -> None:
         with Instance() as instance:

@@ -66,6 +66,7 @@ class Location(unittest.TestCase):
         for location in ("rubbish", "http://host/resources", "file:relative", "../up", "file:"):
             with self.subTest(location):
                 self.assertIn("neither a file: URI nor", refusal(resources=location))
+        self.assertIn("is on a server", refusal(resources="file://server/share/resources"))
         self.assertIn("is not UTF-8", refusal(resources="file:///%ff%fe"))
         self.assertIn("zero byte", refusal(resources="file:///tmp/%00"))
         # Far too long for a path is no folder.

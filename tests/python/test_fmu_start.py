@@ -228,6 +228,7 @@ class Times(unittest.TestCase):
                 (0.1, 0.0, "is not positive"),
                 (0.1, float("nan"), "is not positive"),
                 (0.1, float("inf"), "is not positive"),
+                (0.1, 1.1e6, "of 1100000 s is longer than 1000000 s"),
                 (0.0, 0.1, "is not the current time 0.1 s"),
                 (0.2, 0.1, "is not the current time 0.1 s"),
                 (float("nan"), 0.1, "is not the current time 0.1 s"),

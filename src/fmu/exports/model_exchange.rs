@@ -80,10 +80,7 @@ pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -
             component,
             Call::EnterContinuousTimeMode,
             "fmi2EnterContinuousTimeMode",
-            |instance| {
-                instance.enter_continuous_time_mode();
-                Ok(())
-            },
+            |instance| instance.enter_continuous_time_mode(),
         )
     }
 }

@@ -18,7 +18,7 @@ conforms! {
 /// Saves the instance's state.
 ///
 /// # Safety
-/// A live component; `state` points to null or to a live state.
+/// A live component; `state` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(
     component: fmi2Component,
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn fmi2SetFMUstate(
 /// Frees a saved state; nothing for null.
 ///
 /// # Safety
-/// A live component; `state` is null or points to null or to a live state.
+/// A live component; `state` is null or can be read and written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(
     component: fmi2Component,
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
 /// Makes a state from bytes.
 ///
 /// # Safety
-/// A live component; `size` bytes; `state` points to null or to a live state.
+/// A live component; `size` bytes; `state` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     component: fmi2Component,

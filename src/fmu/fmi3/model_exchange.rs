@@ -35,10 +35,7 @@ exports! {
 
     /// Enters continuous-time mode.
     fmi3EnterContinuousTimeMode: fmi3EnterContinuousTimeModeTYPE = EnterContinuousTimeMode
-    () |instance| {
-        instance.enter_continuous_time_mode();
-        Ok(())
-    };
+    () |instance| instance.enter_continuous_time_mode();
 
     /// Takes note of a completed step; the model never asks for an event.
     fmi3CompletedIntegratorStep: fmi3CompletedIntegratorStepTYPE = CompletedIntegratorStep
