@@ -27,13 +27,15 @@ Input:   MCAP (ROS 2 or ROS 1 messages) or a ROS 1 bag, with any of
            fix       sensor_msgs/NavSatFix   x, y: metres east and north of the first fix
 Output:  CSV in SI units and radians: time, omega_left, omega_right, then what there is; a row for
          every time at which anything was measured, an empty cell where a column was not. Beside
-         FILE.csv, FILE.json tells under `provenance` where each column comes from; what else it
+         FILE.csv, FILE.json tells under `source` and `provenance` where each column comes from; what else it
          holds stays.
 Choice:  of several topics of a type the one with wheels in it (joints), the one that tells of GPS,
          INS, lidar or motion capture by its name rather than of wheels (odometry), the one that is
-         not raw (imu, fix), then the one with the most messages. What was chosen is told. The pose
-         is from odometry unless that is of wheels and there are fixes. Wheels are told by the names
-         of their joints; their velocities are taken, or else the differences of their positions.";
+         not raw (imu, fix) and of no camera or lidar (imu), then the one with the most messages.
+         What was chosen is told. The pose is from odometry unless there are fixes and that is of
+         wheels, or its name does not tell and the fixes are good to 0.1 m. Wheels are told by the
+         names of their joints; their velocities are taken, or else the differences of their
+         positions. yaw_rate is about the vertical, as gravity in an IMU's accelerations tells it.";
 
 /// Make a recording of a robot's log: MCAP or ROS 1 bag in, CSV out.
 #[derive(clap::Args)]
@@ -67,7 +69,8 @@ pub struct Args {
     #[arg(long, value_name = "SIDE")]
     invert: Option<Invert>,
 
-    /// Where x and y come from [default: odometry unless it is of wheels and there are fixes]
+    /// Where x and y come from [default: odometry unless there are fixes and it is of wheels, or of
+    /// unknown origin and they are precise]
     #[arg(long, value_name = "SOURCE")]
     pose: Option<PoseSource>,
 
@@ -79,7 +82,7 @@ pub struct Args {
     #[arg(long, value_name = "CLOCK", default_value = "header")]
     time: Time,
 
-    /// The IMU's z axis points down: change the sign of yaw_rate and a_y
+    /// The IMU's z axis points down, its x axis ahead: change the sign of yaw_rate and a_y
     #[arg(long)]
     imu_z_down: bool,
 
@@ -222,10 +225,10 @@ impl Files {
     fn write(mut self, imported: &Imported, input: &Path, survey: &Survey) -> Result<u64, Failure> {
         let written = imported.write_csv(&mut self.table);
         let rows = written.map_err(|source| self.table.failure(source))?;
+        self.table.finish()?;
         if let Some(beside) = self.beside {
             beside.write(imported.provenance(input, survey))?;
         }
-        self.table.finish()?;
         Ok(rows)
     }
 }

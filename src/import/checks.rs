@@ -5,10 +5,14 @@ use super::wheels::Series;
 /// Fewer samples than this prove nothing.
 const FEWEST: usize = 20;
 /// Wheels slower than this stand, for telling their direction \[rad/s\].
-const STANDING: f64 = 0.2;
-/// Speeds that follow from wheel speeds this well, as a share of their own RMS, were computed
-/// from them: over any soil slip alone scatters more.
-const COMPUTED: f64 = 5e-3;
+pub(super) const STANDING: f64 = 0.2;
+/// Speeds that follow from wheel speeds this well, as a share of their own standard deviation,
+/// were computed from them: over any soil slip alone scatters more.
+pub(super) const COMPUTED: f64 = 5e-3;
+/// The same where a name says otherwise.
+pub(super) const COMPUTED_DESPITE_NAME: f64 = 1e-3;
+/// Speeds that vary less than this share of their mean follow from anything that is steady.
+const STEADY: f64 = 0.02;
 /// Sides that turn against each other in this share of the drive are mirrored, not pivoting.
 const MIRRORED: f64 = 0.9;
 /// Correlation beyond which wheels and vehicle go opposite ways.
@@ -36,8 +40,9 @@ pub(super) fn at(series: &[(i64, f64)], time: i64) -> Option<f64> {
     Some(start + (end - start) * (time - from) as f64 / (to - from) as f64)
 }
 
-/// Compares forward speed with the mean of both sides' wheel speeds.
-pub(super) fn follows(left: &Series, right: &Series, v_x: &Series) -> Follows {
+/// Compares forward speed with the mean of both sides' wheel speeds; what it leaves over below the share
+/// `computed` of the speed's variation shows that it was computed from them.
+pub(super) fn follows(left: &Series, right: &Series, v_x: &Series, computed: f64) -> Follows {
     let pairs: Vec<(f64, f64)> = v_x
         .iter()
         .filter_map(|(time, speed)| {
@@ -58,7 +63,11 @@ pub(super) fn follows(left: &Series, right: &Series, v_x: &Series) -> Follows {
     // Of the best radius, what it leaves over.
     let radius = both / turning;
     let left_over = (speed - radius * both).max(0.0);
-    if radius > 0.0 && left_over < COMPUTED * COMPUTED * speed {
+    let count = pairs.len() as f64;
+    let mean = sum(|(_, speed)| *speed) / count;
+    let variation = speed - count * mean * mean;
+    let varies = variation > count * (STEADY * mean).powi(2);
+    if radius > 0.0 && varies && left_over < computed * computed * variation {
         Follows::Exactly(radius)
     } else if both < OPPOSITE * (turning * speed).sqrt() {
         Follows::Opposite
@@ -102,18 +111,43 @@ mod tests {
     fn computed_speeds_are_told_from_measured_ones() {
         let (left, right) = (series(|t| 4.0 + t.sin()), series(|t| 5.0 + t.cos()));
         let computed = series(|t| 0.15 * (9.0 + t.sin() + t.cos()) / 2.0);
-        let Follows::Exactly(radius) = follows(&left, &right, &computed) else {
+        let Follows::Exactly(radius) = follows(&left, &right, &computed, COMPUTED) else {
             panic!()
         };
         assert!((radius - 0.15).abs() < 1e-12);
         // Slip that varies by 2 %.
         let slipping =
             series(|t| 0.15 * (9.0 + t.sin() + t.cos()) / 2.0 * (0.95 + 0.02 * (0.3 * t).sin()));
-        assert_eq!(follows(&left, &right, &slipping), Follows::Loosely);
+        assert_eq!(
+            follows(&left, &right, &slipping, COMPUTED),
+            Follows::Loosely
+        );
         let back = series(|t| -0.7 - 0.1 * t.sin());
-        assert_eq!(follows(&left, &right, &back), Follows::Opposite);
+        assert_eq!(follows(&left, &right, &back, COMPUTED), Follows::Opposite);
         let still = series(|_| 0.0);
-        assert_eq!(follows(&still, &still, &still), Follows::Loosely);
+        assert_eq!(follows(&still, &still, &still, COMPUTED), Follows::Loosely);
+    }
+
+    #[test]
+    fn a_steady_drive_does_not_make_a_measurement_wheel_odometry() {
+        // 4 m/s that vary by a tenth; slip is the same but for a part in 300.
+        let wheels = series(|t| 20.0 + 2.0 * t.sin());
+        let measured = series(|t| 0.19 * (20.0 + 2.0 * t.sin()) * (1.0 + 0.003 * (0.7 * t).cos()));
+        assert_eq!(
+            follows(&wheels, &wheels, &measured, COMPUTED),
+            Follows::Loosely
+        );
+        // What hardly varies follows from anything that does not either.
+        let steady = series(|t| 20.0 + 0.1 * t.sin());
+        let half = series(|t| 0.19 * (20.0 + 0.1 * t.sin()));
+        assert_eq!(follows(&steady, &steady, &half, COMPUTED), Follows::Loosely);
+        // A name that says otherwise asks for more.
+        let nearly =
+            series(|t| 0.19 * (20.0 + 8.0 * t.sin()) + 0.19 * 8.0 * 0.002 * (3.0 * t).cos());
+        let wheels = series(|t| 20.0 + 8.0 * t.sin());
+        let of = |share| follows(&wheels, &wheels, &nearly, share);
+        assert!(matches!(of(COMPUTED), Follows::Exactly(_)));
+        assert_eq!(of(COMPUTED_DESPITE_NAME), Follows::Loosely);
     }
 
     #[test]

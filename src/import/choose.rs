@@ -57,7 +57,10 @@ fn rule(kind: Kind) -> &'static str {
             "names that tell of GPS, INS, lidar or motion capture go first, those of wheels last, \
              then the most messages decide"
         }
-        Kind::Imu => "raw data last, then the most messages decide",
+        Kind::Imu => {
+            "what is not raw goes first, what belongs to a camera or a lidar last, then the most messages \
+             decide"
+        }
         Kind::Fix => "raw and filtered data last, then the most messages decide",
     }
 }
@@ -107,16 +110,30 @@ const WHEELS: [&str; 7] = [
     "dead_reckoning",
 ];
 
+/// The same for inertial sensors that are part of another sensor, which may look anywhere.
+const ELSEWHERE: [&str; 9] = [
+    "camera",
+    "realsense",
+    "zed",
+    "oak",
+    "optical",
+    "lidar",
+    "livox",
+    "ouster",
+    "velodyne",
+];
+
+/// Whether a name has one of the words.
+fn tells(name: &str, tokens: &[&str]) -> bool {
+    let name = name.to_lowercase();
+    let words: Vec<&str> = name.split(|letter: char| !letter.is_alphabetic()).collect();
+    let has = |token: &&str| words.contains(token) || (token.len() > 3 && name.contains(*token));
+    tokens.iter().any(has)
+}
+
 /// Where an odometry topic's pose comes from, by its name.
 pub(super) fn origin(topic: &str) -> Origin {
-    let name = topic.to_lowercase();
-    let words: Vec<&str> = name.split(|letter: char| !letter.is_alphabetic()).collect();
-    let tells = |tokens: &[&str]| {
-        tokens
-            .iter()
-            .any(|token| words.contains(token) || (token.len() > 3 && name.contains(token)))
-    };
-    match (tells(&WHEELS), tells(&INDEPENDENT)) {
+    match (tells(topic, &WHEELS), tells(topic, &INDEPENDENT)) {
         (true, _) => Origin::Wheels,
         (false, true) => Origin::Independent,
         (false, false) => Origin::Unknown,
@@ -129,7 +146,10 @@ fn standing(kind: Kind, topic: &Topic, wheels: &WheelJoints) -> u8 {
     match kind {
         Kind::Joints => u8::from(pick_wheels(topic, wheels).is_err()),
         Kind::Odometry => origin(&name) as u8,
-        Kind::Imu => u8::from(name.contains("raw")),
+        Kind::Imu => {
+            let elsewhere = tells(&name, &ELSEWHERE) || tells(&topic.frame, &ELSEWHERE);
+            2 * u8::from(elsewhere) + u8::from(name.contains("raw"))
+        }
         Kind::Fix => u8::from(name.contains("raw") || name.contains("filtered")),
     }
 }

@@ -37,7 +37,8 @@ const LARGEST_DELAY_DIFFERENCE: i64 = 200_000_000;
 /// A clock that goes back by more than this was set \[ns\].
 const SET_BACK: i64 = 1_000_000_000;
 
-/// One in so many messages may lack its time of measuring: it is left out.
+/// One in so many messages, and one in any case, may lack its time of measuring beside those with which a topic
+/// begins: they are left out.
 const STRAY: usize = 100;
 
 /// Times of measuring may span twice those of logging, and this more \[ns\].
@@ -47,7 +48,9 @@ const SPAN_TOLERANCE: i64 = 1_000_000_000;
 pub(super) struct Times {
     topic: String,
     /// Messages without a stamp.
-    pub unstamped: usize,
+    unstamped: usize,
+    /// So many of them before the first that has one.
+    leading: usize,
     messages: usize,
     /// Median delay from measuring to logging \[ns\].
     delay: Option<i64>,
@@ -61,10 +64,13 @@ impl Times {
         let delays = stamped.clone();
         let mut delays: Vec<i64> = delays.map(|sample| sample.logged - sample.stamp).collect();
         let unstamped = stream.samples.len() - delays.len();
+        let leading = stream.samples.iter();
+        let leading = leading.take_while(|sample| sample.stamp == 0).count();
         delays.sort_unstable();
         Self {
             topic: stream.topic.name.clone(),
             unstamped,
+            leading,
             messages: stream.samples.len(),
             delay: delays.get(delays.len() / 2).copied(),
             spans: [
@@ -73,6 +79,12 @@ impl Times {
             ],
         }
     }
+
+    /// Whether it can spare the messages without a stamp.
+    fn can_spare(&self) -> bool {
+        let stray = self.unstamped - self.leading;
+        2 * self.unstamped <= self.messages && (stray <= 1 || stray * STRAY <= self.messages)
+    }
 }
 
 fn span(times: impl Iterator<Item = i64> + Clone) -> i64 {
@@ -80,7 +92,7 @@ fn span(times: impl Iterator<Item = i64> + Clone) -> i64 {
     last - times.min().unwrap_or(0)
 }
 
-/// The clock that all topics have, and what is to be said of it.
+/// The clock that all of these topics have, and what is to be said of it.
 pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
     if asked == Clock::Log {
         return (Clock::Log, Vec::new());
@@ -95,12 +107,10 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
             )
         })
         .collect();
-    let few = topics
-        .iter()
-        .all(|times| times.unstamped * STRAY <= times.messages);
-    if !unstamped.is_empty() && !few {
+    if !topics.iter().all(Times::can_spare) {
         let note = format!(
-            "messages without a time of measurement ({}): the time of logging is taken for all topics",
+            "warning: messages without a time of measurement ({}): the time of logging is taken for all \
+             topics",
             unstamped.join(", ")
         );
         return (Clock::Log, vec![note]);
@@ -214,7 +224,6 @@ mod tests {
         Stream {
             kind: Kind::Imu,
             topic: crate::import::survey::Topic::new(&channel, 0),
-            frame: String::new(),
             child_frame: String::new(),
             samples: times.iter().enumerate().map(sample).collect(),
         }
@@ -258,7 +267,10 @@ mod tests {
         let bare = Times::of(&stream("/bare", &[(0, 7), (0, 8)]));
         let (clock, notes) = settle(Clock::Header, &[good, bare]);
         assert_eq!(clock, Clock::Log);
-        assert!(notes[0].contains("2 of 2 of /bare"), "{notes:?}");
+        assert!(
+            notes[0].starts_with("warning: ") && notes[0].contains("2 of 2 of /bare"),
+            "{notes:?}"
+        );
         // A few alone are left out, and move nothing else.
         let mut most: Vec<(i64, i64)> = (1..200).map(|k| (k * second, k * second)).collect();
         most.insert(0, (0, 5));
@@ -271,6 +283,24 @@ mod tests {
         );
         let (samples, note) = ordered(most, clock, |_, _| false);
         assert_eq!((samples.len(), samples[0], note), (199, (second, 1), None));
+    }
+
+    #[test]
+    fn a_beginning_without_stamps_and_one_more_message_move_nothing() {
+        let topic = |stamps: &[i64]| {
+            let logged = stamps.iter().zip(1..);
+            let times: Vec<(i64, i64)> = logged.map(|(stamp, time)| (*stamp, time)).collect();
+            Times::of(&stream("/few", &times))
+        };
+        for (stamps, clock) in [
+            ([0, 0, 0, 4, 5, 6, 7, 0, 9], Clock::Header),
+            ([1, 0, 3, 4, 5, 6, 7, 8, 9], Clock::Header),
+            ([1, 0, 3, 0, 5, 6, 7, 8, 9], Clock::Log),
+            ([0, 0, 0, 0, 0, 6, 7, 8, 9], Clock::Log),
+        ] {
+            let (found, notes) = settle(Clock::Header, &[topic(&stamps)]);
+            assert_eq!((found, notes.len()), (clock, 1), "{stamps:?}: {notes:?}");
+        }
     }
 
     #[test]

@@ -25,8 +25,6 @@ pub(super) struct Sample<T> {
 pub(super) struct Stream<T> {
     pub kind: Kind,
     pub topic: Topic,
-    /// The frame of the first message.
-    pub frame: String,
     /// The frame of its velocities, in odometry.
     pub child_frame: String,
     pub samples: Vec<Sample<T>>,
@@ -43,7 +41,9 @@ pub(super) struct OdometrySample {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ImuSample {
     pub yaw: Option<Yaw>,
-    pub yaw_rate: Option<f64>,
+    /// In the sensor's axes \[rad/s\].
+    pub angular_velocity: Option<[f64; 3]>,
+    /// In the sensor's axes \[m/s^2\].
     pub acceleration: Option<[f64; 3]>,
 }
 
@@ -52,6 +52,8 @@ pub(super) struct FixSample {
     pub status: i8,
     /// Latitude, longitude \[deg\], altitude \[m\].
     pub place: [f64; 3],
+    /// Standard deviation of the worse of east and north \[m\], as the receiver says.
+    pub deviation: Option<f64>,
 }
 
 /// A joint in a message; NaN where the message has no such value.
@@ -104,7 +106,6 @@ impl<T> Stream<T> {
         Self {
             kind: choice.kind,
             topic: choice.topic.clone(),
-            frame: String::new(),
             child_frame: String::new(),
             samples: Vec::new(),
         }
@@ -118,9 +119,6 @@ impl<T> Stream<T> {
     }
 
     fn push(&mut self, header: &Header, logged: i64, value: T) {
-        if self.samples.is_empty() {
-            self.frame = header.frame.clone().into_owned();
-        }
         self.samples.push(Sample {
             stamp: header.stamp,
             logged,
@@ -202,7 +200,7 @@ impl Collected {
             let message = Imu::decode(encoding, data).map_err(|error| stream.refuse(error))?;
             let value = ImuSample {
                 yaw: message.orientation.map(yaw),
-                yaw_rate: message.angular_velocity.map(|[_, _, rate]| rate),
+                angular_velocity: message.angular_velocity,
                 acceleration: message.acceleration,
             };
             stream.push(&message.header, logged, value);
@@ -211,11 +209,20 @@ impl Collected {
             let value = FixSample {
                 status: message.status,
                 place: [message.latitude, message.longitude, message.altitude],
+                deviation: message.variances.and_then(deviation),
             };
             stream.push(&message.header, logged, value);
         }
         Ok(())
     }
+}
+
+/// The worse of two standard deviations; publishers that do not know them leave zeros.
+fn deviation([east, north]: [f64; 2]) -> Option<f64> {
+    let known = [east, north]
+        .iter()
+        .all(|variance| *variance > 0.0 && variance.is_finite());
+    known.then(|| east.max(north).sqrt())
 }
 
 fn carrying<'a, T>(

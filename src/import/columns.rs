@@ -3,6 +3,7 @@
 use super::attitude::{Yaw, unwrap};
 use super::collect::{FixSample, ImuSample, OdometrySample};
 use super::geodesy::LocalPlane;
+use super::mounting::Mounting;
 use super::twist::is_in_world;
 use super::wheels::Series;
 
@@ -34,9 +35,6 @@ const ORDER: [(&str, &str); 10] = [
     ("a_x", "m/s^2"),
     ("a_y", "m/s^2"),
 ];
-
-/// Mean specific force along z beyond which a sensor points up or down \[m/s^2\].
-const UPRIGHT: f64 = 5.0;
 
 /// What an accelerometer measures besides acceleration.
 const TILT: &str = ", at the sensor, with gravity's part where it tilts";
@@ -161,78 +159,36 @@ impl Columns {
         }
     }
 
-    /// Yaw rate and accelerations of an IMU whose z axis points up, or down.
-    pub fn imu(&mut self, topic: &str, samples: &[(i64, ImuSample)], z_down: bool) {
-        let (sign, turned) = if z_down {
-            (-1.0, ", negated: z points down")
-        } else {
-            (1.0, "")
-        };
-        let rates = measured(samples, |sample| Some(sign * sample.yaw_rate?));
-        self.push_measured(
-            "yaw_rate",
-            topic,
-            &format!("angular_velocity.z{turned}"),
-            rates,
-        );
-        let a_x = measured(samples, |sample| Some(sample.acceleration?[0]));
-        self.push_measured("a_x", topic, &format!("linear_acceleration.x{TILT}"), a_x);
-        let a_y = measured(samples, |sample| Some(sign * sample.acceleration?[1]));
-        self.push_measured(
-            "a_y",
-            topic,
-            &format!("linear_acceleration.y{turned}{TILT}"),
-            a_y,
-        );
-        self.gravity(topic, samples, z_down);
+    /// Yaw rate about the vertical, and the accelerations of an IMU whose axes are known.
+    pub fn imu(
+        &mut self,
+        topic: &str,
+        samples: &[(i64, ImuSample)],
+        mounting: Mounting,
+        z_down: bool,
+    ) {
+        let (up, conversion, left) = mounting.axis(z_down);
+        let rates = measured(samples, |sample| Some(along(up, sample.angular_velocity?)));
+        self.push_measured("yaw_rate", topic, &conversion, rates);
+        if let Some(left) = left {
+            let a_x = measured(samples, |sample| Some(sample.acceleration?[0]));
+            self.push_measured("a_x", topic, &format!("linear_acceleration.x{TILT}"), a_x);
+            let a_y = measured(samples, |sample| Some(left * sample.acceleration?[1]));
+            let turned = if left < 0.0 {
+                ", negated: z points down"
+            } else {
+                ""
+            };
+            let conversion = format!("linear_acceleration.y{turned}{TILT}");
+            self.push_measured("a_y", topic, &conversion, a_y);
+        }
+        self.notes.extend(mounting.note(topic, z_down));
     }
 
-    /// Says so where gravity is not where it should be.
-    fn gravity(&mut self, topic: &str, samples: &[(i64, ImuSample)], z_down: bool) {
-        let mut vertical = measured(samples, |sample| Some(sample.acceleration?[2]));
-        vertical.retain(|(_, value)| value.is_finite());
-        if vertical.is_empty() || vertical.iter().all(|(_, value)| *value == 0.0) {
-            return;
-        }
-        let sum: f64 = vertical.iter().map(|(_, value)| value).sum();
-        let mean = sum / vertical.len() as f64;
-        let found = format!("{topic}: the mean acceleration along z is {mean:.2} m/s^2");
-        if mean.abs() < UPRIGHT {
-            self.notes.push(format!(
-                "{found}: gravity was taken out or the sensor's z axis is not upright; yaw rate and \
-                 accelerations are those of the sensor's own axes"
-            ));
-        } else if mean < 0.0 && !z_down {
-            self.notes.push(format!(
-                "{found}: its z axis points down, so that yaw rate and a_y have the wrong sign; import \
-                 with --imu-z-down"
-            ));
-        } else if mean > 0.0 && z_down {
-            self.notes.push(format!(
-                "{found}: its z axis points up, so that --imu-z-down gives yaw rate and a_y the wrong \
-                 sign"
-            ));
-        }
-    }
-
-    /// Position of satellite fixes, east and north of the first. Returns whether there is any.
+    /// Position of valid satellite fixes, east and north of the first. Returns whether there is any.
     pub fn fixes(&mut self, topic: &str, samples: &[(i64, FixSample)]) -> bool {
-        let is_valid = |sample: &&(i64, FixSample)| {
-            let FixSample { status, place } = &sample.1;
-            let [latitude, longitude, _] = place;
-            // Comparisons with NaN are false.
-            let is_somewhere = *latitude != 0.0 || *longitude != 0.0;
-            *status >= 0 && is_somewhere && latitude.abs() <= 90.0 && longitude.abs() <= 180.0
-        };
-        let valid: Vec<&(i64, FixSample)> = samples.iter().filter(is_valid).collect();
-        let lost = samples.len() - valid.len();
-        if lost > 0 {
-            self.notes.push(format!(
-                "{topic}: {lost} of {} fixes are invalid (status below 0, no latitude and longitude, or \
-                 exactly 0 of both); left out",
-                samples.len()
-            ));
-        }
+        let valid: Vec<&(i64, FixSample)> =
+            samples.iter().filter(|(_, fix)| fix.is_valid()).collect();
         let altitudes = valid.iter().map(|(_, fix)| fix.place[2]);
         let altitude = altitudes.clone().find(|altitude| altitude.is_finite());
         let altitude = altitude.unwrap_or(0.0);
@@ -278,6 +234,12 @@ impl Columns {
 fn series<T>(samples: &[(i64, T)], value: impl Fn(&T) -> f64) -> Series {
     let pairs = samples.iter().map(|(time, sample)| (*time, value(sample)));
     pairs.collect()
+}
+
+/// A vector's part along an axis, of the components that it needs: another may be no number.
+fn along(axis: [f64; 3], vector: [f64; 3]) -> f64 {
+    let parts = axis.iter().zip(vector).filter(|(part, _)| **part != 0.0);
+    parts.map(|(part, value)| part * value).sum()
 }
 
 /// Without what is marked as not measured.

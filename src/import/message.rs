@@ -63,6 +63,11 @@ pub struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
+    /// That of a message of any kind: all begin with it.
+    pub(super) fn decode(encoding: Encoding, bytes: &'a [u8]) -> Result<Self, DecodeError> {
+        Self::read(&mut Wire::new(encoding, bytes)?)
+    }
+
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
         if wire.encoding() == Encoding::Ros1 {
             let _counter = wire.u32()?;
@@ -153,7 +158,10 @@ impl<'a> Decode<'a> for Imu<'a> {
     }
 }
 
-/// `sensor_msgs/NavSatFix` without its covariance.
+/// Covariances of a `sensor_msgs/NavSatFix` that are not known.
+const COVARIANCE_UNKNOWN: u8 = 0;
+
+/// `sensor_msgs/NavSatFix`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fix<'a> {
     pub header: Header<'a>,
@@ -165,20 +173,23 @@ pub(super) struct Fix<'a> {
     pub longitude: f64,
     /// Above the ellipsoid \[m\]; NaN where there is none.
     pub altitude: f64,
+    /// East and north \[m^2\]; nothing where the message says that they are not known.
+    pub variances: Option<[f64; 2]>,
 }
 
 impl<'a> Decode<'a> for Fix<'a> {
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
         let (header, status, _service) = (Header::read(wire)?, wire.i8()?, wire.u16()?);
         let [latitude, longitude, altitude] = wire.f64s()?;
-        let _covariance: [f64; 9] = wire.f64s()?;
-        let _covariance_type = wire.u8()?;
+        let covariance: [f64; 9] = wire.f64s()?;
+        let is_known = wire.u8()? != COVARIANCE_UNKNOWN;
         Ok(Self {
             header,
             status,
             latitude,
             longitude,
             altitude,
+            variances: is_known.then_some([covariance[0], covariance[4]]),
         })
     }
 }

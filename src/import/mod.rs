@@ -13,12 +13,16 @@ mod columns;
 mod container;
 mod convert;
 mod error;
+mod fixes;
 mod geodesy;
 mod message;
+mod mounting;
 mod options;
+mod plan;
 mod side;
 mod survey;
 mod table;
+mod track;
 mod twist;
 mod wheels;
 mod wire;
@@ -46,8 +50,6 @@ pub struct Used {
     pub kind: Kind,
     /// The topic.
     pub topic: Topic,
-    /// The frame of its first message.
-    pub frame: String,
     /// The frame of its velocities, in odometry.
     pub child_frame: String,
 }
@@ -126,7 +128,6 @@ fn used<T>(stream: &Stream<T>) -> Used {
     Used {
         kind: stream.kind,
         topic: stream.topic.clone(),
-        frame: stream.frame.clone(),
         child_frame: stream.child_frame.clone(),
     }
 }
@@ -213,7 +214,7 @@ fn describe_topic(used: &Used) -> Value {
         "type": used.topic.message_type,
         "encoding": used.topic.encoding,
         "messages": used.topic.messages,
-        "frame": used.frame,
+        "frame": used.topic.frame,
     });
     if used.kind == Kind::Odometry {
         topic["child_frame"] = Value::String(used.child_frame.clone());

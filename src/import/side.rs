@@ -19,10 +19,9 @@ const LEFT: [&str; 14] = [
 const RIGHT: [&str; 13] = [
     "right", "r", "fr", "rf", "mr", "rm", "cr", "rc", "rr", "br", "rb", "hr", "rh",
 ];
-/// Parts of names of what drives.
-const DRIVES: [&str; 7] = [
-    "wheel", "track", "drive", "motor", "tire", "tyre", "sprocket",
-];
+/// Parts of names of what rolls on the ground, and of what drives it, which may turn faster, before a gear.
+const ROLLS: [&str; 5] = ["wheel", "track", "tire", "tyre", "sprocket"];
+const DRIVES: [&str; 2] = ["drive", "motor"];
 /// Parts of names of what does not, whatever else the name says.
 const OTHERS: [&str; 12] = [
     "steer", "caster", "castor", "susp", "shock", "rocker", "bogie", "arm", "gripper", "finger",
@@ -35,16 +34,21 @@ enum Side {
     Right,
 }
 
-/// The wheels among joints. Where a joint's name says that it drives, those that do not say so
-/// are left out.
+/// The wheels among joints: those whose names say that they roll, if there are none those that
+/// drive, or else all that tell a side.
 #[must_use]
 pub fn guess(joints: &BTreeSet<String>) -> WheelJoints {
     let sided = joints
         .iter()
         .filter(|name| !contains(name, &OTHERS))
         .filter_map(|name| Some((name, side(name)?)));
-    let (driving, rest): (Vec<_>, Vec<_>) = sided.partition(|(name, _)| contains(name, &DRIVES));
-    let chosen = if driving.is_empty() { rest } else { driving };
+    let (rolling, rest): (Vec<_>, Vec<_>) = sided.partition(|(name, _)| contains(name, &ROLLS));
+    let (driving, rest): (Vec<_>, Vec<_>) = rest
+        .into_iter()
+        .partition(|(name, _)| contains(name, &DRIVES));
+    let groups = [rolling, driving, rest];
+    let chosen = groups.into_iter().find(|group| !group.is_empty());
+    let chosen = chosen.unwrap_or_default();
     let of = |wanted| {
         let names = chosen.iter().filter(|(_, side)| *side == wanted);
         names.map(|(name, _)| (*name).clone()).collect()
@@ -151,5 +155,15 @@ mod tests {
         let names = "left_wheel right_wheel left_hip right_hip left_wheel_steer left_arm_wheel pan";
         assert_eq!(guessed(names), pair("left_wheel", "right_wheel"));
         assert_eq!(guessed("wheel_1 wheel_2 left_right_wheel"), pair("", ""));
+    }
+
+    #[test]
+    fn motors_before_a_gear_are_no_wheels_where_there_are_some() {
+        let motors = "front_left_motor front_right_motor";
+        let wheels = "front_left_wheel front_right_wheel";
+        let found = pair("front_left_wheel", "front_right_wheel");
+        assert_eq!(guessed(&format!("{motors} {wheels}")), found);
+        let found = pair("front_left_motor", "front_right_motor");
+        assert_eq!(guessed(&format!("{motors} left_hip right_hip")), found);
     }
 }

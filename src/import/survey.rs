@@ -2,7 +2,7 @@
 
 use super::ImportError;
 use super::container::{self, Channel, Container, Ending, Progress};
-use super::message::{Decode, Joints, Kind};
+use super::message::{Decode, Header, Joints, Kind};
 use super::wire::Encoding;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -20,6 +20,8 @@ pub struct Topic {
     pub messages: u64,
     /// When the earliest and the latest message were logged \[ns\] since 1970.
     pub logged: [i64; 2],
+    /// The frame of its first message, if an import can use it.
+    pub frame: String,
     /// The joints, where it has any.
     pub joints: BTreeSet<String>,
 }
@@ -32,6 +34,7 @@ impl Topic {
             encoding: channel.encoding.clone(),
             messages: 0,
             logged: [time; 2],
+            frame: String::new(),
             joints: BTreeSet::new(),
         }
     }
@@ -94,7 +97,13 @@ pub fn survey(path: &Path, progress: &mut Progress) -> Result<Survey, ImportErro
     let mut topics: BTreeMap<Channel, Topic> = BTreeMap::new();
     let ending = container::read(path, container, progress, &mut |channel, time, data| {
         if !topics.contains_key(channel) {
-            topics.insert(channel.clone(), Topic::new(channel, time));
+            let mut topic = Topic::new(channel, time);
+            if let (Some(_), Some(encoding)) = (topic.kind(), Encoding::of_name(&topic.encoding))
+                && let Ok(header) = Header::decode(encoding, data)
+            {
+                topic.frame = header.frame.into_owned();
+            }
+            topics.insert(channel.clone(), topic);
         }
         let Some(topic) = topics.get_mut(channel) else {
             return Ok(());

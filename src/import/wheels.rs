@@ -24,7 +24,7 @@ pub(super) struct WheelSpeeds {
     pub source: Source,
     /// Why positions were taken although there are velocities.
     pub dead_velocity: bool,
-    /// Joints that stay exactly still while others of their side turn: they are left out.
+    /// Joints whose velocity stays exactly at zero while others of their side turn: they are left out.
     pub still: Vec<usize>,
 }
 
@@ -35,35 +35,30 @@ const LONGEST_GAP: i64 = 10;
 /// How much more than a whole turn the range of wrapped angles may be, by rounding.
 const WRAP_TOLERANCE: f64 = 1e-3;
 
-/// The mean of each side's joints: their velocities, or, where these are missing or stay at
-/// zero while the wheels turn, the differences of their positions. `left` of the joints are on
+/// What a joint's velocities and positions say of it.
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    /// It turns, or nothing is known of its velocity.
+    Turns,
+    /// It stands, or nobody measures it.
+    Still,
+    /// Its velocity stays exactly at zero while its position moves.
+    Dead,
+}
+
+/// The mean of each side's joints: their velocities, or, where these are missing or one of them stays at
+/// zero while its wheel turns, the differences of their positions. `left` of the joints are on
 /// the left. `None` where a side has neither.
 pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Option<WheelSpeeds> {
     let joints = samples.first()?.1.len();
-    let turning: Vec<bool> = (0..joints).map(|joint| turns(samples, joint)).collect();
-    let mut still = Vec::new();
-    let sides = [0..left, left..joints].map(|side| -> Vec<usize> {
-        let (on, off): (Vec<usize>, Vec<usize>) = side.clone().partition(|joint| turning[*joint]);
-        if on.is_empty() {
-            return side.collect();
-        }
-        still.extend(off);
-        on
-    });
-    let velocities = [&sides[0], &sides[1]].map(|side| {
-        let means = samples.iter().filter_map(|(time, sample)| {
-            let sum: f64 = side.iter().map(|joint| sample[*joint].velocity).sum();
-            let mean = sum / side.len() as f64;
-            mean.is_finite().then_some((*time, mean))
-        });
-        means.collect::<Series>()
-    });
-    let has_velocity = velocities.iter().all(|side| !side.is_empty());
-    let dead_velocity = has_velocity
-        && velocities.iter().flatten().all(|(_, speed)| *speed == 0.0)
-        && (0..joints).any(|joint| span(samples, joint) > TURNED);
-    if has_velocity && !dead_velocity {
-        let [left, right] = velocities;
+    let states: Vec<State> = (0..joints).map(|joint| state(samples, joint)).collect();
+    let (sides, still) = used(&states, left, |state| state != State::Still);
+    let dead_velocity = states.contains(&State::Dead);
+    let velocities = |sides: &[Vec<usize>; 2]| -> Option<[Series; 2]> {
+        let means = sides.each_ref().map(|side| mean_velocity(samples, side));
+        means.iter().all(|side| !side.is_empty()).then_some(means)
+    };
+    if !dead_velocity && let Some([left, right]) = velocities(&sides) {
         return Some(WheelSpeeds {
             left,
             right,
@@ -73,24 +68,73 @@ pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Optio
         });
     }
     let wrapped = (0..joints).any(|joint| is_wrapped(samples, joint));
-    let [left, right] = sides.map(|side| differences(samples, &side, wrapped));
-    (!left.is_empty() && !right.is_empty()).then_some(WheelSpeeds {
+    let [by_left, by_right] = sides.map(|side| differences(samples, &side, wrapped));
+    if !by_left.is_empty() && !by_right.is_empty() {
+        return Some(WheelSpeeds {
+            left: by_left,
+            right: by_right,
+            source: Source::Position { wrapped },
+            dead_velocity,
+            still,
+        });
+    }
+    // Without the positions of all a dead joint is one that nobody measures, but not the only ones of a side.
+    let (sides, still) = used(&states, left, |state| state == State::Turns);
+    let is_dead = |side: &Vec<usize>| side.iter().any(|joint| states[*joint] == State::Dead);
+    if !dead_velocity || sides.iter().any(is_dead) {
+        return None;
+    }
+    let [left, right] = velocities(&sides)?;
+    Some(WheelSpeeds {
         left,
         right,
-        source: Source::Position { wrapped },
-        dead_velocity,
+        source: Source::Velocity,
+        dead_velocity: false,
         still,
     })
 }
 
-/// Whether a joint turns, or nothing is known of it: one that tells its velocity, exactly 0 throughout, and whose position
-/// does not change stands still, or nobody measures it.
-fn turns(samples: &[(i64, WheelSample)], joint: usize) -> bool {
+/// The joints of each side that count, and the others: all of a side count where else none would.
+fn used(
+    states: &[State],
+    left: usize,
+    counts: impl Fn(State) -> bool,
+) -> ([Vec<usize>; 2], Vec<usize>) {
+    let mut others = Vec::new();
+    let sides = [0..left, left..states.len()].map(|side| -> Vec<usize> {
+        let (on, off): (Vec<usize>, Vec<usize>) =
+            side.clone().partition(|joint| counts(states[*joint]));
+        if on.is_empty() {
+            return side.collect();
+        }
+        others.extend(off);
+        on
+    });
+    (sides, others)
+}
+
+/// The mean velocity of joints at each time at which all are known.
+fn mean_velocity(samples: &[(i64, WheelSample)], side: &[usize]) -> Series {
+    let means = samples.iter().filter_map(|(time, sample)| {
+        let sum: f64 = side.iter().map(|joint| sample[*joint].velocity).sum();
+        let mean = sum / side.len() as f64;
+        mean.is_finite().then_some((*time, mean))
+    });
+    means.collect()
+}
+
+fn state(samples: &[(i64, WheelSample)], joint: usize) -> State {
     let velocities = samples.iter().map(|(_, sample)| sample[joint].velocity);
     let mut known = velocities
         .filter(|velocity| velocity.is_finite())
         .peekable();
-    known.peek().is_none() || known.any(|velocity| velocity != 0.0) || span(samples, joint) > TURNED
+    if known.peek().is_none() || known.any(|velocity| velocity != 0.0) {
+        State::Turns
+    } else if span(samples, joint) > TURNED {
+        State::Dead
+    } else {
+        State::Still
+    }
 }
 
 fn positions(samples: &[(i64, WheelSample)], joint: usize) -> impl Iterator<Item = f64> {
@@ -214,6 +258,34 @@ mod tests {
         let row = |time: i64| sample(time, &[(0.0, 0.0), (0.0, 0.0), (0.0, 1.0)]);
         let speeds = wheel_speeds(&[0, 1000, 2000].map(row), 2).unwrap();
         assert_eq!((speeds.still.len(), speeds.left[0].1), (0, 0.0));
+    }
+
+    #[test]
+    fn one_joint_without_velocity_does_not_halve_the_speed() {
+        // The second of the left ones tells its position alone; all turn at 2 rad/s.
+        let row = |time: i64, known: f64| {
+            let angle = 2.0 * time as f64 * 1e-3;
+            let whole = (known * angle, 2.0);
+            sample(time, &[whole, (angle, 0.0), whole])
+        };
+        let times = [0, 10, 20, 30, 100];
+        let speeds = wheel_speeds(&times.map(|time| row(time, 1.0)), 2).unwrap();
+        assert_eq!(speeds.source, Source::Position { wrapped: false });
+        assert!(speeds.dead_velocity && speeds.still.is_empty());
+        let near = |series: &Series| series.iter().all(|(_, speed)| (speed - 2.0).abs() < 1e-9);
+        assert!(near(&speeds.left) && near(&speeds.right), "{speeds:?}");
+        // Where the others have no positions, their velocities are what there is.
+        let speeds = wheel_speeds(&times.map(|time| row(time, f64::NAN)), 2).unwrap();
+        assert_eq!(
+            (speeds.source, speeds.still),
+            (Source::Velocity, vec![1]),
+            "{:?}",
+            speeds.left
+        );
+        assert!(near(&speeds.left) && near(&speeds.right));
+        // A side of nothing else has no speed.
+        let row = |time: i64| sample(time, &[(time as f64, 0.0), (f64::NAN, 1.0)]);
+        assert_eq!(wheel_speeds(&times.map(row), 1), None);
     }
 
     #[test]

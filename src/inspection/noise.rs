@@ -35,16 +35,11 @@ impl Noise {
             };
             let spans = rest_spans(run);
             for (middle, [from, to], size) in differences(series) {
-                let rests = spans
-                    .iter()
-                    .any(|(start, end)| *start <= from && to <= *end);
-                let moves = spans
-                    .iter()
-                    .all(|(start, end)| middle < *start || *end < middle);
-                if rests {
-                    still.push(size);
-                } else if moves {
-                    moving.push(size);
+                let next = spans.partition_point(|(_, end)| *end < middle);
+                match spans.get(next).filter(|(start, _)| *start <= middle) {
+                    None => moving.push(size),
+                    Some((start, end)) if *start <= from && to <= *end => still.push(size),
+                    Some(_) => {}
                 }
             }
         }

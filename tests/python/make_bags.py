@@ -191,22 +191,37 @@ class Factory:
             ),
         )
 
-    def imu(self, time: int, s: Truth, up: float = 1.0, known: bool = True) -> Any:
-        """`sensor_msgs/Imu`; `up` is -1 for one that hangs upside down about its x axis."""
+    def imu(
+        self, time: int, s: Truth, up: float = 1.0, known: bool = True, optical: bool = False
+    ) -> Any:
+        """`sensor_msgs/Imu`; `up` is -1 for one that hangs upside down about its x axis.
+
+        One of a camera (`optical`) has axes to the right, down and ahead.
+        """
+
+        def own(x: float, y: float, z: float) -> Any:
+            return self.vector(-y, -z, x) if optical else self.vector(x, y, z)
+
         unknown = np.array([0.0 if known else -1.0] + [0.0] * 8)
         return self.make(
             "sensor_msgs/msg/Imu",
             header=self.header(time, "imu_link"),
             orientation=self.quaternion(s.heading),
             orientation_covariance=unknown,
-            angular_velocity=self.vector(0.01, 0.02, up * (s.yaw_rate + 0.001)),
+            angular_velocity=own(0.01, 0.02, up * (s.yaw_rate + 0.001)),
             angular_velocity_covariance=np.zeros(9),
-            linear_acceleration=self.vector(0.3, up * s.v_x * s.yaw_rate, up * 9.81),
+            linear_acceleration=own(0.3, up * s.v_x * s.yaw_rate, up * 9.81),
             linear_acceleration_covariance=np.zeros(9),
         )
 
-    def fix(self, time: int, place: tuple[float, float, float], status: int = 0) -> Any:
-        """`sensor_msgs/NavSatFix`."""
+    def fix(
+        self,
+        time: int,
+        place: tuple[float, float, float],
+        status: int = 0,
+        deviation: float = 0.0,
+    ) -> Any:
+        """`sensor_msgs/NavSatFix`; a deviation of zero is one that nobody told."""
         return self.make(
             "sensor_msgs/msg/NavSatFix",
             header=self.header(time, "gps"),
@@ -214,7 +229,7 @@ class Factory:
             latitude=place[0],
             longitude=place[1],
             altitude=place[2],
-            position_covariance=np.zeros(9),
+            position_covariance=np.diag([deviation**2, deviation**2, 9.0 * deviation**2]).ravel(),
             position_covariance_type=2,
         )
 

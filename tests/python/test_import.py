@@ -377,12 +377,59 @@ class Choices(ImportCase):
             for t, s in make_bags.ticks(50)
         ]
         log = self.log(self.joints() + imu)
-        self.assertIn("its z axis points down", self.imported(log).notes)
+        # Gravity tells how it yaws, not where its x axis points to.
+        recording = self.imported(log)
+        self.assertIn("warning: /imu: its z axis points down", recording.notes)
+        self.assert_column(recording, "yaw_rate", lambda t: truth(t).yaw_rate + 0.001, EXACT)
+        self.assertNotIn("a_y", recording.names)
         recording = self.imported(log, "--imu-z-down")
         self.assertNotIn("z axis", recording.notes)
         self.assert_column(recording, "yaw_rate", lambda t: truth(t).yaw_rate + 0.001, EXACT)
         self.assert_column(recording, "a_y", lambda t: truth(t).v_x * truth(t).yaw_rate, EXACT)
         self.assertIn("needs messages with an attitude", self.refused(log, "--heading", "imu"))
+
+    def test_a_camera_goes_last_and_yaws_about_the_vertical(self) -> None:
+        camera = [
+            Message("/camera/imu", IMU, t, self.ros2.imu(t, truth(s), optical=True))
+            for t, s in make_bags.ticks(200)
+        ]
+        vehicle = [
+            Message("/imu/data", IMU, t, self.ros2.imu(t, truth(s)))
+            for t, s in make_bags.ticks(50)
+        ]
+        log = self.log(self.joints() + camera + vehicle)
+        recording = self.imported(log)
+        self.assertEqual(len(recording.columns["yaw_rate"]), 1000)
+        self.assertIn("imu from /imu/data", recording.notes)
+        recording = self.imported(log, "--topics", "imu=/camera/imu")
+        self.assertNotIn("a_x", recording.names)
+        self.assertIn("deg from upright", recording.notes)
+        # The drive does not rest: the mean specific force is 9 deg from the vertical.
+        self.assert_column(recording, "yaw_rate", lambda t: truth(t).yaw_rate, 0.01)
+
+    def test_precise_fixes_beside_odometry_of_unknown_origin(self) -> None:
+        def fixes(deviation: float) -> list[Message]:
+            return [
+                Message(
+                    "/fix",
+                    FIX,
+                    t,
+                    self.ros2.fix(
+                        t, make_bags.geodetic(truth(s).x, truth(s).y), deviation=deviation
+                    ),
+                )
+                for t, s in make_bags.ticks(5)
+            ]
+
+        drive = self.joints() + self.odometry("/odom")
+        recording = self.imported(self.log(drive + fixes(0.02)))
+        self.assertEqual(len(recording.columns["x"]), 100)
+        self.assertIn("warning: pose from /fix", recording.notes)
+        self.assertNotIn("v_x", recording.names)
+        recording = self.imported(self.log(drive + fixes(1.5)))
+        self.assertEqual(len(recording.columns["x"]), 400)
+        self.assertIn("warning: pose from /odom (--pose fix", recording.notes)
+        self.assertIn("warning: the name of /odom does not tell", recording.notes)
 
     def test_odd_attitudes_and_numbers(self) -> None:
         odometry = self.odometry()
@@ -410,6 +457,24 @@ class Choices(ImportCase):
         self.assertEqual(recording.beside["provenance"]["clock"], "log")
         # The first odometry is logged 3 ms after it was measured, the wheels at once.
         self.assert_column(recording, "omega_right", lambda t: t + 0.003, EXACT)
+
+        # A topic of few messages spares one, and one that serves as nothing all of them.
+        def fixes(bare: set[int]) -> list[Message]:
+            return [
+                Message("/fix", FIX, t, self.ros2.fix(-1 if k in bare else t, place), t)
+                for k, (t, s) in enumerate(make_bags.ticks(2))
+                for place in [make_bags.geodetic(truth(s).x, truth(s).y)]
+            ]
+
+        drive = self.joints() + self.odometry()
+        recording = self.imported(self.log(drive + fixes({0, 1, 2, 7})), "--pose", "fix")
+        self.assertEqual(recording.beside["provenance"]["clock"], "header")
+        self.assertEqual(len(recording.columns["x"]), 36)
+        recording = self.imported(self.log(drive + fixes(set(range(40)))))
+        self.assertEqual(recording.beside["provenance"]["clock"], "header")
+        recording = self.imported(self.log(drive + fixes(set(range(40)))), "--pose", "fix")
+        self.assertEqual(recording.beside["provenance"]["clock"], "log")
+        self.assertIn("warning: messages without a time of measurement", recording.notes)
 
         joints = self.joints()
         joints[10], joints[20] = joints[20], joints[10]

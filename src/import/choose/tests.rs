@@ -79,6 +79,30 @@ fn the_order_of_preference() {
 }
 
 #[test]
+fn inertial_sensors_of_cameras_and_lidars_go_last() {
+    let imu = |name, messages, frame: &str| Topic {
+        frame: frame.into(),
+        ..topic(name, "sensor_msgs/Imu", messages, "")
+    };
+    let mut survey = survey();
+    let chosen = |survey: &Survey| -> String {
+        let choice = choose(survey, Kind::Imu, &Wish::Any, &WheelJoints::default()).unwrap();
+        choice.unwrap().topic.name.clone()
+    };
+    survey.topics = vec![
+        imu("/d435i/imu", 9000, "d435i_imu_optical_frame"),
+        imu("/zed2i/imu", 8000, ""),
+        imu("/Ouster/imu", 7000, "os_imu"),
+    ];
+    assert_eq!(chosen(&survey), "/d435i/imu", "there is nothing else");
+    survey.topics.push(imu("/imu/raw", 20, "imu_link"));
+    assert_eq!(chosen(&survey), "/imu/raw");
+    // `zed` is a word, not a part of one.
+    survey.topics.push(imu("/imu/normalized", 10, "imu_link"));
+    assert_eq!(chosen(&survey), "/imu/normalized");
+}
+
+#[test]
 fn a_choice_among_several_is_told() {
     let survey = survey();
     let none = WheelJoints::default();

@@ -76,8 +76,32 @@ fn fixes_of_another_writer() {
             latitude: 48.5,
             longitude: -11.25,
             altitude: 520.125,
+            variances: Some([0.0; 2]),
         };
         assert_eq!(fix, expected, "{text}");
+    }
+}
+
+#[test]
+fn variances_of_a_fix_stand_on_the_diagonal_unless_they_are_not_known() {
+    let mut bytes = bytes(FIX[0].1);
+    let covariance = bytes.len() - 1 - 9 * 8;
+    for (place, variance) in [(0, 0.04_f64), (1, 7.0), (4, 0.09), (8, 1.0)] {
+        let at = covariance + 8 * place;
+        bytes[at..at + 8].copy_from_slice(&variance.to_le_bytes());
+    }
+    let variances = |bytes: &[u8]| Fix::decode(Encoding::Ros1, bytes).unwrap().variances;
+    assert_eq!(variances(&bytes), Some([0.04, 0.09]));
+    *bytes.last_mut().unwrap() = 0;
+    assert_eq!(variances(&bytes), None);
+}
+
+#[test]
+fn a_header_is_that_of_any_kind() {
+    for (encoding, text) in FIX {
+        let bytes = bytes(text);
+        let header = Header::decode(encoding, &bytes).unwrap();
+        assert_eq!((header.stamp, &*header.frame), (STAMP, "gps"));
     }
 }
 

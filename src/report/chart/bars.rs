@@ -70,7 +70,11 @@ impl Bars {
         let full = self.full.unwrap_or(most);
         let full = if full > 0.0 { full } else { 1.0 };
         let at = |value: f64| left + (value / full).clamp(0.0, 1.0) * (right - left);
-        let mut html = opening(&self.title, bottom + BOTTOM);
+        let rows = self.bars.iter();
+        let rows: Vec<String> = rows
+            .map(|bar| format!("{}: {}", bar.label, bar.text))
+            .collect();
+        let mut html = opening(&self.title, &rows.join("; "), bottom + BOTTOM);
         for (value, text) in ticks(&(0.0..=full), TICKS) {
             let _ = write!(
                 html,
@@ -147,6 +151,10 @@ mod tests {
             .map(|rest| rest.split('"').next().unwrap().parse().unwrap())
             .collect();
         assert!((widths[0] / widths[1] - 2.0).abs() < 0.01, "{widths:?}");
+        assert!(
+            figure.contains("aria-label=\"t: a &amp; b: 2; a &amp; b: 1"),
+            "{figure}"
+        );
         assert!(widths[2] < 1.0 && figure.contains("a &amp; b"));
     }
 }

@@ -2,10 +2,13 @@
 
 mod bars;
 mod frame;
+mod mark;
 mod thin;
 
 pub use bars::{Bar, Bars, Tint};
+pub use mark::Mark;
 
+use super::number::digits;
 use frame::{Frame, SIZE};
 use std::fmt::Write;
 use std::ops::RangeInclusive;
@@ -38,19 +41,6 @@ pub struct Line {
     pub parts: Vec<Vec<(f64, f64)>>,
     /// How it is drawn.
     pub stroke: Stroke,
-}
-
-/// What lies beneath the lines.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Mark {
-    /// A stretch of the horizontal axis.
-    Span(f64, f64),
-    /// An area over the horizontal axis: place, lower and upper end.
-    Band(Vec<(f64, f64, f64)>),
-    /// A circle on a map: centre and radius.
-    Circle((f64, f64), f64),
-    /// The line of zero.
-    Zero,
 }
 
 /// A chart with its axes.
@@ -98,7 +88,7 @@ impl Chart {
             return String::new();
         };
         let frame = Frame::new((SIZE.0, self.height), x, y, self.is_map);
-        let mut html = opening(&self.title, self.height);
+        let mut html = opening(&self.title, &self.in_words(), self.height);
         let mut legend = Legend::default();
         for (name, mark) in &self.marks {
             frame.mark(&mut html, mark);
@@ -127,6 +117,31 @@ impl Chart {
         html + &legend.html() + "</figure>\n"
     }
 
+    /// What it shows, for those who do not see it: the axes, and from where to where each line goes.
+    fn in_words(&self) -> String {
+        let mut ends: Vec<(&str, f64, f64)> = Vec::new();
+        for line in &self.lines {
+            let values = line.parts.iter().flatten().map(|point| point.1);
+            for value in values.filter(|value| value.is_finite()) {
+                match ends.iter_mut().find(|known| known.0 == line.name) {
+                    Some(known) => (known.1, known.2) = (known.1.min(value), known.2.max(value)),
+                    None => ends.push((&line.name, value, value)),
+                }
+            }
+        }
+        let ends = ends.iter().map(|(name, low, high)| {
+            let colon = if name.is_empty() { "" } else { ": " };
+            format!("{name}{colon}{} to {}", digits(*low, 3), digits(*high, 3))
+        });
+        let ends: Vec<String> = ends.collect();
+        format!(
+            "{} over {}; {}",
+            self.y_label,
+            self.x_label,
+            ends.join("; ")
+        )
+    }
+
     fn ranges(&self) -> Option<(RangeInclusive<f64>, RangeInclusive<f64>)> {
         let mut points: Vec<(f64, f64)> = Vec::new();
         for line in &self.lines {
@@ -140,8 +155,9 @@ impl Chart {
         for (_, mark) in &self.marks {
             match mark {
                 Mark::Span(..) => {}
-                Mark::Band(band) => {
-                    points.extend(band.iter().flat_map(|p| [(p.0, p.1), (p.0, p.2)]));
+                Mark::Band(parts) => {
+                    let ends = parts.iter().flatten();
+                    points.extend(ends.flat_map(|p| [(p.0, p.1), (p.0, p.2)]));
                 }
                 Mark::Circle((x, y), radius) => {
                     points.extend([(x - radius, y - radius), (x + radius, y + radius)]);
@@ -156,13 +172,14 @@ impl Chart {
     }
 }
 
-/// The beginning of a figure, up to its drawing.
-fn opening(title: &str, height: f64) -> String {
-    let title = escape(title);
+/// The beginning of a figure, up to its drawing, with what it shows in words.
+fn opening(title: &str, words: &str, height: f64) -> String {
     format!(
-        "<figure><figcaption>{title}</figcaption><svg viewBox=\"0 0 {} {height}\" role=\"img\" \
-         aria-label=\"{title}\">\n",
-        SIZE.0
+        "<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 {} {height}\" role=\"img\" \
+         aria-label=\"{}\">\n",
+        escape(title),
+        SIZE.0,
+        escape(&format!("{title}: {words}"))
     )
 }
 
@@ -205,65 +222,7 @@ fn range(values: impl Iterator<Item = f64>) -> Option<RangeInclusive<f64>> {
     (low <= high).then_some(low - room..=high + room)
 }
 
-impl Mark {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::Span(..) => "span",
-            Self::Band(_) => "band",
-            Self::Circle(..) => "patch",
-            Self::Zero => "zero",
-        }
-    }
-}
-
 impl Frame {
-    fn mark(&self, svg: &mut String, mark: &Mark) {
-        let class = mark.class();
-        let _ = match mark {
-            Mark::Span(start, end) => {
-                let within = |value: f64| self.right(value.clamp(*self.x.start(), *self.x.end()));
-                let (left, right) = (within(*start), within(*end));
-                writeln!(
-                    svg,
-                    "<rect class=\"{class}\" x=\"{left:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
-                    self.top(),
-                    (right - left).max(1.0),
-                    self.bottom() - self.top()
-                )
-            }
-            Mark::Band(points) => {
-                let finite = |p: &&(f64, f64, f64)| [p.0, p.1, p.2].iter().all(|v| v.is_finite());
-                let stride = points.len().div_ceil(MOST_POINTS).max(1);
-                let points: Vec<_> = points.iter().filter(finite).step_by(stride).collect();
-                let upper = points.iter().map(|p| (p.0, p.2));
-                let lower = points.iter().rev().map(|p| (p.0, p.1));
-                let corners = upper
-                    .chain(lower)
-                    .map(|(x, y)| format!("{:.1} {:.1}", self.right(x), self.down(y)));
-                let corners: Vec<String> = corners.collect();
-                writeln!(
-                    svg,
-                    "<path class=\"{class}\" d=\"M{}Z\"/>",
-                    corners.join("L")
-                )
-            }
-            Mark::Circle((x, y), radius) => writeln!(
-                svg,
-                "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{:.1}\"/>",
-                self.right(*x),
-                self.down(*y),
-                self.right(x + radius) - self.right(*x)
-            ),
-            Mark::Zero => writeln!(
-                svg,
-                "<path class=\"{class}\" d=\"M{:.1} {:.1}H{:.1}\"/>",
-                self.left(),
-                self.down(0.0),
-                self.edge()
-            ),
-        };
-    }
-
     fn line(&self, svg: &mut String, line: &Line, place: usize) {
         let total: usize = line.parts.iter().map(Vec::len).sum();
         let stride = total.div_ceil(MOST_POINTS).max(1);
@@ -337,11 +296,11 @@ mod tests {
             ("found", Mark::Span(2.0, f64::INFINITY)),
             (
                 "band",
-                Mark::Band(vec![
+                Mark::Band(vec![vec![
                     (0.0, -4.0, 1.0),
                     (1.0, f64::NAN, 0.0),
                     (3.0, 1.0, 9.0),
-                ]),
+                ]]),
             ),
             ("", Mark::Zero),
         ];
@@ -357,6 +316,11 @@ mod tests {
         let path = path.split('"').next().unwrap();
         let count = |letter| path.matches(letter).count();
         assert_eq!((count('M'), count('L'), count('h')), (2, 1, 1));
+        // Who does not see it reads from where to where it goes.
+        assert!(
+            figure.contains("aria-label=\"t: y over x; one: 1.00 to 2.00\""),
+            "{figure}"
+        );
         // Bands widen the axis.
         assert!(figure.contains(">5</text>"), "{figure}");
     }

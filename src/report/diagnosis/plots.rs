@@ -229,7 +229,10 @@ fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: b
     let line = |name: &str, values: &[f64]| Line {
         name: name.into(),
         parts: parted(&trace.time, |index| {
-            values[index].clamp(-limit, limit) * factor
+            (
+                trace.time[index],
+                values[index].clamp(-limit, limit) * factor,
+            )
         }),
         stroke: Stroke::Line,
     };
@@ -270,19 +273,19 @@ fn usual(shown: &[&Vec<f64>]) -> Option<f64> {
     Some(CUT * sizes[(NEARLY_ALL * last as f64) as usize])
 }
 
-/// Points of a curve, parted where nothing was recorded for a while.
-fn parted(time: &[f64], value: impl Fn(usize) -> f64) -> Vec<Vec<(f64, f64)>> {
+/// Points of a curve or a band, parted where nothing was recorded for a while.
+fn parted<P>(time: &[f64], point: impl Fn(usize) -> P) -> Vec<Vec<P>> {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
-    let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut parts: Vec<Vec<P>> = Vec::new();
     let mut last = f64::NEG_INFINITY;
     for (index, time) in time.iter().enumerate() {
         if time - last > GAP * usual || parts.is_empty() {
             parts.push(Vec::new());
         }
         if let Some(part) = parts.last_mut() {
-            part.push((*time, value(index)));
+            part.push(point(index));
         }
         last = *time;
     }
@@ -296,17 +299,17 @@ fn wrenches(trace: &WrenchTrace, spans: &[(&'static str, f64, f64)]) -> Vec<Char
         ("Turning moment left over", "dM_Z [N m]"),
     ];
     let chart = |(axis, (title, y_label)): (usize, (&str, &str))| {
-        let all = trace.time.iter().zip(&trace.value).zip(&trace.deviation);
-        let band = all.clone().map(|((time, value), deviation)| {
-            let (value, reach) = (value[axis], 2.0 * deviation[axis]);
-            (*time, value - reach, value + reach)
+        let value = |index: usize| trace.value[index][axis];
+        let band = parted(&trace.time, |index| {
+            let (value, reach) = (value(index), 2.0 * trace.deviation[index][axis]);
+            (trace.time[index], value - reach, value + reach)
         });
         let mut marks = marks(spans);
-        marks.push(("2 deviations to both sides", Mark::Band(band.collect())));
+        marks.push(("2 deviations to both sides", Mark::Band(band)));
         Chart {
             lines: vec![Line {
                 name: String::new(),
-                parts: parted(&trace.time, |index| trace.value[index][axis]),
+                parts: parted(&trace.time, |index| (trace.time[index], value(index))),
                 stroke: Stroke::Line,
             }],
             marks,
@@ -339,6 +342,23 @@ pub fn heading(run: &RunTrace, diagnosis: &Diagnosis) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_band_of_what_is_left_over_is_parted_as_its_line_is() {
+        let trace = WrenchTrace {
+            time: [0.0, 1.0, 2.0, 30.0, 31.0].into(),
+            value: vec![[1.0; 3]; 5],
+            deviation: vec![[0.5; 3]; 5],
+        };
+        for chart in wrenches(&trace, &[]) {
+            let Some((_, Mark::Band(band))) = chart.marks.last() else {
+                panic!("no band")
+            };
+            let line: Vec<usize> = chart.lines[0].parts.iter().map(Vec::len).collect();
+            let band: Vec<usize> = band.iter().map(Vec::len).collect();
+            assert_eq!((line, band), (vec![3, 2], vec![3, 2]));
+        }
+    }
 
     #[test]
     fn an_outlier_does_not_hide_the_others() {
