@@ -473,6 +473,120 @@ fn every_second_run_is_judged_in_the_order_of_labels() {
 }
 
 #[test]
+fn which_run_is_judged_does_not_depend_on_the_windows() {
+    let run = |(label, seconds)| record(label, &kinematic_world(NOMINAL, seconds), PERFECT);
+    let drive = recording([("1", 4.0), ("2", 20.0), ("3", 20.0)].map(run).into());
+    let judged = |horizon: f64| -> Vec<usize> {
+        let how = Cut {
+            horizon,
+            ..Cut::default()
+        };
+        let (runs, set) = prepare(&drive, &how);
+        let mut judged: Vec<usize> = split(&runs, &set.windows)
+            .judged
+            .iter()
+            .map(|k| set.windows[*k].run)
+            .collect();
+        judged.dedup();
+        judged
+    };
+    // The first run is too short for a window of 5 s.
+    assert_eq!((judged(5.0), judged(3.0)), (vec![1], vec![1]));
+    // Beside a run that hardly moves, the only drive is parted.
+    let drive = recording([("1", 2.0), ("2", 40.0)].map(run).into());
+    let (runs, set) = prepare(&drive, &Cut::default());
+    let halves = split(&runs, &set.windows);
+    assert!(halves.fitted.len() > 10 && halves.judged.len() > 10);
+}
+
+#[test]
+fn what_is_lost_within_a_window_is_not_judged() {
+    let whole = record("", &kinematic_world(NOMINAL, 40.0), PERFECT);
+    let without = |channel: Channel| {
+        let series = whole.series(channel).unwrap().samples();
+        let kept = series.filter(|(time, _)| !(20.0..23.0).contains(time));
+        recording(vec![whole.clone().with(channel, kept.collect())])
+    };
+    let windows = |drive: &Recording, heading| {
+        let how = Cut {
+            heading,
+            ..Cut::default()
+        };
+        let (_, set) = prepare(drive, &how);
+        let over = |window: &&Window| window.start < 22.9 && window.start + 5.0 > 20.1;
+        (
+            set.windows.iter().filter(over).count(),
+            set.rejected.gaps > 0,
+        )
+    };
+    for side in [Channel::OmegaLeft, Channel::OmegaRight] {
+        assert_eq!(windows(&without(side), HeadingSource::Pose), (0, true));
+    }
+    let gyro = without(Channel::YawRate);
+    assert_eq!(windows(&gyro, HeadingSource::Gyro), (0, true));
+    assert!(windows(&gyro, HeadingSource::Pose).0 > 10);
+}
+
+#[test]
+fn a_clock_that_is_set_does_not_keep_the_cut_busy() {
+    let whole = record("", &kinematic_world(NOMINAL, 60.0), PERFECT);
+    let set = |time: f64| if time > 30.0 { time + 1.7e9 } else { time };
+    let run = whole
+        .channels()
+        .fold(Run::new(""), |run, (channel, series)| {
+            let samples = series.samples().map(|(time, value)| (set(time), value));
+            run.with(channel, samples.collect())
+        });
+    let (_, set) = prepare(&recording(vec![run]), &Cut::default());
+    assert!(
+        (90..105).contains(&set.windows.len()),
+        "{}",
+        set.windows.len()
+    );
+}
+
+#[test]
+fn a_gyro_is_judged_without_its_bias() {
+    let biased = Sensors {
+        gyro_bias: 0.15,
+        ..PERFECT
+    };
+    let drive = recording(vec![record("", &kinematic_world(NOMINAL, 60.0), biased)]);
+    let mut runs = Signals::of(&drive).unwrap();
+    assert!(heading_noise(&runs).unwrap() < 0.01);
+    let latencies = Latencies::estimate(&runs);
+    assert!((latencies.gyro_bias - 0.15).abs() < 0.005, "{latencies:?}");
+    runs.iter_mut().for_each(|run| run.remove(&latencies));
+    let how = Cut {
+        heading: HeadingSource::Gyro,
+        ..Cut::default()
+    };
+    let set = cut("drive", &runs, &how).unwrap();
+    let (position, heading) = worst(&errors(&Predictor::Kinematics(NOMINAL), &set.windows));
+    assert!(position < 0.1 && heading < 0.03, "{position} {heading}");
+}
+
+#[test]
+fn a_latency_beyond_the_search_is_unknown() {
+    let truth = kinematic_world(NOMINAL, 90.0);
+    for (pose_latency, wheel_latency) in [(1.6, 0.1), (0.2, 0.7)] {
+        let sensors = Sensors {
+            pose_latency,
+            wheel_latency,
+            ..PERFECT
+        };
+        let drive = recording(vec![record("", &truth, sensors)]);
+        let found = Latencies::estimate(&Signals::of(&drive).unwrap());
+        let known = [found.pose, found.wheels].map(|one| one != Latency::Unknown);
+        assert_eq!(
+            known,
+            [pose_latency < 1.0, wheel_latency < 0.5],
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
 fn gyro_replaces_a_poor_heading() {
     let mut run = record("", &kinematic_world(NOMINAL, 60.0), PERFECT);
     let heading = run.series(Channel::Heading).unwrap();

@@ -3,6 +3,9 @@
 use super::kinematics::FEWEST_WINDOWS;
 use super::{Signals, Window};
 
+/// A run whose wheels turn for less \[s\] is no drive of its own.
+const DRIVES: f64 = 3.0;
+
 /// Indices of windows; none is in both, and those for fitting do not overlap those for judging.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Halves {
@@ -18,13 +21,18 @@ pub struct Halves {
 /// of each as can be without overlap; where the run is too short
 /// for both, all are judged. Of
 /// several runs every second one is judged, in the order of their labels, which tell better
-/// than the file in which order they were driven.
+/// than the file in which order they were driven. Runs that hardly drive do not count and are for fitting: which run is
+/// judged does not depend on how windows are cut.
 #[must_use]
 pub fn split(runs: &[Signals], windows: &[Window]) -> Halves {
-    let mut order: Vec<usize> = windows.iter().map(|window| window.run).collect();
-    order.dedup();
-    if order.len() <= 1 {
-        return split_run(windows);
+    let mut order: Vec<usize> = (0..runs.len())
+        .filter(|run| runs[*run].moving_seconds() >= DRIVES)
+        .collect();
+    if order.is_empty() {
+        order = (0..runs.len()).collect();
+    }
+    if let [only] = order[..] {
+        return split_one(windows, only);
     }
     let number = |run: &usize| runs[*run].label.trim().parse().unwrap_or(f64::INFINITY);
     order.sort_by(|a, b| number(a).total_cmp(&number(b)));
@@ -34,6 +42,21 @@ pub fn split(runs: &[Signals], windows: &[Window]) -> Halves {
     };
     let (judged, fitted) = (0..windows.len()).partition(judged);
     Halves { fitted, judged }
+}
+
+/// Parts the windows of one run; those of others are for fitting.
+fn split_one(windows: &[Window], run: usize) -> Halves {
+    let first = windows.partition_point(|window| window.run < run);
+    let end = windows.partition_point(|window| window.run <= run);
+    let own = split_run(&windows[first..end]);
+    let shifted = |indices: Vec<usize>| indices.into_iter().map(move |index| first + index);
+    Halves {
+        fitted: (0..first)
+            .chain(shifted(own.fitted))
+            .chain(end..windows.len())
+            .collect(),
+        judged: shifted(own.judged).collect(),
+    }
 }
 
 fn split_run(windows: &[Window]) -> Halves {

@@ -40,9 +40,15 @@ impl Latency {
         }
     }
 
-    fn from_search(estimate: Option<Estimate>) -> Self {
+    /// What a search found that looked between these lags: the best at an end of them may be the end of something beyond,
+    /// but for the wheels' least one, which is meant.
+    fn from_search(estimate: Option<Estimate>, (least, most): (f64, f64)) -> Self {
+        let is_inside =
+            |lag: f64| (least >= 0.0 || lag > least + STEP / 2.0) && lag < most - STEP / 2.0;
         match estimate {
-            Some(estimate) if estimate.width() <= WIDEST => Self::Estimated(estimate),
+            Some(estimate) if estimate.width() <= WIDEST && is_inside(estimate.value) => {
+                Self::Estimated(estimate)
+            }
             _ => Self::Unknown,
         }
     }
@@ -56,6 +62,8 @@ pub struct Latencies {
     pub pose: Latency,
     /// By how much the wheel speeds trail.
     pub wheels: Latency,
+    /// What the gyro shows beyond the changes of the heading \[rad/s\]; 0 without a gyro.
+    pub gyro_bias: f64,
 }
 
 impl Latencies {
@@ -69,18 +77,25 @@ impl Latencies {
         if gyros().all(|gyro| gyro.is_none()) {
             let pairs = Increments::over_lags(twists.iter().zip(headings()), grid(POSE));
             return Self {
-                pose: Latency::from_search(pairs.best_lag(&Proportional)),
+                pose: Latency::from_search(pairs.best_lag(&Proportional), POSE),
                 wheels: Latency::Reference,
+                gyro_bias: 0.0,
             };
         }
         let pose = gyros().zip(headings()).filter_map(|(g, h)| Some((g?, h)));
         let wheels = gyros().zip(&twists).filter_map(|(g, t)| Some((g?, t)));
         let pose = Increments::over_lags(pose, grid(POSE));
-        let pose = pose.best_lag(&Equal { bias: bias(&pose) });
+        // In the middle at all lags: a bias would cost alike at every lag and hide the best one.
+        let bias = gyro_bias(pose.pairs());
+        let pose = pose.best_lag(&Equal { bias });
         let wheels = Increments::over_lags(wheels, grid(WHEELS)).best_lag(&Proportional);
+        let pose = Latency::from_search(pose, POSE);
+        let pairs = gyros().zip(headings()).filter_map(|(g, h)| Some((g?, h)));
+        let changes = Increments::at_lag(pairs, pose.value());
         Self {
-            pose: Latency::from_search(pose),
-            wheels: Latency::from_search(wheels),
+            pose,
+            wheels: Latency::from_search(wheels, WHEELS),
+            gyro_bias: gyro_bias(changes.into_iter()),
         }
     }
 }
@@ -90,11 +105,14 @@ fn grid((least, most): (f64, f64)) -> Vec<f64> {
     (0..=count).map(|k| least + STEP * k as f64).collect()
 }
 
-/// By how much more one changes than the other, in the middle of all increments at all lags: a
-/// gyro's bias, which would cost alike at every lag and hide the best one.
-fn bias(increments: &Increments) -> f64 {
-    let strays = increments.pairs().map(|(gyro, pose)| wrapped(pose - gyro));
-    median(&mut strays.collect::<Vec<f64>>())
+/// By how much more the gyro's integral changes over a second than the heading, in the middle of these changes of both
+/// \[rad/s\]; 0 where there is none.
+pub(super) fn gyro_bias(changes: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut strays: Vec<f64> = changes.map(|(gyro, pose)| wrapped(gyro - pose)).collect();
+    if strays.is_empty() {
+        return 0.0;
+    }
+    median(&mut strays)
 }
 
 /// Both change by the same angle but for a bias: Huber's loss of the difference.
@@ -107,7 +125,7 @@ impl Cost for Equal {
 
     fn sums(&self, pairs: &[(f64, f64)]) -> f64 {
         let loss = |(gyro, pose): &(f64, f64)| {
-            let stray = wrapped(pose - gyro - self.bias).abs();
+            let stray = wrapped(gyro - pose - self.bias).abs();
             if stray < OUTLIER {
                 stray * stray
             } else {

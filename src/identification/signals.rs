@@ -2,10 +2,15 @@
 
 use super::estimate::median;
 use super::increments::Increments;
+use super::latency::gyro_bias;
 use super::{IdentificationError, Latencies};
 use crate::recording::{Channel, Drive, Recording, Run, Series};
 use std::f64::consts::{PI, TAU};
 
+/// Wheel speeds or yaw rates this far apart are lost in between \[s\].
+const LOST: f64 = 1.5;
+/// Slower wheels stand still \[rad/s\].
+const TURNS: f64 = 0.1;
 /// Seconds on either side over which the gyro is tied to the recorded heading.
 const TIE: f64 = 1.0;
 
@@ -42,7 +47,10 @@ pub struct Signals {
     yaw_rate: Option<Series>,
     /// Integral of the yaw rate \[rad\] at its samples.
     turned: Option<Series>,
+    /// Where wheel speeds are not sampled, or the yaw rate, each on its own clock.
+    lost: [Vec<[f64; 2]>; 2],
     latencies: [f64; 2],
+    gyro_bias: f64,
 }
 
 impl Signals {
@@ -73,7 +81,9 @@ impl Signals {
 
     fn of_run(run: &Run) -> Option<Self> {
         let yaw_rate = run.series(Channel::YawRate).cloned();
+        let gyro_gaps = yaw_rate.iter().flat_map(|series| series.gaps(LOST));
         Some(Self {
+            lost: [run.wheel_gaps(LOST), gyro_gaps.collect()],
             label: run.label.clone(),
             x: run.series(Channel::X)?.clone(),
             y: run.series(Channel::Y)?.clone(),
@@ -82,11 +92,13 @@ impl Signals {
             turned: yaw_rate.as_ref().map(integral),
             yaw_rate,
             latencies: [0.0; 2],
+            gyro_bias: 0.0,
         })
     }
 
-    /// Shifts pose and wheel speeds back by what they trail.
+    /// Shifts pose and wheel speeds back by what they trail, and takes the bias off the yaw rate.
     pub fn remove(&mut self, latencies: &Latencies) {
+        self.gyro_bias = latencies.gyro_bias;
         self.latencies = [latencies.pose.value(), latencies.wheels.value()];
     }
 
@@ -152,10 +164,10 @@ impl Signals {
     pub(super) fn yaw_rates(&self, from: f64, to: f64) -> Vec<(f64, f64)> {
         let pick = |series: &Series| -> Vec<(f64, f64)> {
             let first = series.time.partition_point(|t| *t < from);
-            series
-                .samples()
-                .skip(first)
+            let within = series.samples().skip(first);
+            within
                 .take_while(|(t, _)| *t <= to)
+                .map(|(t, rate)| (t, rate - self.gyro_bias))
                 .collect()
         };
         self.yaw_rate.as_ref().map(pick).unwrap_or_default()
@@ -175,7 +187,40 @@ impl Signals {
     /// Integral of the yaw rate, from an arbitrary beginning \[rad\].
     #[must_use]
     pub fn turned(&self, time: f64) -> Option<f64> {
-        self.turned.as_ref()?.at(time)
+        let turned = self.turned.as_ref()?;
+        Some(turned.at(time)? - self.gyro_bias * (time - turned.start()?))
+    }
+
+    /// Whether wheel speeds, or the yaw rate where it tells the heading, are lost between two times.
+    #[must_use]
+    pub(super) fn is_lost(&self, from: f64, to: f64, heading: HeadingSource) -> bool {
+        let overlaps = |gaps: &[[f64; 2]], late: f64| {
+            let next = gaps.partition_point(|[_, end]| end - late <= from);
+            gaps.get(next).is_some_and(|[start, _]| start - late < to)
+        };
+        overlaps(&self.lost[0], self.wheel_latency())
+            || heading == HeadingSource::Gyro && overlaps(&self.lost[1], 0.0)
+    }
+
+    /// Seconds in which the wheels turn.
+    #[must_use]
+    pub(super) fn moving_seconds(&self) -> f64 {
+        let wheels = &self.wheels;
+        let turns = |row: &usize| {
+            let speeds = wheels.wheel_speeds(*row);
+            speeds.iter().any(|speed| speed.abs() > TURNS)
+        };
+        let rows = (0..wheels.len().saturating_sub(1)).filter(turns);
+        let seconds = rows.map(|row| wheels.time[row + 1] - wheels.time[row]);
+        seconds.filter(|seconds| *seconds <= LOST).sum()
+    }
+
+    /// The next time after one at which there is a position; `None` behind the last.
+    #[must_use]
+    pub(super) fn next_position(&self, time: f64) -> Option<f64> {
+        let at = time + self.pose_latency();
+        let next = self.x.time.partition_point(|t| *t <= at);
+        Some(self.x.time.get(next)? - self.pose_latency())
     }
 
     /// Heading at a time from the integrated yaw rate, tied to the recorded headings around:
@@ -254,7 +299,7 @@ impl Signals {
     }
 }
 
-/// How far the recorded heading's changes over a second stray from the gyro's, as RMS \[rad\];
+/// How far the recorded heading's changes over a second stray from the gyro's less its bias, as RMS \[rad\];
 /// `None` without a yaw rate.
 #[must_use]
 pub fn heading_noise(runs: &[Signals]) -> Option<f64> {
@@ -263,9 +308,10 @@ pub fn heading_noise(runs: &[Signals]) -> Option<f64> {
         .iter()
         .filter_map(|run| Some((run.turned_series()?, run.heading_series())));
     let increments = Increments::at_lag(pairs, lag);
+    let bias = gyro_bias(increments.iter().copied());
     let squares: f64 = increments
         .iter()
-        .map(|(gyro, pose)| wrapped(pose - gyro).powi(2))
+        .map(|(gyro, pose)| wrapped(gyro - pose - bias).powi(2))
         .sum();
     (!increments.is_empty()).then(|| (squares / increments.len() as f64).sqrt())
 }

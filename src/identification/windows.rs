@@ -94,7 +94,7 @@ impl Window {
 pub struct Rejected {
     /// The vehicle stands still.
     pub standing: usize,
-    /// The pose at the start or the end, or the yaw rate that is asked for, is not known
+    /// The pose at the start or the end, a wheel speed in between, or the yaw rate that is asked for, is not known
     /// well enough.
     pub gaps: usize,
 }
@@ -124,8 +124,16 @@ pub fn cut(recording: &str, runs: &[Signals], cut: &Cut) -> Result<WindowSet, Id
         if room < 0.0 {
             continue;
         }
-        for k in 0..=(room / cut.spacing).floor() as usize {
-            let start = first + ROUNDING + cut.spacing * k as f64;
+        let (mut next, count) = (0, (room / cut.spacing).floor() as usize);
+        while next <= count {
+            let start = first + ROUNDING + cut.spacing * next as f64;
+            next += 1;
+            if signals.pose_gap(start).is_some_and(|gap| gap > PAUSE)
+                && let Some(behind) = signals.next_position(start)
+            {
+                next = next.max(((behind - first) / cut.spacing).floor() as usize);
+                continue;
+            }
             let wheels = signals.drive(start, cut.horizon);
             if mean_speed(&wheels) <= cut.least_wheel_speed {
                 set.rejected.standing += 1;
@@ -153,6 +161,8 @@ pub fn cut(recording: &str, runs: &[Signals], cut: &Cut) -> Result<WindowSet, Id
     }
 }
 
+/// Where there is no pose for longer, nothing was recorded, or the clock was set: no window starts there \[s\].
+const PAUSE: f64 = 60.0;
 /// Room for rounding of times \[s\].
 const ROUNDING: f64 = 1e-6;
 
@@ -163,7 +173,8 @@ fn window(signals: &Signals, run: usize, start: f64, wheels: Drive, cut: &Cut) -
             .pose_gap(time)
             .is_none_or(|gap| gap > cut.longest_gap)
     };
-    if far_apart(start) || far_apart(stop) {
+    let is_lost = signals.is_lost(start, stop, cut.heading);
+    if is_lost || far_apart(start) || far_apart(stop) {
         return None;
     }
     let ([x, y, mut heading], mut end) = (signals.pose(start)?, signals.pose(stop)?);

@@ -1,6 +1,7 @@
 //! What makes samples no series in time.
 
 use super::{Channel, Recording, Series};
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// Samples that no reader lets pass: those of a program's own making may be so.
@@ -106,10 +107,46 @@ impl Recording {
     }
 }
 
+/// Two recordings of one name: what is said of one of them names it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SameName {
+    /// The name.
+    pub name: String,
+}
+
+impl fmt::Display for SameName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "two recordings are called {}", self.name)
+    }
+}
+
+impl std::error::Error for SameName {}
+
+/// Refuses recordings of one name, a recording that is given twice among them: it would count twice.
+///
+/// # Errors
+/// The first name that comes again.
+pub fn different_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<(), SameName> {
+    let mut known = BTreeSet::new();
+    for name in names {
+        if !known.insert(name) {
+            return Err(SameName { name: name.into() });
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::recording::Run;
+
+    #[test]
+    fn names_that_come_again_are_told() {
+        assert_eq!(different_names(["a", "b"]), Ok(()));
+        let error = different_names(["a", "b", "a"]).unwrap_err();
+        assert_eq!(error.to_string(), "two recordings are called a");
+    }
 
     #[test]
     fn samples_out_of_order_or_lost_are_told() {

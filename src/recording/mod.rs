@@ -25,7 +25,7 @@ pub use channel::Channel;
 pub use csv::{Cell, CsvError, read_drive};
 pub use cumulated::{Cumulated, Grid, stretches};
 pub use drive::{Drive, fill_gaps};
-pub use fault::{RecordingFault, SeriesFault};
+pub use fault::{RecordingFault, SameName, SeriesFault, different_names};
 pub use moments::Moments;
 pub use note::{Note, NoteKind};
 #[cfg(feature = "analysis")]

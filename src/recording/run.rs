@@ -86,6 +86,24 @@ impl Run {
             time,
         })
     }
+
+    /// Where the speed of a side is not sampled for longer than this \[s\]: from a sample to the next, in order and
+    /// without overlap.
+    #[must_use]
+    pub fn wheel_gaps(&self, longest: f64) -> Vec<[f64; 2]> {
+        let sides = [Channel::OmegaLeft, Channel::OmegaRight];
+        let sides = sides.into_iter().filter_map(|side| self.series(side));
+        let mut gaps: Vec<[f64; 2]> = sides.flat_map(|series| series.gaps(longest)).collect();
+        gaps.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut merged: Vec<[f64; 2]> = Vec::new();
+        for gap in gaps {
+            match merged.last_mut() {
+                Some(last) if gap[0] <= last[1] => last[1] = last[1].max(gap[1]),
+                _ => merged.push(gap),
+            }
+        }
+        merged
+    }
 }
 
 /// What is in one file, and in the one beside it.

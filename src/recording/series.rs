@@ -81,6 +81,12 @@ impl Series {
         gaps.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
+    /// Intervals longer than this \[s\], from a sample to the next.
+    pub fn gaps(&self, longest: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let pairs = self.time.windows(2).map(|pair| [pair[0], pair[1]]);
+        pairs.filter(move |[from, to]| to - from > longest)
+    }
+
     /// Samples as pairs of time and value.
     pub fn samples(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.time.iter().copied().zip(self.value.iter().copied())

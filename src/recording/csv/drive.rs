@@ -16,6 +16,11 @@ const COLUMNS: [Column; 3] = [
     required("omega_right", "rad/s"),
 ];
 
+/// Longer intervals are none of a drive's \[s\], and a simulation refuses them.
+const LONGEST: f64 = 1e6;
+/// No wheel is faster \[rad/s\]; differences of such speeds are finite.
+const FASTEST: f64 = 1e6;
+
 const fn required(name: &'static str, unit: &'static str) -> Column {
     Column {
         name,
@@ -41,6 +46,18 @@ pub fn read_drive(file: &str, mut input: impl Read) -> Result<Drive, CsvError> {
     rows.finish(&header)
 }
 
+/// A wheel speed, or nothing where the cell is empty.
+fn speed(row: &Row, index: usize) -> Result<Option<f64>, CsvError> {
+    let speed = row.number(index)?;
+    match speed.filter(|speed| speed.abs() > FASTEST) {
+        Some(found) => {
+            let expected = format!("a wheel speed within {FASTEST:e} rad/s");
+            Err(malformed(row.cell(index), format!("{found:e}"), expected))
+        }
+        None => Ok(speed),
+    }
+}
+
 /// What has been read so far.
 #[derive(Default)]
 struct Rows {
@@ -63,9 +80,17 @@ impl Rows {
             let expected = format!("a time later than {before} s{hint}");
             return Err(malformed(row.cell(TIME), format!("{time}"), expected));
         }
+        if let Some(&before) = self.time.last()
+            && time - before > LONGEST
+        {
+            let expected = format!(
+                "a time within {LONGEST:e} s of the one before, {before} s (does the clock count milliseconds or less?)"
+            );
+            return Err(malformed(row.cell(TIME), format!("{time}"), expected));
+        }
         self.time.push(time);
-        self.omega_left.push(row.number(OMEGA_LEFT)?);
-        self.omega_right.push(row.number(OMEGA_RIGHT)?);
+        self.omega_left.push(speed(row, OMEGA_LEFT)?);
+        self.omega_right.push(speed(row, OMEGA_RIGHT)?);
         Ok(())
     }
 

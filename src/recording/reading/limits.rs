@@ -1,7 +1,7 @@
 //! Values that cannot be.
 
 use super::note;
-use crate::recording::csv::{Samples, malformed};
+use crate::recording::csv::{Sample, Samples, malformed};
 use crate::recording::{Channel, CsvError, Note, NoteKind};
 
 /// Larger magnitudes are none of a ground vehicle's, in the channel's unit.
@@ -21,34 +21,65 @@ pub const ANY_UNIT: f64 = 60.0;
 /// Larger shares of a channel are no single slips.
 const MOST_OUTLIERS: f64 = 0.01;
 
+/// Headings that leave the ones before by more than this, in degrees or radians, are none: a number that stands for a
+/// missing one, such as -999.
+const LEAP: f64 = 400.0;
+/// Of so many first ones the median is taken for what comes before.
+const FIRST: usize = 11;
+
 /// Leaves out single values beyond a multiple of the limits.
 pub fn drop_outliers(samples: &mut Samples, factor: f64) -> Vec<Note> {
-    let mut notes = Vec::new();
-    for channel in Channel::ALL {
+    let leave = |channel: Channel| {
         let bound = factor * limit(channel);
-        let lines = samples
-            .of(channel)
-            .filter(|sample| sample.value.abs() > bound);
+        let beyond = |sample: &&Sample| sample.value.abs() > bound;
+        let lines = samples.of(channel).filter(beyond);
         let lines: Vec<usize> = lines.map(|sample| sample.line).collect();
-        let total = samples.of(channel).count();
-        if lines.is_empty()
-            || lines.len() as f64 > 1.0_f64.max(MOST_OUTLIERS * total as f64)
-            || lines.len() == total
-        {
+        let why = format!("are beyond {bound} {}", channel.unit());
+        take_out(samples, channel, lines, &why)
+    };
+    Channel::ALL.into_iter().filter_map(leave).collect()
+}
+
+/// Leaves out single headings that are far from all others, so that these may be wrapped or in degrees.
+pub fn drop_leaps(samples: &mut Samples) -> Option<Note> {
+    let mut lines = Vec::new();
+    for run in &samples.runs {
+        let headings = &run.channels[Channel::Heading.index()];
+        let mut first: Vec<f64> = headings.iter().take(FIRST).map(|one| one.value).collect();
+        first.sort_by(f64::total_cmp);
+        let Some(mut last) = first.get(first.len() / 2).copied() else {
             continue;
+        };
+        for sample in headings {
+            if (sample.value - last).abs() > LEAP {
+                lines.push(sample.line);
+            } else {
+                last = sample.value;
+            }
         }
-        for run in &mut samples.runs {
-            run.channels[channel.index()].retain(|sample| sample.value.abs() <= bound);
-        }
-        let count = lines.len();
-        let text = format!(
-            "{count} of {total} values are beyond {bound} {} and taken as missing",
-            channel.unit()
-        );
-        let first = lines.iter().min().copied().unwrap_or_default();
-        notes.extend(note(NoteKind::Outlier, Some(channel), (count, first), text));
     }
-    notes
+    let why = format!("are more than {LEAP} from the ones before");
+    take_out(samples, Channel::Heading, lines, &why)
+}
+
+/// Leaves out the values of these lines, unless they are too many for slips.
+fn take_out(
+    samples: &mut Samples,
+    channel: Channel,
+    mut lines: Vec<usize>,
+    why: &str,
+) -> Option<Note> {
+    let (count, total) = (lines.len(), samples.of(channel).count());
+    if count as f64 > 1.0_f64.max(MOST_OUTLIERS * total as f64) || count == total {
+        return None;
+    }
+    lines.sort_unstable();
+    for run in &mut samples.runs {
+        run.channels[channel.index()].retain(|sample| lines.binary_search(&sample.line).is_err());
+    }
+    let text = format!("{count} of {total} values {why} and taken as missing");
+    let first = lines.first().copied().unwrap_or_default();
+    note(NoteKind::Outlier, Some(channel), (count, first), text)
 }
 
 /// Refuses what is beyond the limits.

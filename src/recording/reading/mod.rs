@@ -61,6 +61,7 @@ fn parse_recording(
     notes.extend(order::settle(&mut samples)?);
     notes.extend(clock::to_seconds(&mut samples)?);
     notes.extend(limits::drop_outliers(&mut samples, limits::ANY_UNIT));
+    notes.extend(limits::drop_leaps(&mut samples));
     notes.extend(units::convert(&mut samples, &about));
     notes.extend(limits::drop_outliers(&mut samples, 1.0));
     limits::check(&samples)?;
@@ -98,6 +99,12 @@ fn note(
     })
 }
 
+/// Number of a channel's samples, and the first one's line.
+fn place(samples: &Samples, channel: Channel) -> (usize, usize) {
+    let first = samples.of(channel).next().map_or(0, |sample| sample.line);
+    (samples.of(channel).count(), first)
+}
+
 /// Cells that say that there is no number.
 fn words(samples: &Samples) -> Vec<Note> {
     let of = |channel: Channel| {
@@ -116,6 +123,9 @@ fn restarts(samples: &Samples) -> Option<Note> {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod test_drive;
 
 #[cfg(test)]
 mod repair_tests;

@@ -1,119 +1,9 @@
 //! Files with a slip that is put right, and ones with a slip that is not.
 
+use super::test_drive::{NAMES, Rows, assert_restored, drive, kinds, read, text, turning, with};
 use super::*;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// Columns after the time, in the order of [`NAMES`].
-type Rows = Vec<(f64, [f64; 6])>;
-const NAMES: &str = "time,omega_left,omega_right,x,y,heading,yaw_rate";
-
-/// A drive with turns both ways, a pivot and a stretch in reverse, at 20 Hz, the pose late.
-fn drive(seconds: f64, seed: u64) -> Rows {
-    let mut random = seed;
-    let mut noise = |size: f64| {
-        random = random
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        size * ((random >> 33) as f64 / 2f64.powi(31) - 0.5)
-    };
-    let (mut x, mut y, mut heading) = (3.0, -2.0, 0.4);
-    let phase = (seed % 7) as f64;
-    let mut late = std::collections::VecDeque::from(vec![[x, y, heading]; 6]);
-    let mut rows = Rows::new();
-    for index in 0..(20.0 * seconds) as usize {
-        let time = 0.05 * index as f64;
-        let turn = 3.0 * (0.7 * time + phase).sin() + 2.0 * (0.31 * time).cos();
-        let ahead =
-            5.0 + 4.0 * (0.2 * time + phase).sin() - if index % 600 > 450 { 8.0 } else { 0.0 };
-        let (left, right) = (ahead - turn, ahead + turn);
-        let yaw_rate = 0.16 * (right - left);
-        heading += 0.05 * yaw_rate;
-        let step = 0.05 * 0.145 * (left + right);
-        x += step * heading.cos();
-        y += step * heading.sin();
-        late.push_back([x, y, heading]);
-        let pose = late.pop_front().unwrap();
-        rows.push((
-            time,
-            [
-                left,
-                right,
-                pose[0] + noise(0.02),
-                pose[1] + noise(0.02),
-                pose[2] + noise(0.01),
-                yaw_rate + noise(0.02),
-            ],
-        ));
-    }
-    rows
-}
-
-fn text(rows: &Rows) -> String {
-    let mut text = format!("{NAMES}\n");
-    for (time, values) in rows {
-        let cells: Vec<String> = values.iter().map(f64::to_string).collect();
-        text += &format!("{time},{}\n", cells.join(","));
-    }
-    text
-}
-
-fn read(text: &str) -> Result<Recording, CsvError> {
-    let about = About {
-        vehicle: Some(crate::vehicle::Vehicle {
-            wheel_radius: 0.3,
-            ..crate::vehicle::Vehicle::tran2007()
-        }),
-        ..About::default()
-    };
-    parse_recording("drive.csv", "drive", text.as_bytes(), about)
-}
-
-/// Reads, and checks that nothing but this was done and that the drive comes out.
-fn assert_restored(good: &Rows, bad: &str, kinds: &[(NoteKind, Option<Channel>)]) {
-    let recording = read(bad).unwrap();
-    let mut found: Vec<_> = recording
-        .notes
-        .iter()
-        .map(|note| (note.kind, note.channel))
-        .collect();
-    found.sort();
-    let mut expected = kinds.to_vec();
-    expected.sort();
-    assert_eq!(found, expected, "{:#?}", recording.notes);
-    for (index, channel) in [
-        Channel::OmegaLeft,
-        Channel::OmegaRight,
-        Channel::X,
-        Channel::Y,
-        Channel::Heading,
-        Channel::YawRate,
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let series = recording.runs[0].series(channel).unwrap();
-        for (time, values) in good {
-            if let Some(value) = series.at(*time) {
-                let error = (value - values[index]).abs();
-                assert!(
-                    error < 0.06,
-                    "{channel} at {time}: {value}, not {}",
-                    values[index]
-                );
-            }
-        }
-        assert!(series.len() as f64 > 0.95 * good.len() as f64);
-    }
-}
-
-fn with(rows: &Rows, change: impl Fn(&mut f64, &mut [f64; 6])) -> String {
-    let mut rows = rows.clone();
-    for (time, values) in &mut rows {
-        change(time, values);
-    }
-    text(&rows)
-}
 
 #[test]
 fn good_drive_is_left_alone() {
@@ -142,6 +32,31 @@ fn units_of_angles_are_seen() {
     assert_restored(&good, &bad, &[unwrapped]);
     let bad = with(&good, |_, v| v[4] = v[4].to_degrees().rem_euclid(360.0));
     assert_restored(&good, &bad, &[unit(Channel::Heading), unwrapped]);
+    // A number that stands for a missing one hides neither.
+    let outlier = (NoteKind::Outlier, Some(Channel::Heading));
+    for missing in [-999.0, 9999.0] {
+        let never = |t: f64, value: f64| {
+            if t == 0.0 || t == 30.0 {
+                missing
+            } else {
+                value
+            }
+        };
+        let bad = with(&good, |t, v| {
+            v[4] = never(*t, (v[4] + PI).rem_euclid(TAU) - PI)
+        });
+        assert_restored(&good, &bad, &[outlier, unwrapped]);
+        let bad = with(&good, |t, v| {
+            v[4] = never(*t, v[4].to_degrees().rem_euclid(360.0))
+        });
+        assert_restored(&good, &bad, &[outlier, unit(Channel::Heading), unwrapped]);
+    }
+    // 90 less a compass, and a compass with its declination.
+    let unit_and_more = [unit(Channel::Heading), unwrapped];
+    let bad = with(&good, |_, v| {
+        v[4] = (v[4].to_degrees() + 270.0).rem_euclid(360.0) - 270.0
+    });
+    assert_restored(&good, &bad, &unit_and_more);
     // Two antennas that were taken for each other once.
     let bad = with(&good, |t, v| {
         let turned = if *t == 30.0 { 180.0 } else { 0.0 };
@@ -164,9 +79,19 @@ fn wheel_speeds_that_cannot_be_are_converted_or_refused() {
         [v[0], v[1]] = [v[0], v[1]].map(|speed| speed * 30.0 / PI)
     });
     let notes = read(&bad).unwrap().notes;
-    let kinds: Vec<_> = notes.iter().map(|note| note.kind).collect();
-    assert_eq!(kinds, [NoteKind::Suspicion], "{notes:?}");
+    assert_eq!(kinds(&notes), [NoteKind::Suspicion], "{notes:?}");
     assert!(notes[0].text.contains("may be rpm"), "{notes:?}");
+    // Rim speeds in metres per second of a narrow vehicle: it turns by 3.3 per metre that the rims differ.
+    let narrow = turning(60.0, 3, 1.0);
+    let bad = with(&narrow, |_, v| [v[0], v[1]] = [0.3 * v[0], 0.3 * v[1]]);
+    assert_restored(&narrow, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
+    let recording = parse_recording("drive.csv", "drive", bad.as_bytes(), About::default());
+    let notes = recording.unwrap().notes;
+    assert_eq!(kinds(&notes), [NoteKind::Suspicion], "{notes:?}");
+    assert!(
+        notes[0].text.contains("may be rim speeds in m/s"),
+        "{notes:?}"
+    );
     // One spike is left out.
     let bad = with(&good, |t, v| v[1] = if *t == 20.0 { 400.0 } else { v[1] });
     assert_restored(
@@ -192,8 +117,12 @@ fn units_of_time_are_seen() {
     for (factor, start) in [(1e3, 0.0), (1e3, 1.7e9), (1e6, 0.0), (1e9, 0.0)] {
         let bad = with(&good, |t, _| *t = ((*t + start) * factor).round());
         let recording = read(&bad).unwrap();
-        let kinds: Vec<_> = recording.notes.iter().map(|note| note.kind).collect();
-        assert_eq!(kinds, [NoteKind::TimeUnit], "{:?}", recording.notes);
+        assert_eq!(
+            kinds(&recording.notes),
+            [NoteKind::TimeUnit],
+            "{:?}",
+            recording.notes
+        );
         let run = &recording.runs[0];
         assert!((run.duration() - 59.95).abs() < 1e-6 && (run.start() - start).abs() < 1e-6);
         // The wheels alone tell as much.
@@ -212,8 +141,12 @@ fn units_of_time_are_seen() {
     let fast = read(&wheels(1e3)).unwrap();
     assert!((fast.runs[0].duration() - 1.199).abs() < 1e-9);
     let slow = read(&wheels(2.0)).unwrap();
-    let kinds: Vec<_> = slow.notes.iter().map(|note| note.kind).collect();
-    assert_eq!(kinds, [NoteKind::Suspicion], "{:?}", slow.notes);
+    assert_eq!(
+        kinds(&slow.notes),
+        [NoteKind::Suspicion],
+        "{:?}",
+        slow.notes
+    );
     let bad = with(&good, |t, _| *t *= 1.4e4);
     let error = read(&bad).unwrap_err().to_string();
     assert!(error.contains("the median interval is 700"), "{error}");
@@ -243,6 +176,29 @@ fn swapped_columns_are_seen() {
     let signs = |channels: [Channel; 2]| channels.map(|one| (NoteKind::Sign, Some(one)));
     let found = signs([Channel::Heading, Channel::YawRate]);
     assert_restored(&good, &with(&good, clockwise), &found);
+    // ... or clockwise from anywhere: an antenna across the vehicle, a heading that begins at 0.
+    for from in [0.0, 1.1, -2.0] {
+        let bad = with(&good, |_, v| (v[4], v[5]) = (from - v[4], -v[5]));
+        let recording = read(&bad).unwrap();
+        assert_eq!(
+            kinds(&recording.notes),
+            [NoteKind::Sign; 2],
+            "{:?}",
+            recording.notes
+        );
+        let series = recording.runs[0].series(Channel::Heading).unwrap();
+        let error = |(time, v): &(f64, [f64; 6])| Some(series.at(*time)? - v[4]);
+        let off = good.iter().find_map(error).unwrap();
+        // The direction is told by the course, to a few hundredths, and by whole turns.
+        assert!(
+            (off - (off / TAU).round() * TAU).abs() < 0.1,
+            "{from}: {off}"
+        );
+        assert_eq!(
+            recording.runs[0].series(Channel::OmegaLeft).unwrap().value[7],
+            good[7].1[0]
+        );
+    }
     // Both wheels count backwards.
     let bad = with(&good, |_, v| (v[0], v[1]) = (-v[0], -v[1]));
     let found = signs([Channel::OmegaLeft, Channel::OmegaRight]);
@@ -255,10 +211,7 @@ fn swapped_columns_are_seen() {
         };
         text.lines().map(cells).collect::<String>()
     };
-    let kinds = |text: &str| -> Vec<_> {
-        let notes = read(text).unwrap().notes;
-        notes.into_iter().map(|note| note.kind).collect()
-    };
+    let kinds = |text: &str| kinds(&read(text).unwrap().notes);
     let bad = without(with(&good, |_, v| v[5] = -v[5]));
     assert_eq!(kinds(&bad), [NoteKind::Sign]);
     let bad = without(with(&good, |_, v| v.swap(0, 1)));
@@ -323,8 +276,7 @@ fn runs_keep_what_they_have() {
         );
     }
     let recording = read(&text).unwrap();
-    let kinds: Vec<_> = recording.notes.iter().map(|note| note.kind).collect();
-    assert_eq!(kinds, [NoteKind::SwappedWheels]);
+    assert_eq!(kinds(&recording.notes), [NoteKind::SwappedWheels]);
     assert_eq!(recording.runs.len(), 2);
 }
 

@@ -2,9 +2,9 @@
 //! third one that says the opposite.
 
 use super::agreement::{Agreement, compare, cumulated, wheels};
-use super::note;
+use super::{note, place};
 use crate::recording::csv::{RawRun, Samples};
-use crate::recording::{Channel, Cumulated, Note, NoteKind, Series, way_along};
+use crate::recording::{Channel, Cumulated, Grid, Note, NoteKind, Series, way_along};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Step of the comparisons \[s\].
@@ -67,7 +67,14 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
     let pose_wheels = Comparison::of(compare(samples, STEP, difference, heading));
     let gyro_wheels = Comparison::of(compare(samples, STEP, difference, gyro));
     let pose_gyro = Comparison::of(compare(samples, STEP, heading, gyro));
-    let is_mirrored = position(samples) == Some(Relation::Mirrored);
+    let relation = position(samples);
+    let is_mirrored = relation == Some(Relation::Mirrored);
+    if let (Against, Against | Absent, Together | Absent, Some(Relation::Clockwise(from)))
+    | (Against, Together, Against, Some(Relation::Clockwise(from))) =
+        (pose_wheels.vote, gyro_wheels.vote, pose_gyro.vote, relation)
+    {
+        return clockwise(samples, from, pose_wheels.r, gyro_wheels.vote == Against);
+    }
     match (pose_wheels.vote, gyro_wheels.vote, pose_gyro.vote) {
         (Against, Against, Together) if is_mirrored => {
             let text = format!(
@@ -111,6 +118,45 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
         }
         _ => Vec::new(),
     }
+}
+
+/// A heading that counts clockwise from this direction, as the course over the ground shows, which goes with the wheels;
+/// and the gyro, where it counts so, too.
+fn clockwise(samples: &mut Samples, from: f64, r: f64, gyro: bool) -> Vec<Note> {
+    let text = format!(
+        "the wheels went the other way (correlation {r:.2}), and so did the course over the ground"
+    );
+    // The course is the same ahead and in reverse.
+    let mut turned = samples.clone();
+    turn_round(&mut turned, Channel::Heading, from, String::new());
+    let from = if goes_backwards(&turned) {
+        from + PI
+    } else {
+        from
+    };
+    let from = from.rem_euclid(TAU);
+    let heading = format!(
+        "taken as clockwise from {:.0} deg (counter-clockwise from east) and converted: {text}",
+        from.to_degrees()
+    );
+    let mut notes = turn_round(samples, Channel::Heading, from, heading);
+    if gyro {
+        let text = format!("taken as clockwise, its sign turned round: {text}");
+        notes.extend(turn_round(samples, Channel::YawRate, 0.0, text));
+    }
+    notes
+}
+
+/// Whether the vehicle comes the other way than its wheels roll, on the whole.
+fn goes_backwards(samples: &Samples) -> bool {
+    let product = |run: &RawRun| {
+        let (way, rims) = (travel(run)?, wheels(run, [0.5, 0.5])?);
+        let grid = Grid::over(&way, &rims, STEP)?;
+        let rates = [way, rims].map(|sum| sum.mean_rates(grid, SPANS[0]));
+        let pairs = rates[0].iter().zip(&rates[1]);
+        Some(pairs.filter_map(|(a, b)| Some((*a)? * (*b)?)).sum::<f64>())
+    };
+    samples.runs.iter().filter_map(product).sum::<f64>() < 0.0
 }
 
 /// Without a heading the course decides between gyro and wheels; without that, too, the wheels are swapped.
@@ -159,7 +205,13 @@ fn course(run: &RawRun) -> Option<Cumulated> {
 fn mend_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
     let ahead = |run: &_| wheels(run, [0.5, 0.5]);
     let found = Comparison::of(compare(samples, STEP, ahead, travel));
-    if found.vote != Vote::Against {
+    let backwards = match found.vote {
+        Vote::Against => true,
+        // At a steady speed nothing correlates.
+        Vote::Absent => goes_backwards(samples),
+        _ => false,
+    };
+    if !backwards {
         return swap_wheels(samples, witness, r);
     }
     let text = format!(
@@ -198,11 +250,6 @@ fn settle_heading(samples: &mut Samples, is_mirrored: bool, evidence: &str) -> V
     }
 }
 
-fn place(samples: &Samples, channel: Channel) -> (usize, usize) {
-    let first = samples.of(channel).next().map_or(0, |sample| sample.line);
-    (samples.of(channel).count(), first)
-}
-
 fn swap(samples: &mut Samples, pair: [Channel; 2], kind: NoteKind, text: String) -> Vec<Note> {
     let place = place(samples, pair[0]);
     for run in &mut samples.runs {
@@ -238,6 +285,8 @@ enum Relation {
     Same,
     /// It is a quarter turn less the heading.
     Mirrored,
+    /// It is this, or half a turn more, less the heading \[rad\].
+    Clockwise(f64),
 }
 
 /// The relation that the positions show, if they show one: a slow vehicle takes longer to come anywhere.
@@ -283,6 +332,8 @@ fn over(samples: &Samples, seconds: f64) -> Option<Option<Relation>> {
     let is_mirrored = length(mirrored) >= CLEAR && length(same) <= UNCLEAR;
     Some(if is_mirrored && off.min(TAU - off) <= NEAR {
         Some(Relation::Mirrored)
+    } else if is_mirrored {
+        Some(Relation::Clockwise(0.5 * mirrored[1].atan2(mirrored[0])))
     } else {
         (length(same) >= CLEAR && length(mirrored) <= UNCLEAR).then_some(Relation::Same)
     })

@@ -2,7 +2,7 @@
 
 use super::agreement::{Agreement, compare, cumulated, wheels};
 use super::limits::limit;
-use super::note;
+use super::{note, place};
 use crate::recording::csv::{RawRun, Samples};
 use crate::recording::{About, Channel, Note, NoteKind};
 use crate::vehicle::Vehicle;
@@ -26,14 +26,28 @@ const QUICK: [f64; 2] = [1.2, 0.35];
 /// Some other jumps may be among them (a course at standstill) where more than half of all values are beyond this,
 /// which is no wrapped heading in radians \[rad\].
 const NO_RADIANS: f64 = 7.0;
+/// The same of rim speeds in metres per second, 1 / 2B at most: no track is narrower than 0.2 m.
+const MOST_TURN_OF_RIMS: f64 = 5.0;
 /// Share of the rim speed at which a vehicle may seem to move, where the unit is right.
 const EFFECTIVE: RangeInclusive<f64> = 0.7..=1.2;
+/// The same where no vehicle is known, whose wheels may have a radius of a metre.
+const EFFECTIVE_OF_ANY: RangeInclusive<f64> = 0.85..=1.1;
+/// No vehicle moves at more than so many times the speed of its rims, sliding downhill aside.
+const MOST_TRAVEL: f64 = 1.5;
 
 /// Converts headings and yaw rates from degrees, and wheel speeds that cannot be.
 pub fn convert(samples: &mut Samples, about: &About) -> Vec<Note> {
     let mut notes = Vec::new();
     notes.extend(wrapped_degrees(samples));
-    notes.extend(degrees(samples));
+    let rims = rim_speeds(samples, about.vehicle.as_ref());
+    let is_suspected = |note: &Note| note.kind == NoteKind::Suspicion;
+    let most_turn = if rims.as_ref().is_some_and(is_suspected) {
+        MOST_TURN_OF_RIMS
+    } else {
+        MOST_TURN
+    };
+    notes.extend(rims);
+    notes.extend(degrees(samples, most_turn));
     notes.extend(wheel_unit(samples, about.vehicle.as_ref()));
     notes
 }
@@ -44,8 +58,7 @@ fn scale(samples: &mut Samples, channel: Channel, factor: f64) -> (usize, usize)
             sample.value *= factor;
         }
     }
-    let first = samples.of(channel).next().map_or(0, |sample| sample.line);
-    (samples.of(channel).count(), first)
+    place(samples, channel)
 }
 
 fn from_degrees(samples: &mut Samples, channel: Channel, evidence: &str) -> Option<Note> {
@@ -57,12 +70,13 @@ fn from_degrees(samples: &mut Samples, channel: Channel, evidence: &str) -> Opti
 /// Headings that jump by 360 and stay within that.
 fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
     let heading = Channel::Heading.index();
-    let within = |low: f64| {
-        samples
-            .of(Channel::Heading)
-            .all(|sample| (low..=low + 360.0).contains(&sample.value))
-    };
-    if !(within(-180.0) || within(0.0)) {
+    // From where it counts does not matter: 90 less a compass, a compass with declination.
+    let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+    let headings = samples.of(Channel::Heading).map(|sample| sample.value);
+    let (low, high) = headings.fold(nothing, |(low, high), value| {
+        (value.min(low), value.max(high))
+    });
+    if high - low > *FULL_TURN.end() {
         return None;
     }
     let jumps = |run: &RawRun| {
@@ -94,8 +108,37 @@ fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
     from_degrees(samples, Channel::Heading, &evidence)
 }
 
+/// Wheel speeds in metres per second: as rad/s the vehicle would leave its rims behind. Without a vehicle they are told.
+fn rim_speeds(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> {
+    let sides = [Channel::OmegaLeft, Channel::OmegaRight];
+    let mean = |run: &_| wheels(run, [0.5, 0.5]);
+    let (correlation, slope) = compare(samples, STEP, super::signs::travel, mean)?.strongest();
+    if correlation < STRONG {
+        return None;
+    }
+    let Some(radius) = vehicle.map(|vehicle| vehicle.wheel_radius) else {
+        let text = format!(
+            "both wheel speeds may be rim speeds in m/s: the vehicle moves at {slope:.2} of them \
+             (correlation {correlation:.2}); left as they are, for the wheels' radius is not known"
+        );
+        let is_told = EFFECTIVE_OF_ANY.contains(&slope);
+        let place = place(samples, sides[0]);
+        return note(NoteKind::Suspicion, Some(sides[0]), place, text).filter(|_| is_told);
+    };
+    if !EFFECTIVE.contains(&slope) || slope < MOST_TRAVEL * radius {
+        return None;
+    }
+    let places = sides.map(|side| scale(samples, side, 1.0 / radius));
+    let text = format!(
+        "both wheel speeds taken as rim speeds in m/s and divided by the wheels' radius of {radius} m: the vehicle \
+         moves at {slope:.2} of them (correlation {correlation:.2}), as rad/s at {:.1} of the rims' speed",
+        slope / radius
+    );
+    note(NoteKind::Unit, Some(sides[0]), places[0], text)
+}
+
 /// Headings and yaw rates that turn 57 times too fast for each other or for the wheels.
-fn degrees(samples: &mut Samples) -> Vec<Note> {
+fn degrees(samples: &mut Samples, most_turn: f64) -> Vec<Note> {
     let heading = |run: &_| cumulated(run, Channel::Heading);
     let gyro = |run: &_| cumulated(run, Channel::YawRate);
     let difference = |run: &_| wheels(run, [-1.0, 1.0]);
@@ -104,8 +147,8 @@ fn degrees(samples: &mut Samples) -> Vec<Note> {
     };
     let of = |agreement: Option<Agreement>| agreement.and_then(|found| clear(found.strongest()));
     let both = of(compare(samples, STEP, heading, gyro));
-    let turn = of(compare(samples, STEP, heading, difference)).filter(|turn| turn.1 > MOST_TURN);
-    let yaw = of(compare(samples, STEP, gyro, difference)).filter(|yaw| yaw.1 > MOST_TURN);
+    let turn = of(compare(samples, STEP, heading, difference)).filter(|turn| turn.1 > most_turn);
+    let yaw = of(compare(samples, STEP, gyro, difference)).filter(|yaw| yaw.1 > most_turn);
     let near = |ratio: f64, unit: f64| (ratio / unit).max(unit / ratio) < NEAR;
     let (mut heading_evidence, mut gyro_evidence) = (None, None);
     match both {
@@ -168,8 +211,7 @@ fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> 
         slope / radius
     );
     if !sides.into_iter().any(beyond) {
-        let first = samples.of(sides[0]).next().map_or(0, |sample| sample.line);
-        let place = (samples.of(sides[0]).count(), first);
+        let place = place(samples, sides[0]);
         let text = format!("both wheel speeds may be {name}: {evidence}; left as they are");
         return note(NoteKind::Suspicion, Some(sides[0]), place, text);
     }

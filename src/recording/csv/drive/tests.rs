@@ -87,6 +87,15 @@ fn faults_are_located_and_explained() {
             "drive.csv: line 4, column 1 (time): found 0.5, expected a time later than 0.5 s",
         ),
         (
+            of("0,1,2\n2000000,1,2\n"),
+            "drive.csv: line 3, column 1 (time): found 2000000, expected a time within 1e6 s of the one before, 0 s \
+             (does the clock count milliseconds or less?)",
+        ),
+        (
+            of("0,1,-1e308\n"),
+            "drive.csv: line 2, column 3 (omega_right): found -1e308, expected a wheel speed within 1e6 rad/s",
+        ),
+        (
             of(",1,2\n"),
             "drive.csv: line 2, column 1 (time): found an empty cell, expected a number [s]",
         ),
