@@ -149,7 +149,28 @@ fn a_snapshot_of_another_vehicle_is_refused() {
     let mut simulation = Simulation::new(paper_model("dry_sand"));
     let expected = simulation.snapshot().len();
     let refused = simulation.restore(&[0.0; 3]);
-    assert_eq!(refused, Err(SnapshotError { expected, found: 3 }));
+    assert_eq!(refused, Err(SnapshotError::Count { expected, found: 3 }));
+}
+
+#[test]
+fn numbers_that_no_simulation_has_are_no_snapshot() {
+    let mut simulation = Simulation::new(paper_model("dry_sand"));
+    simulation.set_wheel_speeds(speeds(3.0, 2.0)).unwrap();
+    simulation.step(0.5).unwrap();
+    let snapshot = simulation.snapshot();
+    for number in [f64::NAN, -1.0, 0.0] {
+        for place in 0..snapshot.len() {
+            let mut other = snapshot.clone();
+            other[place] = number;
+            let mut restored = Simulation::new(paper_model("dry_sand"));
+            if restored.restore(&other).is_ok() {
+                // Whatever it is then, a step ends.
+                let _ = restored.step(0.05);
+            } else {
+                assert_eq!(restored.state(), State::default());
+            }
+        }
+    }
 }
 
 #[test]

@@ -24,7 +24,9 @@ impl<S: Scalar> AlteredPatch<S> {
     pub(super) fn arc(&self, entry: S) -> Arc<S> {
         let (half_sine, half_cosine) = entry.scale(0.5).sin_cos_small();
         let exit = -(self.rebound * entry);
-        let middle = exit + (entry - exit) * self.peak;
+        // Not behind the lowest point: there the soil that springs back would push harder than what it took to compact it.
+        let lowest = self.rebound / self.rebound.offset(1.0);
+        let middle = exit + (entry - exit) * self.peak.most(lowest);
         Arc {
             exit,
             middle,

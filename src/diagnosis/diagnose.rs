@@ -14,13 +14,13 @@ use super::manoeuvre::next;
 use super::outcome::{Account, Candidate, Diagnosis, Subject, Verdict};
 use super::screening::screen::{Projection, one_degree};
 use super::search::{Searched, search};
-use super::{DiagnosisError, Options, Progress, different_names};
+use super::{DiagnosisError, Options, Progress};
 use crate::effects::CATALOGUE;
 use crate::fit::Estimate;
 use crate::fit::error::LENGTHS;
 use crate::fit::parameter::NORMAL_95;
 use crate::fit::segment::Signal;
-use crate::recording::Recording;
+use crate::recording::{Recording, different_names};
 use crate::vehicle::Specification;
 
 /// Power with which the smallest detectable effect is seen: 90 % quantile of the normal
@@ -70,7 +70,8 @@ pub fn diagnose(
     if nominal.effects.depend_on_beginning() {
         return Err(DiagnosisError::DependsOnBeginning);
     }
-    different_names(recordings)?;
+    different_names(recordings.iter().map(|one| one.name.as_str()))
+        .map_err(DiagnosisError::SameName)?;
     for recording in recordings {
         recording.check().map_err(DiagnosisError::Recording)?;
         if !Signal::ALL

@@ -2,7 +2,7 @@
 
 use crate::fit::error::{DEPENDS_ON_BEGINNING, segment_length};
 use crate::fit::predictor::PredictionError;
-use crate::recording::{Recording, RecordingFault};
+use crate::recording::{RecordingFault, SameName};
 use std::error::Error;
 use std::fmt;
 
@@ -45,10 +45,7 @@ pub enum DiagnosisError {
     /// Effects of the given model that depend on when a drive began: segments begin anywhere.
     DependsOnBeginning,
     /// Two recordings of one name: findings name the recording.
-    SameName {
-        /// The name.
-        name: String,
-    },
+    SameName(SameName),
 }
 
 impl fmt::Display for DiagnosisError {
@@ -80,7 +77,7 @@ impl fmt::Display for DiagnosisError {
             Self::Recording(fault) => fault.fmt(f),
             Self::SegmentLength(length) => segment_length(*length, f),
             Self::DependsOnBeginning => f.write_str(DEPENDS_ON_BEGINNING),
-            Self::SameName { name } => write!(f, "two recordings are called {name}"),
+            Self::SameName(error) => error.fmt(f),
         }
     }
 }
@@ -90,21 +87,8 @@ impl Error for DiagnosisError {
         match self {
             Self::Undrivable(error) => Some(error),
             Self::Recording(fault) => Some(fault),
+            Self::SameName(error) => Some(error),
             _ => None,
         }
     }
-}
-
-/// Refuses recordings of one name: findings name the recording.
-///
-/// # Errors
-/// The first name that comes again.
-pub fn different_names(recordings: &[Recording]) -> Result<(), DiagnosisError> {
-    for (index, recording) in recordings.iter().enumerate() {
-        let name = &recording.name;
-        if recordings[..index].iter().any(|other| other.name == *name) {
-            return Err(DiagnosisError::SameName { name: name.clone() });
-        }
-    }
-    Ok(())
 }

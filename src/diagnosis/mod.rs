@@ -12,7 +12,7 @@ mod search;
 
 pub use answer::words::phrase;
 pub use diagnose::{diagnose, insufficient};
-pub use error::{DiagnosisError, different_names};
+pub use error::DiagnosisError;
 pub use outcome::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre,
     Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,

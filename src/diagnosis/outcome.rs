@@ -290,7 +290,7 @@ pub struct RunTrace {
     pub label: String,
     /// Times of the path's points \[s\].
     pub time: Vec<f64>,
-    /// Measured positions, east and north \[m\]; where no position was recorded, predicted ones.
+    /// Measured positions, east and north \[m\]; empty where no position was recorded.
     pub path: Vec<[f64; 2]>,
     /// How much the re-tuned model misses there, in standard deviations of the noise.
     pub mismatch: Vec<f64>,

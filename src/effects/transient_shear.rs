@@ -16,7 +16,7 @@ effect! {
     /// order in between. Soil sheared beyond 10 K slides on without storing more.
     TransientShear: "transient_shear", Physics,
     lifts "velocities constant while a point of the rim is in contact",
-    equation "dJ/dt = 2/(s theta_1) (V - abs(omega) J), j as in (14) with J for V/abs(omega)",
+    equation "dJ/dt = 2/(s theta_1) (V - abs(omega) J), j as in (14) with J for V/abs(omega); what is sheared beyond 10 K stores no more",
     source "transport equation of the brush model (Pacejka, Tyre and Vehicle Dynamics, ch. 2), projected here",
     {
         relaxation ["1"] 0.0..5.0, off 0.0, lognormal(1.0, 0.4), "Scale s of the relaxation length, 1 as derived; 0 is the steady state of the paper";

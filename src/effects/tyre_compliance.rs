@@ -12,7 +12,7 @@ effect! {
     /// below it, the wheel is replaced by the rigid one whose pressure is p, of radius
     /// r* = (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2; the rim still turns with r omega. Whatever it
     /// carries, that circle sinks equally deep, to z* = (p/k)^(1/n) ((3-n)/(3 I))^(2/(2n+1)) with
-    /// I = 2 times the integral of (1-u^2)^n from 1/2 to 1, the stress (5) over a flat arc: the tyre sinks no
+    /// I = 2 times the integral of (1-u^2)^n from 1/2 to 1, the stress (3) over a flat arc, front and rear: the tyre sinks no
     /// deeper, and more load makes its contact longer. Where n is small the circle may be many million times as
     /// large as the wheel. z* is that of untouched soil without slip: `slip_sinkage` and ruts do not move it.
     TyreCompliance: "tyre_compliance", Physics,

@@ -132,7 +132,11 @@ pub fn describe(parameter: vehicle::Parameter, nominal: &Specification) -> Param
         unit: parameter.unit(),
         scale: entry.scale,
         prior: Prior {
-            median: entry.median.unwrap_or_else(|| parameter.get(nominal)),
+            // A vehicle may have less than the scale reaches: a centre of mass on the ground.
+            median: entry
+                .median
+                .unwrap_or_else(|| parameter.get(nominal))
+                .clamp(entry.range.0, entry.range.1),
             deviation: entry.deviation,
         },
         low: entry.range.0,

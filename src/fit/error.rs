@@ -1,7 +1,7 @@
 //! Why nothing can be fitted.
 
 use super::predictor::PredictionError;
-use crate::recording::RecordingFault;
+use crate::recording::{RecordingFault, SameName};
 use std::error::Error;
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -41,6 +41,8 @@ pub enum FitError {
     NotFinite,
     /// Samples that are no series in time.
     Recording(RecordingFault),
+    /// Two recordings of one name: the sensors' parameters are called after it.
+    SameName(SameName),
     /// A length of segments \[s\] that is none, or too short or too long.
     SegmentLength(f64),
     /// Effects that depend on when a drive began: segments begin anywhere.
@@ -77,6 +79,7 @@ impl fmt::Display for FitError {
             ),
             Self::NotFinite => f.write_str("the fit's numbers are not finite"),
             Self::Recording(fault) => fault.fmt(f),
+            Self::SameName(error) => error.fmt(f),
             Self::SegmentLength(length) => segment_length(*length, f),
             Self::DependsOnBeginning => f.write_str(DEPENDS_ON_BEGINNING),
             Self::Twice { name } => write!(f, "{name} is named twice"),
@@ -95,6 +98,7 @@ impl Error for FitError {
         match self {
             Self::Start(error) => Some(error),
             Self::Recording(fault) => Some(fault),
+            Self::SameName(error) => Some(error),
             _ => None,
         }
     }

@@ -7,12 +7,12 @@ use super::optimiser::{Stop, minimise};
 use super::parameter::Parameter;
 use super::predictor::Predictor;
 use super::problem::{Point, Problem, Tables, Weighing};
-use super::segment::{Cut, Signal, cut};
-use super::sensor::{SensorParameter, SensorValues};
+use super::segment::{Cut, cut};
+use super::sensor::{SensorParameter, SensorValues, free_sensors};
 use super::starts::{Starts, search};
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::weighing::{NoiseEstimate, first_weighing, noise_estimates, reweigh};
-use crate::recording::Recording;
+use crate::recording::{Recording, different_names};
 
 /// What to fit, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,6 +145,7 @@ pub fn fit<P: Predictor>(
     {
         return Err(FitError::Values { parameters, values });
     }
+    different_names(recordings.iter().map(|one| one.name.as_str())).map_err(FitError::SameName)?;
     for recording in recordings {
         recording.check().map_err(FitError::Recording)?;
     }
@@ -155,17 +156,17 @@ pub fn fit<P: Predictor>(
     let names = recordings.iter().map(|r| r.name.clone()).collect();
     let mut problem = Problem::new(predictor, model, names, sensors);
     let begin = problem.coordinates(nominal);
-    let cut = take_segments(&mut problem, recordings, &begin, options)?;
-    let planned = seconds(&problem);
+    let left_out = take_segments(&mut problem, recordings, &begin, options)?;
     let mut state = State {
         point: Point {
             starts: problem.measured_starts(),
             coordinates: begin.clone(),
         },
         by: first_weighing(&problem),
+        left_out,
     };
     let mut turned = turns(&mut problem, recordings, options, &mut state, progress)?;
-    let mut doubt = doubts(&problem, &turned, &state)?;
+    let mut doubt = doubts(&problem, &turned, &state, options.robust)?;
     let mut starts = None;
     if options.starts > 0 {
         let found = search(&problem, &state.point, &state.by, &doubt, options, progress);
@@ -176,7 +177,7 @@ pub fn fit<P: Predictor>(
                 recut(&mut problem, recordings, options, &mut state)?;
             }
             turned = turns(&mut problem, recordings, options, &mut state, progress)?;
-            doubt = doubts(&problem, &turned, &state)?;
+            doubt = doubts(&problem, &turned, &state, options.robust)?;
         }
         starts = Some(found);
     }
@@ -212,9 +213,9 @@ pub fn fit<P: Predictor>(
         starts,
         segments: problem.segments.len(),
         seconds: seconds(&problem),
-        at_rest: cut.at_rest,
-        unusable: cut.unusable,
-        undrivable: planned - seconds(&problem),
+        at_rest: state.left_out.at_rest,
+        unusable: state.left_out.unusable,
+        undrivable: state.left_out.undrivable,
         turns: turned.turns,
         converged: turned.converged,
     })
@@ -224,6 +225,14 @@ pub fn fit<P: Predictor>(
 struct State {
     point: Point,
     by: Weighing,
+    left_out: LeftOut,
+}
+
+/// Seconds that are not fitted, of the last cut.
+struct LeftOut {
+    at_rest: f64,
+    unusable: f64,
+    undrivable: f64,
 }
 
 /// What the turns ended with.
@@ -245,7 +254,7 @@ fn turns<P: Predictor>(
     leave_out_undrivable(problem, state)?;
     for turn in 1.. {
         progress(Stage::Turn(turn));
-        let State { point, by } = state;
+        let State { point, by, .. } = state;
         let stop = if turn == 1 { FIRST_TURN } else { TURN };
         let outcome = minimise(problem, point, by, stop).map_err(FitError::Start)?;
         let change = noise_estimate::update(&problem.linearised(point), &outcome.tables, by);
@@ -288,12 +297,14 @@ fn leave_out_undrivable<P: Predictor>(
     {
         return Err(FitError::Start(error));
     }
+    let planned = seconds(problem);
     let mut each = kept.iter();
     problem.segments.retain(|_| *each.next().unwrap_or(&true));
     let mut each = kept.iter();
     state.point.starts.retain(|_| *each.next().unwrap_or(&true));
     let mut each = kept.iter();
     state.by.weights.retain(|_| *each.next().unwrap_or(&true));
+    state.left_out.undrivable += planned - seconds(problem);
     Ok(())
 }
 
@@ -323,7 +334,7 @@ fn recut<P: Predictor>(
         .iter()
         .map(|s| (s.recording, s.run, s.start))
         .collect();
-    take_segments(problem, recordings, &state.point.coordinates, options)?;
+    state.left_out = take_segments(problem, recordings, &state.point.coordinates, options)?;
     let start = |segment: &super::segment::Segment| {
         let key = (segment.recording, segment.run, segment.start);
         let kept = old.iter().position(|other| *other == key);
@@ -343,45 +354,38 @@ fn take_segments<P: Predictor>(
     recordings: &[Recording],
     coordinates: &nalgebra::DVector<f64>,
     options: &Options,
-) -> Result<Cut, FitError> {
+) -> Result<LeftOut, FitError> {
     let each = 0..recordings.len();
     let sensors: Vec<SensorValues> = each
         .map(|recording| problem.sensor_values(recording, coordinates))
         .collect();
-    let mut cut = cut(recordings, &sensors, options.segment);
-    problem.segments = std::mem::take(&mut cut.segments);
+    let Cut {
+        segments,
+        at_rest,
+        unusable,
+    } = cut(recordings, &sensors, options.segment);
+    problem.segments = segments;
     let seconds = seconds(problem);
     if seconds >= SHORTEST {
-        Ok(cut)
-    } else if cut.at_rest > cut.unusable + seconds {
+        Ok(LeftOut {
+            at_rest,
+            unusable,
+            undrivable: 0.0,
+        })
+    } else if at_rest > unusable + seconds {
         Err(FitError::AtRest)
     } else {
-        let seconds = seconds + cut.unusable;
+        let seconds = seconds + unusable;
         Err(FitError::TooShort { seconds })
     }
-}
-
-/// Of the sensor parameters wanted, those that a recording can tell of.
-fn free_sensors(
-    recording: &Recording,
-    wanted: &[SensorParameter],
-) -> Result<Vec<SensorParameter>, FitError> {
-    if !Signal::ALL
-        .iter()
-        .any(|signal| recording.has(signal.channel()))
-    {
-        return Err(FitError::NothingMeasured {
-            recording: recording.name.clone(),
-        });
-    }
-    let tells = |sensor: &SensorParameter| sensor.is_told_by(recording);
-    Ok(wanted.iter().copied().filter(tells).collect())
 }
 
 fn doubts<P: Predictor>(
     problem: &Problem<P>,
     turned: &Turned,
     state: &State,
+    robust: bool,
 ) -> Result<Uncertainty, FitError> {
-    uncertainty(problem, &turned.tables, &state.point, &state.by).ok_or(FitError::NotFinite)
+    let State { point, by, .. } = state;
+    uncertainty(problem, &turned.tables, point, by, robust).ok_or(FitError::NotFinite)
 }

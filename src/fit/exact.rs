@@ -223,12 +223,13 @@ fn drive<D: Driven>(
         let next_row = drive.time.get(row).copied().unwrap_or(f64::INFINITY);
         let next_gate = gate.unwrap_or(f64::INFINITY);
         let next = next_row.min(next_gate).min(end);
-        let mut reached = now;
+        // Since then: sums of steps on a clock that began in 1970 would round off more than the last sample's place.
+        let mut reached = 0.0;
         simulation.advance((next - now).max(0.0), |step| {
             reached += step.length();
-            let within = |time: &f64| *time <= reached + ROUNDING && step.length() > 0.0;
+            let within = |time: &f64| *time - now <= reached + ROUNDING && step.length() > 0.0;
             while let Some(time) = wanted.next_if(within) {
-                let back = (reached - time).max(0.0);
+                let back = (reached - (time - now)).max(0.0);
                 let (state, rates) = step.state(back);
                 out.push(state, rates, step.derivatives(back));
             }

@@ -56,6 +56,12 @@ pub enum Limit {
 impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Untold { parameter, ratio } if *ratio > 1.0 => write!(
+                f,
+                "the data contradict themselves about {parameter}: from segment to segment it scatters by more than the \
+                 prior allows (its interval is {:.0} % of the prior's)",
+                100.0 * ratio
+            ),
             Self::Untold { parameter, ratio } => write!(
                 f,
                 "the data say nothing about {parameter}: its interval is {:.0} % of the prior's; \

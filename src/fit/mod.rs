@@ -33,6 +33,7 @@ pub mod robust;
 pub mod segment;
 pub mod sensor;
 pub mod starts;
+mod told_start;
 pub mod uncertainty;
 pub mod weighing;
 

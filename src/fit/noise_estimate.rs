@@ -36,11 +36,13 @@ const LAST_STEP: f64 = 0.06;
 pub fn update(problem: &Linearised, tables: &[Tables], by: &mut Weighing) -> f64 {
     let mut largest: f64 = 0.0;
     let mut plain = with_outliers_only(by);
+    let mut others = Others::new(problem, tables, &plain);
     for recording in 0..problem.places.len() {
         for group in NoiseGroup::ALL {
             let part = Part {
                 problem,
                 tables,
+                others: &others,
                 recording,
                 group,
             };
@@ -58,8 +60,42 @@ pub fn update(problem: &Linearised, tables: &[Tables], by: &mut Weighing) -> f64
                 largest = largest.max(share * (new - old).abs());
             }
         }
+        others.renew(recording, problem, tables, &plain);
     }
     largest
+}
+
+/// The segments with their starts eliminated, for the recordings whose noise is not searched just then; none where there
+/// is but one recording.
+struct Others(Vec<Option<Eliminated>>);
+
+impl Others {
+    fn new(problem: &Linearised, tables: &[Tables], by: &Weighing) -> Self {
+        let count = if problem.places.len() > 1 {
+            problem.segments.len()
+        } else {
+            0
+        };
+        let one = |index: usize| eliminated(problem, tables, by, index);
+        Self((0..count).into_par_iter().map(one).collect())
+    }
+
+    /// After the noise of a recording has changed.
+    fn renew(&mut self, recording: usize, problem: &Linearised, tables: &[Tables], by: &Weighing) {
+        let segments = self.0.par_iter_mut().enumerate();
+        segments
+            .filter(|(index, _)| problem.segments[*index].recording == recording)
+            .for_each(|(index, known)| *known = eliminated(problem, tables, by, index));
+    }
+}
+
+fn eliminated(
+    problem: &Linearised,
+    tables: &[Tables],
+    by: &Weighing,
+    index: usize,
+) -> Option<Eliminated> {
+    Eliminated::new(&problem.normal(index, &tables[index], by), 0.0)
 }
 
 /// Outliers keep their small weights, everything else counts alike: weights that follow from one
@@ -88,6 +124,7 @@ const DIRECTIONS: [[f64; 3]; 5] = [
 struct Part<'a, 'b> {
     problem: &'a Linearised<'b>,
     tables: &'a [Tables],
+    others: &'a Others,
     recording: usize,
     group: NoiseGroup,
 }
@@ -123,26 +160,27 @@ impl Part<'_, '_> {
         };
         let mut lowest = objective(&best);
         let mut step = FIRST_STEP;
+        // The direction that is tried next, and how many have failed since the last move: none is tried twice in vain.
+        let (mut next, mut failed) = (0, 0);
         while step > LAST_STEP {
-            let mut moved = false;
-            for direction in DIRECTIONS {
-                for sign in [1.0, -1.0] {
-                    let trial: [f64; 3] =
-                        std::array::from_fn(|k| best[k] + sign * step * direction[k]);
-                    let inside = trial[0].min(trial[1]) > (SMALLEST * guess).ln()
-                        && (TIME_RANGE.0.ln()..TIME_RANGE.1.ln()).contains(&trial[2]);
-                    if !inside {
-                        continue;
-                    }
-                    let value = objective(&trial);
-                    if value < lowest {
-                        (best, lowest, moved) = (trial, value, true);
-                        break;
-                    }
+            let direction = DIRECTIONS[next];
+            next = (next + 1) % DIRECTIONS.len();
+            failed += 1;
+            for sign in [1.0, -1.0] {
+                let trial: [f64; 3] = std::array::from_fn(|k| best[k] + sign * step * direction[k]);
+                let inside = trial[0].min(trial[1]) > (SMALLEST * guess).ln()
+                    && (TIME_RANGE.0.ln()..TIME_RANGE.1.ln()).contains(&trial[2]);
+                if !inside {
+                    continue;
+                }
+                let value = objective(&trial);
+                if value < lowest {
+                    (best, lowest, failed) = (trial, value, 0);
+                    break;
                 }
             }
-            if !moved {
-                step *= 0.5;
+            if failed == DIRECTIONS.len() {
+                (step, next, failed) = (0.5 * step, 0, 0);
             }
         }
         from_logarithms(&best)
@@ -242,8 +280,14 @@ impl Rest {
             if members.binary_search(&index).is_ok() {
                 continue;
             }
-            let normal = problem.normal(index, &part.tables[index], by);
-            if let Some(eliminated) = Eliminated::new(&normal, 0.0) {
+            let fresh;
+            let known = if problem.segments[index].recording == part.recording {
+                fresh = eliminated(problem, part.tables, by, index);
+                fresh.as_ref()
+            } else {
+                part.others.0[index].as_ref()
+            };
+            if let Some(eliminated) = known {
                 rest.matrix += &eliminated.matrix;
                 rest.gradient += &eliminated.gradient;
             }

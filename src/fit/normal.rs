@@ -46,26 +46,41 @@ impl Normal {
     }
 
     /// Adds whitened rows: each the residual, its derivatives by the start, and those by the
-    /// segment's own choice of parameters, whose places among all are given.
+    /// segment's own choice of parameters, whose places among all are given, each once.
     pub fn add(&mut self, table: &[f64], places: &[usize]) {
         let columns = 1 + START + places.len();
+        // All products of two columns, the lower triangle row by row.
+        let pairs = || (0..columns).flat_map(|a| (0..=a).map(move |b| (a, b)));
+        let mut sums: Vec<f64> = pairs().map(|(a, b)| *self.sum(places, a, b)).collect();
         for row in table.chunks_exact(columns) {
-            let (residual, by_start, by_local) = (row[0], &row[1..=START], &row[1 + START..]);
-            self.cost += residual * residual;
-            for (i, slope) in by_start.iter().enumerate() {
-                self.start_gradient[i] += slope * residual;
-                for (j, other) in by_start.iter().enumerate() {
-                    self.by_start[(i, j)] += slope * other;
+            let mut rest = sums.as_mut_slice();
+            for (a, value) in row.iter().enumerate() {
+                let (own, after) = rest.split_at_mut(a + 1);
+                for (sum, other) in own.iter_mut().zip(row) {
+                    *sum += value * other;
                 }
+                rest = after;
             }
-            for (a, &slope) in places.iter().zip(by_local) {
-                self.gradient[*a] += slope * residual;
-                for (i, start) in by_start.iter().enumerate() {
-                    self.cross[(i, *a)] += start * slope;
-                }
-                for (b, other) in places.iter().zip(by_local) {
-                    self.by_parameters[(*a, *b)] += slope * other;
-                }
+        }
+        for ((a, b), sum) in pairs().zip(sums) {
+            *self.sum(places, a, b) = sum;
+        }
+        self.by_start.fill_upper_triangle_with_lower_triangle();
+        self.by_parameters.fill_upper_triangle_with_lower_triangle();
+    }
+
+    /// The sum of the products of two columns of a table, the second of which is not behind the first.
+    fn sum(&mut self, places: &[usize], a: usize, b: usize) -> &mut f64 {
+        let parameter = |column: usize| places[column - 1 - START];
+        match (a, b) {
+            (0, _) => &mut self.cost,
+            (..=START, 0) => &mut self.start_gradient[a - 1],
+            (..=START, _) => &mut self.by_start[(a - 1, b - 1)],
+            (_, 0) => &mut self.gradient[parameter(a)],
+            (_, ..=START) => &mut self.cross[(b - 1, parameter(a))],
+            _ => {
+                let (a, b) = (parameter(a), parameter(b));
+                &mut self.by_parameters[(a.max(b), a.min(b))]
             }
         }
     }

@@ -6,6 +6,7 @@
 //! disturbance that the model lacks then stays in its segment.
 
 use super::sensor::{SensorParameter, SensorValues};
+use super::told_start::{AT_REST, START_DEVIATION, with_start};
 use crate::recording::{Channel, Drive, Recording, Run};
 use std::sync::Arc;
 
@@ -181,25 +182,15 @@ impl Segment {
     }
 }
 
-/// Standard deviations of the start's prior: pose \[m, m, rad\], then velocities.
-const START_DEVIATION: [f64; 6] = [0.5, 0.5, 0.3, 0.5, 0.4, 0.5];
-/// The same for velocities that follow from the wheel speeds alone.
-const GUESSED_VELOCITY: [f64; 3] = [2.0, 1.0, 1.0];
-/// Standard deviation of a heading that nothing tells of \[rad\].
-const GUESSED_HEADING: f64 = 3.0;
-/// A vehicle that moves faster than this \[m/s\] heads where it goes, or where it comes from if its wheels turn backwards.
-const COURSE_SPEED: f64 = 0.3;
-/// A pose is differentiated over so many seconds to either side.
-const SLOPE_SECONDS: f64 = 0.4;
-/// The same where the wheels stand still: the vehicle does, too. A start that slides on locked
-/// wheels is often one that no soil bears.
-const AT_REST: f64 = 0.005;
 /// Slower wheels stand still \[rad/s\].
 const STANDSTILL: f64 = 0.05;
-/// ... within so many seconds of the start \[s\]: latencies are not known yet.
-const STILL_SECONDS: f64 = 0.1;
+/// ... within so many seconds before the start and after it \[s\]: wheel speeds that are recorded late, by a time that
+/// is not known yet, show it late that the wheels turn.
+const STILL_SECONDS: [f64; 2] = [0.1, 0.4];
 /// Wheel speeds this long apart leave open what happened in between \[s\].
-const LONGEST_GAP: f64 = 1.0;
+const LONGEST_GAP: f64 = 1.5;
+/// Longer gaps are none of the drive: the clock was set, or the recorder waited \[s\].
+const PAUSE: f64 = 60.0;
 /// Runs' stretches of the model's clock begin so far apart \[s\].
 pub const CLOCK: f64 = 1e6;
 /// Segments with less samples or shorter ones than this are not worth a free start.
@@ -232,65 +223,85 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
             };
             let start = data.start().max(drive.time[0]);
             let end = data.end().min(drive.time[drive.len() - 1]);
-            let pieces = ((end - start) / length).round().max(1.0);
-            let step = (end - start) / pieces;
-            if step < SHORTEST {
-                cut.unusable += step.max(0.0);
-                continue;
+            let whole = Segment {
+                recording: index,
+                run,
+                clock,
+                start,
+                end,
+                drive,
+                samples: Vec::new(),
+                start_prior: [0.0; 6],
+                start_deviation: START_DEVIATION,
+            };
+            let mut from = start;
+            let lost = data.wheel_gaps(LONGEST_GAP).into_iter();
+            let lost = lost.map(|[gap, behind]| [gap.max(start), behind.min(end)]);
+            for [gap, behind] in lost.filter(|[gap, behind]| behind > gap) {
+                cut.add_pieces(&whole, [from, gap], data, sensors, length);
+                let lost = behind - gap;
+                cut.unusable += if lost > PAUSE { 0.0 } else { lost };
+                from = behind;
             }
-            for piece in 0..pieces as usize {
-                let from = start + step * piece as f64;
-                let wheels = wheels_between(&drive, from, from + step);
-                let rests = wheels_between(&drive, from - STILL_SECONDS, from + STILL_SECONDS);
-                if wheels.fastest < STANDSTILL {
-                    cut.at_rest += step;
-                    continue;
-                }
-                let segment = Segment {
-                    recording: index,
-                    run,
-                    clock,
-                    start: from,
-                    end: from + step,
-                    drive: drive.clone(),
-                    samples: samples(data, sensors, from, from + step),
-                    start_prior: [0.0; 6],
-                    start_deviation: START_DEVIATION,
-                };
-                let count = segment.sample_count();
-                if wheels.gap > LONGEST_GAP || count < FEWEST_SAMPLES {
-                    cut.unusable += step;
-                } else {
-                    let mut segment = with_start(segment, data, sensors);
-                    if rests.fastest < STANDSTILL {
-                        segment.start_prior[3..].fill(0.0);
-                        segment.start_deviation[3..].fill(AT_REST);
-                    }
-                    cut.segments.push(segment);
-                }
-            }
+            cut.add_pieces(&whole, [from, end], data, sensors, length);
         }
     }
     cut
 }
 
-struct Wheels {
-    fastest: f64,
-    gap: f64,
+impl Cut {
+    /// Cuts what lies between two times into pieces of about this length, none of them too short.
+    fn add_pieces(
+        &mut self,
+        whole: &Segment,
+        [start, end]: [f64; 2],
+        run: &Run,
+        sensors: &SensorValues,
+        length: f64,
+    ) {
+        let most = ((end - start) / SHORTEST).floor();
+        if most.is_nan() || most < 1.0 {
+            self.unusable += (end - start).max(0.0);
+            return;
+        }
+        let pieces = ((end - start) / length).round().clamp(1.0, most);
+        let step = (end - start) / pieces;
+        let late = sensors[SensorParameter::WheelLatency.index()];
+        let [before, after] = STILL_SECONDS;
+        for piece in 0..pieces as usize {
+            let from = start + step * piece as f64;
+            if fastest(&whole.drive, from, from + step) < STANDSTILL {
+                self.at_rest += step;
+                continue;
+            }
+            let segment = Segment {
+                start: from,
+                end: from + step,
+                samples: samples(run, sensors, from, from + step),
+                ..whole.clone()
+            };
+            if segment.sample_count() < FEWEST_SAMPLES {
+                self.unusable += step;
+                continue;
+            }
+            let mut segment = with_start(segment, run, sensors);
+            let still = [from + late.min(0.0) - before, from + late.max(0.0) + after];
+            if fastest(&whole.drive, still[0], still[1]) < STANDSTILL {
+                segment.start_prior[3..].fill(0.0);
+                segment.start_deviation[3..].fill(AT_REST);
+            }
+            self.segments.push(segment);
+        }
+    }
 }
 
-fn wheels_between(drive: &Drive, from: f64, to: f64) -> Wheels {
+/// The fastest wheel speed between two times \[rad/s\].
+fn fastest(drive: &Drive, from: f64, to: f64) -> f64 {
     let first = drive.time.partition_point(|t| *t <= from).max(1) - 1;
     let last = drive.time.partition_point(|t| *t < to);
     let last = last.clamp(first, drive.len() - 1);
-    let rows = first..=last;
     let speed = |row: usize| drive.wheel_speeds(row).map(f64::abs);
-    Wheels {
-        fastest: rows.clone().flat_map(speed).fold(0.0, f64::max),
-        gap: (first..last)
-            .map(|row| drive.time[row + 1] - drive.time[row])
-            .fold(0.0, f64::max),
-    }
+    (first..=last).flat_map(speed).fold(0.0, f64::max)
 }
 
 fn samples(run: &Run, sensors: &SensorValues, from: f64, to: f64) -> Vec<Samples> {
@@ -306,64 +317,4 @@ fn samples(run: &Run, sensors: &SensorValues, from: f64, to: f64) -> Vec<Samples
         })
     };
     Signal::ALL.into_iter().filter_map(within).collect()
-}
-
-/// Reads the start off the sensors. Where none tells the heading it is the course, or that of later where the vehicle does
-/// not move yet.
-fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Segment {
-    let time = segment.start;
-    let late = Signal::X.latency(sensors);
-    let at = |channel, time| run.series(channel).and_then(|series| series.at(time));
-    let nearest = |channel| {
-        let of_channel = |s: &&Samples| s.signal.channel() == channel;
-        let samples = segment.samples.iter().find(of_channel);
-        samples.map_or(0.0, |samples| samples.value[0])
-    };
-    let slope = |channel, time: f64| {
-        let (from, to) = (time + late - SLOPE_SECONDS, time + late + SLOPE_SECONDS);
-        let here = at(channel, time + late);
-        match (at(channel, from), here, at(channel, to)) {
-            (Some(a), _, Some(b)) => Some((b - a) / (2.0 * SLOPE_SECONDS)),
-            (None, Some(a), Some(b)) => Some((b - a) / SLOPE_SECONDS),
-            _ => None,
-        }
-    };
-    let velocity = |time| slope(Channel::X, time).zip(slope(Channel::Y, time));
-    let course = |time| {
-        let (x, y) = velocity(time).filter(|(x, y)| x.hypot(*y) > COURSE_SPEED)?;
-        let row = segment.drive.time.partition_point(|t| *t <= time).max(1) - 1;
-        let turning: f64 = segment.drive.wheel_speeds(row).iter().sum();
-        let ahead = if turning < 0.0 { -1.0 } else { 1.0 };
-        Some((ahead * y).atan2(ahead * x))
-    };
-    let mut pose = [Channel::X, Channel::Y, Channel::Heading]
-        .map(|channel| at(channel, time + late).unwrap_or_else(|| nearest(channel)));
-    let mut heads = run.series(Channel::Heading).is_some();
-    if !heads {
-        let moves = |step: i32| course(time + SLOPE_SECONDS * f64::from(step));
-        heads = moves(0).is_some();
-        let steps = 0..((segment.end - time) / SLOPE_SECONDS) as i32;
-        pose[2] = steps.into_iter().find_map(moves).unwrap_or(0.0);
-        if !heads {
-            segment.start_deviation[2] = GUESSED_HEADING;
-        }
-    }
-    let (sin, cos) = pose[2].sin_cos();
-    let along = velocity(time).filter(|_| heads);
-    let along = along.map(|(x, y)| x * cos + y * sin);
-    let bias = sensors[SensorParameter::YawRateBias.index()];
-    let yaw = at(Channel::YawRate, time).map(|rate| rate - bias);
-    let velocities = [
-        at(Channel::VX, time).or(along),
-        at(Channel::VY, time).or(along.map(|_| 0.0)),
-        yaw.or_else(|| slope(Channel::Heading, time)),
-    ];
-    segment.start_prior[..3].copy_from_slice(&pose);
-    for (k, velocity) in velocities.into_iter().enumerate() {
-        segment.start_prior[3 + k] = velocity.unwrap_or(0.0);
-        if velocity.is_none() {
-            segment.start_deviation[3 + k] = GUESSED_VELOCITY[k];
-        }
-    }
-    segment
 }

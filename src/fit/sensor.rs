@@ -1,6 +1,8 @@
 //! The sensors' parameters: what a recording says beside what the vehicle did.
 
+use super::error::FitError;
 use super::parameter::{Parameter, Prior, Scale};
+use super::segment::Signal;
 use crate::recording::{Channel, Recording};
 use crate::spelling::nearest;
 
@@ -105,6 +107,31 @@ impl SensorParameter {
             high: reach,
         }
     }
+}
+
+/// Of the sensor parameters wanted, those that a recording can tell of.
+///
+/// # Errors
+/// A recording in which nothing is measured, and a parameter that is wanted twice.
+pub fn free_sensors(
+    recording: &Recording,
+    wanted: &[SensorParameter],
+) -> Result<Vec<SensorParameter>, FitError> {
+    if !Signal::ALL
+        .iter()
+        .any(|signal| recording.has(signal.channel()))
+    {
+        return Err(FitError::NothingMeasured {
+            recording: recording.name.clone(),
+        });
+    }
+    let twice = |(place, sensor): (usize, &SensorParameter)| wanted[..place].contains(sensor);
+    if let Some((_, sensor)) = wanted.iter().enumerate().find(|one| twice(*one)) {
+        let name = sensor.name().into();
+        return Err(FitError::Twice { name });
+    }
+    let tells = |sensor: &SensorParameter| sensor.is_told_by(recording);
+    Ok(wanted.iter().copied().filter(tells).collect())
 }
 
 #[cfg(test)]

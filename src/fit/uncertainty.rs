@@ -56,20 +56,26 @@ impl Uncertainty {
     }
 }
 
-/// The uncertainty at a fitted point. `None` where the numbers are not finite.
+/// The uncertainty at a fitted point, of a robust fit or of one in which all samples count alike. `None` where the numbers
+/// are not finite.
 #[must_use]
 pub fn uncertainty<P: Predictor>(
     problem: &Problem<P>,
     tables: &[Tables],
     point: &Point,
     by: &Weighing,
+    robust: bool,
 ) -> Option<Uncertainty> {
     let pulls: Vec<Eliminated> = eliminate(&normals(problem, tables, point, by))?;
-    let flatter = with_curvature(problem, tables, by);
-    let curved = eliminate(&normals(problem, tables, point, &flatter))?;
+    let curved = if robust {
+        let flatter = with_curvature(problem, tables, by);
+        &eliminate(&normals(problem, tables, point, &flatter))?
+    } else {
+        &pulls
+    };
     let count = problem.parameters.len();
     let mut information = DMatrix::zeros(count, count);
-    for one in &curved {
+    for one in curved {
         information += &one.matrix;
     }
     let (precision, _) = problem.prior(&point.coordinates);

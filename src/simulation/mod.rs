@@ -13,6 +13,8 @@ mod state;
 pub use jacobian::Jacobian;
 pub use last_step::{Derivatives, LastStep};
 pub use rosenbrock::Counters;
+#[cfg(feature = "fmu")]
+pub(crate) use rosenbrock::LONGEST_CALL;
 pub use sensitivity::SensitiveSimulation;
 pub use snapshot::SnapshotError;
 pub use state::{State, WheelSpeeds};

@@ -327,9 +327,14 @@ impl Variation {
         let block = (State::COUNT, State::COUNT);
         let whole = now.by_state.view(block, (memory, memory)).into_owned();
         let settling = Settling::new(simulation, &whole);
-        let mut change = &now.by_state * &self.by;
-        now.push(&mut change, &self.columns, &delayed(simulation));
         let rows: Vec<usize> = settling.places.iter().map(|k| State::COUNT + k).collect();
+        // By everything but what settles.
+        let mut others = self.by.clone();
+        for row in &rows {
+            others.row_mut(*row).fill(0.0);
+        }
+        let mut change = &now.by_state * &others;
+        now.push(&mut change, &self.columns, &delayed(simulation));
         if let Some(by) = settling.solve(&change.select_rows(&rows)) {
             for (place, row) in rows.iter().enumerate() {
                 self.by.row_mut(*row).copy_from(&-by.row(place));

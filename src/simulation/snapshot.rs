@@ -1,25 +1,34 @@
 //! A simulation's state as plain numbers, to be stored and taken up elsewhere.
 
 use super::Simulation;
-use crate::vehicle::Motion;
+use crate::vehicle::{Balance, Motion};
+use std::f64::consts::PI;
 use std::fmt;
 
 /// Numbers that are no snapshot of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SnapshotError {
-    /// How many numbers this model's snapshots have.
-    pub expected: usize,
-    /// How many there are.
-    pub found: usize,
+#[non_exhaustive]
+pub enum SnapshotError {
+    /// Another number of them than this model's snapshots have.
+    Count {
+        /// How many this model's snapshots have.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A step of the integrator, an entry angle, a state or a time that no simulation has.
+    Numbers,
 }
 
 impl fmt::Display for SnapshotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { expected, found } = self;
-        write!(
-            f,
-            "{found} numbers are no snapshot of this model, which has {expected}"
-        )
+        match self {
+            Self::Count { expected, found } => write!(
+                f,
+                "{found} numbers are no snapshot of this model, which has {expected}"
+            ),
+            Self::Numbers => f.write_str("these numbers are none of a simulation"),
+        }
     }
 }
 
@@ -38,23 +47,48 @@ impl Simulation {
     /// Takes up the state of another simulation of the same model.
     ///
     /// # Errors
-    /// Another number of numbers than this model's snapshots have; then nothing has changed.
+    /// Another number of numbers than this model's snapshots have, or numbers with which it could not go on; then nothing
+    /// has changed.
     pub fn restore(&mut self, snapshot: &[f64]) -> Result<(), SnapshotError> {
         let mut expected = 0;
         self.visit(&mut |_| expected += 1);
         if snapshot.len() != expected {
-            return Err(SnapshotError {
+            return Err(SnapshotError::Count {
                 expected,
                 found: snapshot.len(),
             });
         }
         let mut numbers = snapshot.iter();
-        self.visit(&mut |number| *number = numbers.next().copied().unwrap_or_default());
+        let mut restored = self.clone();
+        restored.visit(&mut |number| *number = numbers.next().copied().unwrap_or_default());
+        if !restored.is_sound() {
+            return Err(SnapshotError::Numbers);
+        }
+        *self = restored;
         self.now.wrench.wheels.fill_with(Default::default);
         let surroundings = self.state.surroundings(self.time, &self.memory);
         let prepared = self.model.prepare(&self.now.motion, &surroundings);
         self.now.finish(&self.model, &self.state, prepared.as_ref());
         Ok(())
+    }
+
+    /// Whether steps can end from here on: every number is finite (but those of a solution that was not found), the
+    /// step is one, and so are the entry angles.
+    fn is_sound(&self) -> bool {
+        let mut numbers = self.clone();
+        if !numbers.now.valid {
+            numbers.now.balance = numbers.anchor.clone();
+            numbers.now.motion = Motion::default();
+        }
+        let angles = |balance: &Balance| {
+            let mut wheels = balance.wheels.iter();
+            wheels.all(|wheel| (0.0..=PI).contains(&wheel.entry_angle))
+        };
+        let balances = [&numbers.anchor, &numbers.now.balance];
+        let drives = balances.into_iter().all(angles) && numbers.integrator.next_step > 0.0;
+        let mut finite = true;
+        numbers.visit(&mut |number| finite &= number.is_finite());
+        drives && finite
     }
 
     fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {

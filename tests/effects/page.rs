@@ -14,21 +14,29 @@ const HEAD: &str = "\
 Each effect is one file in `src/effects/`, of one shape, generic over the scalar: the same code is switched
 on by a file (`ugv simulate --effects FILE`), estimated by `ugv fit`, and set as an FMU's parameters. With all
 off the model is the paper's, bit for bit. An effect is on when one of its **bold** parameters differs from its
-default; the others shape it. Symbols as in the paper; z and h are the sinkage, and i is the slip
-(r omega - v) / max(abs(r omega), abs(v)), from -1 (locked) to 1, smooth between. (The output
-`longitudinal_slip` is the paper's, (13), which divides by r omega.)
+default; the others shape it. Symbols as in the paper; z is the sinkage (h in `bulldozing`), and i is the slip
+(r omega - v) / max(abs(r omega), abs(v)): -1 for a locked wheel, 1 for one that spins on the spot, up to 2 in size where
+rim and travel oppose each other; smooth between. (The output
+`longitudinal_slip` is the paper's, (13), which divides by r omega.) The stress' peak stays within 0.95 of the arc. Where
+shear is a state (`transient_shear`), the slip speed at which the shear of a held wheel fades is 0.02 mm/s, for a rolling one 1 mm/s.
 
-Priors: m ± s is normal, m ×/÷ f log-normal with ln f the standard deviation of the logarithm; `ugv fit` uses them, `ugv diagnose`
+The reference point is the centre of mass of the vehicle as given, without `payload` and `com_shift`: pose, velocities and accelerations stay
+those of it; moments are about where the centre of mass then is. Forces that are not a wheel's (`grade`, `drag`, `drawbar`, laws) are in a_x, a_y and in
+the yaw acceleration, not in R_r, M_r or the turning moment; frontal bulldozing is in R_r, the viscous force of `rate_dependent_soil` in the thrust. On a slope
+x and y lie along the surface, not in the horizontal: at 10 deg a map is 1.5 % shorter.
+
+Priors: m ± s is normal, m ×/÷ f log-normal with ln f the standard deviation of the logarithm; `ugv fit` uses those of the physics, `ugv diagnose`
 [others around \"off\"](method.md#1-the-likelihood). Besides the paper's symbols: N wheels of width b, half a track B, the distance L to
 the row ahead, a sinkage h_0 under the axle, v_0 = 0.01 m/s, and after Hegedus D1 = 2 q, D2 = q + q^2 tan phi with
 q = sqrt(1 + tan^2 phi) + tan phi.
 
-What is of the sensors moves no vehicle: `ugv fit` and `ugv diagnose` alone estimate it, under the names
-and the wider priors that `ugv fit --free help` prints; a simulation and an FMU leave it out.
+What is of the sensors moves no vehicle: a simulation and an FMU leave it out. `ugv fit` and `ugv diagnose` estimate it for each recording
+under names of its own (`pose_latency`, `lever_arm_x`, ...), in ranges and with priors of its own, which `ugv fit --free help` prints; there a latency may be negative.
 
 In a file `grade` may also hold slopes along the drive, linear in between:
 `\"profile\": {\"over\": \"time\" or \"distance\", \"points\": [[at, slope_east, slope_north], ...]}` or
 `{\"over\": \"place\", \"x\": [...], \"y\": [...], \"slopes\": [[[slope_east, slope_north], ...], ...]}`.
+`terrain_change` lies at a line on the map, or with `\"over\": \"time\"` or `\"over\": \"distance\"` at a time or a distance driven.
 Beside the effects a `window` with hard edges may tell when [s] or where [m] some of them act:
 `\"window\": {\"effects\": [\"drawbar\"], \"time\": [12.4, 21]}` (from the start on, before the end) or
 `{\"effects\": [\"drawbar\"], \"place\": {\"x\": 5, \"y\": 0, \"radius\": 2}}` (while the reference point is in the disc).

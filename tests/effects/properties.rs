@@ -142,6 +142,25 @@ proptest! {
     }
 
     #[test]
+    fn soil_that_springs_back_under_a_peak_that_moves_only_takes_power(
+        terrain in prop::sample::select(&Terrain::PRESETS[..3]),
+        share in 0.0..1.0f64,
+        peak in 0.2..0.6f64,
+        growth in 0.0..0.4f64,
+        motion in motion(),
+    ) {
+        let effects = Effects::NONE
+            .with("elastic_rebound.share", share)
+            .and_then(|effects| effects.with("stress_peak.a0", peak))
+            .and_then(|effects| effects.with("stress_peak.a1", growth));
+        let found = wrench(&model(terrain, effects.unwrap()), &motion);
+        prop_assume!(found.is_some());
+        let power = power_lost(&Vehicle::tran2007(), &motion, &found.unwrap());
+        let speed = motion.to_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        prop_assert!(power >= -FORCE_TOLERANCE * speed, "{power} W");
+    }
+
+    #[test]
     fn drives_with_effects_stay_finite(
         terrain in prop::sample::select(&Terrain::PRESETS[..3]),
         effects in effects(|_| true),

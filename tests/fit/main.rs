@@ -8,4 +8,5 @@ mod derivatives;
 mod differences;
 mod recovery;
 mod refusals;
+mod segments;
 mod synthetic;

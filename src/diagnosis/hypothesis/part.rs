@@ -1,7 +1,7 @@
 //! A part of a long recording.
 //!
 //! What acts throughout shows in some minutes of driving as well as in many: some stretches, spread evenly, stand
-//! for all where it is to be seen which way to go.
+//! for all where it is to be seen which way to go; what acts for some seconds changes the cost of those alone.
 
 use super::{Given, Solution};
 use crate::fit::problem::Weighing;
@@ -26,6 +26,30 @@ impl Part {
             places: (0..ENOUGH).map(|k| k * count / ENOUGH).collect(),
             count,
         })
+    }
+
+    /// The stretches of a run that reach into a span of time \[s\]. `None` where there is none or are no others.
+    #[must_use]
+    pub fn within(given: &Given, run: (usize, usize), [start, end]: [f64; 2]) -> Option<Self> {
+        let count = given.segments.len();
+        let reaches = |place: &usize| {
+            let segment = &given.segments[*place];
+            (segment.recording, segment.run) == run && segment.start < end && segment.end > start
+        };
+        let places: Vec<usize> = (0..count).filter(reaches).collect();
+        Self::some(places, count).filter(|part| part.places.len() < count)
+    }
+
+    /// These stretches of all. `None` where there is none.
+    #[must_use]
+    pub fn some(places: Vec<usize>, count: usize) -> Option<Self> {
+        (!places.is_empty()).then_some(Self { places, count })
+    }
+
+    /// The places of its stretches among all.
+    #[must_use]
+    pub fn places(&self) -> &[usize] {
+        &self.places
     }
 
     /// All over some.

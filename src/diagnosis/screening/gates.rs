@@ -3,6 +3,7 @@
 use super::system::System;
 use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::maps::Maps;
+use crate::fit::segment::SAME_TIME;
 use crate::recording::Channel;
 
 /// Places within a gate.
@@ -70,7 +71,7 @@ pub fn chains(given: &Given, system: &System) -> Vec<Chain> {
         let follows = chains.last().is_some_and(|chain| {
             let end = chain.gates.last().map(|gate| gate.end);
             (chain.recording, chain.run) == (data.recording, data.run)
-                && end.is_some_and(|end| (end - segment.edges[0]).abs() < 1e-9)
+                && end.is_some_and(|end| (end - segment.edges[0]).abs() < SAME_TIME)
         });
         if !follows {
             chains.push(Chain {

@@ -173,6 +173,23 @@ pub fn locate(
     each.into_iter().flatten().collect()
 }
 
+/// The best interval of each candidate.
+#[must_use]
+pub fn in_time(
+    given: &Given,
+    system: &System,
+    projection: &Projection,
+    scanned: &[Scanned],
+) -> Vec<Found> {
+    let chains = chains(given, system);
+    let best = |one: &Scanned, scan: &Scan| {
+        let (extent, score, evidence) = scan.intervals(&chains)?;
+        Some(one.found(extent, score, evidence))
+    };
+    let each = each(given, system, projection, scanned, best);
+    each.into_iter().flatten().collect()
+}
+
 /// Each candidate at one place or time, where looking has cost so much.
 #[must_use]
 pub fn located_at(

@@ -6,7 +6,7 @@
 //! like slow noise. Most candidates point in few directions: those combinations are kept, in units of their
 //! priors, that these recordings tell anything about.
 
-use super::locate::{Extent, locate, scanned};
+use super::locate::{Extent, in_time, scanned};
 use super::screen::Projection;
 use super::sensitivity::SegmentTable;
 use super::system::System;
@@ -31,11 +31,11 @@ fn push(given: &Given, system: &System, at: &Solution) -> Option<(Extent, [usize
     let projection = Projection::over_all(system, &[])?;
     let mut candidates = scanned(given, system, &at.soil, &[]);
     candidates.retain(|one| one.subject == Subject::Unknown);
-    let found = locate(given, system, &projection, &candidates);
-    let mut intervals = found
+    let found = in_time(given, system, &projection, &candidates);
+    let mut told = found
         .into_iter()
-        .filter(|found| matches!(found.extent, Extent::Time(_)) && found.score.evidence > FAINT);
-    Some((intervals.next()?.extent, pushes(given, system)?))
+        .filter(|found| found.score.evidence > FAINT);
+    Some((told.next()?.extent, pushes(given, system)?))
 }
 
 /// Estimates the noise anew.

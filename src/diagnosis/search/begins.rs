@@ -6,6 +6,7 @@
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::candidate::Target;
 use crate::diagnosis::hypothesis::likelihood::{SKETCH, Tuned, cost, tune_until};
+use crate::diagnosis::hypothesis::part::Part;
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::screening::locate::Extent;
 use crate::fit::optimiser::Stop;
@@ -18,6 +19,8 @@ pub const LOST: f64 = 5.0;
 const HOPELESS: f64 = 1000.0;
 /// Shares of a proposal's steps that its fit may begin with: the cheapest is taken.
 const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
+/// Wheel speeds may be so much later or earlier than what they move \[s\], and so may be what acts with them.
+const REACH: f64 = 1.5;
 /// Steps on the way from off to the typical size, and how far the soil follows at each.
 const WALK: u32 = 5;
 const STROLL: Stop = Stop {
@@ -35,9 +38,17 @@ pub fn cheapest(
     before: &Solution,
     by: &Weighing,
 ) -> Option<Solution> {
+    let touched = touched(given, proposal);
+    let some = touched
+        .as_ref()
+        .map(|part| (part, part.given(given), part.weighing(by)));
+    let cost = |at: &Solution| match &some {
+        Some((part, given, by)) => cost(given, knobs, &part.solution(at), by),
+        None => cost(given, knobs, at, by),
+    };
     let at = |share: f64| {
         let begin = begin(given, proposal, before, share);
-        (cost(given, knobs, &begin, by), begin)
+        (cost(&begin), begin)
     };
     let cheaper = |a: &(f64, Solution), b: &(f64, Solution)| a.0.total_cmp(&b.0);
     if !proposal.hidden {
@@ -49,7 +60,7 @@ pub fn cheapest(
     }
     // What is hidden tells its sign no more than its size. Small steps come first: where those lead
     // nowhere, larger ones are hardly to be driven, which takes long.
-    let hopeless = cost(given, knobs, before, by) + HOPELESS;
+    let hopeless = cost(before) + HOPELESS;
     let mut found = Vec::new();
     for sign in [1.0, -1.0] {
         for share in SHARES.iter().rev() {
@@ -61,6 +72,18 @@ pub fn cheapest(
         }
     }
     found.into_iter().min_by(cheaper).map(|best| best.1)
+}
+
+/// The stretches that what acts for some seconds reaches, where nothing else of the proposal changes the others.
+fn touched(given: &Given, proposal: &Proposal) -> Option<Part> {
+    let (Some(Extent::Time(at) | Extent::Run(at)), true) = (
+        &proposal.extent,
+        proposal.soil.iter().all(|step| *step == 0.0),
+    ) else {
+        return None;
+    };
+    let span = [at.start - REACH, at.end + REACH];
+    Part::within(given, (at.recording, at.run), span)
 }
 
 /// A share of a proposal's steps away from what was before.
@@ -195,15 +218,40 @@ pub fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option
 
 #[cfg(test)]
 mod tests {
-    use super::super::naming::sketch;
+    use super::super::naming::{placed, sketch};
     use super::super::stage::Stage;
     use super::super::stage::tests::retuned;
     use super::*;
     use crate::diagnosis::hypothesis::likelihood::LONG_SKETCH;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::effects::ParameterName;
+    use crate::effects::{Effects, ParameterName};
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
+
+    #[test]
+    fn what_acts_for_some_seconds_changes_the_cost_of_the_stretches_there_alone() {
+        let soil = Terrain::preset("sandy_loam").unwrap();
+        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let text = r#"{"drawbar": {"force": 400}, "window": {"effects": ["drawbar"], "time": [8.3, 11.9]}}"#;
+        let towing = Specification {
+            effects: Effects::from_json(text).unwrap(),
+            ..nominal.clone()
+        };
+        let recordings = [driven(&towing, "slalom")];
+        let (stage, by) = retuned(&nominal, &recordings);
+        let for_some_seconds = |one: &&Proposal| matches!(one.extent, Some(Extent::Time(_)));
+        let proposal = stage.proposals.iter().find(for_some_seconds).unwrap();
+        let given = placed(&stage.given, proposal).unwrap();
+        let part = touched(&given, proposal).unwrap();
+        assert!(part.places().len() < given.segments.len());
+        let (some, own, knobs) = (part.given(&given), part.weighing(&by), &proposal.knobs);
+        let elsewhere = SHARES.map(|share| {
+            let at = begin(&given, proposal, &stage.tuned.solution, share);
+            cost(&given, knobs, &at, &by) - cost(&some, knobs, &part.solution(&at), &own)
+        });
+        let differs = |one: &f64| (one - elsewhere[0]).abs() > 1e-6 * elsewhere[0].abs();
+        assert!(!elsewhere.iter().any(differs), "{elsewhere:?}");
+    }
 
     /// Share of what the best way gains.
     const MOST: f64 = 0.9;

@@ -124,9 +124,9 @@ mod tests {
     #[test]
     fn a_name_is_seen_from_the_given_soil_where_re_tuning_has_gone_far() {
         let mut nominal =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
+            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
         let mut truth = nominal.clone();
-        for (name, value) in [("ahead", -0.15), ("left", 0.1)] {
+        for (name, value) in [("ahead", -0.25), ("left", 0.1)] {
             let parameter = ParameterName::find(&format!("com_shift.{name}")).unwrap();
             truth.effects.set(parameter, value).unwrap();
         }
@@ -138,7 +138,7 @@ mod tests {
         let begin = given.begin();
         assert!(is_far(given, &begin.soil, &tuned.solution.soil));
         assert!(!is_far(given, &begin.soil, &begin.soil));
-        // From sand of which nothing but cohesion is left the shift is not seen.
+        // From the soil that imitates it the shift is not seen whole.
         let shifted = |one: &&Proposal| one.subject.name() == "com_shift";
         let proposal = stage.proposals.iter().find(shifted).unwrap();
         assert!(proposal.anew);

@@ -20,7 +20,7 @@ pub mod stage;
 pub mod wheels;
 
 use crate::diagnosis::hypothesis::likelihood::{
-    LONG_SKETCH, Tuned, own_noise, tune, tune_until, tune_with_noise,
+    HELD, LONG_SKETCH, Tuned, own_noise, tune, tune_on, tune_until, tune_with_noise,
 };
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
@@ -72,6 +72,8 @@ impl Searched<'_> {
             *odds = odds.min(0.0);
         }
         self.by = own_noise(&self.given, &self.retuned, &self.by);
+        // Its intervals are those of the noise that is told.
+        self.retuned = tune_on(&self.given, &self.retuned, &self.by, HELD);
         self.augmented = self.retuned.clone();
         self.placed = self.given.clone();
         self.last = Arc::clone(&self.first);

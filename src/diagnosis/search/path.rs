@@ -7,15 +7,14 @@
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
 use super::edges::settle_under_own_noise;
 use super::naming::Named;
-use super::proposal::Kind;
+use super::proposal::{Kind, Proposal};
 use super::prune::{prune, without};
 use super::stage::{Stage, look, try_all};
 use super::{Member, NOTHING};
 use crate::diagnosis::hypothesis::Given;
-use crate::diagnosis::hypothesis::likelihood::{Tuned, tune, tune_with_noise};
+use crate::diagnosis::hypothesis::likelihood::{HELD, Tuned, tune, tune_on, tune_with_noise};
 use crate::diagnosis::hypothesis::part::Part;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
-use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
 
 /// Rounds at most.
@@ -80,7 +79,7 @@ impl<'a> Path<'a> {
         let walk = |start: Self, fitted, first| start.walk(fitted, first, options, progress);
         let mut path = if worth_two_ways(&fitted, &self.stage) {
             let named = walk(self.clone(), fitted.clone(), Prefer::Names)?;
-            walk(self, fitted, Prefer::Nothing)?.or(named)?
+            walk(self, fitted, Prefer::Nothing)?.or(named)
         } else {
             walk(self, fitted, Prefer::Nothing)?
         };
@@ -89,7 +88,7 @@ impl<'a> Path<'a> {
             && path.members.len() > 1
             && let Some(renamed) = path.renamed(law, options, progress)?
         {
-            path = path.or(renamed)?;
+            path = path.or(renamed);
         }
         path.widened(options, progress)?
             .settled(options, progress)?
@@ -236,10 +235,16 @@ impl<'a> Path<'a> {
     /// What was found first was named while the rest was missing. Where something else came close to it, both are
     /// fitted once more with the rest inside: how far they are apart then counts, and what is ahead then is taken.
     fn exchanged(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
-        let all: Vec<Subject> = self.members.iter().map(|m| m.proposal.subject).collect();
-        for subject in all {
-            let is = |member: &Member| member.proposal.subject == subject;
-            let place = self.members.iter().position(is);
+        let all = self.members.iter().map(|m| &m.proposal);
+        let all: Vec<_> = all.map(|p| (p.subject, p.knobs.clone())).collect();
+        for (subject, knobs) in all {
+            // Two may be without a name.
+            let is = |proposal: &Proposal| {
+                proposal.subject == subject
+                    && (subject != Subject::Unknown || proposal.knobs == knobs)
+            };
+            let mut members = self.members.iter();
+            let place = members.position(|member| is(&member.proposal));
             let Some(index) = place.filter(|_| self.members.len() > 1) else {
                 continue;
             };
@@ -255,13 +260,13 @@ impl<'a> Path<'a> {
             proposals.retain(|proposal| close.contains(&proposal.subject));
             let fitted = try_all(&path.stage, &path.by, progress)?;
             match choose(&fitted, &path.stage, Prefer::Nothing) {
-                Some(best) if best.proposal.subject == subject => {
+                Some(best) if is(&best.proposal) => {
                     let rivals = path.rivals(&fitted);
                     self.members[index].stand_anew(&rivals);
                 }
                 Some(_) => {
                     let other = path.walk(fitted, Prefer::Nothing, options, progress)?;
-                    let advantage = other.advantage(&self).map_err(DiagnosisError::Undrivable)?;
+                    let advantage = other.advantage(&self);
                     if advantage > 0.0 {
                         self = other;
                     }
@@ -308,34 +313,31 @@ impl<'a> Path<'a> {
     }
 
     /// The better of two paths by the evidence, the other one with names in the place of a law.
-    fn or(self, mut named: Self) -> Result<Self, DiagnosisError> {
-        let advantage = named.advantage(&self).map_err(DiagnosisError::Undrivable)?;
+    fn or(self, mut named: Self) -> Self {
+        let advantage = named.advantage(&self);
         let advantage = named.on_all(advantage);
         if advantage < 0.0 {
-            return Ok(self);
+            return self;
         }
         for member in &mut named.members {
             member.outdo_law(advantage);
         }
-        Ok(named)
+        named
     }
 
     /// Log odds of this path over another, under the noise of both on average.
-    fn advantage(&self, other: &Self) -> Result<f64, PredictionError> {
+    fn advantage(&self, other: &Self) -> f64 {
         let price = |path: &Self| -> f64 {
             let members = path.members.iter().map(|member| &member.proposal);
             members.map(|m| NOTHING - m.log_prior() + m.looking).sum()
         };
-        let surprise = |path: &Self, by: &Weighing| -> Result<f64, PredictionError> {
-            let Tuned {
-                knobs, solution, ..
-            } = &path.stage.tuned;
-            Ok(tune(&path.stage.given, knobs, solution, by)?.surprise + price(path))
+        let surprise = |path: &Self, by: &Weighing| -> f64 {
+            let stage = &path.stage;
+            tune_on(&stage.given, &stage.tuned, by, HELD).surprise + price(path)
         };
-        let mut advantage = 0.0;
-        for by in [&self.by, &other.by] {
-            advantage += 0.5 * (surprise(other, by)? - surprise(self, by)?);
-        }
-        Ok(advantage)
+        [&self.by, &other.by]
+            .map(|by| 0.5 * (surprise(other, by) - surprise(self, by)))
+            .iter()
+            .sum()
     }
 }

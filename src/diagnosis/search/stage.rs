@@ -10,6 +10,7 @@ use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, sho
 use super::scout::Scouts;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{Tuned, tune_restarted};
+use crate::diagnosis::hypothesis::part::Part;
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::screening::noise;
 use crate::diagnosis::screening::screen::{Projection, chance};
@@ -50,6 +51,8 @@ const LINEAR: f64 = 3.0;
 const MOST: usize = 7;
 /// A soil that moves by more than this share of its prior's deviation is looked at anew.
 const MOVED: f64 = 0.02;
+/// A start that moves by more than this is looked at anew: pose \[m, m, rad\], then velocities.
+const ASTRAY: [f64; 6] = [0.2, 0.2, 0.05, 0.1, 0.1, 0.1];
 
 /// A hypothesis and everything that is known with it inside.
 #[derive(Debug, Clone)]
@@ -91,14 +94,22 @@ pub fn look<'a>(
     progress.step("re-tuning the soil")?;
     let again = tune_restarted(&given, &tuned, by);
     progress.step("sensitivities to every candidate")?;
-    let mut at = &tuned.solution;
-    if moved(&given, at, &again.solution) > MOVED {
-        at = &again.solution;
+    let mut at = tuned.solution.clone();
+    if moved(&given, &at, &again.solution) > MOVED {
+        at = again.solution.clone();
         // Both at once would be most of what a diagnosis needs of memory.
         drop(tables);
-        tables = sensitivities(&given, &layout, at);
+        tables = sensitivities(&given, &layout, &at);
+    } else if let Some(part) = strayed(&at, &again.solution) {
+        for place in part.places() {
+            at.starts[*place] = again.solution.starts[*place];
+        }
+        let anew = sensitivities(&part.given(&given), &layout, &part.solution(&at));
+        for (place, table) in part.places().iter().zip(anew) {
+            tables[*place] = table;
+        }
     }
-    let system = linearise(&given, &layout, &tables, at, by);
+    let system = linearise(&given, &layout, &tables, &at, by);
     drop(tables);
     let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
     let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
@@ -137,6 +148,17 @@ fn moved(given: &Given, from: &Solution, to: &Solution) -> f64 {
     let pairs = from.soil.iter().zip(&to.soil).zip(&scales);
     let each = pairs.map(|((a, b), scale)| (a - b).abs() / scale.prior.deviation);
     each.fold(0.0, f64::max)
+}
+
+/// The stretches whose start was found elsewhere: what it leaves over there is another thing.
+fn strayed(from: &Solution, to: &Solution) -> Option<Part> {
+    let pairs = from.starts.iter().zip(&to.starts).enumerate();
+    let strayed = pairs.filter(|(_, (a, b))| {
+        let mut each = a.iter().zip(b.iter()).zip(ASTRAY);
+        each.any(|((a, b), limit)| (a - b).abs() > limit)
+    });
+    let places = strayed.map(|(place, _)| place).collect();
+    Part::some(places, from.starts.len())
 }
 
 /// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
@@ -279,6 +301,20 @@ pub mod tests {
         let progress = Progress::new(&|_: &'static str| {});
         let stage = look(given, fitted, &mut by, &options, &progress).unwrap();
         (stage, by)
+    }
+
+    #[test]
+    fn stretches_whose_start_was_found_elsewhere_are_looked_at_anew() {
+        let before = Solution {
+            soil: Vec::new(),
+            knobs: Vec::new(),
+            starts: vec![[0.0; 6]; 3],
+        };
+        assert!(strayed(&before, &before).is_none());
+        let mut after = before.clone();
+        after.starts[0][0] = 0.1;
+        after.starts[1][4] = -0.3;
+        assert_eq!(strayed(&before, &after).unwrap().places(), [1]);
     }
 
     #[test]
