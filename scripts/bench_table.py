@@ -1,10 +1,11 @@
 """Prints what scripts/bench.sh measured as a Markdown table, with ratios within the run."""
 
 import json
+import os
 import platform
 from pathlib import Path
 
-TARGET = Path(__file__).parent.parent / "target"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).parent.parent / "target"))
 
 
 def estimate(*path: str) -> float:

@@ -19,6 +19,12 @@ fail() {
     exit 1
 }
 
+[[ ${BASH_VERSINFO[0]} -ge 4 ]] ||
+    fail "bash $BASH_VERSION is too old; install bash 4 or newer (macOS: brew install bash) and have it first in PATH"
+# Where HOME is not set, bash looks it up; nothing where it is /.
+home=~
+home=${home%/}
+
 platform=linux64 linker=zig
 for argument; do
     case $argument in
@@ -49,7 +55,7 @@ functions=$(sed -nE 's/^ *FMI[23]_Export +fmi[23][A-Za-z0-9]+TYPE +(fmi[23][A-Za
 separator=$'\x1f'
 sources=
 rust() {
-    local flags="--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=/cargo${separator}--remap-path-prefix=$PWD=/ugv_terrain"
+    local flags="--remap-path-prefix=${CARGO_HOME:-$home/.cargo}=/cargo${separator}--remap-path-prefix=$PWD=/ugv_terrain"
     [[ -z $sources ]] || flags+="${separator}--remap-path-prefix=$sources=/rust"
     CARGO_ENCODED_RUSTFLAGS=$flags \
         "${cargo:-cargo}" rustc --locked --lib --crate-type staticlib --profile fmu --no-default-features --features fmu "$@"
@@ -152,7 +158,8 @@ fi
 strange=$("${format}_needed" | grep -vxE "$everywhere" || true)
 [[ -z $strange ]] || fail "$library needs a library a host may not have: $strange"
 
-paths=(-e "$PWD" -e "$HOME/")
+paths=(-e "$PWD")
+[[ -z $home ]] || paths+=(-e "$home/")
 [[ -z $sources ]] || paths+=(-e "$sources")
 ! grep -qaF "${paths[@]}" "$library" || fail "$library contains a path of this machine: see strings"
 

@@ -4,10 +4,15 @@
 #   scripts/controllers.sh slalom [--help]         a gymnasium environment, and an agent that learns a slalom in it
 # Tools that only these need go into virtual environments of their own: target/venv-ssp, target/venv-slalom.
 set -euo pipefail
+caller=$PWD
+# A relative one is the caller's, as for cargo.
+[[ ${CARGO_TARGET_DIR:-/} == /* ]] || export CARGO_TARGET_DIR=$PWD/$CARGO_TARGET_DIR
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+root=$PWD
+target=${CARGO_TARGET_DIR:-$root/target}
 example=${1:-}
 [[ $example == slip_control || $example == slalom ]] || {
-    sed -n '2,5p' "$0" | cut -c3- >&2
+    sed -n '2,5p' scripts/controllers.sh | cut -c3- >&2
     exit 2
 }
 shift
@@ -30,18 +35,22 @@ environment() {
     echo "$stamp" >"$venv/stamp"
 }
 
-export PYTHONPATH=scripts
 if [[ $example == slip_control ]]; then
     ./scripts/setup.sh >&2
     environment target/venv-ssp scripts/controllers/slip_control/requirements.txt
-    arguments=(--libcosim target/venv-ssp/bin/python)
+    arguments=(-m controllers.slip_control --libcosim "$root/target/venv-ssp/bin/python")
     # libcosim does not set enumerations: the vehicle that starts on dry sand.
-    if [[ " $* " != *" --ugv "* && -x target/release/ugv && -f target/fmu/ugv.so ]]; then
-        mkdir -p target/controllers
-        target/release/ugv package --library linux64=target/fmu/ugv.so --terrain dry_sand --output target/controllers/ugv.fmu >&2
-        arguments+=(--ugv target/controllers/ugv.fmu)
+    if [[ " $* " != *" --ugv "* && -x $target/release/ugv && -f $target/fmu/ugv.so ]]; then
+        mkdir -p "$target/controllers"
+        "$target/release/ugv" package --library "linux64=$target/fmu/ugv.so" --terrain dry_sand --output "$target/controllers/ugv.fmu" >&2
+        arguments+=(--ugv "$target/controllers/ugv.fmu")
     fi
-    exec target/venv/bin/python -m controllers.slip_control "${arguments[@]}" "$@"
+    python=$root/target/venv/bin/python
+else
+    environment target/venv-slalom scripts/controllers/slalom/requirements.txt
+    arguments=(-m controllers.slalom)
+    python=$root/target/venv-slalom/bin/python
 fi
-environment target/venv-slalom scripts/controllers/slalom/requirements.txt
-exec target/venv-slalom/bin/python -m controllers.slalom "$@"
+# Paths that are given are the caller's; modules are not (PYTHONSAFEPATH).
+cd "$caller"
+PYTHONPATH=$root/scripts PYTHONSAFEPATH=1 exec "$python" "${arguments[@]}" "$@"

@@ -9,6 +9,7 @@ right turn, with the same wheel speeds on four terrains. What the paper finds is
 import argparse
 import html
 import io
+import os
 import re
 import sys
 import time
@@ -406,7 +407,8 @@ def page(
 
 def main() -> None:
     """Drives, checks, draws, and prints a line per terrain."""
-    target = Path(__file__).resolve().parent.parent / "target"
+    root = Path(__file__).resolve().parent.parent
+    target = Path(os.environ.get("CARGO_TARGET_DIR", root / "target"))
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     add = parser.add_argument
     add("--fmu", type=Path, default=target / "ugv.fmu", help="default: target/ugv.fmu")

@@ -13,7 +13,7 @@ import shutil
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import pyarrow as pa
@@ -22,9 +22,11 @@ from proof.judge import files
 from scale import cluster, table
 from scale.tool import ANSWERS, Answer, Fleet, Recording
 
-TARGET = Path(__file__).resolve().parent.parent / "target"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).resolve().parent.parent / "target"))
 RUN = "run.json"  # how an answer came about
 LOST = "its workers ended one after the other; it may need more memory than they have"
+GONE = "its answer is not there, or is broken; the same command asks for it again"
+COSTS = ("cpu_seconds", "wall_seconds", "peak_mb")
 EPILOG = """\
 examples:
   target/venv/bin/python scripts/fleet.py recordings/ --out target/fleet
@@ -51,7 +53,7 @@ class Place:
     def save(self, answer: Answer | cluster.Lost) -> None:
         """Writes an answer beside its place, and renames it. One that was lost is looked for again the next time."""
         if isinstance(answer, cluster.Lost):
-            files.save(self.folder / RUN, {"status": "lost", "error": LOST, **dict.fromkeys(("cpu_seconds", "wall_seconds", "peak_mb"))})
+            files.save(self.folder / RUN, {"status": "lost", "error": LOST, **dict.fromkeys(COSTS)})
             return
         part = self.folder.with_name(self.folder.name + ".part")
         shutil.rmtree(part, ignore_errors=True)
@@ -85,7 +87,16 @@ def places(given: list[Path], out: Path, fleet: Fleet) -> list[Place]:
         named[name] = path
     if not named:
         sys.exit(f"fleet: no recording (*.csv) in {', '.join(map(str, given))}")
+    check_apart(named)
     return [Place(name, path, out / "answers" / name, mark(path, fleet)) for name, path in sorted(named.items())]
+
+
+def check_apart(named: dict[str, Path]) -> None:
+    """Ends where the folder of an answer is within another's, or where another is written: each would delete the other."""
+    for name, path in named.items():
+        for place in (name, *map(str, PurePath(name).parents)):
+            if others := ({place, place.removesuffix(".part")} - {name}) & named.keys():
+                sys.exit(f"fleet: the answers to {named[min(others)]} and {path} would be in each other's way; rename one")
 
 
 def mark(path: Path, fleet: Fleet) -> str:
@@ -135,11 +146,11 @@ def of_score(answer: dict) -> dict[str, Any]:
 
 def row(place: Place, command: str) -> dict[str, Any]:
     """A recording's row: how it went, what was told, what it cost."""
-    run = files.load(place.folder / RUN)
+    run = files.load(place.folder / RUN) or {"status": "lost", "error": GONE, **dict.fromkeys(COSTS)}
     answer = files.load(place.folder / ANSWERS[command]) if run["status"] == "done" else None
     result: dict[str, Any] = {"recording": place.name, "status": run["status"], "error": run["error"] or None}
     result |= told(command, answer) if answer else {}
-    return result | {key: run[key] for key in ("cpu_seconds", "wall_seconds", "peak_mb")}
+    return result | {key: run[key] for key in COSTS}
 
 
 def write_table(path: Path, rows: list[dict[str, Any]], metadata: dict[str, str]) -> None:

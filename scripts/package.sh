@@ -3,9 +3,13 @@
 # target/ugv-fmi3.fmu (FMI 3.0), both with those libraries.
 # --platforms LIST names the platforms, separated by commas (default: linux64); all stands for those that can
 # be built on Linux: linux64,win64,aarch64-linux. See build_fmu_library.sh for each.
-# Other arguments are passed on to `ugv package` (--vehicle, --terrain, --output ...).
+# --output FILE.fmu names the FMU of FMI 2.0, and FILE-fmi3.fmu is then that of FMI 3.0.
+# Other arguments are passed on to `ugv package` (--vehicle, --terrain ...).
 set -euo pipefail
+# A relative one is the caller's, as for cargo; build_fmu_library.sh works elsewhere.
+[[ ${CARGO_TARGET_DIR:-/} == /* ]] || export CARGO_TARGET_DIR=$PWD/$CARGO_TARGET_DIR
 here=$(dirname "${BASH_SOURCE[0]}")
+target=${CARGO_TARGET_DIR:-$here/../target}
 
 fail() {
     echo "package: $1" >&2
@@ -13,6 +17,7 @@ fail() {
 }
 
 platforms=linux64
+output=$target/ugv.fmu
 arguments=()
 while [[ $# -gt 0 ]]; do
     case $1 in
@@ -22,12 +27,22 @@ while [[ $# -gt 0 ]]; do
         shift
         ;;
     --platforms=*) platforms=${1#*=} ;;
+    --output | -o)
+        output=${2:-}
+        [[ $# -eq 1 ]] || shift
+        ;;
+    --output=*) output=${1#*=} ;;
+    -o*)
+        output=${1#-o}
+        output=${output#=}
+        ;;
+    --fmi* | --merge*) fail "$1 is not for here, where the FMUs of FMI 2.0 and 3.0 are made; use target/release/ugv package" ;;
     *) arguments+=("$1") ;;
     esac
     shift
 done
+[[ -n $output ]] || fail "--output needs a file: mine.fmu"
 [[ $platforms != all ]] || platforms=linux64,win64,aarch64-linux
-target=${CARGO_TARGET_DIR:-$here/../target}
 libraries=()
 others=()
 for platform in ${platforms//,/ }; do
@@ -50,5 +65,5 @@ for platform in ${platforms//,/ }; do
 done
 cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet
 package=("$target/release/ugv" package "${libraries[@]}")
-"${package[@]}" "${arguments[@]+"${arguments[@]}"}" --fmi 3 --output "$target/ugv-fmi3.fmu"
-"${package[@]}" --output "$target/ugv.fmu" "${arguments[@]+"${arguments[@]}"}"
+"${package[@]}" "${arguments[@]+"${arguments[@]}"}" --fmi 3 --output "${output%.fmu}-fmi3.fmu"
+"${package[@]}" "${arguments[@]+"${arguments[@]}"}" --output "$output"

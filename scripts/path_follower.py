@@ -12,6 +12,7 @@ without slip (--open-loop) leave the path at once; two loops keep the vehicle on
 """
 
 import argparse
+import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,7 +23,7 @@ import numpy as np
 from fmpy.fmi2 import FMU2Slave
 from matplotlib.figure import Figure
 
-TARGET = Path(__file__).resolve().parent.parent / "target"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).resolve().parent.parent / "target"))
 TERRAINS = {"dry_sand": 1, "sandy_loam": 2, "clayed_soil": 3, "dry_clay": 4}
 STATE = ["x", "y", "heading", "v_x", "v_y", "yaw_rate"]
 SLIP = ["wheel[1].longitudinal_slip", "wheel[2].longitudinal_slip"]  # all of a side's are equal

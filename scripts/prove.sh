@@ -6,7 +6,12 @@
 # `scripts/prove.sh agree` tells how far the generator's motion is from the library's (scripts/prove.sh agree --help).
 # UGV_TOOL names a binary to prove in place of the one that is built here.
 set -euo pipefail
+caller=$PWD
+# A relative one is the caller's, as for cargo.
+[[ ${CARGO_TARGET_DIR:-/} == /* ]] || export CARGO_TARGET_DIR=$PWD/$CARGO_TARGET_DIR
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+root=$PWD
+target=${CARGO_TARGET_DIR:-$root/target}
 
 module=judge
 case "${1:-}" in
@@ -24,11 +29,13 @@ draw)
     ;;
 esac
 ./scripts/setup.sh >&2
-arguments=()
+arguments=(-m "$module")
 if [[ $module != generator ]]; then
-    arguments=(--tool "${UGV_TOOL:-target/release/ugv}")
+    arguments+=(--tool "${UGV_TOOL:-$target/release/ugv}")
     if [[ -z "${UGV_TOOL:-}" && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
         cargo build --locked --release --bin ugv >&2
     fi
 fi
-PYTHONPATH=scripts/proof exec target/venv/bin/python -m "$module" "${arguments[@]}" "$@"
+# Paths that are given are the caller's; modules are not (PYTHONSAFEPATH).
+cd "$caller"
+PYTHONPATH=$root/scripts/proof PYTHONSAFEPATH=1 exec "$root/target/venv/bin/python" "${arguments[@]}" "$@"

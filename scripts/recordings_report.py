@@ -12,9 +12,10 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-TOOL = ROOT / "target" / "release" / "ugv"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+TOOL = TARGET / "release" / "ugv"
 DATA = Path(os.environ.get("UGV_DATA", ROOT.parent / "shared" / "data"))
-OUT = ROOT / "target" / "recordings"
+OUT = TARGET / "recordings"
 MODELS = {
     "no_slip": "no-slip",
     "two_parameter": "two-parameter",

@@ -4,7 +4,11 @@
 # and fails unless the memory stays flat. Shows progress with the time left, and prints a table. UGV_FMU names
 # the FMU; without it target/ugv.fmu serves, which is built if it is not there.
 set -euo pipefail
+caller=$PWD
+# A relative one is the caller's, as for cargo.
+[[ ${CARGO_TARGET_DIR:-/} == /* ]] || export CARGO_TARGET_DIR=$PWD/$CARGO_TARGET_DIR
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+target=${CARGO_TARGET_DIR:-$PWD/target}
 
 fail() {
     echo "soak: $1" >&2
@@ -20,7 +24,7 @@ while [[ $# -gt 0 ]]; do
         shift 2
         ;;
     -h | --help)
-        sed -n '2,/^set/s/^# \{0,1\}//p' "$0"
+        sed -n '2,/^set/s/^# \{0,1\}//p' scripts/soak.sh
         exit 0
         ;;
     *) fail "no such option: $1; there are --steps N and --instances N" ;;
@@ -28,7 +32,8 @@ while [[ $# -gt 0 ]]; do
 done
 
 ./scripts/setup.sh >&2
-fmu=${UGV_FMU:-target/ugv.fmu}
+fmu=${UGV_FMU:-$target/ugv.fmu}
+[[ $fmu == /* ]] || fmu=$caller/$fmu
 [[ -n "${UGV_FMU:-}" || -f $fmu ]] || ./scripts/package.sh >&2
 [[ -f $fmu ]] || fail "$fmu is not there; build it with scripts/package.sh, or name another in UGV_FMU"
 work=$(mktemp -d)

@@ -9,6 +9,7 @@ import argparse
 import hashlib
 import json
 import math
+import os
 import sys
 import tempfile
 import time
@@ -22,7 +23,7 @@ import numpy as np
 from scale import cluster, picture, table
 from scale.fmu import RESULTS, Sweep, WrongParameters
 
-TARGET = Path(__file__).resolve().parent.parent / "target"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).resolve().parent.parent / "target"))
 TERRAINS = {"dry_sand": 1, "sandy_loam": 2, "clayed_soil": 3, "dry_clay": 4, "custom": 5}
 STATE = ["x", "y", "heading", "v_x", "v_y", "yaw_rate"]
 VELOCITIES = {"initial.v_x", "initial.v_y", "initial.yaw_rate"}
@@ -56,14 +57,18 @@ def fixed(fmu: Path, terrain: str | None, initial: list[str], names: list[str]) 
     if terrain:
         values["terrain"] = TERRAINS[terrain]
     for word in initial:
-        key, _, value = word.partition("=")
+        key, value = (part.strip() for part in word.partition("=")[::2])
         if word == "no-slip":
             values["initial.no_slip"] = True
+        elif f"initial.{key}" in values and key in STATE:
+            sys.exit(f"--initial sets {key} twice")
         elif key in STATE and is_finite(value):
             values[f"initial.{key}"] = float(value)
         else:
             sys.exit(f"--initial {word}: expected no-slip, or KEY=NUMBER with one of {', '.join(STATE)}")
     taken = VELOCITIES if "initial.no_slip" in values else set()
+    if both := sorted(taken & values.keys()):
+        sys.exit(f"--initial sets {both[0].removeprefix('initial.')} beside no-slip, which sets it too")
     for name in names:
         if name in taken or (name.startswith("initial.") and name in values):
             sys.exit(f"{name} differs from drive to drive, and --initial sets it too; leave it out of one of them")
@@ -87,6 +92,22 @@ def check_names(fmu: Path, names: list[str], path: Path) -> None:
                  "effects.*, of which those that remember must be on when it is packaged)")
 
 
+def check_outputs(parser: argparse.ArgumentParser, outputs: list[Path], inputs: list[Path]) -> None:
+    """Ends where what is written would replace what is read, or cannot be written: known before the drives, not after them."""
+    taken = {path.resolve() for path in inputs}
+    for path in outputs:
+        if path.resolve() in taken:
+            parser.error(f"{path} is read as well, or written twice; take another name")
+        taken.add(path.resolve())
+        if path.is_dir():
+            parser.error(f"{path} is a folder; name a file in it")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=path.parent).close()
+        except OSError as error:
+            parser.error(f"{path} cannot be written ({error.strerror}); name another file")
+
+
 def digest(path: Path) -> str:
     """Tells one file from another."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
@@ -102,7 +123,7 @@ def main() -> None:
     add("--output", type=Path, required=True, metavar="FILE.parquet", help="where each drive ends")
     add("--fmu", type=Path, default=TARGET / "ugv.fmu", help="FMU of FMI 2.0 [default: target/ugv.fmu]")
     add("--terrain", choices=TERRAINS, help="[default: the FMU's]; the parameters soil.* begin with its values")
-    add("--initial", nargs="+", default=[], metavar="KEY=VALUE|no-slip", help="where it starts, as for ugv simulate")
+    add("--initial", nargs="+", action="extend", default=[], metavar="KEY=VALUE|no-slip", help="where it starts, as for ugv simulate")
     add("--map", type=Path, metavar="FILE.png", help="draw where the vehicle ends up")
     add("--batch", type=cluster.at_least_one, metavar="N", help="drives in a piece of work [default: as many as take about a second]")
     add("--quiet", action="store_true", help="no progress")
@@ -111,6 +132,9 @@ def main() -> None:
     for path in (arguments.input, arguments.table, arguments.fmu):
         if not path.is_file():
             parser.error(f"{path} is not there" + ("; scripts/package.sh builds it" if path == arguments.fmu else ""))
+    if arguments.map and picture.kind(arguments.map) not in picture.KINDS:
+        parser.error(f"--map {arguments.map}: no picture ends in {arguments.map.suffix}; there are {', '.join(sorted(picture.KINDS))}")
+    check_outputs(parser, [path for path in (arguments.output, arguments.map) if path], [arguments.input, arguments.table, arguments.fmu])
 
     clock, speeds = table.read_input(arguments.input)
     names, numbers, values = table.read_samples(arguments.table)

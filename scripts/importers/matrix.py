@@ -23,7 +23,9 @@ from comparison import Deviation, Unfit, compare, read
 from runs import FMI_2, IMPORTERS, RUNS, Run
 
 HERE = Path(__file__).resolve().parent
-TARGET = HERE.parent.parent / "target"
+ROOT = HERE.parent.parent
+TARGET = ROOT / "target"  # of the virtual environments, as scripts/setup.sh has it
+BUILT = Path(os.environ.get("CARGO_TARGET_DIR", TARGET))
 MARKS = ("<!-- written by scripts/importers.sh -->", "<!-- end -->")
 NOT_RUN = "not run"
 LAST_LINES = 12  # of what a failing importer said
@@ -115,7 +117,8 @@ def install(name: str) -> str:
         return ""
     say(f"installing {name}")
     for command, environment in importer.install(HERE, folder, TARGET):
-        if failure := run_command(command, env=os.environ | environment):
+        # From here, as cargo reads .cargo/config.toml of the folder that it is called in.
+        if failure := run_command(command, cwd=ROOT, env=os.environ | environment):
             return failure
     (folder / "stamp").write_text(stamp)
     return ""
@@ -218,8 +221,8 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="importers.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("names", nargs="*", metavar="NAME", help=f"importers to run, of {', '.join(IMPORTERS)} [default: all]")
-    add("--fmu", type=Path, default=TARGET / "ugv.fmu", help="FMU of FMI 2.0 [default: target/ugv.fmu]")
-    add("--fmu3", type=Path, default=TARGET / "ugv-fmi3.fmu", help="the same of FMI 3.0 [default: target/ugv-fmi3.fmu]")
+    add("--fmu", type=Path, default=BUILT / "ugv.fmu", help="FMU of FMI 2.0 [default: target/ugv.fmu]")
+    add("--fmu3", type=Path, default=BUILT / "ugv-fmi3.fmu", help="the same of FMI 3.0 [default: target/ugv-fmi3.fmu]")
     add("--limit", type=float, default=900, metavar="S", help="seconds that one drive may take [default: 900]")
     add("--again", action="store_true", help="also run what gave the expected with the same FMU, importer and driver before")
     add("--page", type=Path, help="Markdown page to put the table into, between its marks; of importers that are not run, with what they gave before")

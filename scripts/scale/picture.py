@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy.ndimage import gaussian_filter
@@ -10,6 +11,12 @@ from scipy.ndimage import gaussian_filter
 SHARES = {0.9: "--", 0.5: "-"}  # of the drives that a region holds
 CELLS, SMOOTHING = 160, 4.0  # cells along the map's longer side, and how many of them a drive is spread over
 NOMINAL, LOST = "#d97706", "#dc2626"
+KINDS = set(FigureCanvasBase.get_supported_filetypes())
+
+
+def kind(path: Path) -> str:
+    """What a picture is written as: PNG where its name does not tell."""
+    return path.suffix[1:].lower() or "png"
 
 
 def density(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -51,5 +58,5 @@ def draw(path: Path, ends: np.ndarray, reached: np.ndarray, nominal: np.ndarray)
     figure.legend(handles=entries, loc="outside upper center", ncols=2, frameon=False, fontsize="small")
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
-    figure.savefig(part, dpi=100, format=path.suffix[1:] or "png")
+    figure.savefig(part, dpi=100, format=kind(path))
     part.replace(path)

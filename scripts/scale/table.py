@@ -4,7 +4,7 @@ import csv
 import math
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,22 +15,44 @@ INDEX = "index"
 INPUT = ["time", "omega_left", "omega_right"]
 
 
-def read(path: Path) -> tuple[list[str], np.ndarray]:
-    """Header and numbers of a CSV file; ends with line and column where a cell is no finite number."""
+def lines(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Number and cells of each line that has any, the header first; ends where there are not as many as in the header."""
+    width = 0
     try:
-        with path.open(newline="") as file:
-            lines = csv.reader(file)
-            header = [name.strip() for name in next(lines, [])]
-            rows = [[_number(path, lines.line_num, name, cell) for name, cell in zip(header, cells, strict=True)] for cells in lines]
+        # What is no UTF-8 may stand in columns that are not read.
+        with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
+            rows = csv.reader(file)
+            for row in rows:
+                cells = [cell.strip() for cell in row]
+                if cells in ([], [""]):
+                    continue
+                width = width or len(cells)
+                if len(cells) != width:
+                    sys.exit(f"{path}, line {rows.line_num}: not as many cells as the header has, {width}")
+                yield rows.line_num, cells
     except OSError as error:
         sys.exit(f"{path}: {error.strerror}")
-    except ValueError:
-        sys.exit(f"{path}, line {lines.line_num}: not as many cells as the header has, {len(header)}")
+    except csv.Error as error:
+        sys.exit(f"{path}, line {rows.line_num}: {error}")
+
+
+def read(path: Path, wanted: Sequence[str] = (), gaps: Sequence[str] = ()) -> tuple[list[str], np.ndarray]:
+    """Names and numbers of the columns that are wanted, or of all; ends with line and column where a cell is no finite number.
+
+    A cell of the columns `gaps` may be empty: NaN.
+    """
+    below = lines(path)
+    _, header = next(below, (0, []))
+    names = list(wanted) or header
+    if missing := [name for name in names if name not in header]:
+        sys.exit(f"{path}: no column {missing[0]}; the header needs {', '.join(names)}")
+    if any(header.count(name) > 1 for name in names):
+        sys.exit(f"{path}: a column is named twice in {', '.join(header)}")
+    places = [(name, header.index(name), name in gaps) for name in names]
+    rows = [[math.nan if gap and not cells[at] else _number(path, line, name, cells[at]) for name, at, gap in places] for line, cells in below]
     if len(rows) < 1:
         sys.exit(f"{path}: there is no row below the header")
-    if len(set(header)) < len(header):
-        sys.exit(f"{path}: a column is named twice in {', '.join(header)}")
-    return header, np.array(rows)
+    return names, np.array(rows)
 
 
 def _number(path: Path, line: int, name: str, cell: str) -> float:
@@ -44,16 +66,30 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
 
 
 def read_input(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Times, and the left and right wheel speed at each."""
-    header, rows = read(path)
-    if missing := [name for name in INPUT if name not in header]:
-        sys.exit(f"{path}: no column {missing[0]}; the header needs {', '.join(INPUT)}")
-    time, *speeds = (np.ascontiguousarray(rows[:, header.index(name)]) for name in INPUT)
+    """Times, and the left and right wheel speed at each; as the tool reads them, other columns may hold anything."""
+    _, rows = read(path, INPUT, INPUT[1:])
+    time, *speeds = map(np.ascontiguousarray, rows.T)
     if len(time) < 2:
         sys.exit(f"{path}: a drive of one row leads nowhere; give two rows or more")
     if (late := np.flatnonzero(np.diff(time) <= 0)).size:
         sys.exit(f"{path}: time {time[late[0] + 1]} s does not come after {time[late[0]]} s")
-    return time, np.column_stack(speeds)
+    for name, values in zip(INPUT[1:], speeds, strict=True):
+        if np.isnan(values).all():
+            sys.exit(f"{path}, {name}: nothing but empty cells, expected at least one number")
+    return time, np.column_stack([filled(time, values) for values in speeds])
+
+
+def filled(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """NaN filled linearly, the first and the last number held beyond them: rounded as the tool does it, and np.interp does not."""
+    there = np.flatnonzero(~np.isnan(values))
+    values = values.copy()
+    values[:there[0]], values[there[-1]:] = values[there[0]], values[there[-1]]
+    rows = np.flatnonzero(np.isnan(values))
+    after = np.searchsorted(there, rows)
+    start, end = there[after - 1], there[after]
+    share = (time[rows] - time[start]) / (time[end] - time[start])
+    values[rows] = values[start] + (values[end] - values[start]) * share
+    return values
 
 
 def read_samples(path: Path) -> tuple[list[str], np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """The FMI 3.0 FMU under test, through ctypes without anything between the test and its functions.
 
-`UGV_FMI3` names the FMU; without it target/ugv-fmi3.fmu serves, as scripts/package.sh leaves it.
+`UGV_FMI3` names the FMU; without it the one serves that scripts/package.sh leaves beside that of FMI 2.0
+(`UGV_FMU`), or else target/ugv-fmi3.fmu.
 """
 
 import ctypes
@@ -17,7 +18,7 @@ import fmpy
 from fmpy import extract, read_model_description
 from fmpy.fmi3 import fmi3LogMessageCallback
 from fmpy.model_description import ModelDescription, ScalarVariable
-from fmu_support import ANY_GUID, REPOSITORY, STATES, Calls, as_reals, as_references, scratch
+from fmu_support import ANY_GUID, STATES, TARGET, Calls, as_reals, as_references, scratch
 
 # The functions that the standard's header declares, without their prefix.
 STANDARD = set(
@@ -30,7 +31,9 @@ STANDARD = set(
 
 def fmi3_path() -> Path:
     """The FMU under test."""
-    default = REPOSITORY / "target" / "ugv-fmi3.fmu"
+    two = Path(os.environ.get("UGV_FMU") or TARGET / "ugv.fmu")
+    beside = two.with_name(f"{two.stem}-fmi3.fmu")
+    default = beside if beside.is_file() else TARGET / "ugv-fmi3.fmu"
     path = Path(os.environ.get("UGV_FMI3") or default).absolute()
     if not path.is_file():
         raise FileNotFoundError(

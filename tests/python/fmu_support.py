@@ -29,6 +29,7 @@ from fmpy.fmi2 import (
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", REPOSITORY / "target"))
 STATES = ("x", "y", "heading", "v_x", "v_y", "yaw_rate")
 RATES = tuple(f"der({name})" for name in STATES)
 INPUTS = ("omega_left", "omega_right")
@@ -48,7 +49,7 @@ STANDARD = set(
 
 def fmu_path() -> Path:
     """The FMU under test."""
-    path = Path(os.environ.get("UGV_FMU") or REPOSITORY / "target" / "ugv.fmu").absolute()
+    path = Path(os.environ.get("UGV_FMU") or TARGET / "ugv.fmu").absolute()
     if not path.is_file():
         raise FileNotFoundError(
             f"{path} is missing; build it with scripts/package.sh, or name another in UGV_FMU"

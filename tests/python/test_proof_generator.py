@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import io
 import json
 import math
 import os
@@ -20,6 +22,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
 from agreement.compare import drive_generator, drive_library, manoeuvre  # noqa: E402
 from generator import families  # noqa: E402
+from generator.__main__ import main as draw  # noqa: E402
 from generator.cases import is_complete  # noqa: E402
 from generator.catalogue import EFFECTS, I, off_vector, slot  # noqa: E402
 from generator.contact import contact, rule  # noqa: E402
@@ -32,7 +35,7 @@ from generator.sizes import draw_effect, ways  # noqa: E402
 from generator.stepper import derivative  # noqa: E402
 from generator.world import GRAVITY, SOILS, VEHICLES, nominal_soil, parameter_vector, true_soil  # noqa: E402
 
-BINARY = ROOT / "target" / "release" / "ugv"
+BINARY = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "ugv"
 
 
 def forces(setup: Setup, velocity: tuple[float, float, float], drive: Drive) -> np.ndarray:
@@ -321,6 +324,28 @@ class Cases(unittest.TestCase):
         self.assertEqual(truth["format"], "ugv-proof-truth/1")
         self.assertEqual(truth["expected"], ["nothing_missing"])
         self.assertEqual(set(truth["drives"]), {"drive", "unseen"})
+
+    def test_a_folder_with_other_cases_is_refused_and_left_as_it_is(self):
+        with tempfile.TemporaryDirectory() as folder:
+            # A case that is complete is not drawn.
+            (Path(folder) / "case_0000").mkdir()
+            (Path(folder) / "sealed").mkdir()
+            (Path(folder) / "sealed" / "case_0000.json").write_text("{}")
+            told, words = Path(folder) / "set.json", ["--out", folder, "--cases", "1"]
+            for held in ({"seed": 7, "family": "absorbed"}, {"seed": 7, "family": None}, {"seed": 7}):
+                told.write_text(json.dumps(held))
+                own = ["--family", held["family"]] if held.get("family") else []
+                others = [["--seed", "8", *own]] + ([["--seed", "7", "--family", "nothing"]] if "family" in held else [])
+                for other in others:
+                    said = io.StringIO()
+                    with self.assertRaises(SystemExit) as stopped, contextlib.redirect_stderr(said):
+                        draw([*words, *other])
+                    self.assertEqual(stopped.exception.code, 2)
+                    self.assertRegex(said.getvalue(), r"holds other cases \(seed 7.*\); take another --out")
+                    self.assertEqual(json.loads(told.read_text()), held)
+                with contextlib.redirect_stderr(io.StringIO()):
+                    self.assertEqual(draw([*words, "--seed", "7", *own]), 0)
+                self.assertEqual(json.loads(told.read_text())["family"], held.get("family"))
 
     def test_wrong_arguments_are_told_with_the_remedy(self):
         for arguments, word in ((["--cases", "0"], "give 1 or more"), (["--jobs", "7"], "give one of them"),

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,8 +17,8 @@ from page_check import browser, check_page, find_chromium
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
-from judge import estimates, files
-from judge.__main__ import claim
+from judge import estimates, files, work
+from judge.__main__ import arguments, claim, judged
 from judge.case import Judged
 from judge.drawing import figure
 from judge.listing import listing
@@ -212,6 +213,9 @@ class Metrics(unittest.TestCase):
         cases = [case(truth(), answer, retuned=0.3, oracle=o, own=0.15) for o in (0.1, 0.29, None)]
         metric = next(m for m in metrics(cases) if m.key == "gain")
         self.assertEqual((metric.n, metric.note[:10]), (1, "2 left out"))
+        late = Judged("case_0000", truth(), answer, {"retuned": 0.3, "own": 0.2}, oracle="timeout")
+        metric = next(m for m in metrics([*cases, late]) if m.key == "gain")
+        self.assertEqual(metric.note, "2 left out: no oracle, or it gains too little; 1: the oracle took too long")
         cases = [case(truth(), answer, retuned=0.3, own=own) for own in (0.32, 0.34, 0.1, None)]
         self.assertAlmostEqual(measured(cases)["harm"], 1 / 3)
 
@@ -229,6 +233,12 @@ class Metrics(unittest.TestCase):
         answers = [said("unknown_physics", "unknown"), said("missing_physics", "grade"), said("nothing_missing"),
                    said("ambiguous", "grade", group=("unknown",)), None]
         self.assertEqual(measured([case(outside, answer) for answer in answers])["misnamed"], 0.25)
+        # Whatever the verdict, a name that is told first counts; a peer that names nothing, and silence, do not.
+        answers = [said("unknown_physics", "latency", "unknown"), said("unknown_physics", "grade", group=("unknown",)),
+                   {"verdict": "unknown_physics"}, said("insufficient_data")]
+        self.assertEqual([case(outside, answer).misnamed for answer in answers], [True, False, False, False])
+        allowed = outside | {"expected": ["unknown_physics", "ambiguous"]}
+        self.assertTrue(case(allowed, said("ambiguous", "grade", group=("drag",))).misnamed)
 
     def test_targets(self) -> None:
         found = {m.key: m for m in metrics([case(truth(), said("missing_physics", "drawbar", p=1.0))])}
@@ -255,6 +265,7 @@ echo called >> "{log}"
 for last; do case $want in --out) out=$last;; esac; want=$last; done
 grep -q crash drive.csv && exit 3
 grep -q slow drive.csv && sleep 30
+[ -n "$out" ] || exit 4
 mkdir -p "$out"
 echo '{{"verdict": "nothing_missing"}}' > "$out/diagnosis.json"
 """
@@ -296,11 +307,54 @@ class Running(unittest.TestCase):
 
     def test_a_stage_with_a_result_is_not_redone_and_one_that_fails_is_told(self) -> None:
         result = self.case("a")
-        files.save(result / "nominal.json", {"status": "done", "unseen": {"rmse": 0.5}})
+        files.save(result / "nominal.json", {"status": "done", "unseen": {"rmse": 0.5, "errors": {"0": 0.5}}})
         self.assertEqual(self.bench.stage("a", "nominal")["unseen"]["rmse"], 0.5)
         (result / "retuned.json").write_text('{"status": "do')
         self.assertNotEqual(self.bench.stage("a", "retuned")["status"], "done")
         self.assertIn("error", json.loads((result / "retuned.json").read_text()))
+
+    def test_an_answer_of_an_earlier_judge_is_kept_and_scored_anew(self) -> None:
+        result, answer = self.case("a"), {"verdict": "unknown_physics"}
+        before = {"status": "done", "seconds": 4.2, "answer": answer, "unseen": {"rmse": 0.5, "windows": 3, "failed": 0}}
+        files.save(result / "sparse.json", before)
+        # It is tried, as the windows are not told; there is no model, so it fails, and what was there stays.
+        self.assertNotEqual(self.bench.stage("a", "sparse")["status"], "done")
+        self.assertEqual(files.load(result / "sparse.json"), before)
+
+        def peer(*asked: object) -> dict:
+            self.assertEqual(asked[-1], answer)
+            return {"answer": {"verdict": "nothing_missing"}, "unseen": {"rmse": 0.4, "errors": {"0": 0.4}}}
+
+        command = ["work", "sparse", str(self.folder / "cases" / "a"), str(result), "--tool", "ugv"]
+        with mock.patch.object(work, "peer", lambda _: peer), mock.patch.object(sys, "argv", command):
+            work.main()
+        self.assertEqual(files.load(result / "sparse.json"), before | {"unseen": {"rmse": 0.4, "errors": {"0": 0.4}}})
+        # What is fitted already is not fitted again.
+        files.write(result / "retuned_model.json", "{}")
+        task = work.Task(Path("ugv"), self.folder / "cases" / "a", result, {"status": "done"})
+        with mock.patch.object(work, "fit", side_effect=AssertionError), mock.patch.object(work.prediction, "on_unseen", lambda *_: {}):
+            self.assertEqual(work.retuned(task), {"unseen": {}})
+
+    def test_a_case_is_judged_over_the_windows_that_all_models_have(self) -> None:
+        result, errors = self.folder / "results" / "a", {"retuned": {"0": 0.9, "1": 0.3}, "oracle": {"0": 0.2, "1": 0.1}, "mended": {"1": 0.2}}
+        for stage, own in errors.items():
+            files.save(result / f"{stage}.json", {"status": "done", "unseen": {"rmse": 1.0, "errors": own}})
+        one = judged("a", truth(), self.folder / "results", "mended")
+        self.assertEqual(one.unseen, {"nominal": None, "retuned": 0.3, "oracle": 0.1, "own": 0.2})
+        self.assertAlmostEqual(one.gain, 0.5)
+
+    def test_peers_and_oracle_have_the_limit_of_the_tool(self) -> None:
+        limits = [arguments(["--tool", "t", *given]).peer_limit for given in ([], ["--limit", "9"], ["--peer-limit", "7"])]
+        self.assertEqual(limits, [600, 9, 7])
+
+    def test_what_failed_is_done_again_within_a_longer_limit(self) -> None:
+        self.case("a")
+        path, late = self.folder / "results" / "a" / "oracle.json", {"status": "timeout", "seconds": 9.0, "error": ""}
+        # Without a limit, an earlier judge's timeout tells its seconds.
+        for there, again in ((late, False), (late | {"seconds": 2.1}, True), (late | {"limit": 5.0}, False), (late | {"limit": 4.0}, True)):
+            files.save(path, there)
+            self.assertEqual(self.bench.stage("a", "oracle")["status"] != "timeout", again)
+            self.assertEqual(files.load(path).get("limit"), 5.0 if again else there.get("limit"))
 
     def test_answers_belong_to_one_set_of_cases(self) -> None:
         for seed, name in ((1, "first"), (2, "second")):
@@ -309,6 +363,15 @@ class Running(unittest.TestCase):
             claim(self.folder, self.folder / name)
         with self.assertRaisesRegex(SystemExit, "seed 1, these are of 2"):
             claim(self.folder, self.folder / "second")
+        # Of the same seed: a family is not the mix of all, nor another; a set from before families were told is not refused.
+        for family in ("local", None, "single"):
+            files.save(self.folder / str(family) / "set.json", {"seed": 1, "family": family})
+        for name in ("local", "first", "local"):
+            claim(self.folder, self.folder / name)
+        with self.assertRaisesRegex(SystemExit, "seed 1 and family local, these are of 1 and family single"):
+            claim(self.folder, self.folder / "single")
+        with self.assertRaisesRegex(SystemExit, r"seed 1 and family local, these are of 1\)"):
+            claim(self.folder, self.folder / "None")
 
     def test_a_longer_limit_has_what_ran_into_it_done_again(self) -> None:
         self.case("a")

@@ -93,6 +93,122 @@ class Bench(unittest.TestCase):
         cls.drive.write_text("time,omega_left,omega_right\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
 
 
+class Tables(unittest.TestCase):
+    """What scripts/sweep.py reads, and what it refuses before it drives."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def write(self, name: str, content: bytes) -> Path:
+        path = self.folder / name
+        path.write_bytes(content)
+        return path
+
+    def test_input_is_read_as_the_tool_reads_it(self) -> None:
+        told = "time,,omega_right,note,omega_left\r\n0,,,start,\r\n\r\n0.1, ,2,,4\n   \n0.3,1,,a b,\n0.7,,,\udcb0,5\n1,,3,,\n"
+        time, speeds = table.read_input(self.write("drive.csv", b"\xef\xbb\xbf" + told.encode(errors="surrogateescape")))
+        self.assertEqual(time.tolist(), [0.0, 0.1, 0.3, 0.7, 1.0])
+        self.assertEqual(speeds[:, 0].tolist(), [4.0, 4.0, 4.0 + (5.0 - 4.0) * ((0.3 - 0.1) / (0.7 - 0.1)), 5.0, 5.0])
+        self.assertEqual(speeds[:, 1].tolist(), [2.0, 2.0, *(2.0 + (3.0 - 2.0) * ((t - 0.1) / (1.0 - 0.1)) for t in (0.3, 0.7)), 3.0])
+
+    def test_gaps_are_filled_to_the_bit(self) -> None:
+        # As the loop in src/recording/drive.rs does it.
+        random = np.random.default_rng(1)
+        time = np.cumsum(random.uniform(0.01, 0.1, 500))
+        values = np.where(random.uniform(size=500) < 0.4, random.normal(5.0, 3.0, 500), np.nan)
+        expected, last = [], None
+        for row in np.flatnonzero(~np.isnan(values)):
+            while len(expected) < row:
+                here = len(expected)
+                expected.append(values[row] if last is None else
+                                values[last] + (values[row] - values[last]) * ((time[here] - time[last]) / (time[row] - time[last])))
+            expected.append(values[row])
+            last = row
+        expected += [values[last]] * (500 - len(expected))
+        self.assertEqual(table.filled(time, values).tobytes(), np.array(expected).tobytes())
+
+    def test_input_that_is_no_drive_is_refused(self) -> None:
+        for content, expected in ((b"time,omega_left,omega_right\n0,1,1\n,1,1\n", "line 3, time: found ``"),
+                                  (b"time,omega_left,omega_right\n0,1,x\n", "line 2, omega_right: found `x`"),
+                                  (b"time,omega_left,omega_right\n0,1,\n1,1,\n", "omega_right: nothing but empty cells"),
+                                  (b"time,omega_left,omega_right,\n0,1,1\n", "line 2: not as many cells as the header has, 4"),
+                                  (b"time,omega_left\n0,1\n", "no column omega_right"),
+                                  (b"time,omega_left,omega_left,omega_right\n0,1,1,1\n", "named twice")):
+            with self.assertRaises(SystemExit) as stopped:
+                table.read_input(self.write("wrong.csv", content))
+            self.assertIn(expected, str(stopped.exception))
+
+    def test_samples_may_have_blank_lines_and_no_gaps(self) -> None:
+        names, numbers, values = table.read_samples(self.write("a.csv", b"\xef\xbb\xbfindex,soil.cohesion\n\n4,5\n\n6,7\n\n"))
+        self.assertEqual((names, numbers.tolist(), values.tolist()), (["soil.cohesion"], [4, 6], [[5.0], [7.0]]))
+        with self.assertRaises(SystemExit) as stopped:
+            table.read_samples(self.write("b.csv", b"index,soil.cohesion\n4,\n"))
+        self.assertIn("line 2, soil.cohesion: found ``, expected a finite number", str(stopped.exception))
+
+    def test_a_start_is_told_once(self) -> None:
+        def fixed(*initial: str) -> object:
+            return sweep.fixed(self.folder, None, list(initial), [])
+
+        self.assertEqual(fixed("no-slip", "y = 2"), {"initial.no_slip": True, "initial.y": 2.0})
+        for words, expected in ((["y=1", "y=2"], "--initial sets y twice"), (["v_x=1", "no-slip"], "sets v_x beside no-slip"),
+                                (["no-slip", "yaw_rate=0"], "sets yaw_rate beside no-slip")):
+            with self.assertRaises(SystemExit) as stopped:
+                fixed(*words)
+            self.assertIn(expected, str(stopped.exception))
+
+    def test_outputs_that_cannot_be_written_are_refused_before_the_drives(self) -> None:
+        drive, samples, fmu = (self.write(name, b"") for name in ("drive.csv", "samples.csv", "ugv.fmu"))
+        (self.folder / "link.parquet").symlink_to(samples)
+        ends, file = self.folder / "ends.parquet", drive / "below" / "ends.parquet"
+        for words, expected in ((["--output", samples], "samples.csv is read as well"),
+                                (["--output", self.folder / "link.parquet"], "link.parquet is read as well"),
+                                (["--output", fmu], "ugv.fmu is read as well"),
+                                (["--output", ends, "--map", drive], "no picture ends in .csv; there are"),
+                                (["--output", self.folder / "a.png", "--map", self.folder / "a.png"], "a.png is read as well, or written twice"),
+                                (["--output", self.folder], "is a folder; name a file in it"),
+                                (["--output", "/proc/ends.parquet"], "ends.parquet cannot be written"),
+                                (["--output", file], "cannot be written (Not a directory)"),
+                                (["--output", ends, "--map", self.folder / "map.xyz"], "no picture ends in .xyz; there are")):
+            said = io.StringIO()
+            with self.assertRaises(SystemExit) as stopped, contextlib.redirect_stderr(said):
+                call(sweep.main, "--input", drive, "--table", samples, "--fmu", fmu, *words)
+            self.assertEqual(stopped.exception.code, 2)
+            self.assertIn(expected, said.getvalue())
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["drive.csv", "link.parquet", "samples.csv", "ugv.fmu"])
+
+
+class Places(unittest.TestCase):
+    """Where scripts/fleet.py keeps answers."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.fleet = Fleet(b"", "score", [], None, [".json"], 60.0)
+
+    def recordings(self, *names: str) -> Path:
+        data = self.folder / f"data{len(list(self.folder.iterdir()))}"
+        for name in names:
+            (data / name).parent.mkdir(parents=True, exist_ok=True)
+            (data / name).write_text("")
+        return data
+
+    def test_answers_do_not_delete_each_other(self) -> None:
+        for names in (("a.csv", "a/b.csv"), ("a.csv", "a/b/c.csv"), ("a.csv", "a.part.csv"), ("b/a.csv", "b/a.part/c.csv")):
+            with self.assertRaises(SystemExit) as stopped:
+                fleet.places([self.recordings(*names)], self.folder / "out", self.fleet)
+            self.assertIn("would be in each other's way; rename one", str(stopped.exception))
+        apart = self.recordings("a.csv", "b/a.csv", "ab.csv", "b.part/a.csv", "c.part.csv")
+        self.assertEqual(len(fleet.places([apart], self.folder / "out", self.fleet)), 5)
+
+    def test_an_answer_that_is_gone_is_lost(self) -> None:
+        (place,) = fleet.places([self.recordings("a.csv")], self.folder / "out", self.fleet)
+        row = fleet.row(place, "score")
+        self.assertEqual((row["recording"], row["status"], row["cpu_seconds"]), ("a", "lost", None))
+
+
 class Sweeps(Bench):
     @classmethod
     def setUpClass(cls) -> None:
@@ -133,6 +249,21 @@ class Sweeps(Bench):
         for kept, errors in survived(job, [(numbers, values)] * 12):
             self.assertEqual(kept.tobytes(), expected.tobytes())
             self.assertEqual(errors, serial["error"].to_pylist())
+
+    def test_gaps_text_and_blank_lines_give_the_bits_of_the_tool(self) -> None:
+        rows = self.drive.read_text().splitlines()[1:]
+        gappy = [f"{time},{left if number % 3 else ''},{right if number % 4 else ''},{'' if number % 5 else 'turn'}"
+                 for number, (time, left, right) in enumerate(row.split(",") for row in rows)]
+        drive, by_tool, by_script = (self.folder / name for name in ("gappy.csv", "gappy_tool.csv", "gappy.parquet"))
+        drive.write_text("\ufefftime,omega_left,omega_right,note\n" + "\n\n".join(gappy) + "\n", encoding="utf-8")
+        few = self.folder / "few.csv"
+        few.write_text("\n\n".join(self.table.read_text().splitlines()[:4]) + "\n")
+        common = ["--input", drive, "--table", few, *START, "--quiet"]
+        ugv("sweep", *common, "--output", by_tool)
+        call(sweep.main, *common, "--fmu", FMU, "--serial", "--output", by_script)
+        with by_tool.open(newline="") as file:
+            told = list(csv.DictReader(file))
+        self.assertEqual([bits(row["x"]) for row in pq.read_table(by_script).to_pylist()], [bits(float(row["x"])) for row in told])
 
     def test_a_map_is_drawn(self) -> None:
         self.assertEqual((self.folder / "map.png").read_bytes()[:4], b"\x89PNG")

@@ -5,6 +5,7 @@ its velocities and the slip of either side; no map, no heading, and nothing of t
 by more than half in a curve, so that wheel speeds and motion have little to do with each other.
 """
 
+import os
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 from fmpy.fmi2 import FMU2Slave
 from gymnasium import spaces
 
-FMU = Path(__file__).resolve().parents[3] / "target" / "ugv.fmu"
+FMU = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).resolve().parents[3] / "target")) / "ugv.fmu"
 DRY_SAND = 1
 STEP = 0.2  # s between two actions
 GATES, SPACING = 6, 6.0  # m from one gate to the next, along the course

@@ -5,6 +5,7 @@ Writes slip_control.ssp (and without_limit.ssp), the controller's and the driver
 
 import argparse
 import csv
+import os
 import subprocess
 import tempfile
 from pathlib import Path
@@ -16,7 +17,7 @@ from .drawing import draw
 from .masters import Columns, cosimulate, largest_difference, run_ssp
 from .system import NO_LIMIT, SAND_FROM, STEP, STOP, Setting, build_ssp
 
-TARGET = Path(__file__).resolve().parents[3] / "target"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).resolve().parents[3] / "target"))
 SLIP, SPEED = "ugv.wheel[1].longitudinal_slip", "ugv.v_x"
 WORKER = Path(__file__).with_name("libcosim.py")
 

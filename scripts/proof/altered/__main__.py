@@ -15,12 +15,14 @@ from judge.run import Processes, each, resumable
 from .cases import Case, cases, located
 from .recordings import joined, stretches
 
+ROOT = Path(__file__).resolve().parents[3]
+
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="prove.sh altered", description=__doc__)
-    parser.add_argument("--data", type=Path, default=Path(os.environ.get("UGV_DATA", "../shared/data")), metavar="DIR",
-                        help="has recordings/ [default: $UGV_DATA or %(default)s]")
-    parser.add_argument("--out", type=Path, default=Path("target/altered"), metavar="DIR", help="[default: target/altered]")
+    parser.add_argument("--data", type=Path, default=Path(os.environ.get("UGV_DATA", ROOT.parent / "shared" / "data")), metavar="DIR",
+                        help="has recordings/ [default: $UGV_DATA or ../shared/data beside the project]")
+    parser.add_argument("--out", type=Path, default=ROOT / "target" / "altered", metavar="DIR", help="[default: target/altered]")
     parser.add_argument("--only", action="append", default=[], metavar="CASE", help="only these; may be repeated")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="recordings at a time [default: 2]")
     parser.add_argument("--limit", type=float, default=1800, metavar="S", help="seconds that one may take [default: 1800]")

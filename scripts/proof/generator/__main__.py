@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import multiprocessing
 import sys
 import time
@@ -49,13 +50,26 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         (arguments.out / "sealed").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         parser.error(f"--out {arguments.out} cannot be made ({error.strerror}); give a folder that can be written")
+    if others := _others(arguments):
+        parser.error(f"--out {arguments.out} holds other cases ({others}); take another --out")
     return arguments
+
+
+def _others(a: argparse.Namespace) -> str:
+    """Which cases a folder holds, where they are not those that are asked for. Older sets do not tell their family."""
+    try:
+        held = json.loads((a.out / "set.json").read_text())
+    except (OSError, json.JSONDecodeError):
+        return ""
+    if (held.get("seed"), held.get("family", a.family)) == (a.seed, a.family):
+        return ""
+    return f"seed {held.get('seed')}" + (f", {held['family'] or 'all families'}" if "family" in held else "")
 
 
 def main(argv: list[str] | None = None) -> int:
     """0 done, 1 some cases failed, 2 wrong arguments."""
     a = _arguments(argv)
-    write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed,
+    write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed, "family": a.family,
                                     "cases": [case_name(i) for i in range(a.cases)]})
     tasks = [(a.out, a.seed, i, a.family, a.pivots) for i in range(a.cases)
              if not is_complete(a.out, i, a.pivots)]
@@ -75,7 +89,7 @@ def main(argv: list[str] | None = None) -> int:
         if pool:
             pool.terminate()
     if failed:
-        print(f"generator: {failed} cases failed; run the same command again with another --seed", file=sys.stderr)
+        print(f"generator: {failed} cases failed; run the command again with another --seed and another --out", file=sys.stderr)
     return 1 if failed else 0
 
 

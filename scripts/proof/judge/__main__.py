@@ -17,8 +17,11 @@ from .drawing import figure
 from .listing import listing
 from .page import page
 from .peers import NAMES
+from .prediction import compared
 from .report import NOT_ANSWERING, report
 from .run import Bench, Processes, each, resumable
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
@@ -26,16 +29,17 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--cases", type=int, default=300, metavar="N", help="cases to draw [default: 300]")
     parser.add_argument("--seed", type=int, metavar="S", help="seed of the cases [default: a new one]")
     parser.add_argument("--family", action="append", default=[], metavar="F", help="only cases of this family; may be repeated")
-    parser.add_argument("--out", type=Path, default=Path("target/proof"), metavar="DIR", help="[default: target/proof]")
+    parser.add_argument("--out", type=Path, default=ROOT / "target" / "proof", metavar="DIR", help="[default: target/proof]")
     parser.add_argument("--set", type=Path, metavar="CASES", help="judge these cases instead of drawing new ones")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="cases at a time [default: 2]")
     parser.add_argument("--no-peers", action="store_true", help="only ugv")
     parser.add_argument("--peers", default=",".join(NAMES), metavar="NAMES", help="[default: %(default)s]")
     parser.add_argument("--limit", type=float, default=600, metavar="S", help="seconds that one diagnosis may take [default: 600]")
-    parser.add_argument("--peer-limit", type=float, default=120, metavar="S", help="seconds that each peer may take [default: 120]")
+    parser.add_argument("--peer-limit", type=float, metavar="S", help="seconds that each peer and the oracle may take [default: as --limit]")
     parser.add_argument("--page", action="store_true", help="run nothing; judge what has been answered so far")
     parser.add_argument("--tool", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args(given)
+    args.peer_limit = args.limit if args.peer_limit is None else args.peer_limit
     args.peers = [] if args.no_peers else [name for name in args.peers.split(",") if name]
     if unknown := set(args.peers) - set(NAMES):
         parser.error(f"no such peer: {', '.join(sorted(unknown))}; there are {', '.join(NAMES)}")
@@ -73,11 +77,13 @@ def listed(sets: list[Path], root: Path) -> list[str]:
 
 
 def claim(out: Path, folder: Path) -> None:
-    """Results in a folder belong to one set of cases: refuses those of another."""
-    seed, known = (files.load(folder / "set.json") or {}).get("seed"), files.load(out / "judged.json")
-    if known and known["seed"] != seed:
-        sys.exit(f"prove: {out} holds answers to other cases (seed {known['seed']}, these are of {seed}); take another --out or remove it")
-    files.save(out / "judged.json", {"seed": seed})
+    """Results in a folder belong to one set of cases: refuses those of another. Older sets do not tell their family."""
+    told, known = files.load(folder / "set.json") or {}, files.load(out / "judged.json") or {}
+    own = {"seed": None} | {key: told[key] for key in ("seed", "family") if key in told}
+    if any(known.get(key, value) != value for key, value in own.items()):
+        theirs, ours = (f"{of['seed']}" + (f" and family {of['family']}" if of.get("family") else "") for of in (known, own))
+        sys.exit(f"prove: {out} holds answers to other cases (seed {theirs}, these are of {ours}); take another --out or remove it")
+    files.save(out / "judged.json", known | own)
 
 
 def sealed(case: Path) -> dict:
@@ -90,14 +96,15 @@ def judged(name: str, truth: dict, results: Path, own: str) -> Judged:
     """What the tool ("mended"), or a peer, made of a case."""
     folder = results / name
     stages = {key: files.load(folder / f"{key}.json") or {} for key in ("nominal", "retuned", "oracle", own)}
-    unseen = {"own" if key == own else key: (stage.get("unseen") or {}).get("rmse") for key, stage in stages.items()}
+    unseen = compared({"own" if key == own else key: stage.get("unseen") for key, stage in stages.items()})
+    oracle = stages["oracle"].get("status", "not run")
     if own in NOT_ANSWERING:
         unseen[own] = unseen["own"]
     if own == "mended":
         run = files.load(folder / "answer" / "run.json") or {}
         said = files.load(folder / "answer" / "diagnosis.json") if run.get("status") == 0 else None
-        return Judged(name, truth, said, unseen, run.get("seconds"), run.get("status", "not run"))
-    return Judged(name, truth, stages[own].get("answer"), unseen, stages[own].get("seconds"), stages[own].get("status", "not run"))
+        return Judged(name, truth, said, unseen, run.get("seconds"), run.get("status", "not run"), oracle)
+    return Judged(name, truth, stages[own].get("answer"), unseen, stages[own].get("seconds"), stages[own].get("status", "not run"), oracle)
 
 
 def main() -> None:

@@ -32,9 +32,10 @@ class Judged:
     name: str
     truth: dict
     said: dict | None  # diagnosis.json, or a peer's answer
-    unseen: dict[str, float | None]  # position error [m] of nominal, retuned, oracle, and "own"
+    unseen: dict[str, float | None]  # position error [m] of nominal, retuned, oracle, and "own", over the same windows
     seconds: float | None = None
     status: int | str = 0
+    oracle: str = "done"  # its status
 
     def __post_init__(self) -> None:
         truth, said = self.truth, self.said or {}
@@ -107,11 +108,8 @@ class Judged:
 
     @property
     def misnamed(self) -> bool:
-        """Something outside of the catalogue was given a catalogue name."""
-        if self.verdict not in {"missing_physics", "sensor", "ambiguous"}:
-            return False
-        honest = self.verdict == "ambiguous" and self.verdict in self.truth["expected"]
-        return "unknown" not in self.group and self.told[0] not in self.names and not honest
+        """Something outside of the catalogue was given a catalogue name first, whatever the verdict."""
+        return self.detected and bool(self.told) and "unknown" not in self.group and not self.first
 
     @property
     def false_names(self) -> list[str]:

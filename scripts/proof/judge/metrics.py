@@ -87,7 +87,8 @@ def _gain(cases: Cases) -> list[Metric]:
     ):
         asked = [case for case in cases if case.plain and ("unknown" in case.names) == outside]
         gains = [case.gain for case in asked if case.gain is not None]
-        note = f"{len(asked) - len(gains)} left out: no oracle, or it gains too little"
+        late = sum(case.gain is None and case.oracle == "timeout" for case in asked)
+        note = f"{len(asked) - len(gains) - late} left out: no oracle, or it gains too little" + (f"; {late}: the oracle took too long" if late else "")
         result.append(of(key, label, gains, statistics.median, "share", Target("at least", least), note))
     return result
 

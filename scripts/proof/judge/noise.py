@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .prediction import root_mean_square, score
 from .recording import HORIZON, Recording
 
 DRAWS = 8
@@ -24,8 +25,9 @@ def draw(random: np.random.Generator, time: np.ndarray, channel: dict) -> np.nda
 def floor(path: Path, channels: dict[str, dict]) -> dict:
     """Position error of a perfect model on a recording's windows: noise is drawn anew on top of the recording, and what
     it changes at start and end of a window, with the start's heading carried along, is the error."""
-    base, random, squares = Recording(path), np.random.default_rng(1), []
+    base, random = Recording(path), np.random.default_rng(1)
     windows = base.windows()
+    drawn: dict[int, list[float]] = {window.number: [] for window in windows}
     for _ in range(DRAWS):
         other = copy.copy(base)
         other.channels = {name: (time, values + draw(random, time, channels[name]) if name in channels else values)
@@ -38,5 +40,5 @@ def floor(path: Path, channels: dict[str, dict]) -> dict:
             ahead, left = window.final.x - window.initial.x, window.final.y - window.initial.y
             x = end.x - window.final.x - (start.x - window.initial.x) + turn * left
             y = end.y - window.final.y - (start.y - window.initial.y) - turn * ahead
-            squares.append(x * x + y * y)
-    return {"rmse": math.sqrt(sum(squares) / len(squares)) if squares else None, "windows": len(windows), "failed": 0}
+            drawn[window.number].append(math.hypot(x, y))
+    return score([(number, root_mean_square(away) or 0.0) for number, away in drawn.items() if away])

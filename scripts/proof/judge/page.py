@@ -176,8 +176,9 @@ def page(cases: Sequence[Judged], summed: dict) -> str:
 <h2>By family</h2>{across("family", summed["families"], FAMILY_KEYS, counts)}
 <h2>Peers on the same cases</h2>
 <p class="soft">Gain: position error four seconds ahead on a drive that none of them saw, as the share of what an oracle that knows the effect gains over
-the re-tuned soil. All of them predict the same windows, each from the recorded states (less what it says of the sensors). Peers' seconds are those of
-their own work and of predicting the unseen drive; that they begin with the re-tuned soil is not counted. {escape(" ".join(PEERS.values()))}</p>
+the re-tuned soil. Of a case, they are compared over the same windows, each from the recorded states (less what it says of the sensors); outliers of
+the position are left out for all. Peers' seconds are those of their own work and of predicting the unseen drive; that they begin with the
+re-tuned soil is not counted. {escape(" ".join(PEERS.values()))}</p>
 {across("method", summed["peers"], peer_keys)}
 <h2>Every case</h2>{every(cases)}
 <p class="soft">Tool {escape(summed["tool"])}; time limit {summed["limit_s"]:.0f} s a case; numbers in proof.json.</p>

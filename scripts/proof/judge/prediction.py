@@ -5,7 +5,7 @@ import math
 import statistics
 import subprocess
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -42,21 +42,45 @@ class Simulator:
         return None if motion is None else (float(motion["x"][-1]), float(motion["y"][-1]))
 
 
+def root_mean_square(values: Sequence[float]) -> float | None:
+    """None of nothing."""
+    return math.sqrt(sum(value * value for value in values) / len(values)) if values else None
+
+
+def score(away: Sequence[tuple[int, float]], failed: int = 0) -> dict:
+    """A model's errors, in all and by the number of the window."""
+    rmse = root_mean_square([error for _, error in away])
+    return {"rmse": rmse, "windows": len(away), "failed": failed, "errors": {str(number): error for number, error in away}}
+
+
+def compared(scores: Mapping[str, dict | None]) -> dict[str, float | None]:
+    """Position errors of models ("own", "retuned" and more) over the windows that all of them have. Earlier judges told no
+    errors by the window and chose windows otherwise: what they scored is compared with its like alone."""
+    there = {key: one for key, one in scores.items() if one and one["rmse"] is not None}
+    lead = there.get("own") or there.get("retuned") or {}
+    alike = {key: one for key, one in there.items() if ("errors" in one) == ("errors" in lead)}
+    result: dict[str, float | None] = dict.fromkeys(scores)
+    if "errors" in lead:
+        common = set.intersection(*(set(one["errors"]) for one in alike.values()))
+        return result | {key: root_mean_square([one["errors"][number] for number in common]) for key, one in alike.items()}
+    return result | {key: one["rmse"] for key, one in alike.items()}
+
+
 def errors(windows: Sequence[Window], predict: Predictor) -> dict:
     """Position errors at the end of windows; where a model fails, as if the vehicle had stayed where it was."""
-    failed, squares = 0, []
+    failed, away = 0, []
     for window in windows:
         place = predict(window)
         if place is None or not all(map(math.isfinite, place)):
             failed, place = failed + 1, (window.initial.x, window.initial.y)
-        squares.append((place[0] - window.final.x) ** 2 + (place[1] - window.final.y) ** 2)
-    rmse = math.sqrt(sum(squares) / len(squares)) if squares else None
-    return {"rmse": rmse, "windows": len(squares), "failed": failed}
+        away.append((window.number, math.dist(place, (window.final.x, window.final.y))))
+    return score(away, failed)
 
 
 def on_unseen(tool: Path, model: Path, recording: Path, sensors: Sensors = PERFECT) -> dict:
-    """Errors of a model, and what it says of the sensors, on a recording."""
-    return errors(Recording(recording, sensors).windows(), Simulator(tool, model))
+    """Errors of a model, and what it says of the sensors, on the windows that a recording has as it is, too."""
+    plain = {window.number for window in Recording(recording).windows()}
+    return errors([window for window in Recording(recording, sensors).windows() if window.number in plain], Simulator(tool, model))
 
 
 def told_sensors(findings: Sequence[dict]) -> Sensors:

@@ -10,6 +10,8 @@ HORIZON = 4.0  # s that are predicted
 SPACING = 1.5  # s between the starts of windows
 MARGIN = 0.6  # s on either side that tell the state at a moment
 LONGEST_GAP = 0.5  # s without wheel speeds that are bridged
+STRAY = 0.15  # m from where its neighbours tell a position to be, from which on it may be an outlier
+STRAY_DEVIATIONS = 6.0  # times the median distance, the same
 
 Series = tuple[np.ndarray, np.ndarray]
 
@@ -43,6 +45,7 @@ class State:
 class Window:
     """Wheel speeds from a known state on, and the states that followed. Times from the start of the window."""
 
+    number: int  # of the start, the same for every model of a recording
     start: float
     initial: State
     time: np.ndarray
@@ -61,21 +64,52 @@ def local(series: Series, at: float, half: float, degree: int) -> np.ndarray | N
     return np.polynomial.polynomial.polyfit(dt, values[near], degree)[:2]
 
 
+def distances(time: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """How far each position is from a quadratic through its neighbours; 0 where these are too few to tell a state."""
+    away = np.zeros(len(time))
+    for k, at in enumerate(time):
+        fit = local((np.delete(time, k), np.delete(place, k, axis=0)), at, MARGIN, 2)
+        away[k] = 0.0 if fit is None else np.hypot(*(place[k] - fit[0]))
+    return away
+
+
+def strays(time: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Which positions (rows of x and y) are outliers. Neighbours are so near in time that motion with accelerations within
+    2.5 m/s^2 leaves their quadratic by less than `STRAY`. The worst of neighbours goes first, as it spoils their curves."""
+    kept = np.arange(len(time))
+    while True:
+        now, away = time[kept], distances(time[kept], place[kept])
+        usual = float(np.median(away[away > 0.0])) if np.any(away > 0.0) else 0.0
+        far = np.flatnonzero(away > max(STRAY, STRAY_DEVIATIONS * usual))
+        worst = [k for k in far if away[k] >= away[np.abs(now - now[k]) <= MARGIN].max()]
+        if not worst:
+            return np.delete(np.arange(len(time)), kept)
+        kept = np.delete(kept, worst)
+
+
 class Recording:
-    """Channels without their missing samples, with the sensors' faults taken out as a model tells them."""
+    """Channels without their missing samples and the position's outliers, with the sensors' faults taken out as a model
+    tells them. When windows start, and which positions are outliers, is the same whatever a model tells."""
 
     def __init__(self, path: Path, sensors: Sensors = PERFECT) -> None:
         with path.open(newline="") as file:
             rows = list(csv.DictReader(file))
         names = rows[0].keys()
         columns = {name: np.array([float(row[name] or "nan") for row in rows]) for name in names if name != "run"}
+        if {"x", "y"} <= columns.keys():
+            place = np.column_stack([columns["x"], columns["y"]])
+            there = np.flatnonzero(np.isfinite(place).all(axis=1))
+            out = there[strays(columns["time"][there], place[there])]
+            columns["x"][out] = columns["y"][out] = np.nan
         late = {"pose": ["x", "y", "heading"], "yaw_rate": ["yaw_rate"], "wheels": ["omega_left", "omega_right"]}
         delay = {column: sensors.latency.get(key, 0.0) for key, group in late.items() for column in group}
         self.channels: dict[str, Series] = {}
+        spans = []
         for name, values in columns.items():
             there = np.isfinite(values)
             if name != "time" and there.sum() > 2:
                 self.channels[name] = columns["time"][there] - delay.get(name, 0.0), values[there]
+                spans.append(columns["time"][there][[0, -1]])
         if "heading" in self.channels:
             time, heading = self.channels["heading"]
             self.channels["heading"] = time, np.unwrap(heading) - sensors.heading_offset.get("offset", 0.0)
@@ -83,8 +117,7 @@ class Recording:
             time, rate = self.channels["yaw_rate"]
             self.channels["yaw_rate"] = time, rate - sensors.yaw_rate_bias.get("bias", 0.0)
         self.ahead, self.left = sensors.lever_arm.get("ahead", 0.0), sensors.lever_arm.get("left", 0.0)
-        self.end = min(time[-1] for time, _ in self.channels.values())
-        self.begin = max(time[0] for time, _ in self.channels.values())
+        self.begin, self.end = max(first for first, _ in spans), min(last for _, last in spans)
 
     def heading(self, at: float) -> float | None:
         """Heading by the samples of a second on either side, carried over by the gyro where there is one."""
@@ -131,11 +164,11 @@ class Recording:
     def windows(self, spacing: float = SPACING, horizon: float = HORIZON) -> list[Window]:
         """Windows in which the vehicle moves and whose ends the recording tells."""
         found = []
-        for start in np.arange(self.begin + 1.0, self.end - horizon - 1.0 + 1e-9, spacing):
+        for number, start in enumerate(np.arange(self.begin + 1.0, self.end - horizon - 1.0 + 1e-9, spacing)):
             ends = self.state(start), self.state(start + horizon)
             wheels = self.wheels(start, start + horizon)
             if wheels is None or ends[0] is None or ends[1] is None:
                 continue
             if max(np.abs(wheels[1]).mean(), np.abs(wheels[2]).mean()) > 0.05:
-                found.append(Window(float(start), ends[0], *wheels, ends[1]))
+                found.append(Window(number, float(start), ends[0], *wheels, ends[1]))
         return found

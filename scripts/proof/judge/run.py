@@ -67,11 +67,19 @@ class Bench:
     peer_limit: float  # s that anything else may take
     processes: Processes
 
+    def due(self, there: dict) -> bool:
+        """Whether a stage's result is to be made again: it failed within a shorter limit, or an earlier judge, which did not
+        tell errors by the window, scored it. Before limits were told, what failed by one tells its seconds."""
+        if there["status"] == "done":
+            return "unseen" in there and "errors" not in there["unseen"]
+        return there.get("limit", there.get("seconds", 0.0)) < self.peer_limit
+
     def stage(self, name: str, stage: str) -> dict:
-        """A stage's result, made if it is not there."""
+        """A stage's result, made if it is not there. An answer that is there stays when it is to be scored anew."""
         folder = self.results / name
         path = folder / f"{stage}.json"
-        if (there := files.load(path)) is not None:
+        there = files.load(path)
+        if there is not None and not self.due(there):
             return there
         command = [sys.executable, "-m", "judge.work", stage, self.cases / name, folder, "--tool", self.tool]
         begin = time.monotonic()
@@ -79,8 +87,9 @@ class Bench:
         result = files.load(path)
         if status != 0 or result is None:
             last = (said.strip().splitlines() or [""])[-1]
-            result = {"status": str(status), "seconds": round(time.monotonic() - begin, 2), "error": last}
-            files.save(path, result)
+            result = {"status": str(status), "seconds": round(time.monotonic() - begin, 2), "error": last, "limit": self.peer_limit}
+            if there is None or there["status"] != "done":
+                files.save(path, result)
         return result
 
     def diagnose(self, name: str) -> dict:

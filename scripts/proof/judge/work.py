@@ -3,7 +3,7 @@
 import argparse
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from . import files, prediction
@@ -20,6 +20,7 @@ class Task:
     tool: Path
     case: Path  # folder with the recordings
     result: Path  # folder with what the tool and the peers made of them
+    kept: dict = field(default_factory=dict)  # this result as an earlier judge scored it: only its errors are made anew
 
     @property
     def given(self) -> list[Path]:
@@ -46,7 +47,8 @@ def nominal(task: Task) -> dict:
 def retuned(task: Task) -> dict:
     """The soil fitted, nothing added."""
     model = task.result / "retuned_model.json"
-    fit(task.tool, task.given, model)
+    if not (task.kept and model.exists()):
+        fit(task.tool, task.given, model)
     return task.score(model)
 
 
@@ -75,7 +77,7 @@ BASE: dict[str, Callable[[Task], dict]] = {"nominal": nominal, "retuned": retune
 
 def answer(name: str, task: Task) -> dict:
     """A peer's answer and its errors on the unseen recording; it begins with the re-tuned model."""
-    return peer(name)(task.tool, task.given, task.unseen, task.result / "retuned_model.json")
+    return peer(name)(task.tool, task.given, task.unseen, task.result / "retuned_model.json", task.kept.get("answer"))
 
 
 def main() -> None:
@@ -85,11 +87,13 @@ def main() -> None:
     parser.add_argument("result", type=Path)
     parser.add_argument("--tool", type=Path, required=True)
     args = parser.parse_args()
-    task = Task(args.tool, args.case, args.result)
+    path = args.result / f"{args.stage}.json"
+    there = files.load(path) or {}
+    task = Task(args.tool, args.case, args.result, there if there.get("status") == "done" else {})
     begin = time.monotonic()
     result = BASE[args.stage](task) if args.stage in BASE else answer(args.stage, task)
     result = {"status": "done", "seconds": round(time.monotonic() - begin, 2), **result}
-    files.save(args.result / f"{args.stage}.json", result)
+    files.save(path, task.kept | {"unseen": result["unseen"]} if task.kept else result)
 
 
 if __name__ == "__main__":

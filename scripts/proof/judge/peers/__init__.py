@@ -7,6 +7,7 @@ from pathlib import Path
 NAMES = ("stepwise", "sparse", "gaussian")  # each a module with a function of its name
 
 
-def peer(name: str) -> Callable[[Path, list[Path], Path, Path], dict]:
-    """A peer: tool, recordings given, the unseen one, re-tuned model; gives its answer and its errors on the unseen one."""
+def peer(name: str) -> Callable[[Path, list[Path], Path, Path, dict | None], dict]:
+    """A peer: tool, recordings given, the unseen one, re-tuned model, and what it answered where only its errors are asked
+    for again; gives its answer and its errors on the unseen one."""
     return getattr(import_module(f".{name}", __name__), name)

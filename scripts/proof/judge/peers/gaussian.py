@@ -57,7 +57,7 @@ def train(some: Sequence[Track]) -> Residuals:
     return residuals
 
 
-def gaussian(tool: Path, given: list[Path], unseen: Path, model: Path) -> dict:
+def gaussian(tool: Path, given: list[Path], unseen: Path, model: Path, _said: dict | None = None) -> dict:
     """The peer's answer, and its errors on the unseen recording."""
     vehicle = json.loads(model.read_text())["vehicle"]
     learning, choosing = learn(tool, given, model, vehicle)

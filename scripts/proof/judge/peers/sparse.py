@@ -71,7 +71,7 @@ def train(some: Sequence[Track], degree: int, threshold: float) -> Residuals | N
     return residuals
 
 
-def sparse(tool: Path, given: list[Path], unseen: Path, model: Path) -> dict:
+def sparse(tool: Path, given: list[Path], unseen: Path, model: Path, _said: dict | None = None) -> dict:
     """The peer's answer, and its errors on the unseen recording."""
     vehicle = json.loads(model.read_text())["vehicle"]
     learning, choosing = learn(tool, given, model, vehicle)

@@ -3,10 +3,11 @@
 Residuals are the recorded minus the re-tuned model's position, heading and yaw rate every half second of windows of four
 seconds, each begun at the recorded state. Every effect of the catalogue and every sensor fault (laws without a name and
 changes of terrain, whose place is not known, excepted) is simulated at the size that `ugv effects` prints; what that
-changes, as a straight line in the size, are its columns. Soil (1 % steps) and each window's start (place, heading) are in
-every regression. Effects enter one after another while that lowers n log(RSS) + k log n, all samples counting as
-independent. Those selected are then refitted fully together with the soil by `ugv fit`. Probabilities are the weights
-exp(-BIC / 2) of the models with one effect and of that with none.
+changes, as a straight line in the size, are its columns. Soil (1 % steps) and each window's start (place, heading) are
+in every regression. An effect with which the model cannot drive a quarter of the windows is left out. Effects enter one
+after another while that lowers n log(RSS) + k log n, all samples counting as independent. Those selected are then
+refitted fully together with the soil, from the re-tuned one on, by `ugv fit`. Probabilities are the weights exp(-BIC /
+2) of the models with one effect and of that with none.
 """
 
 import json
@@ -24,6 +25,7 @@ from ..recording import HORIZON, PERFECT, Recording, Sensors
 
 EVERY = 0.5  # s between residuals
 MOST = 3  # effects that may enter
+LOST = 0.25  # of the windows; an effect that costs more of them is left out
 LEFT_OUT = ("terrain_change", "residual_longitudinal", "residual_lateral", "residual_yaw")
 SOIL_STEP = 0.01
 SOIL_KEYS = ("cohesion", "friction_angle_deg", "frictional_modulus", "sinkage_exponent", "shear_modulus")
@@ -70,7 +72,7 @@ def samples(tool: Path, given: list[Path], model: Path, sensors: Sensors = PERFE
     times = np.arange(EVERY, HORIZON + 1e-9, EVERY)
     for path in given:
         recording = Recording(path, sensors)
-        for number, window in enumerate(recording.windows(HORIZON)):
+        for window in recording.windows(HORIZON):
             states = [recording.state(window.start + t) for t in times]
             if any(state is None for state in states) or (motion := simulator.motion(window)) is None:
                 continue
@@ -78,7 +80,7 @@ def samples(tool: Path, given: list[Path], model: Path, sensors: Sensors = PERFE
             recorded = np.array([[getattr(state, name) for name in names] for state in states])
             predicted = np.column_stack([np.interp(times, motion["time"], motion[name]) for name in names])
             way = predicted[:, :2] - [window.initial.x, window.initial.y]
-            found[path.stem, number] = np.column_stack([recorded - predicted, way])
+            found[path.stem, window.number] = np.column_stack([recorded - predicted, way])
     return found
 
 
@@ -86,6 +88,10 @@ class Regression:
     """The residuals and what explains them, starts of windows projected out, every channel in its own standard deviation."""
 
     def __init__(self, base: Samples, soil: list[Samples], effects: dict[str, list[Samples]]) -> None:
+        def keeps(own: Samples) -> bool:
+            return len(own.keys() & base.keys()) >= (1 - LOST) * len(base)
+
+        effects = {name: group for name, group in effects.items() if all(map(keeps, group))}
         everyone = [base, *soil, *(own for group in effects.values() for own in group)]
         self.windows = sorted(set.intersection(*(set(own) for own in everyone)))
         self.base = base
@@ -141,7 +147,6 @@ def regression(tool: Path, given: list[Path], model: Path, candidates: list[Cand
                 effects[candidate.name] = [samples(tool, given, model, Sensors(**{candidate.name: trial})) for trial in trials]
             else:
                 effects[candidate.name] = [simulate("effects", {candidate.name: trial}) for trial in trials]
-        effects = {name: group for name, group in effects.items() if all(group)}
         return Regression(samples(tool, given, model), soil, effects)
 
 
@@ -162,18 +167,28 @@ def select(problem: Regression) -> tuple[list[str], dict[str, float]]:
     return chosen, {name: weight / sum(weights.values()) for name, weight in weights.items()}
 
 
-def refit(tool: Path, given: list[Path], model: Path, chosen: list[Candidate], sizes: np.ndarray) -> list[dict]:
-    """Fits what was selected; writes the model and gives the findings."""
-    effects, free, sensors, at = {}, list(SOIL), [], 0
-    for candidate in chosen:
-        shares = sizes[at : at + len(candidate.off)]
-        at += len(candidate.off)
+def begins(chosen: list[Candidate], shares: np.ndarray) -> list[dict[str, float]]:
+    """Parameters of what was selected, where a fit begins."""
+    ends = np.cumsum([len(candidate.off) for candidate in chosen])
+    return [candidate.at(own) for candidate, own in zip(chosen, np.split(shares, ends[:-1]))]
+
+
+def told(chosen: list[Candidate], findings: list[dict]) -> list[dict[str, float]]:
+    """The same of what was found before."""
+    values = [{key: p["value"] for key, p in finding["parameters"].items()} for finding in findings]
+    return [candidate.sizes | own for candidate, own in zip(chosen, values)]
+
+
+def refit(tool: Path, given: list[Path], model: Path, chosen: list[Candidate], begin: list[dict[str, float]], terrain: dict) -> list[dict]:
+    """Fits what was selected, from these parameters and this terrain on; writes the model and gives the findings."""
+    effects, free, sensors = {}, list(SOIL), []
+    for candidate, parameters in zip(chosen, begin):
         if candidate.name in SENSOR_EFFECTS:
             sensors += [name for (effect, _), name in SENSOR_NAMES.items() if effect == candidate.name]
         else:
-            effects[candidate.name] = candidate.at(shares)
+            effects[candidate.name] = parameters
             free += [f"{candidate.name}.{key}" for key in candidate.off]
-    report = fit(tool, given, model, free, sensors, effects)
+    report = fit(tool, given, model, free, sensors, effects, terrain)
     fitted = {}
     for p in report["parameters"]:
         name = p["name"] if p["kind"] == "model" else p["name"].rpartition(".")[2]
@@ -186,21 +201,33 @@ def refit(tool: Path, given: list[Path], model: Path, chosen: list[Candidate], s
     return findings
 
 
-def stepwise(tool: Path, given: list[Path], unseen: Path, model: Path) -> dict:
-    """The peer's answer, and its errors on the unseen recording."""
-    candidates = {candidate.name: candidate for candidate in catalogue(tool)}
-    problem = regression(tool, given, model, list(candidates.values()))
-    names, probabilities = select(problem)
+def predicted(tool: Path, given: list[Path], unseen: Path, model: Path, chosen: list[Candidate],
+              begin: list[dict[str, float]]) -> tuple[list[dict], dict]:
+    """What was selected, fitted, and the errors on the unseen recording: the re-tuned model's where it cannot be fitted."""
     findings: list[dict] = []
     with tempfile.TemporaryDirectory() as folder:
         fitted = Path(folder) / "model.json"
         try:
-            if names:
-                findings = refit(tool, given, fitted, [candidates[name] for name in names], problem.bic(names)[1])
+            if chosen:
+                findings = refit(tool, given, fitted, chosen, begin, json.loads(model.read_text())["terrain"])
         except RuntimeError:
-            findings = [{"effect": name} for name in names]
+            findings = [{"effect": candidate.name} for candidate in chosen]
         ready = fitted if fitted.exists() else model
-        errors = on_unseen(tool, ready, unseen, told_sensors(findings))
+        return findings, on_unseen(tool, ready, unseen, told_sensors(findings))
+
+
+def stepwise(tool: Path, given: list[Path], unseen: Path, model: Path, said: dict | None = None) -> dict:
+    """The peer's answer, and its errors on the unseen recording; of what it said before, those of what it selected."""
+    candidates = {candidate.name: candidate for candidate in catalogue(tool)}
+    if said is not None:
+        fitted = [finding for finding in said["findings"] if finding.get("parameters")]
+        chosen = [candidates[finding["effect"]] for finding in fitted]
+        return {"answer": said, "unseen": predicted(tool, given, unseen, model, chosen, told(chosen, fitted))[1]}
+    problem = regression(tool, given, model, list(candidates.values()))
+    names, probabilities = select(problem)
+    chosen = [candidates[name] for name in names]
+    begin = begins(chosen, problem.bic(names)[1]) if names else []
+    findings, errors = predicted(tool, given, unseen, model, chosen, begin)
     for finding in findings:
         finding["probability"] = probabilities[finding["effect"]]
     first = names[0] if names else ""
