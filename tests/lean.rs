@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// What the model itself is built on: nalgebra, `serde_json`, `fearless_simd`, `uuid`, and theirs.
+/// What the model itself is built on: nalgebra, `serde_json`, `serde_core`, `fearless_simd`, `uuid`, and theirs.
 const LIBRARY: &[&str] = &[
     "approx",
     "bytemuck",

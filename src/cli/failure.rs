@@ -10,7 +10,7 @@ use ugv_terrain::identification::IdentificationError;
 use ugv_terrain::import::ImportError;
 use ugv_terrain::json::JsonError;
 use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::{CsvError, RecordingError};
+use ugv_terrain::recording::{CsvError, RecordingError, SameName};
 use ugv_terrain::simulation::SimulationError;
 use ugv_terrain::vehicle::BalanceError;
 
@@ -39,6 +39,8 @@ pub enum Failure {
     Recording(CsvError),
     /// A recording or the file beside it that cannot be read.
     ReadRecording(RecordingError),
+    /// Two recordings of one name.
+    SameName(SameName),
     /// Recordings that nothing can be fitted to.
     Fit(FitError),
     /// Recordings that nothing can be said of.
@@ -107,9 +109,9 @@ impl Failure {
             Self::Diagnosis(DiagnosisError::NothingMeasured { .. }) => Some(
                 "record a pose (x, y, heading) or at least the yaw rate beside the wheel speeds".into(),
             ),
-            Self::Diagnosis(DiagnosisError::SameName { .. }) => {
-                Some("rename one of the files: findings name the recording".into())
-            }
+            Self::SameName(_) => Some(
+                "name each file once, and rename one of two: what is said of a recording names it".into(),
+            ),
             Self::Diagnosis(DiagnosisError::Undrivable(_)) => Some(
                 "check the vehicle's mass, wheel radius and track (--vehicle), and the terrain to begin with (--terrain)".into(),
             ),
@@ -184,6 +186,7 @@ impl fmt::Display for Failure {
             Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Recording(error) => error.fmt(f),
             Self::ReadRecording(error) => error.fmt(f),
+            Self::SameName(error) => error.fmt(f),
             Self::Fit(error) => error.fmt(f),
             Self::Diagnosis(error) => error.fmt(f),
             Self::Import(error) => error.fmt(f),

@@ -69,6 +69,13 @@ impl ModelArgs {
         Ok(())
     }
 
+    /// The files that the arguments name.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let named = [&self.vehicle, &self.model, &self.effects];
+        let named = named.into_iter().flatten().chain([&self.terrain]);
+        named.filter(|path| path.exists()).cloned().collect()
+    }
+
     /// What the vehicle drives on, for people: the terrain's name or the model's file.
     pub fn ground(&self) -> String {
         self.model

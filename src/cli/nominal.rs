@@ -5,7 +5,7 @@ use super::model::{
 };
 use super::{Failure, tell};
 use std::path::PathBuf;
-use ugv_terrain::recording::{Recording, read_recording};
+use ugv_terrain::recording::{Recording, different_names, read_recording};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
@@ -43,6 +43,13 @@ impl NominalArgs {
         check_piecewise(&nominal.effects)?;
         without_sensors(&mut nominal.effects)?;
         Ok(nominal)
+    }
+
+    /// The files that the arguments name.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let named = [&self.vehicle, &self.terrain, &self.model, &self.effects];
+        let named = named.into_iter().flatten();
+        named.filter(|path| path.exists()).cloned().collect()
     }
 
     fn told(&self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
@@ -102,9 +109,12 @@ fn recorded_vehicle(recordings: &[Recording], quiet: bool) -> Result<Vehicle, Fa
     }
 }
 
-/// Reads recordings, with what stands beside them.
+/// Reads recordings, with what stands beside them; no two of one name.
 pub fn read_all(paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
     let each = paths.iter().map(|path| read_recording(path));
-    each.collect::<Result<_, _>>()
-        .map_err(Failure::ReadRecording)
+    let recordings: Vec<Recording> = each
+        .collect::<Result<_, _>>()
+        .map_err(Failure::ReadRecording)?;
+    different_names(recordings.iter().map(|one| one.name.as_str())).map_err(Failure::SameName)?;
+    Ok(recordings)
 }

@@ -27,17 +27,22 @@ impl Output {
     /// Output to a file, or to standard output for `-` or nothing.
     ///
     /// # Errors
-    /// A folder that is not there, or a folder in the file's place: better known before
-    /// the work than after it.
+    /// A folder that is not there or cannot be written, or a folder in the file's place: better
+    /// known before the work than after it.
     pub fn to(path: Option<&Path>) -> Result<Self, Failure> {
         let target = match path {
             None => Target::Stdout,
             Some(path) if path == Path::new("-") => Target::Stdout,
             Some(path) => Target::File(path.into()),
         };
+        let spool = match &target {
+            // Where there is room for the file, there is for what becomes it.
+            Target::File(path) => SpooledTempFile::new_in(SPOOL_BYTES, folder(path)),
+            Target::Stdout => SpooledTempFile::new(SPOOL_BYTES),
+        };
         let output = Self {
             target,
-            spool: BufWriter::new(SpooledTempFile::new(SPOOL_BYTES)),
+            spool: BufWriter::new(spool),
         };
         match &output.target {
             Target::File(path) => check_place(path).map_err(|source| output.failure(source))?,
@@ -128,10 +133,21 @@ fn check_place(path: &Path) -> io::Result<()> {
         return Err(io::ErrorKind::IsADirectory.into());
     }
     match fs::metadata(folder(path)) {
-        Ok(metadata) if metadata.is_dir() => Ok(()),
-        Ok(_) => Err(io::ErrorKind::NotADirectory.into()),
-        Err(error) => Err(error),
+        Ok(metadata) if metadata.is_dir() => {}
+        Ok(_) => return Err(io::ErrorKind::NotADirectory.into()),
+        Err(error) => return Err(error),
     }
+    let existing = fs::canonicalize(path).ok();
+    let path = existing.as_deref().unwrap_or(path);
+    if is_file_or_free(path) {
+        temporary_file(folder(path))?;
+    }
+    Ok(())
+}
+
+/// Whether a file can take this place: there is one, or nothing yet.
+fn is_file_or_free(path: &Path) -> bool {
+    fs::metadata(path).map_or(true, |metadata| metadata.is_file())
 }
 
 /// A file's place whatever way leads there; the file need not be there yet.
@@ -170,10 +186,7 @@ fn replace(spool: &mut SpooledTempFile, path: &Path) -> io::Result<()> {
     let existing = fs::canonicalize(path).ok();
     let path = existing.as_deref().unwrap_or(path);
     let metadata = fs::metadata(path).ok();
-    if metadata
-        .as_ref()
-        .is_some_and(|metadata| !metadata.is_file())
-    {
+    if !is_file_or_free(path) {
         // Nothing can be renamed over a device or a named pipe.
         return copy(spool, fs::OpenOptions::new().write(true).open(path)?);
     }

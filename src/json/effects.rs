@@ -40,7 +40,7 @@ impl Effects {
     /// # Errors
     /// As [`Effects::from_json`].
     pub fn from_json_value(value: &Value) -> Result<Self, JsonError> {
-        let value = object::unwrap(value, "effects");
+        let value = object::unwrap(value, "effects")?;
         let map = as_object(
             value,
             "effects",

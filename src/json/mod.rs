@@ -9,6 +9,7 @@ mod error;
 mod object;
 mod specification;
 mod terrain;
+mod unique;
 mod vehicle;
 mod window;
 

@@ -1,6 +1,9 @@
 //! A JSON object with a fixed set of keys.
 
 use super::JsonError;
+use super::effects::check_format;
+use super::specification::MODEL_FORMAT;
+use super::unique::Unique;
 use crate::spelling::nearest;
 use serde_json::{Map, Value};
 use std::fmt::Write;
@@ -28,18 +31,29 @@ pub(super) struct Object<'a> {
 
 /// Parses a text, with or without a byte order mark.
 pub(crate) fn parse(text: &str) -> Result<Value, JsonError> {
-    Ok(serde_json::from_str(
-        text.strip_prefix('\u{feff}').unwrap_or(text),
-    )?)
+    let Unique(value) = serde_json::from_str(text.strip_prefix('\u{feff}').unwrap_or(text))?;
+    Ok(value)
 }
 
 /// What describes or names a vehicle or a terrain: the value itself, or what the object has under
-/// that key, as the files beside recordings do.
-pub(super) fn unwrap<'a>(value: &'a Value, key: &str) -> &'a Value {
-    value
-        .get(key)
-        .filter(|inner| inner.is_object() || inner.is_string())
-        .unwrap_or(value)
+/// that key, as models and the files beside recordings do.
+///
+/// # Errors
+/// A model of another version, in which the key may mean another thing.
+pub(super) fn unwrap<'a>(value: &'a Value, key: &str) -> Result<&'a Value, JsonError> {
+    let is_whole = |inner: &&Value| inner.is_object() || inner.is_string();
+    let Some(inner) = value.get(key).filter(is_whole) else {
+        return Ok(value);
+    };
+    let family = MODEL_FORMAT.split('/').next();
+    let told = value.get("format").and_then(Value::as_str);
+    match value.get("format") {
+        Some(format) if told.and_then(|name| name.split('/').next()) == family => {
+            check_format(format, MODEL_FORMAT)?;
+        }
+        _ => {}
+    }
+    Ok(inner)
 }
 
 impl<'a> Object<'a> {

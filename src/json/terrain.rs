@@ -69,7 +69,7 @@ impl Terrain {
     /// # Errors
     /// As [`Terrain::from_json`].
     pub fn from_json_value(value: &Value) -> Result<Self, JsonError> {
-        let value = object::unwrap(value, "terrain");
+        let value = object::unwrap(value, "terrain")?;
         if let Value::String(name) = value {
             return Self::preset(name).ok_or_else(|| {
                 let presets = Self::PRESETS;

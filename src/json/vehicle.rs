@@ -44,7 +44,7 @@ impl Vehicle {
     /// # Errors
     /// As [`Vehicle::from_json`].
     pub fn from_json_value(value: &Value) -> Result<Self, JsonError> {
-        let object = Object::new("vehicle", KEYS, object::unwrap(value, "vehicle"))?;
+        let object = Object::new("vehicle", KEYS, object::unwrap(value, "vehicle")?)?;
         let vehicle = Self {
             mass: object.number("mass")?,
             yaw_inertia: object.number("yaw_inertia")?,

@@ -202,7 +202,7 @@ fn recordings_must_be_told_apart_and_be_of_one_vehicle() {
         "{message}"
     );
     assert!(
-        message.contains("ugv: hint: rename one of the files"),
+        message.contains("ugv: hint: name each file once, and rename one of two"),
         "{message}"
     );
     for (name, mass) in [("a", "490.0"), ("b", "500.0")] {

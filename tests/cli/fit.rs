@@ -58,7 +58,10 @@ fn no_command_replaces_what_it_reads() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
     bench.write("rec.json", r#"{"note": "kept"}"#);
-    let before = (bench.read("rec.csv"), bench.read("rec.json"));
+    bench.write("mine.json", bench.stdout("vehicle"));
+    bench.write("soil.json", bench.stdout("terrains dry_sand"));
+    let files = ["rec.csv", "rec.json", "mine.json", "soil.json"];
+    let before = files.map(|name| bench.read(name));
     for command in [
         "fit rec.csv --output rec.json",
         "fit rec.csv --report ./rec.json",
@@ -66,6 +69,12 @@ fn no_command_replaces_what_it_reads() {
         "simulate --input rec.csv --output rec.csv",
         "simulate --input rec.csv --plot rec.json",
         "sweep --input rec.csv --vary soil.cohesion=list:1000 --output rec.csv",
+        "fit rec.csv --vehicle mine.json --output mine.json",
+        "score rec.csv --terrain soil.json --json soil.json",
+        "simulate --input rec.csv --vehicle mine.json --output ./mine.json",
+        "sweep --input rec.csv --terrain soil.json --vary soil.cohesion=list:1000 --output soil.json",
+        "package --vehicle mine.json --library linux64=rec.csv --output mine.json",
+        "package --library linux64=rec.csv --output rec.csv",
     ] {
         let message = bench.fails(command, 2);
         assert!(message.contains("is what is read"), "{command}: {message}");
@@ -74,11 +83,41 @@ fn no_command_replaces_what_it_reads() {
     bench.fails("diagnose model.csv --out .", 2);
     let message = bench.fails("simulate --input rec.csv --output a.csv --plot ./a.csv", 2);
     assert!(message.contains("lead to the same place"), "{message}");
-    assert_eq!(before, (bench.read("rec.csv"), bench.read("rec.json")));
+    assert_eq!(before, files.map(|name| bench.read(name)));
     assert_eq!(
         bench.files(),
-        ["drive.csv", "model.csv", "rec.csv", "rec.json"]
+        [
+            "drive.csv",
+            "mine.json",
+            "model.csv",
+            "rec.csv",
+            "rec.json",
+            "soil.json"
+        ]
     );
+}
+
+#[test]
+fn a_recording_that_is_given_twice_does_not_count_twice() {
+    let bench = Bench::new();
+    bench.write("rec.csv", recording());
+    for command in ["fit rec.csv rec.csv", "score rec.csv ./rec.csv"] {
+        let message = bench.fails(command, 2);
+        assert!(
+            message.contains("two recordings are called rec")
+                && message.contains("name each file once"),
+            "{command}: {message}"
+        );
+    }
+}
+
+#[test]
+fn what_goes_to_standard_output_is_the_report_alone() {
+    let bench = Bench::new();
+    bench.write("rec.csv", recording());
+    let report = bench.stdout("fit rec.csv --free friction_angle --starts 0 --report -");
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report["parameters"].is_array(), "{report}");
 }
 
 #[test]

@@ -118,6 +118,16 @@ fn malformed_json_is_explained() {
         ),
         (
             "vehicle",
+            vehicle.replacen("490.0", "490.0, \"mass\": 500.0", 1),
+            "the key \"mass\" comes twice",
+        ),
+        (
+            "vehicle",
+            format!(r#"{{"format": "ugv-model/9", "vehicle": {vehicle}}}"#),
+            "format: found the text \"ugv-model/9\", expected \"ugv-model/1\"",
+        ),
+        (
+            "vehicle",
             vehicle.replace("490.0", "\"490\""),
             "mass: found the text \"490\", expected a number [kg]",
         ),

@@ -9,10 +9,9 @@ use super::{Failure, tell};
 use folder::Folder;
 use progress::Bar;
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use ugv_terrain::diagnosis::{
-    DiagnosisError, Options, Progress, diagnose, different_names, insufficient,
-};
+use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
 use ugv_terrain::report::diagnosis::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -50,7 +49,7 @@ pub struct Args {
 
     /// Threads [default: one per processor]; the result does not depend on it
     #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    jobs: Option<NonZeroUsize>,
 
     /// Neither summary nor progress
     #[arg(long, short)]
@@ -62,8 +61,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for recording in &recordings {
         recording.warnings().for_each(|warning| tell(&warning));
     }
-    // Before anything is said of the others.
-    different_names(&recordings).map_err(Failure::Diagnosis)?;
     let nominal = args.nominal.load(&recordings, args.quiet)?;
     let options = Options {
         seed: args.seed,
@@ -75,7 +72,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         source,
     })?;
     let files = ["diagnosis.json", "model.json", "report.html"];
-    let outputs = files.map(|name| Output::of(Some(&args.out.join(name)), &args.recordings));
+    let read = args.nominal.files();
+    let read = || args.recordings.iter().chain(&read);
+    let outputs = files.map(|name| Output::of(Some(&args.out.join(name)), read()));
     let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let bar = Bar::new(args.quiet);
     let show = |step| bar.show(step);

@@ -11,6 +11,7 @@ use super::{Failure, tell};
 use names::{Wanted, print_names};
 use progress::Progress;
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use ugv_terrain::fit::{Fit, Fitted, Options, fit_model};
@@ -74,7 +75,7 @@ pub struct Args {
 
     /// Threads [default: one per processor]; the result does not depend on it
     #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    jobs: Option<NonZeroUsize>,
 
     /// JSON file for the fitted model; - writes to standard output
     #[arg(long, value_name = "FILE.json")]
@@ -124,7 +125,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         seed: args.seed,
         robust: !args.not_robust,
     };
-    let own = |path: &Path| Output::of(Some(path), &args.recordings);
+    let files = args.nominal.files();
+    let own = |path: &Path| Output::of(Some(path), args.recordings.iter().chain(&files));
     let output = args.output.as_deref().map(own).transpose()?;
     let report = args.report.as_deref().map(own).transpose()?;
     if let (Some(output), Some(report)) = (&output, &report)
@@ -142,15 +144,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let found = pool.install(|| fit_model(&nominal, &wanted.model, &recordings, &options, &show));
     let Fitted { model, fit: fitted } = found.map_err(Failure::Fit)?;
     progress.finish();
-    let to_stdout = args
-        .output
-        .as_deref()
-        .is_some_and(|path| path.as_os_str() == "-");
-    write(output, || model.to_json())?;
-    write(report, || {
-        report::to_json(&fitted, &model, &recordings, &options)
-    })?;
+    let mut files = [&args.output, &args.report].into_iter().flatten();
+    let to_stdout = files.any(|path| path.as_os_str() == "-");
+    let written = [
+        write(output, || model.to_json()),
+        write(report, || {
+            report::to_json(&fitted, &model, &recordings, &options)
+        }),
+    ];
     if !args.quiet {
+        // Where the disk is full, too: what took minutes to find is not lost.
         let text = summary::text(&fitted, &recordings, started.elapsed().as_secs_f64());
         if to_stdout {
             text.lines().for_each(super::tell);
@@ -158,7 +161,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             super::output::write_stdout(&text)?;
         }
     }
-    Ok(())
+    written.into_iter().collect()
 }
 
 fn write(output: Option<Output>, text: impl Fn() -> String) -> Result<(), Failure> {

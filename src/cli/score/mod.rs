@@ -15,13 +15,14 @@ use contest::{Contest, Outcome, pool};
 use entries::Entry;
 use rayon::prelude::*;
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 use ugv_terrain::effects::Effects;
 use ugv_terrain::identification::{
     Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
 };
-use ugv_terrain::recording::{About, Recording, read_recording};
+use ugv_terrain::recording::{About, Recording, different_names, read_recording};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
 
@@ -86,8 +87,12 @@ pub struct Args {
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
 
+    /// Threads [default: one per processor]; the result does not depend on it
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+
     /// Show no progress
-    #[arg(long)]
+    #[arg(long, short)]
     quiet: bool,
 }
 
@@ -99,30 +104,32 @@ enum Heading {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let files = [&args.vehicle, &args.terrain, &args.model, &args.effects];
+    let files = || files.into_iter().flatten();
     let json = args
         .json
         .as_deref()
-        .map(|path| Output::of(Some(path), &args.recordings))
+        .map(|path| Output::of(Some(path), args.recordings.iter().chain(files())))
         .transpose()?;
     let given = Given::load(args)?;
+    let threads = super::jobs::pool(args.jobs)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
         let recording = read_recording(path)?;
         let warnings = recording.warnings().collect();
         Ok((warnings, prepare(args, &recording, &given)?))
     };
     // Collected in the order of the arguments, so the first error is always the same.
-    let prepared: Vec<_> = args.recordings.par_iter().map(prepared).collect();
+    let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
     let mut contests = Vec::new();
     for recording in prepared {
         let (notes, contest) = recording?;
         notes.iter().for_each(|note| tell(note));
         contests.push(contest);
     }
+    different_names(contests.iter().map(|one| one.name.as_str())).map_err(Failure::SameName)?;
     let progress = Progress::new(contests.iter().map(Contest::work).sum(), args.quiet);
-    let outcomes: Vec<Outcome> = contests
-        .iter()
-        .map(|c| c.run(|| progress.count()))
-        .collect();
+    let run = || contests.iter().map(|c| c.run(|| progress.count()));
+    let outcomes: Vec<Outcome> = threads.install(|| run().collect());
     progress.finish();
     let pooled = pool(&outcomes);
     if args

@@ -88,7 +88,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         recording.wheel_speeds(0).into(),
     )?;
     let schedule = Schedule::new(&recording, args.output_step)?;
-    let own = |path: Option<&Path>| Output::of(path, [&args.input]);
+    let mut read = args.model.files();
+    read.push(args.input.clone());
+    let own = |path: Option<&Path>| Output::of(path, &read);
     let mut table = own(args.output.as_deref())?;
     let picture = args
         .plot

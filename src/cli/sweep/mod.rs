@@ -94,7 +94,7 @@ pub struct Args {
 
     /// Threads [default: one per processor]
     #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    jobs: Option<NonZeroUsize>,
 
     /// Neither summary nor progress
     #[arg(long, short)]
@@ -102,7 +102,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let sources = args.input.iter().chain(&args.table);
+    let files = args.model.files();
+    let sources = args.input.iter().chain(&args.table).chain(&files);
     let mut output = Output::of(args.output.as_deref(), sources)?;
     let samples = match &args.table {
         Some(path) => Samples::read(path)?,
