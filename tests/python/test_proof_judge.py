@@ -17,7 +17,7 @@ from page_check import browser, check_page, find_chromium
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
-from judge import estimates, files, work
+from judge import answers, estimates, files, work
 from judge.__main__ import arguments, claim, judged
 from judge.case import Judged
 from judge.drawing import figure
@@ -32,7 +32,7 @@ CHROMIUM = find_chromium()
 DRAWBAR = {"effect": "drawbar", "kind": "physics", "size": "large", "off": {"force": 0.0},
            "parameters": {"force": 200.0, "hitch_height": 0.3}}
 GUSTS = {"effect": "outside:gusts", "kind": "outside", "size": "small", "parameters": {"side": 3.0}, "off": {"side": 0.0}}
-FACTS = {"seed": 7, "drawn": 1, "answered": 1, "tool": "t", "limit_s": 600, "took_s": 1}
+FACTS = {"seed": [7], "drawn": 1, "answered": 1, "tool": ["t"], "limit_s": 600, "took_s": 1}
 
 
 def truth(family: str = "single", effects: tuple = (DRAWBAR,), signal: float = 20.0, **more: object) -> dict:
@@ -416,6 +416,34 @@ class PageOfAll(unittest.TestCase):
         first, silent = rows[0], rows[2]
         self.assertEqual((first["told"], first["p_truth"], first["unseen_own_m"], first["unseen_nominal_m"]), ("drawbar", "0.9", "0.2", ""))
         self.assertEqual((silent["verdict"], silent["told"], silent["p_truth"]), ("none", "no answer (timeout)", ""))
+
+    def test_parts_are_judged_together_as_they_would_be_at_once(self) -> None:
+        cases = self.cases()
+        for one in cases:
+            one.truth["seed"] = 7
+        whole = report({"mended": cases, "stepwise": cases}, FACTS | {"drawn": len(cases), "answered": len(cases)})
+        with tempfile.TemporaryDirectory() as folder:
+            parts = [Path(folder) / f"{k}.jsonl" for k in range(2)]
+            for path, part in zip(parts, (cases[:11], cases[11:]), strict=True):
+                facts = FACTS | {"drawn": len(part), "answered": len(part), "took_s": 0.5}
+                path.write_text(answers.lines({"mended": part, "stepwise": part}, facts))
+            everyone, facts = answers.load(parts)
+            self.assertEqual(report(everyone, facts), whole)
+            self.assertNotIn("href", page(everyone["mended"], whole, linked=False).partition("<h2>Failures")[2])
+            for given, message in (([parts[0], parts[0]], "case_0000 of seed 7 is in .* give each case once"),
+                                   ([Path(folder) / "none.jsonl"], "cannot be read"),
+                                   ([self._other(parts[1], methods=["mended"])], "has answers of mended, the others of mended, stepwise"),
+                                   ([self._other(parts[1], limit_s=100)], "had a limit of 100 s, the others 600 s"),
+                                   ([self._other(parts[1], format="ugv-proof/1")], "not of the format")):
+                with self.subTest(message), self.assertRaisesRegex(SystemExit, message):
+                    answers.load([*(parts[:1] if "others" in message else []), *given])
+
+    def _other(self, path: Path, **changed: object) -> Path:
+        """The same file with another head."""
+        head, _, rest = path.read_text().partition("\n")
+        other = path.with_suffix(f".{next(iter(changed))}")
+        other.write_text(json.dumps(json.loads(head) | changed) + "\n" + rest)
+        return other
 
     def test_figure_has_every_case(self) -> None:
         cases = self.cases()

@@ -14,8 +14,8 @@ from .families import FAMILIES
 
 EPILOG = """\
 A set is a folder: set.json, one folder per case (drive.csv and drive.json; second.* in some look-alike cases;
-unseen.* for the score), and sealed/CASE.json with the truth. The same seed gives the same bytes whatever --jobs and
---cases are; a case that is complete is left as it is, so a run that was cut off goes on where it stopped.
+unseen.* for the score), and sealed/CASE.json with the truth. The same seed gives the same bytes whatever --jobs,
+--first and --cases are; a case that is complete is left as it is, so a run that was cut off goes on where it stopped.
 
 examples:
   scripts/prove.sh draw --out target/cases --cases 300 --seed 7 --jobs 2
@@ -29,6 +29,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", required=True, type=Path, metavar="CASES", help="folder of the set; made if it is not there")
     parser.add_argument("--cases", type=int, default=300, metavar="N", help="how many [default: 300]")
+    parser.add_argument("--first", type=int, default=0, metavar="K", help="number of the first of them [default: 0]")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="seed of everything random, 0 or more [default: 1]")
     parser.add_argument("--family", choices=FAMILIES, metavar="F",
                         help=f"only this family: {', '.join(FAMILIES)} [default: the mix of all]")
@@ -38,8 +39,10 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     arguments = parser.parse_args(argv)
     if arguments.cases < 1:
         parser.error(f"--cases {arguments.cases} makes nothing; give 1 or more")
-    if arguments.cases > 9999:
-        parser.error(f"--cases {arguments.cases} is more than names of four digits hold; give 9999 or fewer")
+    if arguments.first < 0:
+        parser.error(f"--first {arguments.first} is negative; give 0 or more")
+    if arguments.first + arguments.cases > 10000:
+        parser.error(f"--first {arguments.first} --cases {arguments.cases} is more than names of four digits hold; end at 9999 or before")
     if arguments.seed < 0:
         parser.error(f"--seed {arguments.seed} is negative; give 0 or more")
     if arguments.jobs not in (1, 2):
@@ -69,9 +72,10 @@ def _others(a: argparse.Namespace) -> str:
 def main(argv: list[str] | None = None) -> int:
     """0 done, 1 some cases failed, 2 wrong arguments."""
     a = _arguments(argv)
+    wanted = range(a.first, a.first + a.cases)
     write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed, "family": a.family,
-                                    "cases": [case_name(i) for i in range(a.cases)]})
-    tasks = [(a.out, a.seed, i, a.family, a.pivots) for i in range(a.cases)
+                                    "cases": [case_name(i) for i in wanted]})
+    tasks = [(a.out, a.seed, i, a.family, a.pivots) for i in wanted
              if not is_complete(a.out, i, a.pivots)]
     if len(tasks) < a.cases:
         print(f"generator: {a.cases - len(tasks)} of {a.cases} cases are there already", file=sys.stderr)

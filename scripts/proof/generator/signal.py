@@ -1,17 +1,18 @@
 """How loud an effect is in a recording, and how much of it re-tuning the soil would hide.
 
 Predictions start anew every 5 s. Their changes with the effect, the soil's parameters (log scale) and the starts come
-from differences of the simulator, are whitened by the true noise, and projected by QR. What re-tuning leaves is that
-at first, and then what is left once the soil has gone where the least squares lead (Gauss and Newton).
+from differences of the simulator, are whitened by the true noise, and projected by QR. What re-tuning leaves is what the
+least squares leave within the soils that there are, at first, and then once the soil has gone where they lead.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import nnls
+from scipy.optimize import lsq_linear
 
 from .catalogue import EFFECTS
 from .sensors import Samples, Sensors, interpolate, report, sample_times
@@ -111,11 +112,16 @@ class Ruler:
     def observe(self, stretches: list[np.ndarray], faults: dict[str, dict[str, float]]) -> dict[str, np.ndarray]:
         """What the sensors would report without noise."""
         parts: dict[str, list[np.ndarray]] = {name: [] for name in self.channels}
+        rows = math.ceil(max([0.0, *faults.get("latency", {}).values()]) / STEP)
+        before = None
         for at, records in zip(self.begins, stretches):
             wheels, poses = self._within(self.case.samples.wheel_times, at), self._within(self.case.samples.pose_times, at)
-            local = Samples(self.case.samples.wheel_times[wheels] - at, self.case.samples.pose_times[poses] - at)
-            for name, values in report(records, STEP, local, self.channels, faults).items():
+            lead = at - rows * STEP
+            local = Samples(self.case.samples.wheel_times[wheels] - lead, self.case.samples.pose_times[poses] - lead)
+            earlier = _backwards(records[0], rows) if before is None else before[len(before) - 1 - rows : -1]
+            for name, values in report(np.concatenate([earlier, records]), STEP, local, self.channels, faults).items():
                 parts[name].append(values)
+            before = records if stretches is self.truth else None
         return {name: np.concatenate(p) for name, p in parts.items()}
 
     def _within(self, times: np.ndarray, at: float) -> np.ndarray:
@@ -129,9 +135,9 @@ class Ruler:
     def _change(self, a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> np.ndarray:
         return self.whiten({n: a[n] - b[n] for n in self.channels})
 
-    def starts(self, base: list[np.ndarray]) -> np.ndarray:
-        """Columns of the stretches' starts: place, heading, velocities."""
-        world = make_world(self.case.setup, self.case.drive, COARSE)
+    def starts(self, off: Setup, base: list[np.ndarray]) -> np.ndarray:
+        """Columns of the stretches' starts around predictions: place, heading, velocities."""
+        world = make_world(off, self.case.drive, COARSE)
         times = {n: sample_times(self.case.samples, n) for n in self.channels}
         columns = []
         for at, snapshot, records in zip(self.begins, self.snapshots, base):
@@ -180,7 +186,7 @@ class Ruler:
     def columns(self, off: Setup) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
         """Predictions with the effects off, what the starts can change as `span`, and the soil's columns."""
         base = self.predict(off, self.case.drive)
-        return base, span(self.starts(base)), self.soil_columns(off, base)
+        return base, span(self.starts(off, base)), self.soil_columns(off, base)
 
     def soil_columns(self, off: Setup, base: list[np.ndarray]) -> np.ndarray:
         """Changes by the soil's parameters (log scale) around predictions."""
@@ -225,6 +231,20 @@ class Ruler:
         return replace(drive, speeds=np.stack([np.interp(grid - late, grid, drive.speeds[:, i]) for i in range(2)], 1))
 
 
+def _backwards(record: np.ndarray, rows: int) -> np.ndarray:
+    """Where a vehicle would come from that has always driven as it does in a record."""
+    earlier = np.repeat(record[None], rows, axis=0)
+    earlier[:, 6:9] = 0.0
+    for row in range(rows - 1, -1, -1):
+        next_row = earlier[row + 1] if row + 1 < rows else record
+        heading = next_row[2] - 0.5 * STEP * record[5]
+        c, s = math.cos(heading), math.sin(heading)
+        earlier[row, 0] = next_row[0] - STEP * (record[3] * c - record[4] * s)
+        earlier[row, 1] = next_row[1] - STEP * (record[3] * s + record[4] * c)
+        earlier[row, 2] = next_row[2] - STEP * record[5]
+    return earlier
+
+
 def span(columns: np.ndarray) -> np.ndarray:
     """Orthonormal columns that reach what these reach."""
     return np.linalg.qr(columns)[0]
@@ -235,18 +255,24 @@ def _freed(parts: list[np.ndarray], starts: list[np.ndarray]) -> np.ndarray:
     return np.concatenate([part - q @ (q.T @ part) for part, q in zip(parts, starts)])
 
 
-def _without(signal: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """What any combination of columns leaves of a vector, or of each of some."""
-    q, r = np.linalg.qr(columns)
-    kept = np.abs(np.diag(r)) > 1e-9 * np.abs(np.diag(r)).max()
-    return signal - q[:, kept] @ (q[:, kept].T @ signal)
+def _left(signal: np.ndarray, columns: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
+    """Size of what the columns leave of a vector, each times a factor between two."""
+    lengths = np.linalg.norm(columns, axis=0)
+    moving = lengths > 0.0
+    if not moving.any():
+        return float(np.linalg.norm(signal))
+    scaled, lengths = columns[:, moving] / lengths[moving], lengths[moving]
+    q, r = np.linalg.qr(np.column_stack([scaled, signal]))
+    bounds = low[moving] * lengths, high[moving] * lengths
+    return float(np.sqrt(2.0 * lsq_linear(r[:, :-1], r[:, -1], bounds, method="bvls").cost))
 
 
 def project(signals: list[np.ndarray], starts: list[np.ndarray], soils: list[np.ndarray]) -> Signal:
-    """Sizes over several drives: starts (each a `span`) are each drive's own, the soil is shared."""
-    signal = _freed(signals, starts)
-    left = _without(signal, _freed(soils, starts))
-    return Signal(float(np.linalg.norm(signal)), float(np.linalg.norm(left)))
+    """Sizes over several drives: starts (each a `span`) are each drive's own, the soil is shared and stays within the
+    soils that there are."""
+    signal, soil = _freed(signals, starts), _freed(soils, starts)
+    farthest = np.full(soil.shape[1], FARTHEST)
+    return Signal(float(np.linalg.norm(signal)), _left(signal, soil, -farthest, farthest))
 
 
 def retuned(rulers: list[Ruler], offs: list[Setup], bases: list[list[np.ndarray]], signals: list[np.ndarray],
@@ -289,8 +315,7 @@ def left_beside(signals: list[np.ndarray], starts: list[np.ndarray], soils: list
                 others: list[np.ndarray], one_sided: list[bool]) -> float:
     """Size of what the soil and another effect, shared by the drives, leave: columns that are one-sided only added."""
     soil = _freed(soils, starts)
-    signal, columns = _without(_freed(signals, starts), soil), _without(_freed(others, starts), soil)
-    columns = np.column_stack([columns, -columns[:, ~np.array(one_sided)]])
-    lengths = np.linalg.norm(columns, axis=0)
-    columns = columns[:, lengths > 0.0] / lengths[lengths > 0.0]
-    return float(nnls(columns, signal)[1]) if columns.shape[1] else float(np.linalg.norm(signal))
+    farthest = np.full(soil.shape[1], FARTHEST)
+    low = np.concatenate([-farthest, np.where(one_sided, 0.0, -np.inf)])
+    high = np.concatenate([farthest, np.full(len(one_sided), np.inf)])
+    return _left(_freed(signals, starts), np.column_stack([soil, _freed(others, starts)]), low, high)

@@ -1,6 +1,7 @@
 """Draws cases with a sealed truth, has `ugv diagnose` and its peers answer them, opens the truth, and writes a page.
 
-What has a result is not redone: the same command goes on where it was interrupted.
+What has a result is not redone: the same command goes on where it was interrupted. A set may be answered in parts
+(--first, --cases), on several machines, and judged together from their answers.jsonl (--answers).
 """
 
 import argparse
@@ -11,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-from . import files
+from . import answers, files
 from .case import Judged
 from .drawing import figure
 from .listing import listing
@@ -27,6 +28,7 @@ ROOT = Path(__file__).resolve().parents[3]
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="prove.sh", description=__doc__)
     parser.add_argument("--cases", type=int, default=300, metavar="N", help="cases to draw [default: 300]")
+    parser.add_argument("--first", type=int, default=0, metavar="K", help="number of the first of them [default: 0]")
     parser.add_argument("--seed", type=int, metavar="S", help="seed of the cases [default: a new one]")
     parser.add_argument("--family", action="append", default=[], metavar="F", help="only cases of this family; may be repeated")
     parser.add_argument("--out", type=Path, default=ROOT / "target" / "proof", metavar="DIR", help="[default: target/proof]")
@@ -37,6 +39,8 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--limit", type=float, default=600, metavar="S", help="seconds that one diagnosis may take [default: 600]")
     parser.add_argument("--peer-limit", type=float, metavar="S", help="seconds that each peer and the oracle may take [default: as --limit]")
     parser.add_argument("--page", action="store_true", help="run nothing; judge what has been answered so far")
+    parser.add_argument("--answers", type=Path, nargs="+", default=[], metavar="JSONL",
+                        help="run nothing; judge the cases of these files together, parts of one set or several sets")
     parser.add_argument("--tool", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args(given)
     args.peer_limit = args.limit if args.peer_limit is None else args.peer_limit
@@ -58,8 +62,9 @@ def draw(args: argparse.Namespace) -> tuple[list[Path], int]:
     sets = {cases / family: ["--family", family] for family in wanted["families"]} or {cases: []}
     for folder, family in sets.items():
         if not args.page:
-            print(f"prove: {args.cases} cases, seed {seed} {' '.join(family)}", file=sys.stderr)
-            command = [sys.executable, "-m", "generator", "--out", folder, "--cases", args.cases, "--seed", seed, "--jobs", min(args.jobs, 2)]
+            print(f"prove: {args.cases} cases from {args.first} on, seed {seed} {' '.join(family)}", file=sys.stderr)
+            command = [sys.executable, "-m", "generator", "--out", folder, "--first", args.first, "--cases", args.cases,
+                       "--seed", seed, "--jobs", min(args.jobs, 2)]
             if subprocess.run(list(map(str, [*command, *family])), check=False).returncode:
                 sys.exit("prove: the cases could not be drawn")
     return list(sets), seed
@@ -107,10 +112,8 @@ def judged(name: str, truth: dict, results: Path, own: str) -> Judged:
     return Judged(name, truth, stages[own].get("answer"), unseen, stages[own].get("seconds"), stages[own].get("status", "not run"), oracle)
 
 
-def main() -> None:
-    args = arguments()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    files.make_folder(args.out)
+def answered(args: argparse.Namespace) -> tuple[dict[str, list[Judged]], dict]:
+    """Draws cases, has them answered, opens the truths: everyone's answers, and how they came about."""
     sets, seed = ([args.set], None) if args.set else draw(args)
     if args.set:
         claim(args.out, args.set)
@@ -130,13 +133,23 @@ def main() -> None:
     methods = ["mended", *NOT_ANSWERING, *args.peers]
     everyone = {own: [judged(name, truth, results, own) for name, truth in truths.items()] for own in methods}
     tools = {(files.load(results / name / "answer" / "run.json") or {}).get("tool", "unknown") for name in done}
-    facts = {"seed": seed, "drawn": len(names), "answered": len(done), "tool": ", ".join(sorted(tools)), "limit_s": args.limit,
-             "took_s": round(time.time() - begin)}
+    seeds = sorted({truth["seed"] for truth in truths.values()}) if seed is None else [seed]
+    return everyone, {"seed": seeds, "drawn": len(names), "answered": len(done), "tool": sorted(tools), "limit_s": args.limit,
+                      "took_s": round(time.time() - begin)}
+
+
+def main() -> None:
+    args = arguments()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    files.make_folder(args.out)
+    everyone, facts = answers.load(args.answers) if args.answers else answered(args)
     summary = report(everyone, facts)
+    if not args.answers:
+        files.write(args.out / "answers.jsonl", answers.lines(everyone, facts))
     files.save(args.out / "proof.json", summary)
     files.write(args.out / "cases.csv", listing(summary["cases"]))
     files.write(args.out / "proof.svg", figure(everyone["mended"], summary["reliability"]))
-    files.write(args.out / "proof.html", page(everyone["mended"], summary))
+    files.write(args.out / "proof.html", page(everyone["mended"], summary, linked=not args.answers))
     print(f"prove: {args.out / 'proof.html'}", file=sys.stderr)
 
 

@@ -117,28 +117,28 @@ def wanted(case: Judged) -> str:
     return verdicts + (f": {names}{alone}" if names else "")
 
 
-def link(case: Judged) -> str:
-    return f'<a href="results/{case.name}/answer/report.html">{case.name}</a>' if case.answered else case.name
+def link(case: Judged, linked: bool) -> str:
+    return f'<a href="results/{case.name}/answer/report.html">{case.name}</a>' if linked and case.answered else case.name
 
 
-def failure(case: Judged) -> str:
+def failure(case: Judged, linked: bool) -> str:
     """A case that is not right, told whole."""
     p = f"; probability on the truth {case.p_truth:.2f}" if case.answered else ""
     variant = f", {case.truth['variant']}" if case.truth.get("variant") else ""
     said = (case.said or {}).get("statement")
     statement = f'<p class="soft">“{escape(said)}”</p>' if said else ""
-    return (f'<div class="case"><p><b>{link(case)}</b> <span class="soft">{escape(case.family + variant)}, signal left {case.signal:.1f}</span></p>'
+    return (f'<div class="case"><p><b>{link(case, linked)}</b> <span class="soft">{escape(case.family + variant)}, signal left {case.signal:.1f}</span></p>'
             f"<p>Truth: {escape(case.true_short)}</p><p>Told: {escape(case.verdict.replace('_', ' '))}: {escape(case.short)}{p}</p>{statement}"
             f"<p>Right would be: {escape(wanted(case))}</p></div>")
 
 
-def every(cases: Sequence[Judged]) -> str:
+def every(cases: Sequence[Judged], linked: bool) -> str:
     """Every case, one row each, those that are not right first."""
     rows = []
     for case in sorted(cases, key=lambda case: (case.right, case.name)):
         mark = '<b class="good">right</b>' if case.right else '<b class="bad">wrong</b>'
         p = f"{case.p_truth:.2f}" if case.answered else "–"
-        rows.append(f"<tr data-case><th>{link(case)}</th><td>{mark}</td><td>{escape(case.family)}</td><td>{escape(case.true_short)}</td>"
+        rows.append(f"<tr data-case><th>{link(case, linked)}</th><td>{mark}</td><td>{escape(case.family)}</td><td>{escape(case.true_short)}</td>"
                     f'<td class="n">{case.signal:.1f}</td><td>{escape(case.verdict.replace("_", " "))}</td><td>{escape(case.short)}</td>'
                     f'<td class="n">{p}</td><td class="n">{number(case.gain, "share")}</td><td class="n">{number(case.seconds, "s")}</td></tr>')
     head = ("<tr><th>case</th><th></th><th>family</th><th>truth</th><th class=n>signal</th><th>verdict</th><th>told</th>"
@@ -146,8 +146,8 @@ def every(cases: Sequence[Judged]) -> str:
     return f'<div class="scroll"><table>{head}{"".join(rows)}</table></div>'
 
 
-def page(cases: Sequence[Judged], summed: dict) -> str:
-    """proof.html."""
+def page(cases: Sequence[Judged], summed: dict, linked: bool = True) -> str:
+    """proof.html; linked: the reports stand beside it."""
     wrong = [case for case in cases if not case.right]
     judged = [m for m in summed["metrics"] if m["met"] is not None]
     passed = sum(m["met"] for m in judged)
@@ -156,7 +156,7 @@ def page(cases: Sequence[Judged], summed: dict) -> str:
     counts = {family: sum(case.family == family for case in cases) for family in summed["families"]}
     peer_keys = [key for key in SHORT if any(m["key"] == key for rows in summed["peers"].values() for m in rows)]
     peer_keys = [key for key in peer_keys if key not in ("right", "failed", "located")]
-    seed = "" if summed["seed"] is None else f" (seed {summed['seed']})"
+    seed = f" (seed {' and '.join(map(str, summed['seed']))})"
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Proof of ugv diagnose</title><style>{STYLE.read_text()}</style></head><body>
@@ -164,7 +164,7 @@ def page(cases: Sequence[Judged], summed: dict) -> str:
 <p>{len(cases)} cases of an independent simulator{seed}, each truth opened after its case had been answered: {passed} of
 {len(judged)} targets met, {len(cases) - len(wrong)} answers right, {len(wrong)} not.{so_far}</p>
 <h2>Against the targets</h2>{summary(summed["metrics"])}
-<h2>Failures</h2>{"".join(map(failure, wrong)) or "<p>None.</p>"}
+<h2>Failures</h2>{"".join(failure(case, linked) for case in wrong) or "<p>None.</p>"}
 <h2>How sure it was, and how often right</h2>
 <p class="soft">First finding of every case (or “nothing missing”), in ten bins of its probability; bars are 90 % intervals, numbers are cases.</p>
 {drawing.reliability(summed["reliability"])}
@@ -180,7 +180,7 @@ the re-tuned soil. Of a case, they are compared over the same windows, each from
 the position are left out for all. Peers' seconds are those of their own work and of predicting the unseen drive; that they begin with the
 re-tuned soil is not counted. {escape(" ".join(PEERS.values()))}</p>
 {across("method", summed["peers"], peer_keys)}
-<h2>Every case</h2>{every(cases)}
-<p class="soft">Tool {escape(summed["tool"])}; time limit {summed["limit_s"]:.0f} s a case; numbers in proof.json.</p>
+<h2>Every case</h2>{every(cases, linked)}
+<p class="soft">Tool {escape(" and ".join(summed["tool"]))}; time limit {summed["limit_s"]:.0f} s a case; numbers in proof.json.</p>
 </body></html>
 """
