@@ -27,6 +27,9 @@ use crate::vehicle::Specification;
 /// distribution.
 const POWER: f64 = 1.28;
 
+/// What an answer says of itself where a time limit cut it off.
+const CUT_OFF: &str = "Time was up before everything had been tried: there may be more that is missing, and probabilities are of what had been fitted by then. Give it more time to be sure.";
+
 /// Locates the mismatch between recordings and a model, says what physics was left out, and models it.
 ///
 /// Recordings and model as [`Recording`] and [`Specification`] have them (SI, radians); [`Diagnosis::model`] is the given
@@ -52,7 +55,7 @@ const POWER: f64 = 1.28;
 /// ```
 ///
 /// # Errors
-/// That it was stopped ([`Progress::stopped_by`]). Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
+/// That it was stopped ([`Progress::stopped_by`]; with [`Progress::within`] it gives the answer that it has). Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
 /// when a drive began. Of [`DiagnosisError::AtRest`] and [`DiagnosisError::TooShort`] [`insufficient`] makes an answer.
 pub fn diagnose(
     recordings: &[Recording],
@@ -130,6 +133,9 @@ pub fn diagnose(
         model,
     };
     diagnosis.statement = statement(&diagnosis);
+    if progress.was_late() {
+        diagnosis.account.notes.insert(0, CUT_OFF.into());
+    }
     diagnosis.account.steps = progress.seconds();
     Ok(diagnosis)
 }

@@ -3,13 +3,20 @@
 use super::DiagnosisError;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// Share of a time limit after which only what an answer needs is done: looking at what was found, leaving out,
+/// holding out, and reporting take up to two fifths of what comes before.
+const LATE: f64 = 0.6;
 
 /// Tells of every step that begins, and keeps how long each took.
 pub struct Progress<'a> {
     tell: &'a (dyn Fn(&'static str) + Sync),
     steps: Mutex<Vec<(&'static str, Instant)>>,
     stop: Option<&'a AtomicBool>,
+    begin: Instant,
+    late: Option<Duration>,
+    was_late: AtomicBool,
 }
 
 impl<'a> Progress<'a> {
@@ -20,7 +27,32 @@ impl<'a> Progress<'a> {
             tell,
             steps: Mutex::new(Vec::new()),
             stop: None,
+            begin: Instant::now(),
+            late: None,
+            was_late: AtomicBool::new(false),
         }
+    }
+
+    /// Has the diagnosis give the answer that it has come to within about this time: after three fifths of it, what has
+    /// not begun is left out, and the answer says so. It depends on the machine then.
+    #[must_use]
+    pub fn within(mut self, limit: Duration) -> Self {
+        self.late = Some(limit.mul_f64(LATE));
+        self
+    }
+
+    /// Whether what an answer does not need is to be left out, for want of time. Whoever asks leaves it out.
+    pub(crate) fn is_late(&self) -> bool {
+        let is_late = self.late.is_some_and(|late| self.begin.elapsed() >= late);
+        if is_late {
+            self.was_late.store(true, Ordering::Relaxed);
+        }
+        is_late
+    }
+
+    /// Whether something was left out for want of time.
+    pub(crate) fn was_late(&self) -> bool {
+        self.was_late.load(Ordering::Relaxed)
     }
 
     /// Ends the diagnosis with [`DiagnosisError::Stopped`] within seconds after `stop` has become true; `tell` may

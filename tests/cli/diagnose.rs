@@ -62,6 +62,7 @@ fn help_names_files_and_formats() {
         "--out",
         "--seed",
         "--jobs",
+        "--within",
         "NAME.json",
         "ugv-diagnosis/1",
         "diagnosis.json",
@@ -281,6 +282,8 @@ fn wrong_arguments_and_files_are_refused() {
         ),
         ("diagnose a.csv --seed one", "--seed"),
         ("diagnose a.csv --jobs two", "--jobs"),
+        ("diagnose a.csv --within 0", "a number of seconds above 0"),
+        ("diagnose a.csv --within nan", "a number of seconds above 0"),
     ] {
         let message = bench.fails(arguments, 2);
         let error = message.lines().any(|line| line.starts_with("ugv: error: "));

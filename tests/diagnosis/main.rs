@@ -99,6 +99,50 @@ fn a_steep_slope_is_named_and_measured() {
     assert!((sum - 1.0).abs() < 1e-9, "{sum}");
 }
 
+/// Verdict, names, and whether the answer says that time was up.
+fn within(family: Family, seconds: &str) -> (String, Vec<String>, bool) {
+    let folder = tempfile::tempdir().unwrap();
+    let case = generate_lasting([18.0, 20.0], family, 32, 1).unwrap();
+    write(&case, folder.path(), "a").unwrap();
+    assert_cmd::Command::new(env!("CARGO_BIN_EXE_ugv"))
+        .current_dir(folder.path().join("a"))
+        .args(["diagnose", "drive.csv", "--within", seconds])
+        .assert()
+        .success();
+    let read = |name: &str| {
+        let path = folder.path().join("a/diagnosis").join(name);
+        fs::read_to_string(path).unwrap()
+    };
+    let told: serde_json::Value = serde_json::from_str(&read("diagnosis.json")).unwrap();
+    let text = |value: &serde_json::Value| value.as_str().unwrap().to_string();
+    let findings = told["findings"].as_array().unwrap().iter();
+    let names = findings.map(|one| text(&one["effect"])).collect();
+    let is_told = told.to_string().contains("Time was up");
+    assert_eq!(is_told, read("report.html").contains("Time was up"));
+    (text(&told["verdict"]), names, is_told)
+}
+
+#[test]
+fn where_time_is_up_the_likeliest_is_told() {
+    let (verdict, names, is_told) = within(Family::Single, "0.001");
+    assert_eq!(
+        names.first().map(String::as_str),
+        Some("grade"),
+        "{verdict}"
+    );
+    assert!(is_told);
+    let (verdict, names, is_told) = within(Family::Nothing, "0.001");
+    assert_eq!(verdict, "nothing_missing", "{names:?}");
+    // Little time, but nothing more to try: nothing was left out then but further rounds.
+    assert!(names.is_empty() && is_told);
+}
+
+#[test]
+fn where_time_is_not_up_nothing_is_left_out() {
+    let (_, names, is_told) = within(Family::Single, "100000");
+    assert!(!is_told && names == ["grade"], "{names:?}");
+}
+
 #[test]
 fn a_set_holds_every_family() {
     let sequence = Family::sequence(50);

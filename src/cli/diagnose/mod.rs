@@ -11,6 +11,7 @@ use progress::Bar;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::time::Duration;
 use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
 use ugv_terrain::report::diagnosis::{json, page, text};
 
@@ -26,7 +27,7 @@ Input:   recordings with a header time,omega_left,omega_right and any of x,y,hea
          most.
 Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the soil re-tuned, with what was
          found; `ugv simulate`, `score` and `package` take it), DIR/report.html, and a summary.
-         The same seed gives the same answer, whatever the number of threads.";
+         The same seed gives the same answer, whatever the number of threads (but for --within).";
 
 /// Tell what physics the model left out, where, and how sure that is.
 #[derive(clap::Args)]
@@ -50,6 +51,11 @@ pub struct Args {
     /// Threads [default: one per processor]; the result does not depend on it
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
+
+    /// Answer within about so many seconds with what has been found by then; what was not tried is told [default: no
+    /// limit]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    within: Option<Duration>,
 
     /// Neither summary nor progress
     #[arg(long, short)]
@@ -78,7 +84,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let bar = Bar::new(args.quiet);
     let show = |step| bar.show(step);
-    let progress = Progress::new(&show);
+    let mut progress = Progress::new(&show);
+    if let Some(limit) = args.within {
+        progress = progress.within(limit);
+    }
     let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
     bar.finish();
     let diagnosis = match found {
@@ -102,6 +111,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     written
+}
+
+/// A time limit.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0);
+    let limit = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    limit.ok_or_else(|| "not a number of seconds above 0; give 300, say".into())
 }
 
 /// Writes every text that can be written; the first failure.

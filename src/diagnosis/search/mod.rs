@@ -107,6 +107,9 @@ pub fn search<'a>(
     progress.step("naming")?;
     let mut fitted = try_all(&stage, &by, progress)?;
     for _ in 0..AGAIN {
+        if progress.is_late() {
+            break;
+        }
         let Some(better) = unstuck(&stage, &fitted, &by) else {
             break;
         };

@@ -102,6 +102,19 @@ impl<'a> Sketch<'a> {
     pub fn promise(&self) -> f64 {
         self.odds() + self.tuned.promised
     }
+
+    /// As it stands, which nothing can be named by: a rival of what is likeliest, as likely as it promises and no likelier
+    /// than that.
+    pub fn unfinished(self, likeliest: f64) -> Named<'a> {
+        let odds = self.promise().min(likeliest);
+        Named {
+            gain: odds - self.proposal.log_prior(),
+            proposal: self.proposal,
+            given: self.given,
+            tuned: self.tuned,
+            scores: None,
+        }
+    }
 }
 
 /// Takes the first steps of fitting a proposal to this share of the recordings. `None` where the model cannot drive

@@ -77,7 +77,7 @@ impl<'a> Path<'a> {
             self.reach = Reach::Narrowing(part);
         }
         let walk = |start: Self, fitted, first| start.walk(fitted, first, options, progress);
-        let mut path = if worth_two_ways(&fitted, &self.stage) {
+        let mut path = if worth_two_ways(&fitted, &self.stage) && !progress.is_late() {
             let named = walk(self.clone(), fitted.clone(), Prefer::Names)?;
             walk(self, fitted, Prefer::Nothing)?.or(named)
         } else {
@@ -86,6 +86,7 @@ impl<'a> Path<'a> {
         let law = |member: &Member| member.proposal.kind() == Kind::Law;
         if let Some(law) = path.members.iter().position(law)
             && path.members.len() > 1
+            && !progress.is_late()
             && let Some(renamed) = path.renamed(law, options, progress)?
         {
             path = path.or(renamed);
@@ -150,9 +151,9 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Fits what may be missing beside what was found; nothing where no more may be found.
+    /// Fits what may be missing beside what was found; nothing where no more may be found, or time is up.
     fn what_else(&mut self, progress: &Progress) -> Result<Vec<Named<'a>>, DiagnosisError> {
-        if self.members.len() >= self.rounds() {
+        if self.members.len() >= self.rounds() || progress.is_late() {
             return Ok(Vec::new());
         }
         progress.step("what else")?;
@@ -214,7 +215,7 @@ impl<'a> Path<'a> {
     /// The noise that the last finding was judged by was that of the model without it: everything is looked at once
     /// more under what is left now, which tells what else there is and what can be left out.
     fn settled(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
-        if self.members.is_empty() {
+        if self.members.is_empty() || progress.is_late() {
             return Ok(self);
         }
         progress.step("noise")?;
@@ -249,7 +250,7 @@ impl<'a> Path<'a> {
                 continue;
             };
             let close = self.members[index].close();
-            if close.len() < 2 {
+            if close.len() < 2 || progress.is_late() {
                 continue;
             }
             progress.step("what came close")?;

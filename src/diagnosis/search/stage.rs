@@ -1,6 +1,7 @@
 //! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
 //! how it predicts.
 
+use super::choice::{Prefer, choose};
 use super::company::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
 use super::contest::contend;
 use super::edges::settle_edges;
@@ -161,7 +162,9 @@ fn strayed(from: &Solution, to: &Solution) -> Option<Part> {
     Part::some(places, from.starts.len())
 }
 
-/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished.
+/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished. Where time is up
+/// nothing more begins, and what has begun stands as it is; but beside nothing yet all begin, and the likeliest is
+/// finished, for that nothing is missing can only be said of what was tried.
 ///
 /// # Errors
 /// Somebody wants it to end.
@@ -171,42 +174,48 @@ pub fn try_all<'a>(
     progress: &Progress,
 ) -> Result<Vec<Named<'a>>, DiagnosisError> {
     let Stage { given, tuned, .. } = stage;
-    let goes_on = || !progress.is_stopped();
+    let first = tuned.knobs.is_empty();
+    let begins = || !progress.is_stopped() && (first || !progress.is_late());
+    let goes_on = || !progress.is_stopped() && !progress.is_late();
     let begun = match Scouts::new(given, tuned, by) {
-        Some(scouts) => scouted(stage, &scouts, by, goes_on),
+        Some(scouts) => scouted(stage, &scouts, by, begins),
         None => {
-            let all = stage.proposals.iter().take_while(|_| goes_on());
+            let all = stage.proposals.iter().take_while(|_| begins());
             all.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0))
                 .collect()
         }
     };
     let best = |fitted: &[Named]| fitted.iter().map(Named::odds).fold(0.0, f64::max);
-    let finished = |sketches: Vec<Sketch<'a>>| -> Vec<Named<'a>> {
-        let sketches = sketches.into_iter();
-        sketches
-            .take_while(|_| goes_on())
-            .map(|sketch| from_given_soil(sketch, tuned, by))
-            .filter_map(|sketch| finish(sketch, tuned, by))
-            .collect()
-    };
-    let mut fitted = finished(promising(begun, NEAR, MOST));
-    let first = best(&fitted);
-    settle_edges(&mut fitted, first, by);
+    let mut fitted = Vec::new();
+    let mut left = promising(begun, NEAR, MOST).into_iter();
+    let none_yet = |fitted: &[Named]| choose(fitted, stage, Prefer::Nothing).is_none();
+    while left.len() > 0 && (goes_on() || first && !progress.is_stopped() && none_yet(&fitted)) {
+        let sketch = left.next().map(|one| from_given_soil(one, tuned, by));
+        fitted.extend(sketch.and_then(|sketch| finish(sketch, tuned, by)));
+    }
+    let largest = best(&fitted);
+    settle_edges(&mut fitted, largest, by);
     for where_else in [beside_the_likeliest, otherwise_confined] {
         if progress.is_stopped() {
             return Err(DiagnosisError::Stopped);
         }
-        let Some((likeliest, _)) = likeliest(&fitted) else {
+        let likeliest = likeliest(&fitted).filter(|_| !progress.is_late());
+        let Some((likeliest, _)) = likeliest else {
             break;
         };
         let there = where_else(stage, &fitted);
         let least = NEAR_THERE * best(&fitted) - CLOSE;
         let mut there = fitted_there(stage, &there, likeliest, least, by);
-        let first = best(&fitted).max(best(&there));
-        settle_edges(&mut there, first, by);
+        let largest = best(&fitted).max(best(&there));
+        settle_edges(&mut there, largest, by);
         join(&mut fitted, there);
     }
-    contend(&mut fitted, by);
+    if left.len() > 0 {
+        let largest = best(&fitted);
+        fitted.extend(left.map(|sketch| sketch.unfinished(largest)));
+    } else {
+        contend(&mut fitted, by);
+    }
     Ok(fitted)
 }
 
