@@ -60,6 +60,7 @@ const EDGES: &[(&str, &[&str])] = &[
         "fit",
         &[
             "effects",
+            "identification",
             "parameter",
             "recording",
             "simulation",

@@ -9,7 +9,7 @@ use super::predictor::Predictor;
 use super::problem::{Point, Problem, Tables, Weighing};
 use super::segment::{Cut, cut};
 use super::sensor::{SensorParameter, SensorValues, free_sensors};
-use super::starts::{Starts, search};
+use super::starts::{Starts, beginning, search};
 use super::uncertainty::{Uncertainty, uncertainty};
 use super::weighing::{NoiseEstimate, first_weighing, noise_estimates, reweigh};
 use crate::recording::{Recording, different_names};
@@ -155,7 +155,7 @@ pub fn fit<P: Predictor>(
         .collect::<Result<_, _>>()?;
     let names = recordings.iter().map(|r| r.name.clone()).collect();
     let mut problem = Problem::new(predictor, model, names, sensors);
-    let begin = problem.coordinates(nominal);
+    let begin = beginning(&problem, nominal, recordings);
     let left_out = take_segments(&mut problem, recordings, &begin, options)?;
     let mut state = State {
         point: Point {

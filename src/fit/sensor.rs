@@ -3,6 +3,7 @@
 use super::error::FitError;
 use super::parameter::{Parameter, Prior, Scale};
 use super::segment::Signal;
+use crate::identification::{Latencies, Signals};
 use crate::recording::{Channel, Recording};
 use crate::spelling::nearest;
 
@@ -107,6 +108,19 @@ impl SensorParameter {
             high: reach,
         }
     }
+}
+
+/// Latencies of a recording as comparing the curves of pose, gyro and wheels tells them; zero where it does not, and
+/// for all else. A search from zero may end where motions are matched with their neighbours.
+#[must_use]
+pub fn compared(recording: &Recording) -> SensorValues {
+    let mut values = [0.0; SensorParameter::ALL.len()];
+    if let Ok(runs) = Signals::of(recording) {
+        let latencies = Latencies::estimate(&runs);
+        values[SensorParameter::PoseLatency.index()] = latencies.pose.value();
+        values[SensorParameter::WheelLatency.index()] = latencies.wheels.value();
+    }
+    values
 }
 
 /// Of the sensor parameters wanted, those that a recording can tell of.

@@ -7,8 +7,10 @@ use super::parameter::Parameter;
 use super::predictor::Predictor;
 use super::problem::{Point, Problem, Tables, Weighing};
 use super::robust;
+use super::sensor::{SensorParameter, compared};
 use super::uncertainty::Uncertainty;
 use super::weighing::reweigh;
+use crate::recording::Recording;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -44,6 +46,27 @@ impl OtherMinimum {
     pub fn ruled_out(&self) -> bool {
         self.above > 9.2
     }
+}
+
+/// Where a fit begins: the model's parameters at these values, latencies at what comparing the curves tells.
+#[must_use]
+pub fn beginning<P: Predictor>(
+    problem: &Problem<P>,
+    nominal: &[f64],
+    recordings: &[Recording],
+) -> DVector<f64> {
+    let mut begin = problem.coordinates(nominal);
+    for (index, recording) in recordings.iter().enumerate() {
+        let late = compared(recording);
+        for (sensor, late) in SensorParameter::ALL.into_iter().zip(late) {
+            let free = problem.sensor_place(index, sensor);
+            if let Some(place) = free.filter(|_| late != 0.0) {
+                let parameter = &problem.parameters[place];
+                begin[place] = parameter.coordinate(late.clamp(parameter.low, parameter.high));
+            }
+        }
+    }
+    begin
 }
 
 /// Segments that starts are tried on; answers are then polished on all.

@@ -50,6 +50,9 @@ fn terrains_come_back_with_all_that_sensors_do() {
                 (estimate.value - late).abs() < 0.01,
                 "{terrain} {estimate:?}"
             );
+            // The fit begins at what comparing the curves tells.
+            let began = (estimate.nominal - late).abs();
+            assert!(began < 0.04, "{terrain} {estimate:?}");
         }
     }
 }

@@ -21,8 +21,10 @@ def told(said: dict | None) -> dict | None:
     """Of an answer, what is judged and shown."""
     if said is None:
         return None
+
     def picked(key: str, wanted: Sequence[str]) -> list[dict]:
         return [{name: one[name] for name in wanted if name in one} for one in said.get(key) or []]
+
     return {"verdict": said.get("verdict"), "statement": said.get("statement"), "findings": picked("findings", FINDING),
             "candidates": picked("candidates", CANDIDATE)}
 

@@ -15,8 +15,7 @@ use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
 use crate::fit::problem::{Point, Problem};
 use crate::fit::segment::Segment;
-use crate::fit::sensor::{SensorParameter, SensorValues};
-use crate::identification::{Latencies, Signals};
+use crate::fit::sensor::{SensorParameter, SensorValues, compared};
 use crate::parameter::ParameterError;
 use crate::recording::Recording;
 use crate::vehicle::{Parameter, Specification};
@@ -91,7 +90,7 @@ impl<'a> Given<'a> {
             soil: found.collect(),
             candidates: Candidates::new(nominal, maps),
             segments: Vec::new(),
-            late: recordings.iter().map(late).collect(),
+            late: recordings.iter().map(compared).collect(),
             maps,
             stiffening: 1.0,
             counted: None,
@@ -334,17 +333,6 @@ pub enum What {
     Soil(usize),
     /// A knob.
     Knob(usize),
-}
-
-/// Latencies from comparing the curves of pose, gyro and wheels.
-fn late(recording: &Recording) -> SensorValues {
-    let mut values = [0.0; SensorParameter::ALL.len()];
-    if let Ok(runs) = Signals::of(recording) {
-        let latencies = Latencies::estimate(&runs);
-        values[SensorParameter::PoseLatency.index()] = latencies.pose.value();
-        values[SensorParameter::WheelLatency.index()] = latencies.wheels.value();
-    }
-    values
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::given_soil::{from_given_soil, seen_from_given_soil};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::scout::Scouts;
+use super::{NOTHING, TAKE};
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{Tuned, tune_restarted};
 use crate::diagnosis::hypothesis::part::Part;
@@ -163,8 +164,8 @@ fn strayed(from: &Solution, to: &Solution) -> Option<Part> {
 }
 
 /// Fits what is worth it: all begin, and those that are not far behind after some steps are finished. Where time is up
-/// nothing more begins, and what has begun stands as it is; but beside nothing yet all begin, and the likeliest is
-/// finished, for that nothing is missing can only be said of what was tried.
+/// nothing more begins, and what has begun stands as it is; but beside nothing yet all begin, and what may be worth
+/// taking is finished until something is, for that nothing is missing can only be said of what was tried.
 ///
 /// # Errors
 /// Somebody wants it to end.
@@ -176,7 +177,6 @@ pub fn try_all<'a>(
     let Stage { given, tuned, .. } = stage;
     let first = tuned.knobs.is_empty();
     let begins = || !progress.is_stopped() && (first || !progress.is_late());
-    let goes_on = || !progress.is_stopped() && !progress.is_late();
     let begun = match Scouts::new(given, tuned, by) {
         Some(scouts) => scouted(stage, &scouts, by, begins),
         None => {
@@ -188,8 +188,15 @@ pub fn try_all<'a>(
     let best = |fitted: &[Named]| fitted.iter().map(Named::odds).fold(0.0, f64::max);
     let mut fitted = Vec::new();
     let mut left = promising(begun, NEAR, MOST).into_iter();
-    let none_yet = |fitted: &[Named]| choose(fitted, stage, Prefer::Nothing).is_none();
-    while left.len() > 0 && (goes_on() || first && !progress.is_stopped() && none_yet(&fitted)) {
+    // Late beside nothing yet: whether the most promising of what is left has to be known.
+    let is_needed = |fitted: &[Named], left: &[Sketch]| {
+        let may_be_taken = left.first().is_some_and(|s| s.promise() > NOTHING + TAKE);
+        first && may_be_taken && choose(fitted, stage, Prefer::Nothing).is_none()
+    };
+    while left.len() > 0
+        && !progress.is_stopped()
+        && (!progress.is_late() || is_needed(&fitted, left.as_slice()))
+    {
         let sketch = left.next().map(|one| from_given_soil(one, tuned, by));
         fitted.extend(sketch.and_then(|sketch| finish(sketch, tuned, by)));
     }
