@@ -6,6 +6,8 @@ use crate::scalar::{Elementary, Scalar};
 
 /// Share of the entry angle below which a split of the arc is held in derivatives.
 const EARLIEST_MOVING_TURN: f64 = 5e-3;
+/// Depth \[m\] over which the ground of a rut is elastic below which its arc is that of untouched soil: the first row's.
+const SHALLOWEST: f64 = 1e-7;
 
 /// The arc in the numbers that every node shares.
 pub(super) struct Arc<S> {
@@ -43,6 +45,9 @@ impl<S: Scalar> AlteredPatch<S> {
     #[inline(always)]
     pub(super) fn rut_ends(&self, arc: &Arc<S>) -> Option<[S; 2]> {
         let rut = self.rut.as_ref()?;
+        if rut.elastic.value() < SHALLOWEST {
+            return None;
+        }
         let below = (rut.elastic / self.circle).scale(0.5);
         let sine_squared = arc.half_sine_squared - below;
         let ahead = if sine_squared.value() > 0.0 {

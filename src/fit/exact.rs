@@ -21,6 +21,8 @@ pub struct ExactPredictor {
     /// Besides, derivatives are wanted by these as they act within each of the request's gates.
     gated: Vec<Parameter>,
     coarse: bool,
+    /// Errors of the integration, in units of the usual ones.
+    tolerance: f64,
 }
 
 impl ExactPredictor {
@@ -32,6 +34,7 @@ impl ExactPredictor {
             free,
             gated: Vec::new(),
             coarse: false,
+            tolerance: 1.0,
         }
     }
 
@@ -47,6 +50,13 @@ impl ExactPredictor {
     #[must_use]
     pub fn with_coarse_derivatives(mut self) -> Self {
         self.coarse = true;
+        self
+    }
+
+    /// With errors of the integration that are so many times the usual ones.
+    #[must_use]
+    pub fn with_tolerance(mut self, times: f64) -> Self {
+        self.tolerance = times;
         self
     }
 
@@ -71,6 +81,7 @@ impl Predictor for ExactPredictor {
     fn held(&self, parameters: &[f64]) -> Result<Self, PredictionError> {
         Ok(Self {
             coarse: self.coarse,
+            tolerance: self.tolerance,
             ..Self::new(self.with(parameters)?, Vec::new())
         })
     }
@@ -91,12 +102,14 @@ impl Predictor for ExactPredictor {
                 simulation = simulation.with_coarse_derivatives();
             }
             simulation.limit_steps(most);
+            simulation.tolerate(self.tolerance);
             simulation.restart(request.clock + begin, *request.start)?;
             drive(&mut simulation, request, out)?;
         } else {
             let model = VehicleModel::from_specification(&specification)?;
             let mut simulation = Simulation::new(model);
             simulation.limit_steps(most);
+            simulation.tolerate(self.tolerance);
             simulation.set_state(*request.start)?;
             simulation.set_time(request.clock + begin)?;
             drive(&mut simulation, request, out)?;

@@ -47,6 +47,8 @@ pub(super) struct Integrator {
     pub counters: Counters,
     /// Steps, rejected ones among them, after which to give up.
     pub most_steps: u64,
+    /// Tolerated errors, in units of the usual ones.
+    pub tolerance: f64,
 }
 
 /// What the integration of a simulation has cost so far.
@@ -72,6 +74,7 @@ impl Integrator {
             jacobian_age: JACOBIAN_STEPS,
             counters: Counters::default(),
             most_steps: u64::MAX,
+            tolerance: 1.0,
         }
     }
 }
@@ -122,6 +125,12 @@ impl Simulation {
     /// rejected ones counted: for a search among models of which some are hardly drivable.
     pub fn limit_steps(&mut self, most: u64) {
         self.integrator.most_steps = most;
+    }
+
+    /// Tolerates errors in a step that are so many times the usual ones (some hundredths of a millimetre): for fits to
+    /// sensors whose noise is a hundred times that.
+    pub(crate) fn tolerate(&mut self, times: f64) {
+        self.integrator.tolerance = times;
     }
 
     /// Drives on for `seconds`, the wheel speeds changing linearly at their rates.
@@ -339,6 +348,6 @@ impl Simulation {
         let memory_error = worst_error(m, new_memory, &errors);
         // max() would drop a NaN.
         let worst = ratio.fold(memory_error, |a, b| if b > a || b.is_nan() { b } else { a });
-        Ok((end, worst))
+        Ok((end, worst / self.integrator.tolerance))
     }
 }

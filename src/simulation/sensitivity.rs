@@ -144,6 +144,11 @@ impl SensitiveSimulation {
         self.simulation.limit_steps(most);
     }
 
+    /// As [`Simulation::tolerate`].
+    pub(crate) fn tolerate(&mut self, times: f64) {
+        self.simulation.tolerate(times);
+    }
+
     /// Begins anew at a time \[s\] and state, with nothing remembered.
     ///
     /// # Errors

@@ -6,7 +6,7 @@
 //! with a drive in which they are on.
 
 use crate::diagnosis::hypothesis::candidate::{Knob, Target, is_law};
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::{Given, Solution, TOLERANCE};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::observation::{Residuals, observe, observe_gated};
 use crate::fit::predictor::PredictionError;
@@ -179,7 +179,8 @@ impl RecordingModel {
             throughout: throughout.iter().map(|p| p.get(&here)).collect(),
             predictor: ExactPredictor::new(here, throughout)
                 .with_gated(gated)
-                .with_coarse_derivatives(),
+                .with_coarse_derivatives()
+                .with_tolerance(TOLERANCE),
         })
     }
 
