@@ -13,8 +13,8 @@ use crate::effects::ParameterName;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
-use crate::fit::problem::{Point, Problem};
-use crate::fit::segment::Segment;
+use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::segment::{Segment, Signal};
 use crate::fit::sensor::{SensorParameter, SensorValues, compared};
 use crate::parameter::ParameterError;
 use crate::recording::Recording;
@@ -23,9 +23,15 @@ use candidate::{Candidates, Target};
 use maps::Maps;
 use nalgebra::DVector;
 
-/// Errors of the integration in a step, in units of the usual ones: over a segment they come to a few tenths of a
-/// millimetre and of a milliradian, and a fit takes two thirds of the time.
-pub const TOLERANCE: f64 = 4.0;
+/// Errors of the integration in a step, in units of the usual ones, where sensors scatter by these: over a segment they
+/// come to a few tenths of a millimetre and of a milliradian, and a fit takes two thirds of the time.
+const TOLERANCE: f64 = 4.0;
+const SCATTER: [(Signal, f64); 4] = [
+    (Signal::X, 3e-3),
+    (Signal::Heading, 1e-3),
+    (Signal::VelocityForward, 3e-3),
+    (Signal::YawRate, 1e-3),
+];
 
 /// The soil's number that carries the vehicle.
 const STIFFNESS: &str = "frictional_modulus";
@@ -56,6 +62,8 @@ pub struct Given<'a> {
     /// By how much the recordings are likelier where their wheel speeds are means over the time between samples; `None`
     /// where they are taken as they are.
     pub counted: Option<f64>,
+    /// Errors of the integration in a step, in units of the usual ones.
+    pub tolerance: f64,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.
@@ -97,6 +105,7 @@ impl<'a> Given<'a> {
             late: recordings.iter().map(compared).collect(),
             maps,
             stiffening: 1.0,
+            tolerance: 1.0,
             counted: None,
         }
     }
@@ -217,7 +226,20 @@ impl<'a> Given<'a> {
         let free = self.soil.iter().copied().chain(turned).collect();
         ExactPredictor::new(self.nominal.clone(), free)
             .with_coarse_derivatives()
-            .with_tolerance(TOLERANCE)
+            .with_tolerance(self.tolerance)
+    }
+
+    /// Integrates no more finely than the sensors of all recordings can tell; `by` has their noise.
+    pub fn tolerate(&mut self, by: &Weighing) {
+        let mut pairs = self.recordings.iter().zip(&by.noise);
+        let is_coarse = pairs.all(|(recording, noise)| {
+            let mut told = SCATTER.iter();
+            told.all(|(signal, least)| {
+                let is_told = recording.has(signal.channel());
+                !is_told || noise[signal.group() as usize].white >= *least
+            })
+        });
+        self.tolerance = if is_coarse { TOLERANCE } else { 1.0 };
     }
 
     /// The fit's unknowns where these knobs are free besides the soil.

@@ -93,6 +93,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         late: vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
         maps: given.maps,
         stiffening: 1.0,
+        tolerance: given.tolerance,
         counted: None,
     };
     let off = given.begin().knobs.swap_remove(template);

@@ -6,7 +6,7 @@
 //! with a drive in which they are on.
 
 use crate::diagnosis::hypothesis::candidate::{Knob, Target, is_law};
-use crate::diagnosis::hypothesis::{Given, Solution, TOLERANCE};
+use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::observation::{Residuals, observe, observe_gated};
 use crate::fit::predictor::PredictionError;
@@ -180,7 +180,7 @@ impl RecordingModel {
             predictor: ExactPredictor::new(here, throughout)
                 .with_gated(gated)
                 .with_coarse_derivatives()
-                .with_tolerance(TOLERANCE),
+                .with_tolerance(given.tolerance),
         })
     }
 

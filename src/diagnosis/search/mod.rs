@@ -102,7 +102,8 @@ pub fn search<'a>(
     let begin = given.begin();
     let undrivable = DiagnosisError::Undrivable;
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
-    let (given, retuned) = reconstructed(given, retuned, &mut by);
+    let (mut given, retuned) = reconstructed(given, retuned, &mut by);
+    given.tolerate(&by);
     let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
     progress.step("naming")?;
     let mut fitted = try_all(&stage, &by, progress)?;
