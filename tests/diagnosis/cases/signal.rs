@@ -139,9 +139,13 @@ fn tuned(terrain: Terrain, offsets: &Offsets) -> Terrain {
     }
 }
 
+/// Steps of the integrator in a window; on a soil on which the vehicle can hardly drive there is no end of them.
+const MOST_STEPS: u64 = 1500;
+
 /// States of a model at the rows of a window.
 fn path(model: &VehicleModel, start: State, rows: &[Row]) -> Option<Vec<State>> {
     let mut simulation = Simulation::new(model.clone());
+    simulation.limit_steps(MOST_STEPS);
     simulation.set_state(start).ok()?;
     let mut states = Vec::with_capacity(rows.len());
     for (k, row) in rows.iter().enumerate() {
