@@ -324,6 +324,7 @@ impl<V: Simd, S: Scalar> OneSided<S> for AlteredSide<'_, V, S> {
             yaw_rate: motion.yaw_rate,
             rim_speed,
             displacement,
+            fading_squared: patch.fading_squared(rim_speed),
         };
         let (sums, wedge) = patch.integrate(simd, rule, &seen, arc.entry);
         let area = arc.circle.scale(law.width);

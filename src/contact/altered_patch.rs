@@ -40,6 +40,8 @@ pub(super) struct AlteredPatch<S> {
     /// steady state.
     lean: f64,
     slip_speed_squared: f64,
+    /// Square of the share of it at which the shear fades while the wheel is held.
+    held_share_squared: f64,
     pub rut: Option<RutLine<S>>,
     bulldozing: Option<Bulldozing<S>>,
 }
@@ -58,6 +60,8 @@ pub(super) struct AlteredMotion<S> {
     pub yaw_rate: S,
     pub rim_speed: S,
     pub displacement: Displacement<S>,
+    /// Square of the slip speed at which the shear fades.
+    pub fading_squared: S,
 }
 
 /// Resistance of the soil beside and ahead of the wheel, for a motion straight against it.
@@ -83,6 +87,8 @@ struct Column<P> {
     sideways: P,
     /// Lateral displacement j_Y.
     aside: P,
+    /// Square of the slip speed at which the shear fades.
+    fading_squared: P,
     weight: P,
 }
 
@@ -107,11 +113,7 @@ impl<S: Scalar> AlteredPatch<S> {
                 stiffness: effect.stiffness_ratio * soil.modulus * secant,
             }
         });
-        let fading = if law.transient {
-            HELD_SLIP_SPEED * slip_speed
-        } else {
-            slip_speed
-        };
+        let held_share = if law.transient { HELD_SLIP_SPEED } else { 1.0 };
         let one = S::constant(1.0);
         Self {
             soil,
@@ -127,10 +129,23 @@ impl<S: Scalar> AlteredPatch<S> {
             lateral_stretch: one / (law.modulus_ratio * law.modulus_ratio),
             strength_ratio: law.strength_ratio,
             lean: if law.transient { slip_speed } else { 0.0 },
-            slip_speed_squared: fading * fading,
+            slip_speed_squared: slip_speed * slip_speed,
+            held_share_squared: held_share * held_share,
             rut,
             bulldozing: law.bulldozing,
         }
+    }
+
+    /// Square of the slip speed at which the shear fades: that of a held wheel where the rim hardly moves.
+    #[inline(always)]
+    pub fn fading_squared(&self, rim_speed: S) -> S {
+        let held = self.held_share_squared;
+        let squared = rim_speed * rim_speed;
+        let rolling = squared / squared.offset(self.slip_speed_squared);
+        rolling
+            .scale(1.0 - held)
+            .offset(held)
+            .scale(self.slip_speed_squared)
     }
 
     /// Integrates the stresses over the patch, and the resistance of the soil beside it.
@@ -165,7 +180,7 @@ impl<S: Scalar> AlteredPatch<S> {
         });
         for (task, (ends, rows)) in std::iter::once(first).chain(others).enumerate() {
             let straight = task == 0;
-            let graded = straight && rut.is_none();
+            let graded = straight;
             for pair in ends.windows(2) {
                 let (start, end) = (pair[0].most(arc.exit), pair[1].least(arc.entry));
                 if end.value() - start.value() <= SHORTEST_PIECE * entry.value() {
@@ -280,6 +295,7 @@ impl<S: Scalar> AlteredPatch<S> {
             sideways: motion.lateral.splat(simd) + spin.splat(simd) * sin,
             aside: moved.lateral.splat(simd) * travelled
                 + (moved.yaw * self.circle).splat(simd) * rise,
+            fading_squared: motion.fading_squared.splat(simd),
             weight,
         }
     }
@@ -335,8 +351,7 @@ impl<S: Scalar> AlteredPatch<S> {
             tangential += (x * column.cos + z * column.sin) * saturated;
             sideways += column.aside * saturated;
         }
-        let speed_squared =
-            (tangential * tangential + sideways * sideways).offset(self.slip_speed_squared);
+        let speed_squared = tangential * tangential + sideways * sideways + column.fading_squared;
         let factor = (mobilised * speed_squared.inverse_sqrt()).scale(share) * column.strength;
         let along = factor * tangential;
         let across = factor * sideways * self.strength_ratio.splat(simd);

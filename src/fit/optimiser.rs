@@ -10,7 +10,7 @@ use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal};
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{Point, Problem, Tables, Weighing};
-use super::restart::{moved, outlying_restarted};
+use super::restart::{moved, outlying_excess, outlying_restarted};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -21,6 +21,37 @@ pub struct Stop {
     pub steps: usize,
     /// The cost, a chi-square, need not fall by more than this any further.
     pub gain: f64,
+    /// A cost that is not likely to come down to this is not worth going on with.
+    pub hopeless: f64,
+    /// Starts are looked for anew so often at most.
+    pub renewals: usize,
+}
+
+impl Stop {
+    /// After so many steps, or where the cost falls by less than this.
+    #[must_use]
+    pub const fn after(steps: usize, gain: f64) -> Self {
+        Self {
+            steps,
+            gain,
+            hopeless: f64::INFINITY,
+            renewals: RENEWALS,
+        }
+    }
+
+    /// With the starts that the steps come to.
+    #[must_use]
+    pub const fn without_renewals(mut self) -> Self {
+        self.renewals = 0;
+        self
+    }
+
+    /// Or where the cost is not likely to come down to this.
+    #[must_use]
+    pub const fn unless_above(mut self, hopeless: f64) -> Self {
+        self.hopeless = hopeless;
+        self
+    }
 }
 
 /// Where the search ended.
@@ -52,6 +83,8 @@ const NEARLY: f64 = 5.0;
 /// cost falls by this share.
 const RENEWALS: usize = 2;
 const RENEWED: f64 = 0.05;
+/// So many steps are tried before a search is given up as hopeless.
+const TRIED: usize = 3;
 /// Steps below this lead nowhere.
 const SMALLEST_REACH: f64 = 1e-6;
 
@@ -93,6 +126,11 @@ impl Stand {
             normals,
             age: 0,
         }
+    }
+
+    /// What segments that stand out cost more than others.
+    fn excess<P: Predictor>(&self, problem: &Problem<P>) -> f64 {
+        outlying_excess(problem, self.normals.iter().map(|normal| normal.cost))
     }
 
     /// At another point with the derivatives of this one.
@@ -163,7 +201,13 @@ pub fn minimise_from<P: Predictor>(
             here = renewed(here, &mut sure);
             continue;
         }
-        if (ended || little) && renewals < RENEWALS {
+        // As if every step left gained as much as this one promises, and segments that stand out were made like others.
+        let left = stop.steps.saturating_sub(steps).max(1) as f64;
+        let falls = left * step.as_ref().map_or(0.0, |step| step.expected_gain);
+        if steps >= TRIED && here.cost - falls - here.excess(problem) > stop.hopeless {
+            break (false, step.map_or(0.0, |step| step.expected_gain));
+        }
+        if (ended || little) && renewals < stop.renewals {
             renewals += 1;
             rounded = false;
             if let Some(there) = restarted(problem, &here, by) {

@@ -57,16 +57,40 @@ pub fn outlying_restarted<P: Predictor>(
     by: &Weighing,
     costs: impl Iterator<Item = f64>,
 ) -> Option<Vec<[f64; START]>> {
-    let pairs = costs.zip(&problem.segments);
-    let each: Vec<f64> = pairs
-        .map(|(cost, segment)| cost / segment.sample_count().max(1) as f64)
-        .collect();
+    let each = each(problem, costs);
     let bar = OUTLYING * median(&each)?;
     let outlying = |index: usize| each[index] > bar;
     if !(0..each.len()).any(outlying) {
         return None;
     }
     restarted_where(problem, point, by, &outlying)
+}
+
+/// What segments whose costs stand out cost more than the median segment would.
+#[must_use]
+pub fn outlying_excess<P: Predictor>(
+    problem: &Problem<P>,
+    costs: impl Iterator<Item = f64>,
+) -> f64 {
+    let each = each(problem, costs);
+    let middle = median(&each).unwrap_or(0.0);
+    let pairs = each.iter().zip(&problem.segments);
+    let outlying = pairs.filter(|(cost, _)| **cost > OUTLYING * middle);
+    outlying
+        .map(|(cost, segment)| (cost - middle) * samples(segment))
+        .sum()
+}
+
+/// The segments' costs for each of their samples.
+fn each<P: Predictor>(problem: &Problem<P>, costs: impl Iterator<Item = f64>) -> Vec<f64> {
+    let pairs = costs.zip(&problem.segments);
+    pairs
+        .map(|(cost, segment)| cost / samples(segment))
+        .collect()
+}
+
+fn samples(segment: &Segment) -> f64 {
+    segment.sample_count().max(1) as f64
 }
 
 /// The point with these starts, and its residuals and derivatives: those of segments whose start has not changed are at

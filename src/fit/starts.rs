@@ -75,10 +75,7 @@ const SCREEN: usize = 12;
 const POLISHED: usize = 4;
 /// Answers are the same where no parameter differs by more of its standard deviations.
 const SAME: f64 = 1.0;
-const DESCENT: Stop = Stop {
-    steps: 12,
-    gain: 0.1,
-};
+const DESCENT: Stop = Stop::after(12, 0.1);
 /// Turns of motion and weights on the way down.
 const TURNS: usize = 6;
 

@@ -9,6 +9,9 @@ use ugv_terrain::vehicle::VehicleModel;
 /// 10 deg \[rad\].
 const TEN_DEGREES: f64 = 0.174_532_925_199_432_95;
 
+/// Steps with the shear as a state over those of the paper's model, which has no springs.
+const MOST_STEPS: f64 = 3.0;
+
 /// Positions along the slope after a minute with locked wheels (set down on untouched soil the
 /// vehicle overshoots, and springs back by some tenths of a millimetre per second), and after another.
 fn parked(model: VehicleModel) -> [State; 2] {
@@ -70,6 +73,30 @@ fn the_steady_state_of_the_transient_is_the_papers() {
                 "{terrain} {name}: {a} {b}"
             );
         }
+    }
+}
+
+/// The shear of a rolling wheel fades at the paper's slip speed, only that of a held one at a much lower one, which takes
+/// short steps.
+#[test]
+fn coming_to_rest_takes_few_steps() {
+    let steps = |mut drive: Simulation| {
+        for tenth in 0..60 {
+            let speed = 4.0 * (-0.15 * f64::from(tenth)).exp();
+            drive.set_wheel_speeds(speeds(speed, speed)).unwrap();
+            drive.step(0.1).unwrap();
+        }
+        drive.counters().steps as f64
+    };
+    for terrain in Terrain::PRESETS {
+        let paper = steps(Simulation::new(paper_model(terrain)));
+        let effects = [("transient_shear.relaxation", 1.0)];
+        let transient = steps(Simulation::new(model(terrain, &effects)));
+        println!("{terrain}: {paper} {transient}");
+        assert!(
+            transient < MOST_STEPS * paper,
+            "{terrain}: {paper} {transient}"
+        );
     }
 }
 

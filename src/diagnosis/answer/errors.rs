@@ -25,10 +25,7 @@ use rayon::prelude::*;
 /// A start is fitted to so many seconds; the rest is predicted.
 const SEEN: f64 = 1.0;
 /// When starts alone are fitted.
-const START_STOP: Stop = Stop {
-    steps: 10,
-    gain: 0.5,
-};
+const START_STOP: Stop = Stop::after(10, 0.5);
 /// Weight of samples that are not seen.
 const UNSEEN: f64 = 1e-8;
 

@@ -36,32 +36,17 @@ pub struct Tuned {
 }
 
 /// A fit that is only to show whether it is worth going on with.
-pub const SKETCH: Stop = Stop {
-    steps: 5,
-    gain: 1.0,
-};
+pub const SKETCH: Stop = Stop::after(5, 1.0);
 /// The same where the way is long.
-pub const LONG_SKETCH: Stop = Stop {
-    steps: 12,
-    gain: 2.0,
-};
+pub const LONG_SKETCH: Stop = Stop::after(12, 2.0);
 /// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
-pub const HELD: Stop = Stop {
-    steps: 20,
-    gain: 1.0,
-};
+pub const HELD: Stop = Stop::after(20, 1.0);
 /// Turns of motion and noise at most, and when they end.
 const TURNS: usize = 8;
 const STILL: f64 = 0.5;
 const STILL_NOISE: f64 = 0.1;
-const FIRST: Stop = Stop {
-    steps: 40,
-    gain: 0.5,
-};
-const NEXT: Stop = Stop {
-    steps: 8,
-    gain: 0.1,
-};
+const FIRST: Stop = Stop::after(40, 0.5);
+const NEXT: Stop = Stop::after(8, 0.1);
 
 /// Fits the soil and these knobs, the noise held.
 ///

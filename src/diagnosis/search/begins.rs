@@ -23,10 +23,7 @@ const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
 const REACH: f64 = 1.5;
 /// Steps on the way from off to the typical size, and how far the soil follows at each.
 const WALK: u32 = 5;
-const STROLL: Stop = Stop {
-    steps: 3,
-    gain: 1.0,
-};
+const STROLL: Stop = Stop::after(3, 1.0).without_renewals();
 
 /// Where a proposal's fit begins: the cheapest of some shares of its steps. `None` where a hidden effect
 /// leads nowhere.
@@ -129,7 +126,8 @@ pub fn settled(
         knobs: begin(given, proposal, &before.solution, 1.0).knobs,
         ..given.begin()
     };
-    Some(beside(given, proposal, begin, before, by, SKETCH)?.solution)
+    let stop = SKETCH.without_renewals();
+    Some(beside(given, proposal, begin, before, by, stop)?.solution)
 }
 
 /// Where effects are proposed that have no derivative while they are off: the likeliest place on the way from off
@@ -218,7 +216,7 @@ pub fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option
 
 #[cfg(test)]
 mod tests {
-    use super::super::naming::{placed, sketch};
+    use super::super::naming::{ANY, placed, sketch};
     use super::super::stage::Stage;
     use super::super::stage::tests::retuned;
     use super::*;
@@ -282,7 +280,7 @@ mod tests {
         let tyres = |one: &&Proposal| one.hidden && one.subject.name() == "tyre_compliance";
         let proposal = stage.proposals.iter().find(tyres).unwrap();
         let Stage { given, tuned, .. } = &stage;
-        let found = sketch(given, proposal, tuned, &by, 1.0).unwrap();
+        let found = sketch(given, proposal, tuned, &by, 1.0, ANY).unwrap();
         assert!(found.tuned.surprise < tuned.surprise - 1000.0);
         let begin = walked(given, proposal, tuned, &by).unwrap();
         let walked = tune_until(given, &proposal.knobs, &begin, &by, LONG_SKETCH).unwrap();

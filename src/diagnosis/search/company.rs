@@ -79,7 +79,7 @@ pub fn fitted_there<'a>(
 ) -> Vec<Named<'a>> {
     let before = &stage.tuned;
     let begun = proposals.iter();
-    let begun = begun.filter_map(|proposal| begun_there(stage, proposal, likeliest, by));
+    let begun = begun.filter_map(|proposal| begun_there(stage, proposal, likeliest, least, by));
     let mut begun: Vec<Sketch> = begun.filter(|sketch| sketch.promise() > least).collect();
     begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     begun.truncate(MOST);
@@ -96,6 +96,7 @@ fn begun_there<'a>(
     stage: &Stage<'a>,
     proposal: &Proposal,
     likeliest: &Named,
+    least: f64,
     by: &Weighing,
 ) -> Option<Sketch<'a>> {
     let Stage { given, tuned, .. } = stage;
@@ -115,7 +116,7 @@ fn begun_there<'a>(
         Ok(begun) if begun.surprise.is_finite() => {
             Some(Sketch::new(proposal, &placed, begun, tuned))
         }
-        _ => sketch(given, proposal, tuned, by, 1.0),
+        _ => sketch(given, proposal, tuned, by, 1.0, least),
     }
 }
 
@@ -176,6 +177,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::screening::locate::Stretch;
     use crate::diagnosis::search::edges::tests::{drag, slowed};
+    use crate::diagnosis::search::naming::ANY;
     use crate::diagnosis::search::stage::tests::retuned;
 
     #[test]
@@ -211,8 +213,8 @@ mod tests {
         let fitted = [drag(&stage, &by)];
         let mut compared = 0;
         for proposal in beside_the_likeliest(&stage, &fitted) {
-            let there = begun_there(&stage, &proposal, &fitted[0], &by).unwrap();
-            let Some(before) = sketch(&stage.given, &proposal, &stage.tuned, &by, 1.0) else {
+            let there = begun_there(&stage, &proposal, &fitted[0], ANY, &by).unwrap();
+            let Some(before) = sketch(&stage.given, &proposal, &stage.tuned, &by, 1.0, ANY) else {
                 continue;
             };
             let name = proposal.subject.name();

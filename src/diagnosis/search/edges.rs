@@ -235,6 +235,7 @@ pub mod tests {
     use crate::diagnosis::Subject;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::screening::locate::Stretch;
+    use crate::diagnosis::search::naming::ANY;
     use crate::diagnosis::search::naming::{finish, sketch};
     use crate::diagnosis::search::stage::Stage;
     use crate::diagnosis::search::stage::tests::retuned;
@@ -278,7 +279,7 @@ pub mod tests {
             anew: false,
             knobs,
         };
-        let begun = sketch(&stage.given, &proposal, &stage.tuned, by, 1.0).unwrap();
+        let begun = sketch(&stage.given, &proposal, &stage.tuned, by, 1.0, ANY).unwrap();
         finish(begun, &stage.tuned, by).unwrap()
     }
 

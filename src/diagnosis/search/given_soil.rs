@@ -113,7 +113,7 @@ fn is_far(given: &Given, from: &[f64], to: &[f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::naming::sketch;
+    use super::super::naming::{ANY, sketch};
     use super::super::stage::tests::retuned;
     use super::*;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
@@ -142,13 +142,13 @@ mod tests {
         let shifted = |one: &&Proposal| one.subject.name() == "com_shift";
         let proposal = stage.proposals.iter().find(shifted).unwrap();
         assert!(proposal.anew);
-        let found = sketch(given, proposal, tuned, &by, 1.0).unwrap();
+        let found = sketch(given, proposal, tuned, &by, 1.0, ANY).unwrap();
         assert!(found.tuned.surprise < 0.5 * tuned.surprise);
         let stuck = Proposal {
             anew: false,
             ..proposal.clone()
         };
-        let stuck = sketch(given, &stuck, tuned, &by, 1.0).unwrap();
+        let stuck = sketch(given, &stuck, tuned, &by, 1.0, ANY).unwrap();
         let odds = stuck.odds();
         let again = from_given_soil(stuck, tuned, &by);
         assert!(again.odds() > odds + 100.0, "{} {odds}", again.odds());

@@ -213,10 +213,7 @@ mod tests {
         // As well as it can be: nothing to begin again for.
         assert!(unstuck(&stage, std::slice::from_ref(&beside), &by).is_none());
         // Stuck where it began.
-        let still = crate::fit::optimiser::Stop {
-            steps: 0,
-            gain: 0.0,
-        };
+        let still = crate::fit::optimiser::Stop::after(0, 0.0);
         stage.tuned = tune_until(&given, &[], &given.begin(), &by, still).unwrap();
         assert!(stage.tuned.surprise > beside.tuned.surprise + STUCK);
         let found = unstuck(&stage, std::slice::from_ref(&beside), &by).unwrap();

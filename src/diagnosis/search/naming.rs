@@ -24,6 +24,12 @@ const TWINS: f64 = 1.0;
 /// A fit that comes to less than this share of what the linearised problem promises has lost its way as well.
 const SHORT: f64 = 0.5;
 
+/// Log odds that every fit is of use for.
+#[cfg(test)]
+pub const ANY: f64 = f64::NEG_INFINITY;
+/// What priors and determinants may differ by between two hypotheses, in units of the log evidence.
+const UNSURE: f64 = 15.0;
+
 /// A proposal fitted in full beside what was found before.
 #[derive(Debug, Clone)]
 pub struct Named<'a> {
@@ -117,8 +123,8 @@ impl<'a> Sketch<'a> {
     }
 }
 
-/// Takes the first steps of fitting a proposal to this share of the recordings. `None` where the model cannot drive
-/// with it.
+/// Takes the first steps of fitting a proposal to this share of the recordings, as far as it is likely to come to the
+/// least log odds there that are of use. `None` where the model cannot drive with it.
 #[must_use]
 pub fn sketch<'a>(
     given: &Given<'a>,
@@ -126,7 +132,11 @@ pub fn sketch<'a>(
     before: &Tuned,
     by: &Weighing,
     share: f64,
+    least: f64,
 ) -> Option<Sketch<'a>> {
+    // A knob costs evidence besides what it gains.
+    let useful = before.misfit - (least + proposal.looking - proposal.log_prior());
+    let useful = 2.0 * (useful + UNSURE);
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
     knobs.extend(&proposal.knobs);
@@ -135,7 +145,7 @@ pub fn sketch<'a>(
     } else {
         cheapest(&given, proposal, &knobs, &before.solution, by)
     };
-    let stop = first_steps(proposal);
+    let stop = first_steps(proposal).unless_above(useful);
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
     let begins = cheapest
         .into_iter()
@@ -151,7 +161,7 @@ pub fn sketch<'a>(
     let promised = SHORT * share * proposal.evidence;
     let short = |tuned: &Tuned| before.surprise - tuned.surprise + tuned.promised < promised - LOST;
     let also = |tuned: Option<Tuned>, begin: &Solution| {
-        let other = tune_until(&given, &knobs, begin, by, LONG_SKETCH).ok();
+        let other = tune_until(&given, &knobs, begin, by, LONG_SKETCH.unless_above(useful)).ok();
         tuned.into_iter().chain(other).min_by(likelier)
     };
     // Where no way led, in small steps from off.

@@ -36,9 +36,10 @@ impl<'a> Scouts<'a> {
 
     /// As [`sketch`], what is gained told as if it were of all stretches.
     #[must_use]
-    pub fn sketch(&self, proposal: &Proposal) -> Option<Sketch<'a>> {
+    pub fn sketch(&self, proposal: &Proposal, least: f64) -> Option<Sketch<'a>> {
         let share = 1.0 / self.part.ratio();
-        let sketch = sketch(&self.given, proposal, &self.before, &self.by, share)?;
+        let (given, before, by) = (&self.given, &self.before, &self.by);
+        let sketch = sketch(given, proposal, before, by, share, share * least)?;
         Some(self.scaled(sketch))
     }
 
@@ -68,6 +69,7 @@ impl<'a> Scouts<'a> {
         given: &Given<'a>,
         before: &Tuned,
         by: &Weighing,
+        least: f64,
     ) -> Option<Sketch<'a>> {
         let Sketch {
             proposal, tuned, ..
@@ -79,7 +81,7 @@ impl<'a> Scouts<'a> {
         let kept = widened.filter(|tuned| tuned.surprise <= before.surprise + LOST);
         match kept {
             Some(tuned) => Some(Sketch::new(proposal, given, tuned, before)),
-            None => sketch(given, proposal, before, by, 1.0),
+            None => sketch(given, proposal, before, by, 1.0, least),
         }
     }
 }

@@ -181,8 +181,9 @@ pub fn try_all<'a>(
         Some(scouts) => scouted(stage, &scouts, by, begins),
         None => {
             let all = stage.proposals.iter().take_while(|_| begins());
-            all.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0))
-                .collect()
+            sketched(all, NEAR, |one, least| {
+                sketch(given, one, tuned, by, 1.0, least)
+            })
         }
     };
     let best = |fitted: &[Named]| fitted.iter().map(Named::odds).fold(0.0, f64::max);
@@ -232,24 +233,44 @@ fn scouted<'a>(
     stage: &Stage<'a>,
     scouts: &Scouts<'a>,
     by: &Weighing,
-    goes_on: impl Fn() -> bool,
+    begins: impl Fn() -> bool,
 ) -> Vec<Sketch<'a>> {
     let Stage { given, tuned, .. } = stage;
     let proposals = stage.proposals.iter();
     let (throughout, local): (Vec<_>, Vec<_>) = proposals.partition(|p| p.extent.is_none());
-    let throughout = throughout.into_iter().take_while(|_| goes_on());
-    let begun = throughout.filter_map(|proposal| scouts.sketch(proposal));
-    let near = promising(begun.collect(), NEAR_ON_A_PART, 2 * MOST);
+    let throughout = throughout.into_iter().take_while(|_| begins());
+    let begun = sketched(throughout, NEAR_ON_A_PART, |one, least| {
+        scouts.sketch(one, least)
+    });
+    let near = promising(begun, NEAR_ON_A_PART, 2 * MOST);
     let further = near.iter().map(|sketch| scouts.further(sketch));
     let near = promising(further.collect(), NEAR_ON_A_PART, MOST);
     let bar = Bar::of(&near);
-    let widened = near.iter().take_while(|_| goes_on());
-    let widened = widened.filter_map(|sketch| scouts.widened(sketch, given, tuned, by));
+    let widened = near.iter().take_while(|_| begins());
+    let widened = widened.filter_map(|sketch| {
+        let least = bar.least(sketch.proposal.kind(), NEAR);
+        scouts.widened(sketch, given, tuned, by, least)
+    });
     let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.least(p.kind(), NEAR_ON_A_PART);
     let local = local.into_iter().filter(may_be_near);
-    let local = local.take_while(|_| goes_on());
-    let local = local.filter_map(|proposal| sketch(given, proposal, tuned, by, 1.0));
+    let local = local.take_while(|_| begins());
+    let least = |one: &Proposal| bar.least(one.kind(), NEAR_ON_A_PART);
+    let local = local.filter_map(|one| sketch(given, one, tuned, by, 1.0, least(one)));
     widened.chain(local).collect()
+}
+
+/// Those whose fit could begin. Each is followed as far as it may come to this share of the best so far.
+fn sketched<'a, 'p>(
+    proposals: impl Iterator<Item = &'p Proposal>,
+    share: f64,
+    begin: impl Fn(&Proposal, f64) -> Option<Sketch<'a>>,
+) -> Vec<Sketch<'a>> {
+    let mut begun = Vec::new();
+    for proposal in proposals {
+        let least = Bar::of(&begun).least(proposal.kind(), share);
+        begun.extend(begin(proposal, least));
+    }
+    begun
 }
 
 /// Those that may come to this share of the best, the most promising first, at most so many.
