@@ -90,7 +90,7 @@ fn these(all: Vec<(Family, usize)>) -> Vec<(Family, usize)> {
     all.into_iter().step_by(Part::asked().step()).collect()
 }
 
-/// Those that run of a family of few cases: all but where only some of everything runs.
+/// Those that run of what has one case or a few for each effect: all but where only some of everything runs.
 fn these_few(all: Vec<(Family, usize)>) -> Vec<(Family, usize)> {
     let step = if Part::asked() == Part::Some { 3 } else { 1 };
     all.into_iter().step_by(step).collect()
@@ -195,10 +195,8 @@ fn two_effects_are_found() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
 fn what_acts_for_some_seconds_is_located() {
-    let all = first(Family::Local, 5);
-    let family = all.len();
-    let told = diagnosed("local", &these_few(all));
-    assert_honest(&told, LOCAL_WRONG, family);
+    let told = diagnosed("local", &first(Family::Local, 5));
+    assert_honest(&told, LOCAL_WRONG, told.len());
     let mut overlaps: Vec<f64> = told.iter().filter_map(Told::overlap).collect();
     overlaps.sort_by(f64::total_cmp);
     assert_eq!(overlaps.len(), told.len());
@@ -210,10 +208,8 @@ fn what_acts_for_some_seconds_is_located() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
 fn what_the_catalogue_does_not_have_is_called_unknown() {
-    let all = first(Family::Out, 5);
-    let family = all.len();
-    let told = diagnosed("outside", &these_few(all));
-    assert_honest(&told, OUTSIDE_WRONG, family);
+    let told = diagnosed("outside", &first(Family::Out, 5));
+    assert_honest(&told, OUTSIDE_WRONG, told.len());
     let lawful = |one: &Told| {
         let model = fs::read_to_string(one.folder.join("out/model.json")).unwrap();
         model.contains("residual_")

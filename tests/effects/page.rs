@@ -18,7 +18,7 @@ default; the others shape it. Symbols as in the paper; z is the sinkage (h in `b
 (r omega - v) / max(abs(r omega), abs(v)): -1 for a locked wheel, 1 for one that spins on the spot, up to 2 in size where
 rim and travel oppose each other; smooth between. (The output
 `longitudinal_slip` is the paper's, (13), which divides by r omega.) The stress' peak stays within 0.95 of the arc. Where
-shear is a state (`transient_shear`), the slip speed at which the shear of a held wheel fades is 0.02 mm/s, for a rolling one 1 mm/s.
+shear is a state (`transient_shear`), the slip speed u at which the shear of a held wheel fades is 0.02 mm/s, for a rolling one 1 mm/s: u^2 grows with (r omega)^2/((r omega)^2 + (1 mm/s)^2).
 
 The reference point is the centre of mass of the vehicle as given, without `payload` and `com_shift`: pose, velocities and accelerations stay
 those of it; moments are about where the centre of mass then is. Forces that are not a wheel's (`grade`, `drag`, `drawbar`, laws) are in a_x, a_y and in
