@@ -31,10 +31,7 @@ impl Work {
     pub fn new(model: &VehicleModel, like: &Evaluation) -> Self {
         let altered = model.altered().map(|altered| {
             let list = directions(model.memory_count());
-            let mut directions = Directions::new(altered, list);
-            // The method keeps its order with any matrix.
-            directions.coarsen();
-            (directions, Vec::new())
+            (Directions::new(altered, list), Vec::new())
         });
         Self {
             linearisation: Linearisation::new(model),
