@@ -3,6 +3,8 @@
 
 use fearless_simd::Level;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 use ugv_terrain::contact::{
     Detail, Regularisation, Resolution, WheelContact, WheelForces, WheelLaw, WheelMemory,
     WheelMotion,
@@ -281,5 +283,118 @@ proptest! {
             let tolerance = RELATIVE_TOLERANCE * largest + FORCE_TOLERANCE;
             prop_assert!((a - b).abs() < tolerance, "{found:?} {expected:?}");
         }
+    }
+}
+
+/// Effects, and the soil's exponent, under which the rules have to converge.
+fn converging() -> Vec<(&'static str, WheelLaw<f64>)> {
+    let laws = [0.15, 0.7, 1.1].map(|exponent| {
+        let law = |change: &dyn Fn(&mut WheelLaw<f64>)| {
+            let mut law = plain();
+            law.soil.exponent = exponent;
+            change(&mut law);
+            law
+        };
+        let rut = Multipass {
+            memory: 1.0,
+            stiffness_ratio: 10.0,
+        };
+        [
+            ("viscosity", law(&|law| law.viscosity = [50.0; 2])),
+            ("rebound", law(&|law| law.rebound = 0.4)),
+            (
+                "peak",
+                law(&|law| law.peak = Some(StressPeak { a0: 0.4, a1: 0.2 })),
+            ),
+            ("rut", law(&|law| law.multipass = Some(rut))),
+            ("tyre", law(&|law| law.flat = Some(0.03))),
+            ("transient", law(&|law| law.transient = true)),
+        ]
+    });
+    laws.into_iter().flatten().collect()
+}
+
+/// Of the wheel's largest force: what few motions may err by for want of nodes along the arc, and any.
+const ALONG: [f64; 2] = [1e-3, 5e-3];
+const FEW: f64 = 0.99;
+
+#[test]
+fn the_nodes_along_the_arc_have_converged_under_every_effect() {
+    let terrain = Terrain::preset("sandy_loam").unwrap();
+    let settings = Regularisation::default();
+    let make = |resolution: Resolution| {
+        WheelContact::new(&terrain, RADIUS, WIDTH, settings, resolution).unwrap()
+    };
+    let usual = Resolution::default();
+    let fine = Resolution {
+        arc: 160,
+        reversal: 160,
+        sharp_reversal: 160,
+        ..usual
+    };
+    let contacts = [usual, fine].map(make);
+    let motions = (
+        0.2..3.0_f64,
+        -0.3..0.3_f64,
+        -0.5..0.5_f64,
+        -0.8..0.8_f64,
+        0.15..0.7_f64,
+        0.0..1.0_f64,
+    );
+    let mut runner = TestRunner::deterministic();
+    for (name, law) in converging() {
+        let mut errors: Vec<f64> = (0..600)
+            .map(|_| {
+                let drawn = motions.new_tree(&mut runner).unwrap().current();
+                let (forward, slip, lateral, yaw_rate, entry, share) = drawn;
+                let motion = WheelMotion {
+                    forward,
+                    lateral: lateral * share,
+                    yaw_rate,
+                    angular_speed: forward / (RADIUS * (1.0 - slip.powi(3) / 0.09)),
+                };
+                let memory = WheelMemory {
+                    pressed: RADIUS * (1.0 - entry.cos()) * 1.3 * share * share,
+                    displacement: Displacement {
+                        forward: 0.2,
+                        lateral: 0.2 * lateral / forward,
+                        yaw: 0.2 * yaw_rate / forward,
+                        rim: 0.2 * RADIUS * motion.angular_speed / forward,
+                    },
+                };
+                let [found, expected] = [0, 1].map(|k: usize| {
+                    let level = Level::new();
+                    totals(&contacts[k].altered_forces(
+                        level,
+                        &law,
+                        &motion,
+                        &memory,
+                        entry,
+                        Detail::Full,
+                    ))
+                });
+                let largest = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+                let pairs = found.iter().zip(expected);
+                pairs
+                    .map(|(a, b)| (a - b).abs() / largest)
+                    .fold(0.0, f64::max)
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        let at = |share: f64| errors[((errors.len() - 1) as f64 * share) as usize];
+        let n = law.soil.exponent;
+        println!(
+            "{name}, n {n}: {:.0e} {:.0e} {:.0e} {:.0e}",
+            at(0.5),
+            at(0.9),
+            at(FEW),
+            at(1.0)
+        );
+        assert!(
+            at(FEW) < ALONG[0] && at(1.0) < ALONG[1],
+            "{name}, n {n}: {} {}",
+            at(FEW),
+            at(1.0)
+        );
     }
 }

@@ -309,4 +309,41 @@ mod tests {
             assert!(off.abs() < 10.0, "{off}");
         }
     }
+
+    #[test]
+    fn a_fit_that_cannot_come_to_be_of_use_is_given_up() {
+        let soil = Terrain::preset("clayed_soil").unwrap();
+        let truth = Specification::plain(Vehicle::tran2007(), soil);
+        let recordings = [driven(&truth, "pivots")];
+        let mut given = Given::new(&truth, &recordings);
+        let (_, mut by) = prepare(&mut given, &Options::default()).unwrap();
+        let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
+        let fitted = |begin: &Solution, stop: Stop| {
+            let fit = tune_until(&given, &[], begin, &by, stop).unwrap();
+            fit.surprise - tuned.surprise
+        };
+        let of_use = 2.0 * tuned.misfit + 20.0;
+        // Far off, but on its way.
+        let mut far = tuned.solution.clone();
+        for (value, parameter) in far.soil.iter_mut().zip(given.soil_parameters()) {
+            *value += 0.7 * parameter.prior.deviation;
+        }
+        let gone_on = fitted(&far, LONG_SKETCH);
+        assert!(gone_on < 10.0, "{gone_on}");
+        assert_eq!(fitted(&far, LONG_SKETCH.unless_above(of_use)), gone_on);
+        // One start that went astray does not make it hopeless, nor keeps it from being so.
+        let astray = |segment: usize, aside: f64| {
+            let mut astray = tuned.solution.clone();
+            let off = [0.4, -0.2 * aside, 0.0, -2.0, aside, 0.0];
+            for (value, off) in astray.starts[segment].iter_mut().zip(off) {
+                *value += off;
+            }
+            astray
+        };
+        let (near, far) = (astray(3, 3.0), astray(4, 1.0));
+        let found = fitted(&near, LONG_SKETCH.unless_above(of_use));
+        assert_eq!(found, fitted(&near, LONG_SKETCH));
+        let given_up = fitted(&far, LONG_SKETCH.unless_above(-1e6));
+        assert!(given_up > fitted(&far, LONG_SKETCH) + 1.0, "{given_up}");
+    }
 }
