@@ -13,7 +13,7 @@ from generator.simulator import Undrivable
 from generator.sizes import draw_effect
 from generator.world import SOILS, VEHICLES
 
-from .compare import Difference, Refused, compare, drive_generator, manoeuvre
+from .compare import Difference, Refused, compare, drive_generator, manoeuvre, turning_on_the_spot
 
 
 def arguments() -> argparse.Namespace:
@@ -28,6 +28,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--size", type=float, default=1.0, help="1 is typical of a vehicle on a soil (1)")
     parser.add_argument("--shapes", type=int, default=2, help="draws of each effect (2)")
     parser.add_argument("--seconds", type=float, default=30.0, help="length of the drive [s] (30)")
+    parser.add_argument("--pivots", action="store_true", help="drive straight and turn on the spot instead of turning both ways")
     parser.add_argument("--each", action="store_true", help="tell every drive, not only each effect")
     chosen = parser.parse_args()
     unknown = set(chosen.effects) - {"nothing", *names_of("physics")}
@@ -51,7 +52,7 @@ def main() -> int:
     for effect in chosen.effects:
         found: list[Difference] = []
         for vehicle in chosen.vehicles:
-            drive = manoeuvre(chosen.seconds, VEHICLES[vehicle].wheel_radius)
+            drive = (turning_on_the_spot if chosen.pivots else manoeuvre)(chosen.seconds, VEHICLES[vehicle].wheel_radius)
             for soil in chosen.soils:
                 for shape in range(1 if effect == "nothing" else chosen.shapes):
                     where = f"{effect} {vehicle} {soil} {shape}"

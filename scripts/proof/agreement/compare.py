@@ -40,6 +40,16 @@ def manoeuvre(seconds: float = 12.0, wheel_radius: float = 0.25) -> Drive:
     return Drive(speeds, INTERVAL, draw_series(np.random.default_rng(3), seconds), 0.05)
 
 
+def turning_on_the_spot(seconds: float = 20.0, wheel_radius: float = 0.25) -> Drive:
+    """Straight on with a turn on the spot to either side, as fast for every wheel as 4 rad/s is for one of 0.25 m."""
+    share, left, right = np.array([  # of the time; speeds of the sides
+        (0.0, 0.0, 0.0), (0.075, 4.0, 4.0), (0.2, 4.0, 4.0), (0.23, -2.5, 2.5), (0.4, -2.5, 2.5), (0.43, 4.0, 4.0),
+        (0.55, 4.0, 4.0), (0.58, 2.5, -2.5), (0.75, 2.5, -2.5), (0.78, 4.0, 4.0), (0.95, 4.0, 4.0), (1.0, 0.0, 0.0)]).T
+    t = np.arange(0.0, seconds + 1e-9, INTERVAL)
+    speeds = np.stack([np.interp(t / seconds, share, side) for side in (left, right)], axis=1) * (0.25 / wheel_radius)
+    return Drive(speeds, INTERVAL, draw_series(np.random.default_rng(3), seconds), 0.05)
+
+
 def drive_library(tool: Path, vehicle: str, soil: Soil, effects: dict[str, dict[str, float]], drive: Drive) -> np.ndarray:
     """x, y, heading of `ugv simulate` at the drive's times. Raises Refused."""
     with tempfile.TemporaryDirectory() as name:
