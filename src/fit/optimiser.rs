@@ -204,7 +204,8 @@ pub fn minimise_from<P: Predictor>(
         // As if every step left gained as much as this one promises, and segments that stand out were made like others.
         let left = stop.steps.saturating_sub(steps).max(1) as f64;
         let falls = left * step.as_ref().map_or(0.0, |step| step.expected_gain);
-        if steps >= TRIED && here.cost - falls - here.excess(problem) > stop.hopeless {
+        let above = here.cost - falls - stop.hopeless;
+        if steps >= TRIED && above > 0.0 && above > here.excess(problem) {
             break (false, step.map_or(0.0, |step| step.expected_gain));
         }
         if (ended || little) && renewals < stop.renewals {

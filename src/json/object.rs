@@ -45,12 +45,9 @@ pub(super) fn unwrap<'a>(value: &'a Value, key: &str) -> Result<&'a Value, JsonE
     let Some(inner) = value.get(key).filter(is_whole) else {
         return Ok(value);
     };
-    let family = MODEL_FORMAT.split('/').next();
-    let told = value.get("format").and_then(Value::as_str);
+    let family = |name: &str| name.split('/').next() == MODEL_FORMAT.split('/').next();
     match value.get("format") {
-        Some(format) if told.and_then(|name| name.split('/').next()) == family => {
-            check_format(format, MODEL_FORMAT)?;
-        }
+        Some(format) if format.as_str().is_some_and(family) => check_format(format, MODEL_FORMAT)?,
         _ => {}
     }
     Ok(inner)

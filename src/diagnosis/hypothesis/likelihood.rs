@@ -259,91 +259,95 @@ mod tests {
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
 
-    #[test]
-    fn a_start_in_the_wrong_basin_is_found_again() {
+    /// Pivots on clayed soil that is given right, and the soil re-tuned to them.
+    fn with_pivots(check: impl FnOnce(&Given, &Weighing, &Tuned)) {
         let soil = Terrain::preset("clayed_soil").unwrap();
         let truth = Specification::plain(Vehicle::tran2007(), soil);
         let recordings = [driven(&truth, "pivots")];
         let mut given = Given::new(&truth, &recordings);
         let (_, mut by) = prepare(&mut given, &Options::default()).unwrap();
         let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        // As good as can be.
-        let same = tune_restarted(&given, &tuned, &by);
-        assert!((same.surprise - tuned.surprise).abs() < 1.0);
-        // Driving backwards and sidewards, from somewhat aside: gone within tenths of a second.
-        for (segment, left, alone) in [(3, 3.0, true), (4, 1.0, false)] {
-            let off = [0.4, -0.2 * left, 0.0, -2.0, left, 0.0];
-            let mut wrong = tuned.solution.clone();
-            for (value, off) in wrong.starts[segment].iter_mut().zip(off) {
-                *value += off;
-            }
-            let predictor = given.predictor(&[]);
-            let problem = given.problem(&predictor, &[]);
-            let point = given.point(&problem, &[], &wrong);
-            let costs = |costly| (0..6).map(move |k| if k == costly { 9.0 } else { 1.0 });
-            for found in [
-                restarted(&problem, &point, &by),
-                outlying_restarted(&problem, &point, &by, costs(segment)),
-            ] {
-                let speed = [&found.unwrap(), &tuned.solution.starts].map(|all| all[segment][3]);
-                assert!((speed[0] - speed[1]).abs() < 0.1, "{speed:?}");
-            }
-            // Only what stands out is looked at.
-            assert!(outlying_restarted(&problem, &point, &by, costs(segment + 1)).is_none());
-            // Left there the soil goes along. Found where the fit would end if it stands out among the others, and where
-            // it is gone on with otherwise.
-            let stuck = tune(&given, &[], &wrong, &by).unwrap();
-            assert_eq!((stuck.surprise - tuned.surprise).abs() < 10.0, alone);
-            assert!(alone || stuck.surprise > tuned.surprise + 100.0);
-            let again = tune_restarted(&given, &stuck, &by);
-            let off = again.surprise - tuned.surprise;
-            assert!(off.abs() < 10.0, "{off}");
-            // Also where noise has become less meanwhile, and everything costs more.
-            let mut less = by.clone();
-            for noise in less.noise.iter_mut().flatten() {
-                noise.white *= 0.8;
-                noise.coloured *= 0.8;
-            }
-            let [again, right] = [&stuck, &tuned].map(|fit| tune_restarted(&given, fit, &less));
-            let off = again.surprise - right.surprise;
-            assert!(off.abs() < 10.0, "{off}");
+        check(&given, &by, &tuned);
+    }
+
+    /// With a segment that begins driving backwards and sidewards, from somewhat aside: gone within tenths of a second.
+    fn astray(from: &Solution, segment: usize, left: f64) -> Solution {
+        let off = [0.4, -0.2 * left, 0.0, -2.0, left, 0.0];
+        let mut astray = from.clone();
+        for (value, off) in astray.starts[segment].iter_mut().zip(off) {
+            *value += off;
         }
+        astray
+    }
+
+    #[test]
+    fn a_start_in_the_wrong_basin_is_found_again() {
+        with_pivots(|given, by, tuned| {
+            // As good as can be.
+            let same = tune_restarted(given, tuned, by);
+            assert!((same.surprise - tuned.surprise).abs() < 1.0);
+            for (segment, left, alone) in [(3, 3.0, true), (4, 1.0, false)] {
+                let wrong = astray(&tuned.solution, segment, left);
+                let predictor = given.predictor(&[]);
+                let problem = given.problem(&predictor, &[]);
+                let point = given.point(&problem, &[], &wrong);
+                let costs = |costly| (0..6).map(move |k| if k == costly { 9.0 } else { 1.0 });
+                for found in [
+                    restarted(&problem, &point, by),
+                    outlying_restarted(&problem, &point, by, costs(segment)),
+                ] {
+                    let speed =
+                        [&found.unwrap(), &tuned.solution.starts].map(|all| all[segment][3]);
+                    assert!((speed[0] - speed[1]).abs() < 0.1, "{speed:?}");
+                }
+                // Only what stands out is looked at.
+                assert!(outlying_restarted(&problem, &point, by, costs(segment + 1)).is_none());
+                // Left there the soil goes along. Found where the fit would end if it stands out among the others, and
+                // where it is gone on with otherwise.
+                let stuck = tune(given, &[], &wrong, by).unwrap();
+                assert_eq!((stuck.surprise - tuned.surprise).abs() < 10.0, alone);
+                assert!(alone || stuck.surprise > tuned.surprise + 100.0);
+                let again = tune_restarted(given, &stuck, by);
+                let off = again.surprise - tuned.surprise;
+                assert!(off.abs() < 10.0, "{off}");
+                // Also where noise has become less meanwhile, and everything costs more.
+                let mut less = by.clone();
+                for noise in less.noise.iter_mut().flatten() {
+                    noise.white *= 0.8;
+                    noise.coloured *= 0.8;
+                }
+                let [again, right] = [&stuck, tuned].map(|fit| tune_restarted(given, fit, &less));
+                let off = again.surprise - right.surprise;
+                assert!(off.abs() < 10.0, "{off}");
+            }
+        });
     }
 
     #[test]
     fn a_fit_that_cannot_come_to_be_of_use_is_given_up() {
-        let soil = Terrain::preset("clayed_soil").unwrap();
-        let truth = Specification::plain(Vehicle::tran2007(), soil);
-        let recordings = [driven(&truth, "pivots")];
-        let mut given = Given::new(&truth, &recordings);
-        let (_, mut by) = prepare(&mut given, &Options::default()).unwrap();
-        let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        let fitted = |begin: &Solution, stop: Stop| {
-            let fit = tune_until(&given, &[], begin, &by, stop).unwrap();
-            fit.surprise - tuned.surprise
-        };
-        let of_use = 2.0 * tuned.misfit + 20.0;
-        // Far off, but on its way.
-        let mut far = tuned.solution.clone();
-        for (value, parameter) in far.soil.iter_mut().zip(given.soil_parameters()) {
-            *value += 0.7 * parameter.prior.deviation;
-        }
-        let gone_on = fitted(&far, LONG_SKETCH);
-        assert!(gone_on < 10.0, "{gone_on}");
-        assert_eq!(fitted(&far, LONG_SKETCH.unless_above(of_use)), gone_on);
-        // One start that went astray does not make it hopeless, nor keeps it from being so.
-        let astray = |segment: usize, aside: f64| {
-            let mut astray = tuned.solution.clone();
-            let off = [0.4, -0.2 * aside, 0.0, -2.0, aside, 0.0];
-            for (value, off) in astray.starts[segment].iter_mut().zip(off) {
-                *value += off;
+        with_pivots(|given, by, tuned| {
+            let fitted = |begin: &Solution, stop: Stop| {
+                let fit = tune_until(given, &[], begin, by, stop).unwrap();
+                fit.surprise - tuned.surprise
+            };
+            let of_use = 2.0 * tuned.misfit + 20.0;
+            // Far off, but on its way.
+            let mut far = tuned.solution.clone();
+            for (value, parameter) in far.soil.iter_mut().zip(given.soil_parameters()) {
+                *value += 0.7 * parameter.prior.deviation;
             }
-            astray
-        };
-        let (near, far) = (astray(3, 3.0), astray(4, 1.0));
-        let found = fitted(&near, LONG_SKETCH.unless_above(of_use));
-        assert_eq!(found, fitted(&near, LONG_SKETCH));
-        let given_up = fitted(&far, LONG_SKETCH.unless_above(-1e6));
-        assert!(given_up > fitted(&far, LONG_SKETCH) + 1.0, "{given_up}");
+            let gone_on = fitted(&far, LONG_SKETCH);
+            assert!(gone_on < 10.0, "{gone_on}");
+            assert_eq!(fitted(&far, LONG_SKETCH.unless_above(of_use)), gone_on);
+            // One start that went astray does not make it hopeless, nor keeps it from being so.
+            let (near, far) = (
+                astray(&tuned.solution, 3, 3.0),
+                astray(&tuned.solution, 4, 1.0),
+            );
+            let found = fitted(&near, LONG_SKETCH.unless_above(of_use));
+            assert_eq!(found, fitted(&near, LONG_SKETCH));
+            let given_up = fitted(&far, LONG_SKETCH.unless_above(-1e6));
+            assert!(given_up > fitted(&far, LONG_SKETCH) + 1.0, "{given_up}");
+        });
     }
 }
