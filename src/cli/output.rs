@@ -139,15 +139,10 @@ fn check_place(path: &Path) -> io::Result<()> {
     }
     let existing = fs::canonicalize(path).ok();
     let path = existing.as_deref().unwrap_or(path);
-    if is_file_or_free(path) {
+    if fs::metadata(path).map_or(true, |there| there.is_file()) {
         temporary_file(folder(path))?;
     }
     Ok(())
-}
-
-/// Whether a file can take this place: there is one, or nothing yet.
-fn is_file_or_free(path: &Path) -> bool {
-    fs::metadata(path).map_or(true, |metadata| metadata.is_file())
 }
 
 /// A file's place whatever way leads there; the file need not be there yet.
@@ -185,14 +180,17 @@ fn replace(spool: &mut SpooledTempFile, path: &Path) -> io::Result<()> {
     // A link stays a link: what it leads to is replaced.
     let existing = fs::canonicalize(path).ok();
     let path = existing.as_deref().unwrap_or(path);
-    let metadata = fs::metadata(path).ok();
-    if !is_file_or_free(path) {
+    let replaced = fs::metadata(path).ok();
+    if replaced
+        .as_ref()
+        .is_some_and(|replaced| !replaced.is_file())
+    {
         // Nothing can be renamed over a device or a named pipe.
         return copy(spool, fs::OpenOptions::new().write(true).open(path)?);
     }
     let mut beside = temporary_file(folder(path))?;
     copy(spool, &mut beside)?;
-    if let Some(metadata) = metadata {
+    if let Some(metadata) = replaced {
         beside.as_file().set_permissions(metadata.permissions())?;
     }
     beside.persist(path)?;
@@ -205,5 +203,8 @@ fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(".ugv-");
     #[cfg(unix)]
     builder.permissions(<fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
-    builder.tempfile_in(folder)
+    // Without the temporary name, which nobody knows.
+    builder
+        .tempfile_in(folder)
+        .map_err(|error| error.kind().into())
 }
