@@ -10,4 +10,5 @@ export UGV_DATA=${UGV_DATA:-../shared/data}
 echo "test: Rust"
 cargo test --locked --release --features fmu
 echo "test: Python"
-target/venv/bin/python -m unittest discover -s tests/python
+# A module on each of two cores; those that skip tell why.
+target/venv/bin/python -m pytest tests/python --numprocesses 2 --dist loadfile --no-loadscope-reorder -p no:cacheprovider -q -rs --durations 12
