@@ -139,10 +139,15 @@ fn check_place(path: &Path) -> io::Result<()> {
     }
     let existing = fs::canonicalize(path).ok();
     let path = existing.as_deref().unwrap_or(path);
-    if fs::metadata(path).map_or(true, |there| there.is_file()) {
+    if takes_a_file(fs::metadata(path).ok().as_ref()) {
         temporary_file(folder(path))?;
     }
     Ok(())
+}
+
+/// Whether a file can take the place of what is there, if there is anything.
+fn takes_a_file(there: Option<&fs::Metadata>) -> bool {
+    there.is_none_or(fs::Metadata::is_file)
 }
 
 /// A file's place whatever way leads there; the file need not be there yet.
@@ -181,10 +186,7 @@ fn replace(spool: &mut SpooledTempFile, path: &Path) -> io::Result<()> {
     let existing = fs::canonicalize(path).ok();
     let path = existing.as_deref().unwrap_or(path);
     let replaced = fs::metadata(path).ok();
-    if replaced
-        .as_ref()
-        .is_some_and(|replaced| !replaced.is_file())
-    {
+    if !takes_a_file(replaced.as_ref()) {
         // Nothing can be renamed over a device or a named pipe.
         return copy(spool, fs::OpenOptions::new().write(true).open(path)?);
     }
@@ -203,8 +205,10 @@ fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(".ugv-");
     #[cfg(unix)]
     builder.permissions(<fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
-    // Without the temporary name, which nobody knows.
-    builder
-        .tempfile_in(folder)
-        .map_err(|error| error.kind().into())
+    builder.tempfile_in(folder).map_err(|error| {
+        // The system's words without the temporary name, which nobody knows.
+        let told = error.to_string();
+        let words = told.rsplit_once(" at path ");
+        io::Error::new(error.kind(), words.map_or(&*told, |(words, _)| words))
+    })
 }

@@ -59,6 +59,18 @@ fn place_that_cannot_be_written_is_told() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn place_that_takes_no_file_is_told_in_the_system_s_words() {
+    let bench = Bench::new();
+    // Where nobody can make a file, whatever the rights; the temporary name is nobody's business.
+    let message = bench.fails("simulate --input drive.csv --output /proc/motion.csv", 1);
+    let expected =
+        "ugv: error: cannot write /proc/motion.csv: No such file or directory (os error 2)\n";
+    assert!(message.starts_with(expected), "{message}");
+    assert!(!message.contains(".ugv-"), "{message}");
+}
+
+#[test]
 fn closed_pipe_is_no_error() {
     let bench = Bench::new();
     for arguments in [
