@@ -7,15 +7,18 @@ effect! {
     /// The soil remembers: unloaded after a row has passed, it springs back along a steep line and
     /// carries the next row on it, until that row sinks deeper than the one before.
     ///
-    /// Each wheel carries the depth z_m to which the soil that it meets was pressed before, a state
-    /// that follows the row ahead over the distance L between the two (the first-order
-    /// approximation of the transport by the vehicle's motion): dz_m/dt = |V| / L (memory o z_ahead -
-    /// z_m), with o = 1 / (1 + (d / b)^2) the overlap of its track with that of the row ahead which it
-    /// misses least: d = L_j tan(beta_j), beta_j the sideslip midway between it and row j. In a turn
-    /// about the vehicle's middle the last row runs in the rut of the first. At rest the memory stays.
+    /// Each wheel carries the depth z_m to which the soil that it runs on was pressed before, a state. The
+    /// tracks that all wheels left are remembered, with their depths z, over the last four wheel bases
+    /// driven. A wheel meets them on a line along its axle, r/3 before it: of a track that crosses that
+    /// line at the distance d beside the wheel's middle the share 1 / (1 + (d / b)^2), and of all
+    /// tracks the one that is then the deepest counts. What the wheel meets passes under it within as
+    /// long a way: dz_m/dt = 3 |V| / r (memory z / (1 + (d / b)^2) - z_m). So the first row meets
+    /// untouched soil, and its own track where it turns back; in a turn about the vehicle's middle the
+    /// last row runs in the rut of the first; and a vehicle that turns on the spot leaves the tracks in which it
+    /// came, and comes upon those of the circle, of both sides. At rest the memory stays.
     Multipass: "multipass", Physics,
     lifts "homogeneous ground: every row meets untouched soil",
-    equation "sigma = K_e (z - z_p) up to z_m, k z^n beyond; K_e = ratio k z_m^(n-1), z_p = z_m (1 - 1/ratio); dz_m/dt = |V| / L (memory z_ahead / (1 + (d/b)^2) - z_m), d between the tracks",
+    equation "sigma = K_e (z - z_p) up to z_m, k z^n beyond; K_e = ratio k z_m^(n-1), z_p = z_m (1 - 1/ratio); dz_m/dt = 3 |V| / r (memory z / (1 + (d/b)^2) - z_m), z the depth of the track that makes most of it, d how far beside the wheel it lies, r/3 before the axle",
     source "elastic reloading below the greatest pressure so far: Wong, Theory of Ground Vehicles, ch. 2; Krenn & Hirzinger, SCM, ASTRA 2009",
     {
         memory ["1"] 0.0..1.0, off 0.0, normal(1.0, 0.3), "Share of the rut ahead that a row meets";
@@ -42,13 +45,6 @@ impl<S: Scalar> Multipass<S> {
             elastic,
         }
     }
-
-    /// The depth that a row's soil should have been pressed to, when the row ahead runs at the depth
-    /// `ahead` \[m\]; `missed` is the square of the distance between their tracks over a wheel's width.
-    #[inline(always)]
-    pub fn arriving(&self, ahead: S, missed: S) -> S {
-        self.memory * ahead / missed.offset(1.0)
-    }
 }
 
 #[cfg(test)]
@@ -69,17 +65,5 @@ mod tests {
         assert!((reloaded / (k * deepest.powf(n)) - 1.0).abs() < 1e-12);
         assert!((rut.ground + rut.elastic - deepest).abs() < 1e-15);
         assert!((rut.ground - 0.018).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_track_beside_the_rut_meets_untouched_soil() {
-        let straight = EFFECT.arriving(0.02, 0.0);
-        assert_eq!(straight, 0.02);
-        assert!(EFFECT.arriving(0.02, 25.0) < 0.02 * 0.05);
-        let off = Multipass {
-            memory: 0.0,
-            ..EFFECT
-        };
-        assert_eq!(off.arriving(0.02, 0.0), 0.0);
     }
 }

@@ -169,7 +169,9 @@ impl Simulation {
         pose: [f64; 3],
     ) -> Result<&Wrench, SimulationError> {
         self.evaluate()?;
-        let surroundings = self.state.surroundings(self.time, &self.memory);
+        let surroundings = self
+            .state
+            .surroundings(self.time, &self.memory, self.left.tracks());
         let (model, at) = (&self.model, &self.now);
         match (&mut self.work.altered, model.altered()) {
             (Some((directions, results)), Some(altered)) => {
@@ -251,7 +253,9 @@ impl Simulation {
         self.evaluate()?;
         let mut trend = self.trend.clone();
         let mut memory = MemoryJacobian::default();
-        let surroundings = self.state.surroundings(self.time, &self.memory);
+        let surroundings = self
+            .state
+            .surroundings(self.time, &self.memory, self.left.tracks());
         Ok(self.work.jacobian(
             &self.model,
             &self.state,

@@ -4,7 +4,7 @@
 //! The motion by the method's own continuous extension (Shampine & Reichelt 1997, section 2.2), its
 //! derivatives by the quadratic that has the stages' slopes where the stages are.
 
-use super::sensitivity::Variation;
+use super::variation::Variation;
 use super::{Simulation, State, StateVector};
 use nalgebra::{Const, Dyn, OMatrix, SMatrix};
 

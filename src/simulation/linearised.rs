@@ -1,7 +1,7 @@
 //! How the rates of a simulation change, at one instant, and by what.
 
 use super::last_step::DELAY;
-use super::sensitivity::GAMMA;
+use super::variation::GAMMA;
 use nalgebra::{DMatrix, Vector2};
 
 /// What the derivatives are taken by: the initial state, the delay of the wheel speeds, the
@@ -41,6 +41,10 @@ pub(super) struct Linearised {
     pub by_speeds: DMatrix<f64>,
     /// By the parameters that act throughout, then by the gated ones: B.
     pub by_parameters: DMatrix<f64>,
+    /// Through the tracks that were left, by all that derivatives are taken by; empty where there are none.
+    pub by_tracks: DMatrix<f64>,
+    /// Of the depths at which the wheels stand: by the state and what is remembered, and by the parameters as above.
+    pub depths: [DMatrix<f64>; 2],
 }
 
 impl Linearised {
@@ -51,6 +55,8 @@ impl Linearised {
             by_state: mix(&self.by_state, &end.by_state),
             by_speeds: mix(&self.by_speeds, &end.by_speeds),
             by_parameters: mix(&self.by_parameters, &end.by_parameters),
+            by_tracks: mix(&self.by_tracks, &end.by_tracks),
+            depths: self.depths.clone(),
         }
     }
 
@@ -58,13 +64,29 @@ impl Linearised {
     pub fn push(&self, rates: &mut DMatrix<f64>, columns: &Columns, delayed: &Vector2<f64>) {
         let mut delay = rates.column_mut(DELAY);
         delay += &self.by_speeds * delayed;
-        let [throughout, open] = columns.parameters();
-        let counts = [columns.throughout, columns.gated];
-        let mut from = 0;
-        for (first, count) in [throughout, open].into_iter().zip(counts) {
-            let mut target = rates.columns_mut(first, count);
-            target += self.by_parameters.columns(from, count);
-            from += count;
+        add_parameters(rates, &self.by_parameters, columns);
+        if !self.by_tracks.is_empty() {
+            *rates += self.by_tracks.columns(0, rates.ncols());
         }
+    }
+
+    /// Derivatives of the depths at which the wheels stand, by all that derivatives are taken by.
+    pub fn depths(&self, by: &DMatrix<f64>, columns: &Columns) -> DMatrix<f64> {
+        let [by_state, by_parameters] = &self.depths;
+        let mut depths = by_state * by;
+        add_parameters(&mut depths, by_parameters, columns);
+        depths
+    }
+}
+
+/// Adds what parameters do: those that act throughout, then the gated ones in the gate that is open.
+fn add_parameters(target: &mut DMatrix<f64>, by_parameters: &DMatrix<f64>, columns: &Columns) {
+    let [throughout, open] = columns.parameters();
+    let counts = [columns.throughout, columns.gated];
+    let mut from = 0;
+    for (first, count) in [throughout, open].into_iter().zip(counts) {
+        let mut target = target.columns_mut(first, count);
+        target += by_parameters.columns(from, count);
+        from += count;
     }
 }

@@ -2,6 +2,8 @@
 
 mod jacobian;
 mod last_step;
+mod left;
+mod left_slopes;
 mod linearised;
 mod memory;
 mod rosenbrock;
@@ -9,6 +11,7 @@ mod sensitivity;
 mod settled;
 mod snapshot;
 mod state;
+mod variation;
 
 pub use jacobian::Jacobian;
 pub use last_step::{Derivatives, LastStep};
@@ -20,8 +23,9 @@ pub use snapshot::SnapshotError;
 pub use state::{State, WheelSpeeds};
 
 use crate::vehicle::{Balance, BalanceError, Motion, Trend, VehicleModel, Wrench};
-use crate::vehicle::{Differentiated, Directions, Prepared};
+use crate::vehicle::{Differentiated, Directions, Prepared, Tracks};
 use jacobian::Work;
+use left::LeftTracks;
 use nalgebra::{SMatrix, SVector};
 use std::fmt;
 use std::sync::Arc;
@@ -41,6 +45,8 @@ pub struct Simulation {
     state: State,
     /// What the vehicle and its ground remember; nothing in the paper's model.
     memory: Vec<f64>,
+    /// The tracks that the wheels left, where they meet them again.
+    left: LeftTracks,
     inputs: WheelSpeeds,
     input_rates: WheelSpeeds,
     /// Balance at the end of the last step: the first guess for whatever is asked next, so
@@ -148,11 +154,13 @@ impl Simulation {
         let work = Work::new(&model, &now);
         let memory_count = model.memory_count();
         let memory = vec![0.0; memory_count];
+        let left = LeftTracks::new(&model);
         Self {
             model,
             time: 0.0,
             state: State::default(),
             memory,
+            left,
             inputs: WheelSpeeds::default(),
             input_rates: WheelSpeeds::default(),
             anchor: balance,
@@ -194,7 +202,8 @@ impl Simulation {
         self.state
     }
 
-    /// Places the vehicle elsewhere or gives it another velocity.
+    /// Places the vehicle elsewhere or gives it another velocity. A vehicle that is placed elsewhere stands beside
+    /// the tracks of before.
     ///
     /// # Errors
     /// A value that is not finite; then nothing has changed.
@@ -202,6 +211,10 @@ impl Simulation {
         const NAMES: [&str; State::COUNT] = ["x", "y", "heading", "v_x", "v_y", "yaw_rate"];
         finite(&NAMES, &state.to_array())?;
         if state != self.state {
+            let pose = |state: &State| [state.x, state.y, state.heading];
+            if pose(&state) != pose(&self.state) {
+                self.left.clear();
+            }
             self.state = state;
             self.now.valid = false;
         }
@@ -276,6 +289,7 @@ impl Simulation {
     /// Forgets what the vehicle and its ground remember.
     pub(crate) fn forget(&mut self) {
         self.memory.fill(0.0);
+        self.left.clear();
         self.now.valid = false;
     }
 
@@ -285,7 +299,9 @@ impl Simulation {
 
     /// Differentiates in some directions at the present, evaluated state.
     fn differentiate(&self, directions: &Directions, results: &mut Vec<Differentiated>) {
-        let surroundings = self.state.surroundings(self.time, &self.memory);
+        let surroundings = self
+            .state
+            .surroundings(self.time, &self.memory, self.left.tracks());
         if let Some(altered) = self.model.altered() {
             let (motion, balance) = (&self.now.motion, &self.now.balance);
             directions.differentiate(
@@ -306,12 +322,13 @@ impl Simulation {
         self.now.balance.copy_from(&self.anchor);
         let (time, motion) = (self.time, self.state.motion(self.inputs));
         let (model, state, memory) = (&self.model, &self.state, &self.memory);
-        let solved = self.now.solve(model, state, motion, time, memory);
+        let tracks = self.left.tracks();
+        let solved = self.now.solve(model, state, motion, time, memory, tracks);
         if let Err(SimulationError::Balance { source, .. }) = &solved
             && matches!(source, BalanceError::NotConverged(_))
         {
             // Wheel speeds that jump may lead too far from the last balance: then from scratch.
-            return self.now.solve(model, state, motion, time, memory);
+            return self.now.solve(model, state, motion, time, memory, tracks);
         }
         solved
     }
@@ -339,10 +356,11 @@ impl Evaluation {
         motion: Motion,
         time: f64,
         memory: &[f64],
+        tracks: Tracks,
     ) -> Result<(), SimulationError> {
         self.valid = false;
         self.motion = motion;
-        let prepared = model.prepare(&motion, &state.surroundings(time, memory));
+        let prepared = model.prepare(&motion, &state.surroundings(time, memory, tracks));
         model
             .solve_prepared(&motion, prepared.as_ref(), &mut self.balance)
             .map_err(|source| SimulationError::Balance { time, source })?;
@@ -355,7 +373,7 @@ impl Evaluation {
     fn finish(&mut self, model: &VehicleModel, state: &State, prepared: Option<&Prepared>) {
         let (motion, balance) = (&self.motion, &self.balance);
         balance.wrench_of(model, motion, prepared, &mut self.wrench);
-        balance.memory_rates(model, prepared, &mut self.memory_rates);
+        balance.memory_rates(prepared, &mut self.memory_rates);
         self.derivative = state.derivative(&self.wrench).into();
     }
 

@@ -187,6 +187,7 @@ impl Simulation {
                 self.time = end_time;
                 self.inputs = end_speeds;
                 visit(self, step)?;
+                self.leave_tracks();
                 if let Some(event) = passed {
                     self.pass(event)?;
                     visit(self, 0.0)?;
@@ -262,7 +263,9 @@ impl Simulation {
         if self.integrator.jacobian_age < JACOBIAN_STEPS {
             return;
         }
-        let surroundings = self.state.surroundings(self.time, &self.memory);
+        let surroundings = self
+            .state
+            .surroundings(self.time, &self.memory, self.left.tracks());
         let jacobian = self.work.jacobian(
             &self.model,
             &self.state,
@@ -301,6 +304,7 @@ impl Simulation {
         let y = StateVector::from(self.state.to_array());
         let f0 = self.now.derivative;
         let m = &self.memory;
+        let tracks = self.left.tracks();
         let g0 = &self.now.memory_rates;
         let mut l1 = remembered(&|i| g0[i] + memory_by_time[i]);
         let k1 = system.solve(f0 + by_time, &mut l1);
@@ -318,7 +322,14 @@ impl Simulation {
         at_middle.guess_from(&self.now, &self.trend, &motion);
         let middle_memory = remembered(&|i| m[i] + 0.5 * h * l1[i]);
         let middle_time = end_time - 0.5 * h;
-        at_middle.solve(&self.model, &middle, motion, middle_time, &middle_memory)?;
+        at_middle.solve(
+            &self.model,
+            &middle,
+            motion,
+            middle_time,
+            &middle_memory,
+            tracks,
+        )?;
         let f1 = at_middle.derivative;
         let g1 = &at_middle.memory_rates;
         let mut l2 = remembered(&|i| g1[i] - l1[i]);
@@ -331,7 +342,7 @@ impl Simulation {
         let end = State::from_array((y + k2 * h).into());
         let motion = end.motion(end_speeds);
         at_end.guess_from(at_middle, &self.trend, &motion);
-        at_end.solve(&self.model, &end, motion, end_time, new_memory)?;
+        at_end.solve(&self.model, &end, motion, end_time, new_memory, tracks)?;
         let f2 = at_end.derivative;
         let g2 = &at_end.memory_rates;
         let mut l3 = remembered(&|i| {

@@ -54,6 +54,18 @@ impl Simulation {
         if self.memory.is_empty() {
             return Ok(());
         }
+        let settled = self.settle_steadily();
+        match settled {
+            Ok(()) => self.left.came_here(&self.state, &self.now.wrench),
+            Err(_) => self.left.clear(),
+        }
+        settled
+    }
+
+    /// As [`Simulation::settle`], and tracks are as if the present motion had lasted, whatever it is.
+    pub(super) fn settle_steadily(&mut self) -> Result<(), SimulationError> {
+        self.left.begin_steady();
+        self.now.valid = false;
         let directions = self.model.directions(memory_directions(self.memory.len()));
         let mut results = Vec::new();
         for _ in 0..STEPS {

@@ -66,7 +66,9 @@ impl Simulation {
         }
         *self = restored;
         self.now.wrench.wheels.fill_with(Default::default);
-        let surroundings = self.state.surroundings(self.time, &self.memory);
+        let surroundings = self
+            .state
+            .surroundings(self.time, &self.memory, self.left.tracks());
         let prepared = self.model.prepare(&self.now.motion, &surroundings);
         self.now.finish(&self.model, &self.state, prepared.as_ref());
         Ok(())
@@ -97,6 +99,7 @@ impl Simulation {
         state.iter_mut().for_each(&mut *visit);
         self.state = super::State::from_array(state);
         self.memory.iter_mut().for_each(&mut *visit);
+        self.left.visit(visit);
         for speeds in [&mut self.inputs, &mut self.input_rates] {
             visit(&mut speeds.left);
             visit(&mut speeds.right);

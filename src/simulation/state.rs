@@ -1,6 +1,6 @@
 //! State and inputs of the vehicle, and the state's rate of change.
 
-use crate::vehicle::{Motion, Surroundings, Wrench};
+use crate::vehicle::{Motion, Surroundings, Tracks, Wrench};
 
 /// Pose in the world frame and velocities in the body frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -79,12 +79,18 @@ impl State {
     }
 
     /// What effects depend on besides the motion.
-    pub(crate) fn surroundings<'a>(&self, time: f64, memory: &'a [f64]) -> Surroundings<'a> {
+    pub(crate) fn surroundings<'a>(
+        &self,
+        time: f64,
+        memory: &'a [f64],
+        tracks: Tracks<'a>,
+    ) -> Surroundings<'a> {
         Surroundings {
             position: [self.x, self.y],
             heading: self.heading,
             time,
             memory,
+            tracks,
         }
     }
 

@@ -131,14 +131,9 @@ impl Balance {
     }
 
     /// Writes the rates of what the vehicle and its ground remember.
-    pub(crate) fn memory_rates(
-        &self,
-        model: &VehicleModel,
-        prepared: Option<&Prepared>,
-        rates: &mut Vec<f64>,
-    ) {
+    pub(crate) fn memory_rates(&self, prepared: Option<&Prepared>, rates: &mut Vec<f64>) {
         if let (Some(prepared), false) = (prepared, rates.is_empty()) {
-            prepared.memory_rates(self, model.regularisation(), rates);
+            prepared.memory_rates(self, rates);
         }
     }
 

@@ -19,8 +19,11 @@ mod parameter;
 mod trend;
 mod wrench;
 
-pub use altered::Surroundings;
-pub(crate) use altered::{Differentiated, Direction, Directions, Prepared, Remembered};
+pub(crate) use altered::{
+    Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES, TrackSlope,
+    sample_size, spacing, steady_pose, steady_seconds,
+};
+pub use altered::{Surroundings, Tracks};
 pub use balance::Balance;
 pub use geometry::Vehicle;
 pub use linear::Linearisation;

@@ -10,6 +10,7 @@ mod limits;
 mod memory;
 mod page;
 mod properties;
+mod ruts;
 mod signs;
 mod window;
 

@@ -81,7 +81,7 @@ fn forces_are_those_of_the_effects_switched_on_or_off_bit_for_bit() {
                         time,
                         position,
                         heading: 0.3,
-                        memory: &[],
+                        ..Surroundings::default()
                     };
                     let expected = if inside { &on } else { &off };
                     assert_eq!(

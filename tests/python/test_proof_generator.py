@@ -20,7 +20,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
-from agreement.compare import drive_generator, drive_library, manoeuvre  # noqa: E402
+from agreement.compare import drive_generator, drive_library, manoeuvre, turning_on_the_spot  # noqa: E402
 from generator import families  # noqa: E402
 from generator.__main__ import main as draw  # noqa: E402
 from generator.cases import is_complete  # noqa: E402
@@ -401,9 +401,10 @@ class Agreement(unittest.TestCase):
         # The substitute circle is three hundred times as large as the wheel.
         self._agree("dry_clay", {"tyre_compliance": {"pressure": 250e3}}, manoeuvre(20.0), 5e-4)
 
-    def test_agrees_on_ruts_in_turns(self):
-        # The library lets ruts follow the row ahead with a delay of the first order, the generator keeps them on the map.
-        self._agree("sandy_loam", {"multipass": {"memory": 0.8, "stiffness_ratio": 8.0}}, manoeuvre(20.0), 6e-3)
+    def test_agrees_on_ruts_in_turns_and_on_the_spot(self):
+        ruts = {"multipass": {"memory": 0.8, "stiffness_ratio": 8.0}}
+        for drive in (manoeuvre(20.0), turning_on_the_spot(20.0)):
+            self._agree("sandy_loam", ruts, drive, 3e-3)
 
     def _agree(self, soil: str, effects: dict, drive: Drive, angle: float) -> None:
         theirs = drive_library(BINARY, "tran", SOILS[soil], effects, drive)

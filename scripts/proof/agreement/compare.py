@@ -70,7 +70,7 @@ def drive_library(tool: Path, vehicle: str, soil: Soil, effects: dict[str, dict[
 
 def drive_generator(vehicle: str, soil: Soil, effects: dict[str, dict[str, float]], drive: Drive) -> np.ndarray:
     """x, y, heading of the generator at the drive's times."""
-    return simulate(Setup(VEHICLES[vehicle], soil, effects), drive, table=FINE)[:: round(drive.step / STEP), :3]
+    return simulate(Setup(VEHICLES[vehicle], soil, effects), drive, table=FINE, untouched=True)[:: round(drive.step / STEP), :3]
 
 
 def compare(tool: Path, vehicle: str, soil: Soil, effects: dict[str, dict[str, float]], drive: Drive,

@@ -9,7 +9,7 @@ import numpy as np
 
 from .catalogue import EFFECTS, MAX_ROWS, SERIES, I, off_vector, slot
 from .contact import rule
-from .stepper import AUX, CELL, CELLS, STATE, run
+from .stepper import AUX, MARK, MARKED, MARKS, STATE, run
 from .world import GRAVITY, Soil, Vehicle, parameter_vector
 
 STEP = 0.025  # s between records
@@ -54,12 +54,12 @@ class Snapshot:
     """All that the simulator carries from one moment to the next."""
 
     state: np.ndarray
-    rut: np.ndarray
+    tracks: np.ndarray
     start: np.ndarray
 
     def copy(self) -> Snapshot:
         """One that can be driven on by itself."""
-        return Snapshot(self.state.copy(), self.rut.copy(), self.start.copy())
+        return Snapshot(self.state.copy(), self.tracks.copy(), self.start.copy())
 
 
 @dataclass
@@ -98,24 +98,24 @@ def make_world(setup: Setup, drive: Drive, table: np.ndarray = FINE) -> World:
 
 
 def begin(world: World, pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
-          velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Snapshot:
-    """A vehicle that came here straight: its first row's rut lies behind it."""
+          velocity: tuple[float, float, float] = (0.0, 0.0, 0.0), untouched: bool = False) -> Snapshot:
+    """A vehicle that came here straight, its first row's tracks behind it; or one on untouched ground."""
     p = world.p
     wheels = 2 * int(p[I.rows])
     state = np.zeros(STATE)
     state[0:3], state[3:6] = pose, velocity
     state[AUX + 4] = pose[2]
-    load, diameter = p[I.mass] * GRAVITY / wheels, 2.0 * p[I.wheel_radius]
-    depth = (3.0 * load / ((3.0 - p[I.n]) * p[I.k] * p[I.wheel_width] * np.sqrt(diameter)))
-    rut = np.zeros((2, MAX_ROWS, CELLS, 3))
-    ahead = (np.arange(CELLS) - 0.5 * CELLS) * CELL
-    passed = ahead < p[I.row0]
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    for side, left in enumerate((p[I.half_track], -p[I.half_track])):
-        along = ahead[passed] - p[I.com_offset]
-        rut[side, 0, passed] = np.stack([np.full(len(along), depth ** (2.0 / (2.0 * p[I.n] + 1.0))),
-                                         pose[0] + along * c - left * s, pose[1] + along * s + left * c], 1)
-    return Snapshot(state, rut, np.zeros(2 * wheels + 2))
+    tracks = np.zeros((2 * MAX_ROWS, MARKS, 3))
+    if not untouched:
+        load, diameter = p[I.mass] * GRAVITY / wheels, 2.0 * p[I.wheel_radius]
+        depth = (3.0 * load / ((3.0 - p[I.n]) * p[I.k] * p[I.wheel_width] * np.sqrt(diameter))) ** (2.0 / (2.0 * p[I.n] + 1.0))
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        along = p[I.row0] - p[I.com_offset] - np.arange(MARKS)[::-1] * MARK
+        for wheel, left in enumerate((p[I.half_track], -p[I.half_track])):
+            east, north = pose[0] + along * c - left * s, pose[1] + along * s + left * c
+            tracks[wheel] = np.stack([east, north, np.full(MARKS, depth)], 1)
+            state[MARKED + wheel] = MARKS
+    return Snapshot(state, tracks, np.zeros(2 * wheels + 2))
 
 
 def drive_on(world: World, snapshot: Snapshot, time: float, seconds: float, tolerance: float = TOLERANCE,
@@ -123,7 +123,7 @@ def drive_on(world: World, snapshot: Snapshot, time: float, seconds: float, tole
     """Drive on from a snapshot (which moves on). Rows every `step`: pose, velocities, their rates."""
     count = int(round(seconds / step))
     records = np.empty((count + 1, 9))
-    reached = run(world, time, count, step, snapshot.state, snapshot.rut, snapshot.start, tolerance, records)
+    reached = run(world, time, count, step, snapshot.state, snapshot.tracks, snapshot.start, tolerance, records)
     if reached <= count or not np.isfinite(records).all():
         raise Undrivable(f"no steady contact at {time + reached * step:.2f} s; choose slower speeds or firmer soil")
     return records
@@ -131,7 +131,7 @@ def drive_on(world: World, snapshot: Snapshot, time: float, seconds: float, tole
 
 def simulate(setup: Setup, drive: Drive, pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
              velocity: tuple[float, float, float] = (0.0, 0.0, 0.0), tolerance: float = TOLERANCE,
-             table: np.ndarray = FINE) -> np.ndarray:
-    """A whole drive from a pose."""
+             table: np.ndarray = FINE, untouched: bool = False) -> np.ndarray:
+    """A whole drive from a pose; `untouched`: from ground on which no wheel was before."""
     world = make_world(setup, drive, table)
-    return drive_on(world, begin(world, pose, velocity), 0.0, drive.seconds, tolerance)
+    return drive_on(world, begin(world, pose, velocity, untouched), 0.0, drive.seconds, tolerance)

@@ -15,9 +15,12 @@ from .catalogue import I
 
 # layout of the state vector
 POSE, VELOCITY, DISTANCE, PATHS, AUX, LAGS = 0, 3, 6, 7, 9, 17
-STATE = LAGS + 32
-CELL = 0.02  # m of a side's path per cell of the rut
-CELLS = 16384
+MET = LAGS + 32  # depth of the rut that each wheel runs in
+MARKED = MET + 8  # marks that each wheel has left
+STATE = MARKED + 8
+MARK = 0.02  # m that a wheel goes from one mark of its track to the next
+MARKS = 512  # of each wheel are remembered
+REACH = 1.0 / 3.0  # radii ahead of its axle where a wheel meets the soil, and over which it then works under it
 
 
 @njit(cache=True)
@@ -55,42 +58,61 @@ def wheel_place(e, state, i):
 
 
 @njit(cache=True)
-def rut_under(e, state, rut, ruts):
-    """Earlier sinkage that each wheel meets: of every row that went by, what its track overlaps with the wheel's.
+def arriving(e, state, tracks, details, ruts):
+    """Depth of the rut before each wheel: of every track that lies across its way what overlaps with the wheel's own.
 
-    rut[side, row, cell]: sinkage, east and north of the row's wheel where it passed that part of its side's path.
+    tracks[wheel, mark]: east, north and sinkage of the wheel there, in a ring; the wheel itself stands at the end.
     """
-    across_e, across_n = -math.sin(state[POSE + 2]), math.cos(state[POSE + 2])
-    rows = int(e[I.rows])
-    for i in range(2 * rows):
+    wheels = 2 * int(e[I.rows])
+    c, s = math.cos(state[POSE + 2]), math.sin(state[POSE + 2])
+    reach = REACH * e[I.wheel_radius]
+    for i in range(wheels):
+        left = e[I.half_track] if i % 2 == 0 else -e[I.half_track]
+        way = 1.0 if state[VELOCITY] >= state[VELOCITY + 2] * left else -1.0
         east, north = wheel_place(e, state, i)
-        u = (state[PATHS + i % 2] + e[I.row0 + i // 2]) / CELL + 0.5 * CELLS
-        k = min(max(int(math.floor(u)), 0), CELLS - 2)
+        east, north = east + way * reach * c, north + way * reach * s
         ruts[i] = 0.0
-        for row in range(rows):
-            met = 0.0
-            for end in range(2):
-                depth, e_rut, n_rut = rut[i % 2, row, k + end]
-                aside = ((e_rut - east) * across_e + (n_rut - north) * across_n) / e[I.wheel_width]
-                share = u - k if end == 1 else 1.0 - u + k
-                met += share * depth / (1.0 + aside * aside)
-            ruts[i] = max(ruts[i], met)
+        for j in range(wheels):
+            e_0, n_0 = wheel_place(e, state, j)
+            depth_0 = details[5 * j + 3]
+            a_0 = (e_0 - east) * c + (n_0 - north) * s
+            marked = int(state[MARKED + j])
+            for back in range(min(marked, MARKS)):
+                mark = (marked - 1 - back) % MARKS
+                e_1, n_1, depth_1 = tracks[j, mark, 0], tracks[j, mark, 1], tracks[j, mark, 2]
+                a_1 = (e_1 - east) * c + (n_1 - north) * s
+                if (a_0 > 0.0) != (a_1 > 0.0):
+                    w = a_0 / (a_0 - a_1)
+                    aside = (n_0 + w * (n_1 - n_0) - north) * c - (e_0 + w * (e_1 - e_0) - east) * s
+                    met = (depth_0 + w * (depth_1 - depth_0)) / (1.0 + (aside / e[I.wheel_width]) ** 2)
+                    ruts[i] = max(ruts[i], met)
+                e_0, n_0, depth_0, a_0 = e_1, n_1, depth_1, a_1
 
 
 @njit(cache=True)
-def press_rut(e, state, before, rut, details):
-    """Leave each wheel's sinkage behind its axle, over the path it went since `before`."""
+def run_in(e, state, tracks, details, ruts, h):
+    """Advance by h how deep a rut each wheel runs in: what it meets passes under it."""
+    arriving(e, state, tracks, details, ruts)
     for i in range(2 * int(e[I.rows])):
-        side = i % 2
-        at = e[I.row0 + i // 2]
-        go = state[PATHS + side] - before[side]
-        first = int(math.floor((before[side] + at) / CELL + 0.5 * CELLS))
-        last = int(math.floor((state[PATHS + side] + at) / CELL + 0.5 * CELLS))
-        if go < 0.0:
-            first, last = last + 1, first + 1
+        ahead = e[I.row0 + i // 2] - e[I.com_offset]
+        left = e[I.half_track] if i % 2 == 0 else -e[I.half_track]
+        yaw = state[VELOCITY + 2]
+        speed = math.hypot(state[VELOCITY] - yaw * left, state[VELOCITY + 1] + yaw * ahead)
+        keep = math.exp(-speed * h / (REACH * e[I.wheel_radius]))
+        ruts[i] = keep * state[MET + i] + (1.0 - keep) * ruts[i]
+        state[MET + i] = ruts[i]
+
+
+@njit(cache=True)
+def leave_marks(e, state, tracks, details):
+    """A mark of each wheel that has gone far enough since its last one."""
+    for i in range(2 * int(e[I.rows])):
         east, north = wheel_place(e, state, i)
-        for k in range(max(first, 0), min(last, CELLS)):
-            rut[side, i // 2, k] = details[5 * i + 3], east, north
+        marked = int(state[MARKED + i])
+        last = (marked - 1) % MARKS
+        if marked == 0 or math.hypot(east - tracks[i, last, 0], north - tracks[i, last, 1]) >= MARK:
+            tracks[i, marked % MARKS] = east, north, details[5 * i + 3]
+            state[MARKED + i] = marked + 1
 
 
 @njit(cache=True)
@@ -210,7 +232,7 @@ def advance_pose(state, h, new, rate):
 
 
 @njit(cache=True)
-def run(world, time, count, step, state, rut, start, tolerance, records):
+def run(world, time, count, step, state, tracks, start, tolerance, records):
     """Advance by count steps of a fixed length, each as finely as the tolerance wants.
 
     records[i]: pose, velocities, their rates at time + i step. Returns how many were reached.
@@ -218,14 +240,13 @@ def run(world, time, count, step, state, rut, start, tolerance, records):
     wheels = 2 * int(world.p[I.rows])
     e, details = np.empty(len(world.p)), np.zeros(5 * wheels + 3)
     ruts, new, error, f = np.zeros(wheels), np.empty(3), np.empty(3), np.empty(3)
-    omega, before = np.empty(2), np.empty(2)
+    omega = np.empty(2)
     remembered = world.p[I.multipass_memory] > 0.0
     h = 0.2 * step
     for i in range(count + 1):
         begin = time + i * step
         effective(world.p, world.off, world.window_of, world.windows, begin, state[POSE], state[POSE + 1], e)
-        if remembered:
-            rut_under(e, state, rut, ruts)
+        ruts[:] = state[MET : MET + wheels]
         trial = start.copy()
         if not derivative(world, begin, 0.0, state, state[VELOCITY : VELOCITY + 3].copy(), ruts, trial, e, details, f):
             return i
@@ -241,7 +262,7 @@ def run(world, time, count, step, state, rut, start, tolerance, records):
             read_series(world.drive, world.steps[0], now, omega)
             remember(e, state, omega[0], omega[1], details, 0.5 * h)
             if remembered:
-                rut_under(e, state, rut, ruts)
+                run_in(e, state, tracks, details, ruts, 0.5 * h)
             fine = velocity_step(world, now, h, state, ruts, start, e, details, new, error)
             worst = 100.0
             if fine:
@@ -256,7 +277,6 @@ def run(world, time, count, step, state, rut, start, tolerance, records):
                     return i
                 h *= max(0.2, 0.8 * worst ** (-1.0 / 3.0)) if worst < 100.0 else 0.2
                 continue
-            before[:] = state[PATHS : PATHS + 2]
             at = 5 * wheels
             half = e[I.half_track]
             for side in range(2):
@@ -270,7 +290,9 @@ def run(world, time, count, step, state, rut, start, tolerance, records):
             state[AUX + 7] = details[at + 2]
             read_series(world.drive, world.steps[0], now + h, omega)
             remember(e, state, omega[0], omega[1], details, 0.5 * h)
-            press_rut(e, state, before, rut, details)
+            leave_marks(e, state, tracks, details)
+            if remembered:
+                run_in(e, state, tracks, details, ruts, 0.5 * h)
             gone += h
             h *= min(3.0, max(0.3, 0.8 * max(worst, 1e-6) ** (-1.0 / 3.0)))
     return count + 1

@@ -117,6 +117,12 @@ impl<S: Scalar> Chassis<S> {
         self
     }
 
+    /// The wheels' places ahead and to the left of the reference point \[m\].
+    pub fn places(&self) -> Vec<[f64; 2]> {
+        let wheels = self.wheels.iter();
+        wheels.map(|wheel| wheel.place.map(|x| x.value())).collect()
+    }
+
     /// A wheel's place ahead and to the left of the centre of mass.
     #[inline(always)]
     pub fn arm(&self, index: usize) -> [S; 2] {

@@ -260,8 +260,8 @@ impl Point<'_> {
         self.altered.layout.rates(
             chassis,
             &situation,
-            regularisation,
             &wheels,
+            self.surroundings.tracks,
             effects.boundary,
             &mut rates,
         );

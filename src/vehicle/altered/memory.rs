@@ -1,7 +1,8 @@
 //! What a vehicle and its ground remember: states besides position and velocity.
 
-use super::{Chassis, Situation, rut};
-use crate::contact::{Regularisation, WheelMemory};
+use super::rut::Ruts;
+use super::{Chassis, Situation, Tracks};
+use crate::contact::WheelMemory;
 use crate::effects::{Boundary, Displacement, Effects, SlopeProfile};
 use crate::scalar::{Elementary, Scalar};
 use crate::vehicle::Specification;
@@ -48,6 +49,16 @@ impl MemoryLayout {
             rut: active.multipass.is_some(),
             wheels: specification.vehicle.wheel_count(),
         }
+    }
+
+    /// Whether wheels meet the ruts that they left.
+    pub fn has_ruts(&self) -> bool {
+        self.rut
+    }
+
+    /// Where the depth stands to which a wheel's soil was pressed before.
+    pub fn rut_of(&self, wheel: usize) -> usize {
+        self.first(wheel) + self.per_wheel() - 1
     }
 
     /// How many numbers there are.
@@ -133,8 +144,8 @@ impl MemoryLayout {
         &self,
         chassis: &Chassis<S>,
         at: &Situation<S>,
-        regularisation: &Regularisation,
         wheels: &[(S, WheelMemory<S>)],
+        tracks: Tracks,
         boundary: Boundary,
         rates: &mut Vec<S>,
     ) {
@@ -148,6 +159,10 @@ impl MemoryLayout {
         }
         let laws = (0..wheels.len()).map(|index| chassis.law(at, boundary, index));
         let laws: Vec<_> = laws.collect();
+        let effect = chassis.effects.multipass.filter(|_| self.rut);
+        let ruts = effect
+            .as_ref()
+            .map(|effect| Ruts::new(chassis, effect, at, &laws, wheels, tracks));
         for (index, (entry_angle, memory)) in wheels.iter().enumerate() {
             let motion = chassis.wheel_motion(at, index);
             let law = &laws[index];
@@ -173,16 +188,8 @@ impl MemoryLayout {
                 );
                 rates.extend([rate.forward, rate.lateral, rate.yaw, rate.rim]);
             }
-            if let (true, Some(effect)) = (self.rut, &chassis.effects.multipass) {
-                rates.push(rut::rate(
-                    chassis,
-                    effect,
-                    &motion,
-                    &laws,
-                    regularisation,
-                    wheels,
-                    index,
-                ));
+            if let Some(ruts) = &ruts {
+                rates.push(ruts.rate(index, memory.pressed));
             }
         }
     }

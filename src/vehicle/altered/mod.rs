@@ -12,11 +12,15 @@ mod memory;
 mod rut;
 mod solve;
 mod surroundings;
+mod tracks;
 
 pub(crate) use chassis::Chassis;
 pub(crate) use direction::Direction;
 pub(crate) use directions::{Differentiated, Directions};
 pub(crate) use memory::{MemoryLayout, Remembered};
+pub(crate) use rut::TrackSlope;
 pub(crate) use solve::{Altered, Prepared};
 pub use surroundings::Surroundings;
 pub(crate) use surroundings::{Environment, Situation};
+pub use tracks::Tracks;
+pub(crate) use tracks::{TRACK_SAMPLES, sample_size, spacing, steady_pose, steady_seconds};

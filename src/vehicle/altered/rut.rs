@@ -1,88 +1,166 @@
-//! The rut that a wheel meets: which row left it, and how far beside its track.
+//! The rut that a wheel meets: of all tracks that the wheels left, the deepest before it.
 
-use super::Chassis;
 use super::memory::SPEED_FLOOR;
-use crate::contact::{Regularisation, WheelLaw, WheelMemory, WheelMotion};
+use super::tracks::{Crossing, Front, Mark, Placed, Pose, View};
+use super::{Chassis, Situation, Tracks};
+use crate::contact::{WheelLaw, WheelMemory};
 use crate::effects::Multipass;
-use crate::scalar::{Elementary, Scalar};
+use crate::scalar::{Dual, Elementary, Scalar};
+use std::array::from_fn;
 
-/// Distance \[m\] below which two rows are taken as one behind the other.
-const CLOSEST_ROWS: f64 = 1e-3;
+/// How far before its axle a wheel meets the soil, and over which way that then works under it, in
+/// radii.
+const REACH: f64 = 1.0 / 3.0;
 
-/// Rate of change \[m/s\] of the depth to which the soil that a wheel meets was pressed before; entry angles
-/// and memory are those of every wheel.
-pub(super) fn rate<S: Scalar>(
-    chassis: &Chassis<S>,
-    effect: &Multipass<S>,
-    motion: &WheelMotion<S>,
-    laws: &[WheelLaw<S>],
-    regularisation: &Regularisation,
-    wheels: &[(S, WheelMemory<S>)],
-    index: usize,
-) -> S {
-    // Which row goes ahead depends on where the wheel travels to.
-    let onward = (motion.forward.scale(1.0 / regularisation.travel_speed)).smooth_step();
-    let forward = motion.forward.rounded_abs(regularisation.travel_speed);
-    let speed = (motion.forward * motion.forward + motion.lateral * motion.lateral)
-        .offset(SPEED_FLOOR)
-        .sqrt();
-    let before = |row: usize| chassis.wheels[row].place[0] - chassis.wheels[index].place[0];
-    // In a turn the soil on its way from row to row circles with the vehicle: it is carried aside as far
-    // as the point midway between them moves aside, not the wheel.
-    let missed = |row: usize| {
-        let midway = motion.lateral + motion.yaw_rate * before(row).scale(0.5);
-        let beside = before(row) * midway / (forward * S::constant(laws[index].width));
-        beside * beside
-    };
-    let mut rate = S::constant(0.0);
-    for (share, way) in [
-        (onward, Way::Onward),
-        (S::constant(1.0) - onward, Way::Back),
-    ] {
-        let ahead = way.rows_ahead(index, wheels.len());
-        let behind = way.turned().rows_ahead(index, wheels.len()).next();
-        // The leading row meets untouched soil, as if a row of its own length ahead.
-        let Some(neighbour) = ahead.clone().next().or(behind) else {
-            continue;
-        };
-        let arriving = match ahead.clone().map(missed).reduce(S::least) {
-            Some(missed) => {
-                let (entry, memory) = &wheels[neighbour];
-                effect.arriving(depth(&laws[neighbour], *entry, memory), missed)
-            }
-            None => S::constant(0.0),
-        };
-        let apart = before(neighbour).rounded_abs(CLOSEST_ROWS);
-        rate += share * speed / apart * (arriving - wheels[index].1.pressed);
-    }
-    rate
+/// Wheels, their tracks and how deep they stand.
+pub(super) struct Ruts<'a, S> {
+    chassis: &'a Chassis<S>,
+    effect: &'a Multipass<S>,
+    at: &'a Situation<S>,
+    view: View<'a>,
+    /// How deep each wheel stands below the untouched surface \[m\].
+    depths: Vec<S>,
 }
 
-/// Where a wheel travels to.
-#[derive(Clone, Copy)]
-enum Way {
-    Onward,
-    Back,
+/// How the rate of what a wheel meets depends on a sample of a track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TrackSlope {
+    /// The wheel that meets it, and the one whose track it is.
+    pub wheel: usize,
+    pub left_by: usize,
+    /// Place of the sample among those that are kept.
+    pub sample: usize,
+    /// By the sample's x, y, heading and depth.
+    pub by: [f64; 4],
 }
 
-impl Way {
-    fn turned(self) -> Self {
-        match self {
-            Self::Onward => Self::Back,
-            Self::Back => Self::Onward,
+impl<'a, S: Scalar> Ruts<'a, S> {
+    pub fn new(
+        chassis: &'a Chassis<S>,
+        effect: &'a Multipass<S>,
+        at: &'a Situation<S>,
+        laws: &[WheelLaw<S>],
+        wheels: &[(S, WheelMemory<S>)],
+        tracks: Tracks<'a>,
+    ) -> Self {
+        let standing = laws.iter().zip(wheels);
+        let depths: Vec<S> = standing
+            .map(|(law, (entry, memory))| depth(law, *entry, memory))
+            .collect();
+        Self {
+            view: View::new(tracks, chassis, at, &depths),
+            chassis,
+            effect,
+            at,
+            depths,
         }
     }
 
-    /// The wheels ahead of one of so many on its side, the nearest first.
-    fn rows_ahead(self, index: usize, count: usize) -> impl Iterator<Item = usize> + Clone {
-        let rows = match self {
-            Self::Onward => index / 2,
-            Self::Back => (count - 1 - index) / 2,
-        };
-        (1..=rows).map(move |row| match self {
-            Self::Onward => index - 2 * row,
-            Self::Back => index + 2 * row,
+    /// Where a wheel meets the soil.
+    fn front(&self, index: usize) -> Front<S> {
+        let wheel = &self.chassis.wheels[index];
+        let forward = self.chassis.wheel_motion(self.at, index).forward;
+        let way = if forward.value() < 0.0 { -REACH } else { REACH };
+        let [ahead, left] = wheel.place;
+        Front {
+            place: [ahead + wheel.law.radius.scale(way), left],
+            width: wheel.law.width,
+        }
+    }
+
+    fn deepest(&self, front: &Front<S>) -> Option<Crossing> {
+        self.view.deepest(&Front {
+            place: front.place.map(|x| x.value()),
+            width: front.width,
         })
+    }
+
+    /// Rate of change \[m/s\] of the depth to which the soil that a wheel meets was pressed before.
+    pub fn rate(&self, index: usize, pressed: S) -> S {
+        let front = self.front(index);
+        let pose = self.at.pose();
+        let met = self.deepest(&front).map(|from| {
+            let to = Crossing {
+                sample: from.sample + 1,
+                ..from
+            };
+            let now = self.depths[from.wheel];
+            let [from_mark, to_mark] = [from, to].map(|mark| self.view.mark(mark, &pose, now));
+            front.met(&from_mark, &to_mark, self.chassis.wheels[from.wheel].place)
+        });
+        let arriving = met.map_or(S::constant(0.0), |met| self.effect.memory * met);
+        self.pace(index) * (arriving - pressed)
+    }
+
+    /// How soon soil has passed under a wheel \[1/s\].
+    fn pace(&self, index: usize) -> S {
+        let motion = self.chassis.wheel_motion(self.at, index);
+        let speed = (motion.forward * motion.forward + motion.lateral * motion.lateral)
+            .offset(SPEED_FLOOR)
+            .sqrt();
+        speed / self.chassis.wheels[index].law.radius.scale(REACH)
+    }
+}
+
+impl Ruts<'_, f64> {
+    /// How the rates of what the wheels meet depend on the tracks' samples.
+    pub fn slopes(&self) -> Vec<TrackSlope> {
+        let mut slopes = Vec::new();
+        for wheel in 0..self.depths.len() {
+            let front = self.front(wheel);
+            let Some(crossing) = self.deepest(&front) else {
+                continue;
+            };
+            slopes.extend(self.crossing_slopes(wheel, &front, crossing));
+        }
+        slopes
+    }
+
+    fn crossing_slopes(
+        &self,
+        wheel: usize,
+        front: &Front<f64>,
+        crossing: Crossing,
+    ) -> impl Iterator<Item = TrackSlope> {
+        type D = Dual<f64, 8>;
+        let lift = D::constant;
+        let at = self.at.pose();
+        let pose = Pose {
+            place: at.place.map(lift),
+            velocity: at.velocity.map(lift),
+            yaw_rate: lift(at.yaw_rate),
+        };
+        let left_by = crossing.wheel;
+        let ends = [crossing.sample, crossing.sample + 1];
+        let [from, to] = [0, 1].map(|end| {
+            let sample = ends[end];
+            let Some(numbers) = self.view.recorded(sample) else {
+                let here = Crossing { sample, ..crossing };
+                return self.view.mark(here, &pose, lift(self.depths[left_by]));
+            };
+            let own = [numbers[0], numbers[1], numbers[2], numbers[3 + left_by]];
+            let own: [D; 4] = from_fn(|k| Dual::variable(own[k], 4 * end + k));
+            Mark {
+                placed: Placed::seen_from([own[0], own[1], own[2]], pose.place),
+                depth: own[3],
+            }
+        });
+        let lifted = Front {
+            place: front.place.map(lift),
+            width: front.width,
+        };
+        let place = self.chassis.wheels[left_by].place.map(lift);
+        let met = lifted.met(&from, &to, place);
+        let share = self.pace(wheel) * self.effect.memory;
+        let recorded = ends.map(|sample| self.view.recorded(sample).is_some());
+        (0..2)
+            .filter(move |end| recorded[*end])
+            .map(move |end| TrackSlope {
+                wheel,
+                left_by,
+                sample: ends[end],
+                by: from_fn(|k| share * met.eps[4 * end + k]),
+            })
     }
 }
 
@@ -92,19 +170,5 @@ fn depth<S: Scalar>(law: &WheelLaw<S>, entry: S, memory: &WheelMemory<S>) -> S {
     match &law.multipass {
         Some(effect) => sinkage + effect.rut(memory.pressed).ground,
         None => sinkage,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_ahead_are_those_of_the_same_side() {
-        let ahead = |way: Way, index| way.rows_ahead(index, 8).collect::<Vec<_>>();
-        assert_eq!(ahead(Way::Onward, 5), [3, 1]);
-        assert!(ahead(Way::Onward, 0).is_empty());
-        assert_eq!(ahead(Way::Back, 2), [4, 6]);
-        assert!(ahead(Way::Back, 7).is_empty());
     }
 }

@@ -1,7 +1,8 @@
 //! The balance of a vehicle whose motion effects alter.
 
 use super::loads::{LoadTargets, spread_loads};
-use super::{Chassis, Environment, MemoryLayout, Situation, Surroundings};
+use super::rut::{Ruts, TrackSlope};
+use super::{Chassis, Environment, MemoryLayout, Situation, Surroundings, Tracks};
 use crate::contact::{Detail, Regularisation, WheelContact, WheelForces, WheelMemory};
 use crate::effects::Boundary;
 use crate::parameter::ParameterError;
@@ -35,6 +36,7 @@ pub(crate) struct Prepared<'a> {
     pub situation: Situation<f64>,
     pub environment: Environment<f64>,
     pub memory: &'a [f64],
+    pub tracks: Tracks<'a>,
 }
 
 /// Accelerations, resistances and moments of the whole vehicle.
@@ -104,6 +106,7 @@ impl Altered {
             situation,
             environment: chassis.environment(&situation, effects, fading),
             memory: surroundings.memory,
+            tracks: surroundings.tracks,
         }
     }
 }
@@ -137,30 +140,50 @@ impl Prepared<'_> {
     }
 
     /// Writes the rates of what is remembered.
-    pub fn memory_rates(
-        &self,
-        balance: &Balance,
-        regularisation: &Regularisation,
-        rates: &mut Vec<f64>,
-    ) {
+    pub fn memory_rates(&self, balance: &Balance, rates: &mut Vec<f64>) {
         let Altered {
             layout,
             specification,
             ..
         } = self.altered;
-        let wheels = balance.wheels.iter().enumerate();
-        let wheels: Vec<_> = wheels
-            .map(|(index, wheel)| (wheel.entry_angle, layout.wheel(self.memory, index)))
-            .collect();
-        let boundary = specification.effects.boundary;
         layout.rates(
             self.chassis,
             &self.situation,
-            regularisation,
-            &wheels,
-            boundary,
+            &self.standing(balance),
+            self.tracks,
+            specification.effects.boundary,
             rates,
         );
+    }
+
+    /// Each wheel's entry angle and what it remembers.
+    fn standing(&self, balance: &Balance) -> Vec<(f64, WheelMemory<f64>)> {
+        let layout = &self.altered.layout;
+        let wheels = balance.wheels.iter().enumerate();
+        wheels
+            .map(|(index, wheel)| (wheel.entry_angle, layout.wheel(self.memory, index)))
+            .collect()
+    }
+
+    /// How the rates of what the wheels meet depend on the samples of their tracks.
+    pub fn track_slopes(&self, balance: &Balance) -> Vec<TrackSlope> {
+        let Some(effect) = &self.chassis.effects.multipass else {
+            return Vec::new();
+        };
+        let boundary = self.altered.specification.effects.boundary;
+        let wheels = 0..balance.wheels.len();
+        let laws: Vec<_> = wheels
+            .map(|index| self.chassis.law(&self.situation, boundary, index))
+            .collect();
+        Ruts::new(
+            self.chassis,
+            effect,
+            &self.situation,
+            &laws,
+            &self.standing(balance),
+            self.tracks,
+        )
+        .slopes()
     }
 
     /// Writes each wheel's load and its derivatives by the ground's specific force; whether one is

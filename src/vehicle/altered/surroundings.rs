@@ -1,7 +1,7 @@
 //! Where and how a vehicle stands, and what acts on it besides the ground's stresses.
 
 use super::loads::LoadTargets;
-use super::{Chassis, MemoryLayout};
+use super::{Chassis, MemoryLayout, Tracks};
 use crate::contact::{WheelLaw, WheelMotion};
 use crate::effects::{Boundary, Effects, ResidualMotion, SlopeGravity, Unscaled};
 use crate::scalar::Scalar;
@@ -18,6 +18,8 @@ pub struct Surroundings<'a> {
     pub time: f64,
     /// What the vehicle and its ground remember; empty for nothing yet.
     pub memory: &'a [f64],
+    /// The tracks that the wheels left.
+    pub tracks: Tracks<'a>,
 }
 
 /// Motion and surroundings, generic over the scalar.

@@ -1,0 +1,176 @@
+//! The tracks that the wheels leave while a simulation goes on.
+
+use super::{Simulation, State};
+use crate::scalar::Dual;
+use crate::vehicle::{
+    TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing, steady_pose,
+    steady_seconds,
+};
+
+/// The samples of the tracks that are kept, a sample for each of so many metres driven.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct LeftTracks {
+    /// Numbers of [`Tracks::left`]; none where tracks are not kept.
+    numbers: Vec<f64>,
+    /// Where the wheels were, sample by sample, east and north \[m\].
+    points: Vec<[f64; 2]>,
+    /// How many samples there have been since the last beginning.
+    begun: u64,
+    /// Whether all is still as it was while the vehicle came here.
+    steady: bool,
+    /// Where the wheels are on the vehicle; none where tracks are not kept.
+    places: Vec<[f64; 2]>,
+}
+
+impl LeftTracks {
+    /// No track yet.
+    pub fn new(model: &VehicleModel) -> Self {
+        let vehicle = model.vehicle();
+        let wheels = 0..vehicle.wheel_count();
+        let places = wheels
+            .map(|index| vehicle.wheel_centre(index).into())
+            .filter(|_| model.has_ruts());
+        Self {
+            places: places.collect(),
+            ..Self::default()
+        }
+    }
+
+    /// As models see them.
+    pub fn tracks(&self) -> Tracks<'_> {
+        if self.steady {
+            Tracks::STEADY
+        } else {
+            Tracks::left(&self.numbers, &self.points)
+        }
+    }
+
+    /// How many samples there have been since the last beginning.
+    pub fn begun(&self) -> u64 {
+        self.begun
+    }
+
+    /// Begins anew on untouched ground.
+    pub fn clear(&mut self) {
+        self.numbers.clear();
+        self.points.clear();
+        self.begun = 0;
+        self.steady = false;
+    }
+
+    /// From here on, or until [`LeftTracks::came_here`], tracks are as if the present motion had lasted.
+    pub fn begin_steady(&mut self) {
+        self.clear();
+        self.steady = !self.places.is_empty();
+    }
+
+    /// Leaves the tracks of a vehicle that came here in its present motion, the wheels as deep as now.
+    pub fn came_here(&mut self, state: &State, wrench: &Wrench) {
+        if !std::mem::take(&mut self.steady) {
+            return;
+        }
+        for seconds in self.steady_seconds(state) {
+            let [x, y, heading, v_x, v_y, yaw_rate] = state.to_array();
+            let pose = steady_pose(seconds, [x, y, heading], [v_x, v_y], yaw_rate);
+            self.push(pose, wrench);
+        }
+    }
+
+    /// Leaves a sample.
+    fn push(&mut self, pose: [f64; 3], wrench: &Wrench) {
+        let size = sample_size(self.places.len());
+        if self.numbers.len() >= TRACK_SAMPLES * size {
+            self.numbers.drain(..size);
+            self.points.drain(..self.places.len());
+        }
+        self.numbers.extend(pose);
+        let depths = wrench.wheels.iter().map(|wheel| wheel.sinkage);
+        self.numbers.extend(depths);
+        let places = self.places.iter();
+        self.points
+            .extend(places.map(|place| wheel_place(pose, place)));
+        self.begun += 1;
+    }
+
+    /// Seconds before a steady motion's present at which its samples were left, the oldest first.
+    pub fn steady_seconds(&self, state: &State) -> Vec<f64> {
+        steady_seconds(&self.places, [state.v_x, state.v_y], state.yaw_rate).collect()
+    }
+
+    /// Leaves a sample, if some wheel has come far enough from the last one.
+    pub fn follow(&mut self, state: &State, wrench: &Wrench) {
+        let wheels = self.places.len();
+        if wheels == 0 {
+            return;
+        }
+        let pose = [state.x, state.y, state.heading];
+        let far = spacing(&self.places);
+        let last = self.points.rchunks_exact(wheels).next();
+        let moved = last.is_none_or(|last| {
+            let mut wheels = last.iter().zip(&self.places);
+            wheels.any(|(from, place)| {
+                let to = wheel_place(pose, place);
+                (to[0] - from[0]).hypot(to[1] - from[1]) >= far
+            })
+        });
+        if moved {
+            self.push(pose, wrench);
+        }
+    }
+
+    /// Visits every number, for a snapshot: as many whatever has been driven.
+    pub fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
+        let wheels = self.places.len();
+        if wheels == 0 {
+            return;
+        }
+        let size = sample_size(wheels);
+        let mut count = (self.numbers.len() / size) as f64;
+        visit(&mut count);
+        let mut begun = self.begun as f64;
+        visit(&mut begun);
+        self.begun = begun as u64;
+        self.numbers.resize(TRACK_SAMPLES * size, 0.0);
+        self.numbers.iter_mut().for_each(visit);
+        let count = (count as usize).min(TRACK_SAMPLES);
+        self.numbers.truncate(count * size);
+        self.points.clear();
+        for sample in self.numbers.chunks_exact(size) {
+            let places = self.places.iter();
+            let pose = [sample[0], sample[1], sample[2]];
+            self.points
+                .extend(places.map(|place| wheel_place(pose, place)));
+        }
+    }
+}
+
+/// East and north of a place on a vehicle.
+fn wheel_place([x, y, heading]: [f64; 3], [ahead, left]: &[f64; 2]) -> [f64; 2] {
+    let (sin, cos) = heading.sin_cos();
+    [x + ahead * cos - left * sin, y + ahead * sin + left * cos]
+}
+
+/// Derivatives of the pose so many seconds ago of a vehicle that came to a state in its motion, by that state.
+pub(super) fn steady_pose_slopes(state: &State, seconds: f64) -> [[f64; State::COUNT]; 3] {
+    let numbers = state.to_array();
+    let [x, y, heading, v_x, v_y, yaw_rate] =
+        std::array::from_fn(|k| Dual::<f64, { State::COUNT }>::variable(numbers[k], k));
+    steady_pose(seconds, [x, y, heading], [v_x, v_y], yaw_rate).map(|number| number.eps)
+}
+
+impl Simulation {
+    /// How the rates of what the wheels meet depend on the samples of their tracks, at the present, evaluated state.
+    pub(super) fn track_slopes(&self) -> Vec<TrackSlope> {
+        let tracks = self.left.tracks();
+        let surroundings = self.state.surroundings(self.time, &self.memory, tracks);
+        let prepared = self.model.prepare(&self.now.motion, &surroundings);
+        prepared.map_or_else(Vec::new, |prepared| {
+            prepared.track_slopes(&self.now.balance)
+        })
+    }
+
+    /// Leaves the tracks of the step that was taken.
+    pub(super) fn leave_tracks(&mut self) {
+        self.left.follow(&self.state, &self.now.wrench);
+    }
+}
