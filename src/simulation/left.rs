@@ -1,7 +1,6 @@
 //! The tracks that the wheels leave while a simulation goes on.
 
 use super::{Simulation, State};
-use crate::scalar::Dual;
 use crate::vehicle::{
     TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing, steady_pose,
     steady_seconds,
@@ -148,14 +147,6 @@ impl LeftTracks {
 fn wheel_place([x, y, heading]: [f64; 3], [ahead, left]: &[f64; 2]) -> [f64; 2] {
     let (sin, cos) = heading.sin_cos();
     [x + ahead * cos - left * sin, y + ahead * sin + left * cos]
-}
-
-/// Derivatives of the pose so many seconds ago of a vehicle that came to a state in its motion, by that state.
-pub(super) fn steady_pose_slopes(state: &State, seconds: f64) -> [[f64; State::COUNT]; 3] {
-    let numbers = state.to_array();
-    let [x, y, heading, v_x, v_y, yaw_rate] =
-        std::array::from_fn(|k| Dual::<f64, { State::COUNT }>::variable(numbers[k], k));
-    steady_pose(seconds, [x, y, heading], [v_x, v_y], yaw_rate).map(|number| number.eps)
 }
 
 impl Simulation {

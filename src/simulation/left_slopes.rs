@@ -1,8 +1,7 @@
 //! Derivatives of the tracks that the wheels left: past states act on the present motion.
 
-use super::left::steady_pose_slopes;
 use super::{Simulation, State};
-use crate::vehicle::{TRACK_SAMPLES, sample_size};
+use crate::vehicle::{TRACK_SAMPLES, sample_size, steady_pose_slopes};
 use nalgebra::DMatrix;
 use std::collections::VecDeque;
 
@@ -45,7 +44,7 @@ impl LeftSlopes {
         self.clear();
         let state = simulation.state();
         for seconds in simulation.left.steady_seconds(&state) {
-            let slopes = steady_pose_slopes(&state, seconds);
+            let slopes = steady_pose_slopes(seconds, state.to_array());
             let slopes = DMatrix::from_fn(3, State::COUNT, |i, j| slopes[i][j]);
             let pose = slopes * by.rows(0, State::COUNT);
             self.samples.push_back(sample(&pose, depths));

@@ -21,7 +21,7 @@ mod wrench;
 
 pub(crate) use altered::{
     Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES, TrackSlope,
-    sample_size, spacing, steady_pose, steady_seconds,
+    sample_size, spacing, steady_pose, steady_pose_slopes, steady_seconds,
 };
 pub use altered::{Surroundings, Tracks};
 pub use balance::Balance;

@@ -23,4 +23,6 @@ pub(crate) use solve::{Altered, Prepared};
 pub use surroundings::Surroundings;
 pub(crate) use surroundings::{Environment, Situation};
 pub use tracks::Tracks;
-pub(crate) use tracks::{TRACK_SAMPLES, sample_size, spacing, steady_pose, steady_seconds};
+pub(crate) use tracks::{
+    TRACK_SAMPLES, sample_size, spacing, steady_pose, steady_pose_slopes, steady_seconds,
+};

@@ -1,7 +1,7 @@
 //! Where the wheels' tracks lie, seen from the vehicle.
 
 use super::{Chassis, Situation};
-use crate::scalar::{Elementary, Scalar};
+use crate::scalar::{Dual, Elementary, Scalar};
 
 /// Samples of the tracks that are kept.
 pub(crate) const TRACK_SAMPLES: usize = 64;
@@ -90,6 +90,13 @@ fn came_with<S: Scalar>(velocity: [S; 2]) -> [S; 2] {
     let [x, y] = velocity;
     let sign = if x.value() < 0.0 { -1.0 } else { 1.0 };
     [x.rounded_abs(CRAWL).scale(sign), y]
+}
+
+/// Derivatives of [`steady_pose`] by x, y, heading, both velocities and the yaw rate.
+pub(crate) fn steady_pose_slopes(seconds: f64, state: [f64; 6]) -> [[f64; 6]; 3] {
+    let [x, y, heading, v_x, v_y, yaw_rate] =
+        std::array::from_fn(|k| Dual::<f64, 6>::variable(state[k], k));
+    steady_pose(seconds, [x, y, heading], [v_x, v_y], yaw_rate).map(|number| number.eps)
 }
 
 /// A pose in the frame of another: how far ahead and to the left \[m\], and how far turned.
