@@ -107,6 +107,30 @@ fn no_slip_starts_at_the_speed_of_the_wheels() {
 }
 
 #[test]
+fn a_drive_is_taken_up_in_its_midst_where_its_ruts_are() {
+    let bench = Bench::new();
+    bench.write(
+        "straight.csv",
+        "time,omega_left,omega_right\n0,6,6\n20,6,6\n",
+    );
+    let ruts = r#"{"format": "ugv-effects/1", "multipass": {"memory": 1}}"#;
+    bench.write("ruts.json", ruts);
+    let entry = |options: &str, row: fn(&[f64]) -> f64| {
+        let csv = bench.stdout(&format!(
+            "simulate --input straight.csv --effects ruts.json {options}"
+        ));
+        row(&column(&csv, "wheel[7].entry_angle"))
+    };
+    let long = entry("", |rows| rows[rows.len() - 1]);
+    let untouched = entry("--initial no-slip", |rows| rows[0]);
+    let settled = entry("--initial no-slip --settled", |rows| rows[0]);
+    assert!(
+        (settled / long - 1.0).abs() < 0.03 && untouched > 1.2 * long,
+        "{long} {settled} {untouched}"
+    );
+}
+
+#[test]
 fn output_step_sets_the_rows() {
     let bench = Bench::new();
     let csv = bench.stdout("simulate --input drive.csv --output-step 0.1");

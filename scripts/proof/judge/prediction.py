@@ -28,7 +28,7 @@ class Simulator:
         initial = [f"{key}={value!r}" for key, value in vars(window.initial).items()]
         table = zip(window.time, window.left, window.right)
         text = "time,omega_left,omega_right\n" + "".join(f"{t:.6f},{a:.8g},{b:.8g}\n" for t, a, b in table)
-        command = [str(self.tool), "simulate", "--input", "-", "--model", str(self.model), "--initial", *initial]
+        command = [str(self.tool), "simulate", "--input", "-", "--model", str(self.model), "--initial", *initial, "--settled"]
         done = subprocess.run([*command, "--output", "-", "--quiet"], input=text, capture_output=True, text=True, check=False)
         if done.returncode:
             return None

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use ugv_terrain::effects::Kind;
 use ugv_terrain::recording::{CsvError, Drive, read_drive};
-use ugv_terrain::simulation::{Simulation, State};
+use ugv_terrain::simulation::{Simulation, SimulationError, State};
 use ugv_terrain::vehicle::VehicleModel;
 
 const EXAMPLES: &str = "\
@@ -27,6 +27,7 @@ Examples:
   ugv simulate --input drive.csv --terrain dry_sand --initial v_x=1.1 --output-step 0.05
   ugv simulate --input drive.csv --vehicle mine.json --initial no-slip heading=1.57 --output -
   ugv simulate --input drive.csv --effects effects.json --output motion.csv
+  ugv simulate --input drive.csv --effects ruts.json --initial no-slip --settled --output motion.csv
   ugv simulate --input drive.csv --model model.json --output motion.csv
   generate | ugv simulate --input - --quiet | plot
 
@@ -52,6 +53,11 @@ pub struct Args {
     /// [default: at rest at the origin]
     #[arg(long, value_name = "KEY=VALUE|no-slip", num_args = 1..)]
     initial: Vec<Initial>,
+
+    /// Begin in the midst of a drive: ruts and shear as if the initial motion had lasted, instead of on
+    /// untouched ground
+    #[arg(long)]
+    settled: bool,
 
     /// CSV file for the motion; - or nothing writes to standard output
     #[arg(long, value_name = "FILE.csv")]
@@ -103,7 +109,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .then(|| Trace::new(model.vehicle(), state));
     let mut progress = Progress::new(&recording, args.quiet);
     let mut simulation = Simulation::new(model);
-    simulation.set_state(state).map_err(Failure::Simulation)?;
+    begin(&mut simulation, &recording, state, args.settled).map_err(Failure::Simulation)?;
     let mut summary = Summary::new(&recording, simulation.state());
     table
         .write_all(table::header(simulation.model().vehicle().wheel_count()).as_bytes())
@@ -132,6 +138,22 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     table.finish()?;
     if !args.quiet {
         summary.tell(&recording, effects.as_deref(), elapsed.as_secs_f64());
+    }
+    Ok(())
+}
+
+/// Places the vehicle where a recording begins.
+fn begin(
+    simulation: &mut Simulation,
+    recording: &Drive,
+    state: State,
+    settled: bool,
+) -> Result<(), SimulationError> {
+    simulation.set_state(state)?;
+    if settled {
+        simulation.set_time(recording.time[0])?;
+        simulation.set_wheel_speeds(recording.wheel_speeds(0).into())?;
+        simulation.settle()?;
     }
     Ok(())
 }

@@ -9,6 +9,8 @@ pub(crate) const TRACK_SAMPLES: usize = 64;
 const SAMPLES_PER_BASE: f64 = 16.0;
 /// Half angle \[rad\] of an arc below which its chord is a series.
 const SMALL: f64 = 1e-2;
+/// Length \[m\] below which a piece of a track lies along the line on which a wheel meets it, not across.
+const ALONG: f64 = 1e-9;
 /// Slowest speed \[m/s\] at which a vehicle is taken to have come here.
 const CRAWL: f64 = 0.01;
 
@@ -301,7 +303,8 @@ impl<'a> View<'a> {
         let pairs = rows.clone().zip(rows.skip(1)).enumerate();
         for (sample, (from, to)) in pairs {
             for (wheel, (from, to)) in from.iter().zip(to).enumerate() {
-                if (from[0] > front.place[0]) == (to[0] > front.place[0]) {
+                let across = (from[0] > front.place[0]) != (to[0] > front.place[0]);
+                if !across || (to[0] - from[0]).abs() < ALONG {
                     continue;
                 }
                 let depths = [sample, sample + 1].map(|sample| self.depth(sample, wheel));
