@@ -8,7 +8,7 @@ effect! {
     /// carries the next row on it, until that row sinks deeper than the one before.
     ///
     /// Each wheel carries the depth z_m to which the soil that it runs on was pressed before, a state. The
-    /// tracks that all wheels left are remembered, with their depths z, over the last four wheel bases
+    /// tracks that all wheels left are remembered, with their depths z, over the last 13 wheel bases
     /// driven. A wheel meets them on a line along its axle, r/3 before it: of a track that crosses that
     /// line at the distance d beside the wheel's middle the share 1 / (1 + (d / b)^2), and of all
     /// tracks the one that is then the deepest counts. What the wheel meets passes under it within as

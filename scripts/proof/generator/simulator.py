@@ -9,7 +9,7 @@ import numpy as np
 
 from .catalogue import EFFECTS, MAX_ROWS, SERIES, I, off_vector, slot
 from .contact import rule
-from .stepper import AUX, MARK, MARKED, MARKS, STATE, run
+from .stepper import AUX, MARK, MARKED, MARKS, MET, STATE, run
 from .world import GRAVITY, Soil, Vehicle, parameter_vector
 
 STEP = 0.025  # s between records
@@ -115,6 +115,7 @@ def begin(world: World, pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
             east, north = pose[0] + along * c - left * s, pose[1] + along * s + left * c
             tracks[wheel] = np.stack([east, north, np.full(MARKS, depth)], 1)
             state[MARKED + wheel] = MARKS
+        state[MET + 2 : MET + wheels] = depth
     return Snapshot(state, tracks, np.zeros(2 * wheels + 2))
 
 

@@ -4,9 +4,9 @@ use super::{Chassis, Situation};
 use crate::scalar::{Dual, Elementary, Scalar};
 
 /// Samples of the tracks that are kept.
-pub(crate) const TRACK_SAMPLES: usize = 64;
+pub(crate) const TRACK_SAMPLES: usize = 128;
 /// Samples over the distance from the first row to the last.
-const SAMPLES_PER_BASE: f64 = 16.0;
+const SAMPLES_PER_BASE: f64 = 10.0;
 /// Half angle \[rad\] of an arc below which its chord is a series.
 const SMALL: f64 = 1e-2;
 /// Length \[m\] below which a piece of a track lies along the line on which a wheel meets it, not across.
