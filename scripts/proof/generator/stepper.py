@@ -14,7 +14,7 @@ from .body import accelerations
 from .catalogue import I
 
 # layout of the state vector
-POSE, VELOCITY, DISTANCE, PATHS, AUX, LAGS = 0, 3, 6, 7, 9, 17
+POSE, VELOCITY, DISTANCE, AUX, LAGS = 0, 3, 6, 7, 15
 MET = LAGS + 32  # depth of the rut that each wheel runs in
 MARKED = MET + 8  # marks that each wheel has left
 STATE = MARKED + 8
@@ -278,10 +278,6 @@ def run(world, time, count, step, state, tracks, start, tolerance, records):
                 h *= max(0.2, 0.8 * worst ** (-1.0 / 3.0)) if worst < 100.0 else 0.2
                 continue
             at = 5 * wheels
-            half = e[I.half_track]
-            for side in range(2):
-                sign = -1.0 if side == 0 else 1.0
-                state[PATHS + side] += 0.5 * h * (state[VELOCITY] + new[0] + sign * half * (state[VELOCITY + 2] + new[2]))
             state[DISTANCE] += 0.5 * h * (abs(state[VELOCITY]) + abs(new[0]))
             advance_pose(state, h, new, details[at : at + 3])
             state[VELOCITY : VELOCITY + 3] = new
