@@ -86,6 +86,16 @@ impl Moments {
         if bb > 0.0 { ab / bb } else { 0.0 }
     }
 
+    /// How much a is by b, where a is none without b; 0 where b is none.
+    #[must_use]
+    pub fn proportion(self) -> f64 {
+        if self.bb > 0.0 {
+            self.ab / self.bb
+        } else {
+            0.0
+        }
+    }
+
     /// Standard deviations of a and b.
     #[must_use]
     pub fn deviations(self) -> (f64, f64) {
@@ -109,6 +119,8 @@ mod tests {
         assert_eq!(moments.count, 47.0);
         assert!((moments.slope() + 3.0).abs() < 1e-12);
         assert!((moments.correlation() + 1.0).abs() < 1e-12);
+        let through_origin = (4.0 * moments.b - 3.0 * moments.bb) / moments.bb;
+        assert!((moments.proportion() - through_origin).abs() < 1e-12);
         let (da, db) = moments.deviations();
         assert!((da - 3.0 * db).abs() < 1e-12);
         let twice = moments.centred().and(moments.centred());

@@ -66,13 +66,24 @@ impl Agreement {
     /// The strongest correlation of either sign, and how much the first signal changes with the
     /// second there.
     pub fn strongest(&self) -> (f64, f64) {
+        let moments = self.clearest();
+        (moments.correlation(), moments.slope())
+    }
+
+    /// How much the first signal is by the second, and how much it changes with it: the same where it is none without it,
+    /// and nothing else changed meanwhile.
+    pub fn ratios(&self) -> [f64; 2] {
+        let moments = self.clearest();
+        [moments.proportion(), moments.slope()]
+    }
+
+    fn clearest(&self) -> Moments {
         let (low, high) = self.extremes();
-        let moments = if -low > high {
+        if -low > high {
             self.lowest
         } else {
             self.highest
-        };
-        (moments.correlation(), moments.slope())
+        }
     }
 
     /// Standard deviation of the second signal's mean rates.

@@ -2,9 +2,10 @@
 
 use super::agreement::{Agreement, compare, cumulated, wheels};
 use super::limits::limit;
+use super::signs::travel;
 use super::{note, place};
 use crate::recording::csv::{RawRun, Samples};
-use crate::recording::{About, Channel, Note, NoteKind};
+use crate::recording::{About, Channel, Cumulated, Grid, Note, NoteKind};
 use crate::vehicle::Vehicle;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -32,6 +33,10 @@ const MOST_TURN_OF_RIMS: f64 = 5.0;
 const EFFECTIVE: RangeInclusive<f64> = 0.7..=1.2;
 /// The same where no vehicle is known, whose wheels may have a radius of a metre.
 const EFFECTIVE_OF_ANY: RangeInclusive<f64> = 0.85..=1.1;
+/// Share of the way that goes along the heading, at least, where the way tells the unit of wheel speeds.
+const AHEAD: f64 = 0.8;
+/// Means for it are over so many seconds \[s\].
+const SPAN: f64 = 1.0;
 /// No vehicle moves at more than so many times the speed of its rims, sliding downhill aside.
 const MOST_TRAVEL: f64 = 1.5;
 
@@ -108,11 +113,30 @@ fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
     from_degrees(samples, Channel::Heading, &evidence)
 }
 
+/// Way along the heading \[m\] of a run in which the vehicle goes along its heading: one that is measured across, or in
+/// another frame, tells nothing of the wheels' unit.
+fn travel_ahead(run: &RawRun) -> Option<Cumulated> {
+    let way = travel(run)?;
+    let (x, y) = (cumulated(run, Channel::X)?, cumulated(run, Channel::Y)?);
+    let grid = Grid::over(&x, &way, STEP)?;
+    let rates = |sum: &Cumulated| sum.mean_rates(grid, SPAN);
+    let (x, y) = (rates(&x), rates(&y));
+    let (mut ahead, mut whole) = (0.0, 0.0);
+    for (way, (x, y)) in rates(&way).iter().zip(x.iter().zip(&y)) {
+        if let (Some(way), Some(x), Some(y)) = (way, x, y) {
+            ahead += way.abs();
+            whole += x.hypot(*y);
+        }
+    }
+    (ahead >= AHEAD * whole).then_some(way)
+}
+
 /// Wheel speeds in metres per second: as rad/s the vehicle would leave its rims behind. Without a vehicle they are told.
 fn rim_speeds(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> {
     let sides = [Channel::OmegaLeft, Channel::OmegaRight];
     let mean = |run: &_| wheels(run, [0.5, 0.5]);
-    let (correlation, slope) = compare(samples, STEP, super::signs::travel, mean)?.strongest();
+    let found = compare(samples, STEP, travel_ahead, mean)?;
+    let (correlation, slope) = found.strongest();
     if correlation < STRONG {
         return None;
     }
@@ -121,11 +145,15 @@ fn rim_speeds(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> 
             "both wheel speeds may be rim speeds in m/s: the vehicle moves at {slope:.2} of them \
              (correlation {correlation:.2}); left as they are, for the wheels' radius is not known"
         );
-        let is_told = EFFECTIVE_OF_ANY.contains(&slope);
+        let is_told = found
+            .ratios()
+            .iter()
+            .all(|ratio| EFFECTIVE_OF_ANY.contains(ratio));
         let place = place(samples, sides[0]);
         return note(NoteKind::Suspicion, Some(sides[0]), place, text).filter(|_| is_told);
     };
-    if !EFFECTIVE.contains(&slope) || slope < MOST_TRAVEL * radius {
+    let fits = |ratio: &f64| EFFECTIVE.contains(ratio) && *ratio >= MOST_TRAVEL * radius;
+    if !found.ratios().iter().all(fits) {
         return None;
     }
     let places = sides.map(|side| scale(samples, side, 1.0 / radius));
@@ -199,9 +227,13 @@ fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> 
     };
     let radius = vehicle?.wheel_radius;
     let mean = |run: &_| wheels(run, [0.5, 0.5]);
-    let (correlation, slope) = compare(samples, STEP, super::signs::travel, mean)?.strongest();
+    let found = compare(samples, STEP, travel_ahead, mean)?;
+    let (correlation, slope) = found.strongest();
     let units = [("degrees per second", DEGREES), ("rpm", 30.0 / PI)];
-    let fits = |unit: &(&str, f64)| EFFECTIVE.contains(&(slope * unit.1 / radius));
+    let fits = |unit: &(&str, f64)| {
+        let effective = found.ratios().map(|ratio| ratio * unit.1 / radius);
+        effective.iter().all(|ratio| EFFECTIVE.contains(ratio))
+    };
     let (name, size) = units
         .into_iter()
         .find(fits)
