@@ -140,7 +140,7 @@ impl Trajectory {
 trait Driven {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
     /// The drive begins in the midst of another.
-    fn settle(&mut self) -> Result<(), SimulationError>;
+    fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError>;
     fn advance(&mut self, seconds: f64, look: impl FnMut(&LastStep))
     -> Result<(), SimulationError>;
     /// The rate of change of the state, and its derivatives where they are carried.
@@ -156,8 +156,8 @@ impl Driven for Simulation {
         self.set_wheel_accelerations(rates)
     }
 
-    fn settle(&mut self) -> Result<(), SimulationError> {
-        Self::settle(self)
+    fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError> {
+        Self::settle_after(self, course)
     }
 
     fn advance(
@@ -178,8 +178,8 @@ impl Driven for SensitiveSimulation {
         self.drive(speeds, rates)
     }
 
-    fn settle(&mut self) -> Result<(), SimulationError> {
-        Self::settle(self)
+    fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError> {
+        Self::settle_after(self, course)
     }
 
     fn advance(
@@ -222,7 +222,7 @@ fn drive<D: Driven>(
     let mut row = drive.time.partition_point(|time| *time <= now);
     let (speeds, rates) = wheels(drive, row, now);
     simulation.wheels(speeds, rates)?;
-    simulation.settle()?;
+    simulation.settle_after(request.course)?;
     let (rates, derivatives) = simulation.here()?;
     out.push(*request.start, rates, derivatives);
     let mut wanted = later

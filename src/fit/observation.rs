@@ -74,6 +74,7 @@ pub fn observe_gated(
     let request = Request {
         parameters,
         start: &State::from_array(*start),
+        course: &segment.course_here(sensors),
         clock: segment.clock,
         drive: &segment.drive,
         wheel_latency: sensors[SensorParameter::WheelLatency.index()],

@@ -12,6 +12,10 @@ pub struct Request<'a> {
     pub parameters: &'a [f64],
     /// The state at the first of the times.
     pub start: &'a State,
+    /// Poses over which the vehicle came there, the oldest first, as
+    /// [`Simulation::settle_after`](crate::simulation::Simulation::settle_after) takes them; without any its motion at the
+    /// start is taken to have lasted.
+    pub course: &'a [[f64; 3]],
     /// What the model's clock shows at time 0 \[s\].
     pub clock: f64,
     /// Recorded wheel speeds, linear between rows and held beyond the ends.

@@ -238,6 +238,7 @@ impl<P: Predictor> Stretch<'_, P> {
         let request = Request {
             parameters: &[],
             start: &State::from_array(*start),
+            course: &self.segment.course_here(&self.sensors),
             clock: self.segment.clock,
             drive: &self.segment.drive,
             wheel_latency: self.sensors[SensorParameter::WheelLatency.index()],

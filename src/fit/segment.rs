@@ -7,7 +7,8 @@
 
 use super::sensor::{SensorParameter, SensorValues};
 use super::told_start::{AT_REST, START_DEVIATION, with_start};
-use crate::recording::{Channel, Drive, Recording, Run};
+use crate::recording::{Channel, Drive, Recording, Run, course_to};
+use crate::vehicle::seen_from;
 use std::sync::Arc;
 
 /// A channel that is fitted.
@@ -157,6 +158,8 @@ pub struct Segment {
     pub drive: Arc<Drive>,
     /// What was measured.
     pub samples: Vec<Samples>,
+    /// Poses as the sensor told them, over which the vehicle came to the start, that one the last; empty where not known.
+    pub course: Arc<[[f64; 3]]>,
     /// What is known of the start before the fit: read off the sensors, with wide standard
     /// deviations, as the same samples take part in the fit.
     pub start_prior: [f64; 6],
@@ -173,6 +176,30 @@ impl Segment {
     pub fn follows(&self, before: &Self) -> bool {
         (self.recording, self.run) == (before.recording, before.run)
             && (self.start - before.end).abs() < SAME_TIME
+    }
+
+    /// The poses of the vehicle itself over which it came to the start, seen from there, as
+    /// [`Request::course`](super::predictor::Request::course) wants them.
+    #[must_use]
+    pub fn course_here(&self, sensors: &SensorValues) -> Vec<[f64; 3]> {
+        let value = |parameter: SensorParameter| sensors[parameter.index()];
+        let vehicle = |told: &[f64; 3]| {
+            let heading = told[2] - value(SensorParameter::HeadingOffset);
+            let (sin, cos) = heading.sin_cos();
+            let ahead = value(SensorParameter::LeverArmX);
+            let left = value(SensorParameter::LeverArmY);
+            [
+                told[0] - ahead * cos + left * sin,
+                told[1] - ahead * sin - left * cos,
+                heading,
+            ]
+        };
+        let Some((here, before)) = self.course.split_last() else {
+            return Vec::new();
+        };
+        let here = vehicle(here);
+        let seen = before.iter().map(|told| seen_from(vehicle(told), here));
+        seen.collect()
     }
 
     /// Number of samples, of all channels together.
@@ -231,6 +258,7 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
                 end,
                 drive,
                 samples: Vec::new(),
+                course: Arc::default(),
                 start_prior: [0.0; 6],
                 start_deviation: START_DEVIATION,
             };
@@ -278,6 +306,7 @@ impl Cut {
                 start: from,
                 end: from + step,
                 samples: samples(run, sensors, from, from + step),
+                course: course(run, sensors, from),
                 ..whole.clone()
             };
             if segment.sample_count() < FEWEST_SAMPLES {
@@ -293,6 +322,15 @@ impl Cut {
             self.segments.push(segment);
         }
     }
+}
+
+/// The poses over which the vehicle came to where it is at a time.
+fn course(run: &Run, sensors: &SensorValues, time: f64) -> Arc<[[f64; 3]]> {
+    let series = [Channel::X, Channel::Y, Channel::Heading].map(|channel| run.series(channel));
+    let [Some(x), Some(y), Some(heading)] = series else {
+        return Arc::default();
+    };
+    course_to(x, y, heading, time + Signal::X.latency(sensors)).into()
 }
 
 /// The fastest wheel speed between two times \[rad/s\].

@@ -36,7 +36,7 @@ fn simulate(model: &Arc<VehicleModel>, window: &Window) -> Result<[f64; 3], Simu
         simulation.set_wheel_accelerations(wheels.wheel_accelerations(row).into())?;
         if row == 0 {
             // The window begins in the midst of a drive.
-            simulation.settle()?;
+            simulation.settle_after(&window.course)?;
         }
         simulation.step(wheels.time[row + 1] - wheels.time[row])?;
     }

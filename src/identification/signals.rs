@@ -4,7 +4,8 @@ use super::estimate::median;
 use super::increments::Increments;
 use super::latency::gyro_bias;
 use super::{IdentificationError, Latencies};
-use crate::recording::{Channel, Drive, Recording, Run, Series};
+use crate::recording::{Channel, Drive, Recording, Run, Series, course_to};
+use crate::vehicle::seen_from;
 use std::f64::consts::{PI, TAU};
 
 /// Wheel speeds or yaw rates this far apart are lost in between \[s\].
@@ -134,6 +135,17 @@ impl Signals {
     pub fn pose(&self, time: f64) -> Option<[f64; 3]> {
         let at = time + self.pose_latency();
         Some([self.x.at(at)?, self.y.at(at)?, self.heading.at(at)?])
+    }
+
+    /// The poses over which the vehicle came to where it is at a time, the oldest first, seen from there.
+    #[must_use]
+    pub fn course(&self, time: f64) -> Vec<[f64; 3]> {
+        let at = time + self.pose_latency();
+        let course = course_to(&self.x, &self.y, &self.heading, at);
+        let Some((here, before)) = course.split_last() else {
+            return Vec::new();
+        };
+        before.iter().map(|pose| seen_from(*pose, *here)).collect()
     }
 
     /// The times at which the position was sampled within a span.

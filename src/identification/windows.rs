@@ -60,6 +60,9 @@ pub struct Window {
     pub end: [f64; 3],
     /// Wheel speeds in between, times from 0.
     pub wheels: Drive,
+    /// Poses over which the vehicle came to the start, the oldest first, seen from there: ahead, to the left \[m\] and
+    /// turned \[rad\].
+    pub course: Vec<[f64; 3]>,
 }
 
 impl Window {
@@ -196,6 +199,7 @@ fn window(signals: &Signals, run: usize, start: f64, wheels: Drive, cut: &Cut) -
         },
         end,
         wheels,
+        course: signals.course(start),
     })
 }
 

@@ -7,6 +7,8 @@
 mod about;
 mod channel;
 #[cfg(feature = "analysis")]
+mod course;
+#[cfg(feature = "analysis")]
 mod csv;
 mod cumulated;
 mod drive;
@@ -22,7 +24,9 @@ mod way;
 pub use about::About;
 pub use channel::Channel;
 #[cfg(feature = "analysis")]
-pub use csv::{Cell, CsvError, read_drive};
+pub use course::course_to;
+#[cfg(feature = "analysis")]
+pub use csv::{Cell, CsvError, read_drive, read_poses};
 pub use cumulated::{Cumulated, Grid, stretches};
 pub use drive::{Drive, fill_gaps};
 pub use fault::{RecordingFault, SameName, SeriesFault, different_names};

@@ -2,8 +2,7 @@
 
 use super::{Simulation, State};
 use crate::vehicle::{
-    TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing, steady_pose,
-    steady_seconds,
+    Came, TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing,
 };
 
 /// The samples of the tracks that are kept, a sample for each of so many metres driven.
@@ -15,8 +14,8 @@ pub(super) struct LeftTracks {
     points: Vec<[f64; 2]>,
     /// How many samples there have been since the last beginning.
     begun: u64,
-    /// Whether all is still as it was while the vehicle came here.
-    steady: bool,
+    /// How the vehicle came here, as long as all is still as it was meanwhile.
+    came: Option<Came>,
     /// Where the wheels are on the vehicle; none where tracks are not kept.
     places: Vec<[f64; 2]>,
 }
@@ -37,10 +36,9 @@ impl LeftTracks {
 
     /// As models see them.
     pub fn tracks(&self) -> Tracks<'_> {
-        if self.steady {
-            Tracks::STEADY
-        } else {
-            Tracks::left(&self.numbers, &self.points)
+        match &self.came {
+            Some(came) => came.tracks(),
+            None => Tracks::left(&self.numbers, &self.points),
         }
     }
 
@@ -54,25 +52,35 @@ impl LeftTracks {
         self.numbers.clear();
         self.points.clear();
         self.begun = 0;
-        self.steady = false;
+        self.came = None;
     }
 
-    /// From here on, or until [`LeftTracks::came_here`], tracks are as if the present motion had lasted.
-    pub fn begin_steady(&mut self) {
+    /// From here on, or until [`LeftTracks::came_here`], tracks are as if the vehicle had come here over these poses, seen
+    /// from the present one, each wheel as deep as now; without any, in its present motion.
+    pub fn arrive(&mut self, course: &[[f64; 3]]) {
         self.clear();
-        self.steady = !self.places.is_empty();
+        if !self.places.is_empty() {
+            self.came = Some(if course.is_empty() {
+                Came::Steadily
+            } else {
+                Came::along(&self.places, course)
+            });
+        }
     }
 
-    /// Leaves the tracks of a vehicle that came here in its present motion, the wheels as deep as now.
+    /// Leaves the tracks of a vehicle that came here so, the wheels as deep as now.
     pub fn came_here(&mut self, state: &State, wrench: &Wrench) {
-        if !std::mem::take(&mut self.steady) {
-            return;
+        if let Some(came) = self.came.take() {
+            for pose in came.poses(&self.places, state.to_array()) {
+                self.push(pose, wrench);
+            }
         }
-        for seconds in self.steady_seconds(state) {
-            let [x, y, heading, v_x, v_y, yaw_rate] = state.to_array();
-            let pose = steady_pose(seconds, [x, y, heading], [v_x, v_y], yaw_rate);
-            self.push(pose, wrench);
-        }
+    }
+
+    /// Derivatives by the state of the poses in which [`LeftTracks::came_here`] would leave samples.
+    pub fn came_slopes(&self, state: &State) -> Vec<[[f64; State::COUNT]; 3]> {
+        let came = self.came.as_ref();
+        came.map_or_else(Vec::new, |came| came.slopes(&self.places, state.to_array()))
     }
 
     /// Leaves a sample.
@@ -89,11 +97,6 @@ impl LeftTracks {
         self.points
             .extend(places.map(|place| wheel_place(pose, place)));
         self.begun += 1;
-    }
-
-    /// Seconds before a steady motion's present at which its samples were left, the oldest first.
-    pub fn steady_seconds(&self, state: &State) -> Vec<f64> {
-        steady_seconds(&self.places, [state.v_x, state.v_y], state.yaw_rate).collect()
     }
 
     /// Leaves a sample, if some wheel has come far enough from the last one.

@@ -1,7 +1,7 @@
 //! Derivatives of the tracks that the wheels left: past states act on the present motion.
 
 use super::{Simulation, State};
-use crate::vehicle::{TRACK_SAMPLES, sample_size, steady_pose_slopes};
+use crate::vehicle::{TRACK_SAMPLES, sample_size};
 use nalgebra::DMatrix;
 use std::collections::VecDeque;
 
@@ -39,12 +39,16 @@ impl LeftSlopes {
         self.samples.push_back(sample(&pose, &depths()));
     }
 
-    /// Takes note of the tracks of a vehicle that came here in its present motion.
-    pub fn came_here(&mut self, simulation: &Simulation, by: &DMatrix<f64>, depths: &DMatrix<f64>) {
+    /// Takes note of the tracks that the vehicle came with, in poses with these derivatives by its state.
+    pub fn came_here(
+        &mut self,
+        simulation: &Simulation,
+        poses: &[[[f64; State::COUNT]; 3]],
+        by: &DMatrix<f64>,
+        depths: &DMatrix<f64>,
+    ) {
         self.clear();
-        let state = simulation.state();
-        for seconds in simulation.left.steady_seconds(&state) {
-            let slopes = steady_pose_slopes(seconds, state.to_array());
+        for slopes in poses {
             let slopes = DMatrix::from_fn(3, State::COUNT, |i, j| slopes[i][j]);
             let pose = slopes * by.rows(0, State::COUNT);
             self.samples.push_back(sample(&pose, depths));

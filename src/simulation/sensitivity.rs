@@ -5,6 +5,7 @@ use super::last_step::{Derivatives, LastStep};
 use super::left_slopes::LeftSlopes;
 use super::linearised::Columns;
 use super::memory::directions;
+use super::settled::check_course;
 use super::variation::{Variation, identity};
 use super::{Simulation, SimulationError, State, WheelSpeeds};
 use crate::parameter::ParameterError;
@@ -168,10 +169,20 @@ impl SensitiveSimulation {
     /// # Errors
     /// As [`Simulation::settle`].
     pub fn settle(&mut self) -> Result<(), SimulationError> {
+        self.settle_after(&[])
+    }
+
+    /// As [`Simulation::settle_after`]; the course is the same whatever the derivatives are by, but for the pose that it
+    /// leads to.
+    ///
+    /// # Errors
+    /// As [`Simulation::settle_after`].
+    pub fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError> {
+        check_course(course)?;
         if self.simulation.memory().is_empty() {
             return Ok(());
         }
-        if let Err(error) = self.simulation.settle_steadily() {
+        if let Err(error) = self.simulation.settle_arriving(course) {
             self.simulation.left.clear();
             return Err(error);
         }

@@ -2,7 +2,7 @@
 //! midst of another.
 
 use super::memory::memory_directions;
-use super::{Simulation, SimulationError};
+use super::{Simulation, SimulationError, finite};
 use crate::vehicle::Remembered;
 use nalgebra::DMatrix;
 
@@ -43,6 +43,12 @@ impl Settling {
     }
 }
 
+/// Refuses poses that are not finite.
+pub(super) fn check_course(course: &[[f64; 3]]) -> Result<(), SimulationError> {
+    const NAMES: [&str; 3] = ["pose ahead", "pose to the left", "pose turned"];
+    course.iter().try_for_each(|pose| finite(&NAMES, pose))
+}
+
 impl Simulation {
     /// Sets what the vehicle and its ground remember to where it stays in the present motion: ruts as deep
     /// as the rows ahead press them, shear as in steady motion (14). The distance stays, and so
@@ -51,10 +57,22 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::wrench`].
     pub fn settle(&mut self) -> Result<(), SimulationError> {
+        self.settle_after(&[])
+    }
+
+    /// As [`Simulation::settle`], with the tracks of a vehicle that came here over a course: poses, the oldest first, as
+    /// [`seen_from`](crate::vehicle::seen_from) tells them from the present one, ahead, to the left \[m\] and turned
+    /// \[rad\]. The wheels are taken to have stood as deep there as now, and to have come straight on to where it begins.
+    /// Without any pose the present motion is taken to have lasted.
+    ///
+    /// # Errors
+    /// A pose that is not finite; then nothing has changed. Else as [`Simulation::wrench`].
+    pub fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError> {
+        check_course(course)?;
         if self.memory.is_empty() {
             return Ok(());
         }
-        let settled = self.settle_steadily();
+        let settled = self.settle_arriving(course);
         match settled {
             Ok(()) => self.left.came_here(&self.state, &self.now.wrench),
             Err(_) => self.left.clear(),
@@ -62,9 +80,9 @@ impl Simulation {
         settled
     }
 
-    /// As [`Simulation::settle`], and tracks are as if the present motion had lasted, whatever it is.
-    pub(super) fn settle_steadily(&mut self) -> Result<(), SimulationError> {
-        self.left.begin_steady();
+    /// As [`Simulation::settle_after`], but the tracks go on to be those that it came with, whatever its motion is.
+    pub(super) fn settle_arriving(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError> {
+        self.left.arrive(course);
         self.now.valid = false;
         let directions = self.model.directions(memory_directions(self.memory.len()));
         let mut results = Vec::new();

@@ -148,8 +148,9 @@ impl Variation {
             let now = self.linearise(simulation);
             let depths = now.depths(&self.by, &self.columns);
             let (state, wrench) = (simulation.state, &simulation.now.wrench);
+            let poses = simulation.left.came_slopes(&state);
             simulation.left.came_here(&state, wrench);
-            self.left.came_here(simulation, &self.by, &depths);
+            self.left.came_here(simulation, &poses, &self.by, &depths);
         }
     }
 

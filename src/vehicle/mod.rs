@@ -20,10 +20,10 @@ mod trend;
 mod wrench;
 
 pub(crate) use altered::{
-    Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES, TrackSlope,
-    sample_size, spacing, steady_pose, steady_pose_slopes, steady_seconds,
+    Came, Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES, TrackSlope,
+    sample_size, spacing,
 };
-pub use altered::{Surroundings, Tracks};
+pub use altered::{Surroundings, Tracks, seen_from};
 pub use balance::Balance;
 pub use geometry::Vehicle;
 pub use linear::Linearisation;

@@ -69,10 +69,15 @@ fn driven(mut drive: SensitiveSimulation) -> SensitiveSimulation {
 }
 
 pub fn compare(what: &str, exact: [f64; 6], difference: [f64; 6]) {
+    compare_within(RELATIVE_TOLERANCE, what, exact, difference);
+}
+
+/// Compares within a share of the largest.
+fn compare_within(share: f64, what: &str, exact: [f64; 6], difference: [f64; 6]) {
     let largest = difference.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     for (a, b) in exact.iter().zip(difference) {
         assert!(
-            (a - b).abs() <= RELATIVE_TOLERANCE * largest + 1e-9,
+            (a - b).abs() <= share * largest + 1e-9,
             "{what}: {exact:?} {difference:?}"
         );
     }
@@ -82,29 +87,71 @@ pub fn difference(high: [f64; 6], low: [f64; 6], step: f64) -> [f64; 6] {
     std::array::from_fn(|k| (high[k] - low[k]) / (2.0 * step))
 }
 
-/// Where a drive with a specification from a start ends.
-type End = fn(&Specification, State) -> [f64; 6];
+/// A drive that is differentiated.
+pub struct Differentiated<'a> {
+    pub on: &'a Specification,
+    pub start: State,
+    /// Where it ends with a specification from a start.
+    pub end: &'a dyn Fn(&Specification, State) -> [f64; 6],
+    /// Share of the largest by which derivatives and differences may part.
+    pub tolerance: f64,
+}
 
-/// Compares the derivatives by these parameters, moved by steps of their own.
-pub fn compare_by_parameters(
-    what: &str,
-    exact: &SensitiveSimulation,
-    on: &Specification,
-    parameters: &[(Parameter, f64)],
-    end: End,
-) {
-    for (index, (parameter, step)) in parameters.iter().enumerate() {
-        let moved = |by: f64| {
-            let mut changed = on.clone();
-            let value = parameter.get(on) + by;
-            parameter.set(&mut changed, value).unwrap();
-            end(&changed, START)
-        };
-        compare(
-            &format!("{what} {}", parameter.name()),
-            exact.derivatives().by_parameter(index),
-            difference(moved(*step), moved(-step), *step),
-        );
+impl<'a> Differentiated<'a> {
+    /// From [`START`], by differences that nothing chops.
+    pub fn new(on: &'a Specification, end: &'a dyn Fn(&Specification, State) -> [f64; 6]) -> Self {
+        Self {
+            on,
+            start: START,
+            end,
+            tolerance: RELATIVE_TOLERANCE,
+        }
+    }
+
+    /// Compares the derivatives by these parameters, moved by steps of their own.
+    pub fn by_parameters(
+        &self,
+        what: &str,
+        exact: &SensitiveSimulation,
+        parameters: &[(Parameter, f64)],
+    ) {
+        for (index, (parameter, step)) in parameters.iter().enumerate() {
+            let moved = |by: f64| {
+                let mut changed = self.on.clone();
+                let value = parameter.get(self.on) + by;
+                parameter.set(&mut changed, value).unwrap();
+                (self.end)(&changed, self.start)
+            };
+            compare_within(
+                self.tolerance,
+                &format!("{what} {}", parameter.name()),
+                exact.derivatives().by_parameter(index),
+                difference(moved(*step), moved(-step), *step),
+            );
+        }
+    }
+
+    /// Compares the derivatives by some numbers of the start, moved by a step.
+    pub fn by_beginning(
+        &self,
+        exact: &SensitiveSimulation,
+        columns: std::ops::Range<usize>,
+        step: f64,
+    ) {
+        let by_initial = exact.derivatives().by_initial();
+        for column in columns {
+            let moved = |by: f64| {
+                let mut start = self.start.to_array();
+                start[column] += by;
+                (self.end)(self.on, State::from_array(start))
+            };
+            compare_within(
+                self.tolerance,
+                &format!("initial state {column}"),
+                by_initial.column(column).into_owned().into(),
+                difference(moved(step), moved(-step), step),
+            );
+        }
     }
 }
 
@@ -118,31 +165,10 @@ pub fn by_shares(
     parameters.iter().map(step).collect()
 }
 
-fn compare_by_beginning(
-    exact: &SensitiveSimulation,
-    on: &Specification,
-    columns: std::ops::Range<usize>,
-    end: End,
-) {
-    let by_initial = exact.derivatives().by_initial();
-    for column in columns {
-        let moved = |by: f64| {
-            let mut start = START.to_array();
-            start[column] += by;
-            end(on, State::from_array(start))
-        };
-        compare(
-            &format!("initial state {column}"),
-            by_initial.column(column).into_owned().into(),
-            difference(moved(1e-3), moved(-1e-3), 1e-3),
-        );
-    }
-}
-
 #[test]
 fn a_drive_is_differentiated_by_its_beginning() {
     let plain = specification("clayed_soil", Effects::NONE);
-    compare_by_beginning(&sensitive(&plain, &[]), &plain, 0..6, end);
+    Differentiated::new(&plain, &end).by_beginning(&sensitive(&plain, &[]), 0..6, 1e-3);
 }
 
 #[test]
@@ -154,7 +180,7 @@ fn a_drive_is_differentiated_by_the_soil_and_the_vehicle() {
             .collect();
         let exact = sensitive(&plain, &parameters);
         let steps = by_shares(1e-2, &plain, &parameters);
-        compare_by_parameters(terrain, &exact, &plain, &steps, end);
+        Differentiated::new(&plain, &end).by_parameters(terrain, &exact, &steps);
     }
 }
 
@@ -199,7 +225,7 @@ fn a_drive_is_differentiated_by_every_effect() {
             (*parameter, 1e-2 * parameter.get(&on).abs().max(least))
         };
         let steps: Vec<(Parameter, f64)> = parameters.iter().map(step).collect();
-        compare_by_parameters("", &sensitive(&on, &parameters), &on, &steps, end);
+        Differentiated::new(&on, &end).by_parameters("", &sensitive(&on, &parameters), &steps);
     }
 }
 
@@ -237,8 +263,9 @@ fn a_drive_that_begins_with_settled_memory_is_differentiated() {
         exact.step(0.005).unwrap();
     }
     let steps = by_shares(1e-2, &on, &parameters);
-    compare_by_parameters("settled", &exact, &on, &steps, short);
-    compare_by_beginning(&exact, &on, 3..6, short);
+    let drive = Differentiated::new(&on, &short);
+    drive.by_parameters("settled", &exact, &steps);
+    drive.by_beginning(&exact, 3..6, 1e-3);
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Wheels in the tracks that they and others left.
 
-use super::derivatives::difference;
+use super::derivatives::{Differentiated, by_shares};
 use super::{model, specification};
 use ugv_terrain::effects::Effects;
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
-use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
+use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel, seen_from};
 
 fn speeds(left: f64, right: f64) -> WheelSpeeds {
     WheelSpeeds { left, right }
@@ -85,24 +85,14 @@ fn tracks_of_a_long_drive_are_those_of_a_settled_one() {
 /// states do through the tracks the derivatives would err by a quarter.
 const CHOPPED: f64 = 0.12;
 
-fn compare(what: &str, exact: [f64; 6], difference: [f64; 6]) {
-    let largest = difference.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    for (a, b) in exact.iter().zip(difference) {
-        assert!(
-            (a - b).abs() <= CHOPPED * largest,
-            "{what}: {exact:?} {difference:?}"
-        );
-    }
-}
-
-/// From a settled beginning straight on, then on the spot: wheels leave the tracks and come upon them again.
-fn turns(specification: &Specification, start: State) -> [f64; 6] {
+/// Over these poses to its beginning, then straight on, and on the spot: wheels leave the tracks and come upon them again.
+fn turns(specification: &Specification, start: State, course: &[[f64; 3]]) -> [f64; 6] {
     let mut drive = Simulation::new(VehicleModel::from_specification(specification).unwrap());
     drive.set_state(start).unwrap();
     for (k, (speeds, seconds)) in MANOEUVRE.into_iter().enumerate() {
         drive.set_wheel_speeds(speeds).unwrap();
         if k == 0 {
-            drive.settle().unwrap();
+            drive.settle_after(course).unwrap();
         }
         for _ in 0..seconds * 100 {
             drive.step(0.01).unwrap();
@@ -151,43 +141,78 @@ fn turns_on_the_spot_are_differentiated_through_the_tracks() {
         "mass",
     ];
     let parameters = names.map(|name| Parameter::find(name).unwrap());
-    let mut exact = SensitiveSimulation::new(&on, &parameters).unwrap();
-    exact.restart(0.0, start).unwrap();
-    for (k, (speeds, seconds)) in MANOEUVRE.into_iter().enumerate() {
-        exact.drive(speeds, WheelSpeeds::default()).unwrap();
-        if k == 0 {
-            exact.settle().unwrap();
+    // Straight on for as long as anyone remembers, and out of a bend.
+    let bend = |k: i32| {
+        let turned = -0.02 * f64::from(k);
+        [2.0 * turned.sin(), 2.0 * (1.0 - turned.cos()), turned]
+    };
+    let bend: Vec<[f64; 3]> = (1..=60).rev().map(bend).collect();
+    for course in [&[], &bend[..]] {
+        let mut exact = SensitiveSimulation::new(&on, &parameters).unwrap();
+        exact.restart(0.0, start).unwrap();
+        for (k, (speeds, seconds)) in MANOEUVRE.into_iter().enumerate() {
+            exact.drive(speeds, WheelSpeeds::default()).unwrap();
+            if k == 0 {
+                exact.settle_after(course).unwrap();
+            }
+            for _ in 0..seconds * 100 {
+                exact.step(0.01).unwrap();
+            }
         }
-        for _ in 0..seconds * 100 {
-            exact.step(0.01).unwrap();
-        }
-    }
-    let derivatives = exact.derivatives();
-    for (index, parameter) in parameters.iter().enumerate() {
-        let step = 1e-2 * parameter.get(&on);
-        let moved = |by: f64| {
-            let mut changed = on.clone();
-            let value = parameter.get(&on) + by;
-            parameter.set(&mut changed, value).unwrap();
-            turns(&changed, start)
+        let drive = Differentiated {
+            on: &on,
+            start,
+            end: &|specification, start| turns(specification, start, course),
+            tolerance: CHOPPED,
         };
-        compare(
-            &parameter.name(),
-            derivatives.by_parameter(index),
-            difference(moved(step), moved(-step), step),
-        );
+        drive.by_parameters("turns", &exact, &by_shares(1e-2, &on, &parameters));
+        drive.by_beginning(&exact, 0..6, 1e-2);
     }
-    let by_initial = derivatives.by_initial();
-    for column in 0..6 {
-        let moved = |by: f64| {
-            let mut start = start.to_array();
-            start[column] += by;
-            turns(&on, State::from_array(start))
+}
+
+/// A drive that turns on the spot and goes back, and the same taken up in its midst, with the course that led there and
+/// without: how far both are off after two seconds \[m, rad\].
+#[test]
+fn a_drive_that_is_taken_up_in_its_midst_meets_the_tracks_of_before() {
+    let ruts = [("multipass.memory", 1.0)];
+    for seconds in [4.5, 5.5, 6.5] {
+        let mut drive = Simulation::new(model("sandy_loam", &ruts));
+        let mut course = Vec::new();
+        let mut on = |drive: &mut Simulation, speeds: WheelSpeeds, seconds: f64| {
+            drive.set_wheel_speeds(speeds).unwrap();
+            for _ in 0..(10.0 * seconds) as usize {
+                let state = drive.state();
+                course.push([state.x, state.y, state.heading]);
+                drive.step(0.1).unwrap();
+            }
         };
-        compare(
-            &format!("initial state {column}"),
-            by_initial.column(column).into_owned().into(),
-            difference(moved(1e-2), moved(-1e-2), 1e-2),
-        );
+        let go_on = speeds(5.0, 5.0);
+        on(&mut drive, go_on, 4.0);
+        on(&mut drive, speeds(-5.0, 5.0), seconds - 4.0);
+        drive.set_wheel_speeds(go_on).unwrap();
+        drive.step(0.1).unwrap();
+        let state = drive.state();
+        let here = [state.x, state.y, state.heading];
+        let seen: Vec<_> = course.iter().map(|pose| seen_from(*pose, here)).collect();
+        drive.step(2.0).unwrap();
+        let off = |course: &[[f64; 3]]| {
+            let mut again = Simulation::new(model("sandy_loam", &ruts));
+            again.set_state(state).unwrap();
+            again.set_wheel_speeds(go_on).unwrap();
+            again.settle_after(course).unwrap();
+            again.step(2.0).unwrap();
+            let (a, b) = (again.state(), drive.state());
+            (a.x - b.x)
+                .hypot(a.y - b.y)
+                .max((a.heading - b.heading).abs())
+        };
+        assert!(off(&seen) < 0.5 * off(&[]));
     }
+}
+
+#[test]
+fn a_course_that_is_no_number_is_refused() {
+    let mut drive = Simulation::new(model("sandy_loam", &[("multipass.memory", 1.0)]));
+    let error = drive.settle_after(&[[0.0, f64::NAN, 0.0]]).unwrap_err();
+    assert_eq!(error.to_string(), "pose to the left = NaN is not finite");
 }

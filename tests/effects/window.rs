@@ -1,7 +1,7 @@
 //! Effects that act for a while, or somewhere, only.
 
 use super::common::speeds;
-use super::derivatives::{by_shares, compare, compare_by_parameters, end, sensitive};
+use super::derivatives::{Differentiated, by_shares, compare, end, sensitive};
 use super::{MOTIONS, specification};
 use ugv_terrain::effects::{CATALOGUE, Effects, Extent, Kind, Window};
 use ugv_terrain::simulation::{Simulation, State};
@@ -255,7 +255,7 @@ fn a_drive_across_a_window_is_differentiated() {
         let on = specification("sandy_loam", windowed(&on, &["drawbar"], extent));
         let steps = by_shares(1e-2, &on, parameters);
         let what = format!("{extent:?}");
-        compare_by_parameters(&what, &sensitive(&on, parameters), &on, &steps, end);
+        Differentiated::new(&on, &end).by_parameters(&what, &sensitive(&on, parameters), &steps);
     }
 }
 

@@ -25,10 +25,18 @@ class Simulator:
 
     def motion(self, window: Window) -> Motion | None:
         """The motion at the window's times; None where the vehicle cannot drive on."""
+        with tempfile.TemporaryDirectory() as folder:
+            return self._motion(window, Path(folder) / "course.csv")
+
+    def _motion(self, window: Window, course: Path) -> Motion | None:
+        begin = ["--settled"]
+        if len(window.course):
+            np.savetxt(course, window.course, delimiter=",", header="x,y,heading", comments="")
+            begin = ["--course", str(course)]
         initial = [f"{key}={value!r}" for key, value in vars(window.initial).items()]
         table = zip(window.time, window.left, window.right)
         text = "time,omega_left,omega_right\n" + "".join(f"{t:.6f},{a:.8g},{b:.8g}\n" for t, a, b in table)
-        command = [str(self.tool), "simulate", "--input", "-", "--model", str(self.model), "--initial", *initial, "--settled"]
+        command = [str(self.tool), "simulate", "--input", "-", "--model", str(self.model), "--initial", *initial, *begin]
         done = subprocess.run([*command, "--output", "-", "--quiet"], input=text, capture_output=True, text=True, check=False)
         if done.returncode:
             return None

@@ -8,6 +8,8 @@ import numpy as np
 
 HORIZON = 4.0  # s that are predicted
 SPACING = 1.5  # s between the starts of windows
+BEFORE = 40.0  # s of the course that led to a window
+COURSE_STEP = 0.2  # s between its poses
 MARGIN = 0.6  # s on either side that tell the state at a moment
 LONGEST_GAP = 0.5  # s without wheel speeds that are bridged
 STRAY = 0.15  # m from where its neighbours tell a position to be, from which on it may be an outlier
@@ -52,6 +54,7 @@ class Window:
     left: np.ndarray
     right: np.ndarray
     final: State
+    course: np.ndarray  # x, y, heading over which the vehicle came to the initial state, the oldest first
 
 
 def local(series: Series, at: float, half: float, degree: int) -> np.ndarray | None:
@@ -152,6 +155,13 @@ class Recording:
         place = x[0] - c * self.ahead + s * self.left, y[0] - s * self.ahead - c * self.left
         return State(*map(float, (*place, heading, *v, rate)))
 
+    def course(self) -> tuple[np.ndarray, np.ndarray]:
+        """Poses x, y, heading over time, where they are known."""
+        clock = np.arange(self.begin, self.end, COURSE_STEP)
+        states = [(at, state) for at in clock if (state := self.state(at)) is not None]
+        poses = np.array([(state.x, state.y, state.heading) for _, state in states]).reshape(-1, 3)
+        return np.array([at for at, _ in states]), poses
+
     def wheels(self, start: float, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
         """Wheel speeds between two moments, ends included; None where they are missing for long."""
         both = [self.channels[name] for name in ("omega_left", "omega_right")]
@@ -164,11 +174,13 @@ class Recording:
     def windows(self, spacing: float = SPACING, horizon: float = HORIZON) -> list[Window]:
         """Windows in which the vehicle moves and whose ends the recording tells."""
         found = []
+        clock, course = self.course()
         for number, start in enumerate(np.arange(self.begin + 1.0, self.end - horizon - 1.0 + 1e-9, spacing)):
             ends = self.state(start), self.state(start + horizon)
             wheels = self.wheels(start, start + horizon)
             if wheels is None or ends[0] is None or ends[1] is None:
                 continue
             if max(np.abs(wheels[1]).mean(), np.abs(wheels[2]).mean()) > 0.05:
-                found.append(Window(number, float(start), ends[0], *wheels, ends[1]))
+                before = course[(clock > start - BEFORE) & (clock < start - 1e-9)]
+                found.append(Window(number, float(start), ends[0], *wheels, ends[1], before))
         return found

@@ -17,9 +17,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use ugv_terrain::effects::Kind;
-use ugv_terrain::recording::{CsvError, Drive, read_drive};
+use ugv_terrain::recording::{CsvError, Drive, read_drive, read_poses};
 use ugv_terrain::simulation::{Simulation, SimulationError, State};
-use ugv_terrain::vehicle::VehicleModel;
+use ugv_terrain::vehicle::{VehicleModel, seen_from};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,6 +28,7 @@ Examples:
   ugv simulate --input drive.csv --vehicle mine.json --initial no-slip heading=1.57 --output -
   ugv simulate --input drive.csv --effects effects.json --output motion.csv
   ugv simulate --input drive.csv --effects ruts.json --initial no-slip --settled --output motion.csv
+  ugv simulate --input after.csv --effects ruts.json --initial x=4 v_x=1 --course before.csv
   ugv simulate --input drive.csv --model model.json --output motion.csv
   generate | ugv simulate --input - --quiet | plot
 
@@ -58,6 +59,11 @@ pub struct Args {
     /// untouched ground
     #[arg(long)]
     settled: bool,
+
+    /// As --settled, with the ruts of a vehicle that came to the initial pose over these: columns x,y,heading
+    /// [m, m, rad], the oldest first
+    #[arg(long, value_name = "FILE.csv")]
+    course: Option<PathBuf>,
 
     /// CSV file for the motion; - or nothing writes to standard output
     #[arg(long, value_name = "FILE.csv")]
@@ -93,9 +99,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         model.vehicle(),
         recording.wheel_speeds(0).into(),
     )?;
+    let course = args.course.as_deref();
+    let course = course.map(|path| read_file(path, read_poses)).transpose()?;
     let schedule = Schedule::new(&recording, args.output_step)?;
     let mut read = args.model.files();
     read.push(args.input.clone());
+    read.extend(args.course.clone());
     let own = |path: Option<&Path>| Output::of(path, &read);
     let mut table = own(args.output.as_deref())?;
     let picture = args
@@ -109,7 +118,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .then(|| Trace::new(model.vehicle(), state));
     let mut progress = Progress::new(&recording, args.quiet);
     let mut simulation = Simulation::new(model);
-    begin(&mut simulation, &recording, state, args.settled).map_err(Failure::Simulation)?;
+    let midst = course.or(args.settled.then(Vec::new));
+    begin(&mut simulation, &recording, state, midst.as_deref()).map_err(Failure::Simulation)?;
     let mut summary = Summary::new(&recording, simulation.state());
     table
         .write_all(table::header(simulation.model().vehicle().wheel_count()).as_bytes())
@@ -142,18 +152,20 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Places the vehicle where a recording begins.
+/// Places the vehicle where a recording begins, maybe in the midst of a drive that came over some poses to there.
 fn begin(
     simulation: &mut Simulation,
     recording: &Drive,
     state: State,
-    settled: bool,
+    midst: Option<&[[f64; 3]]>,
 ) -> Result<(), SimulationError> {
     simulation.set_state(state)?;
-    if settled {
+    if let Some(course) = midst {
         simulation.set_time(recording.time[0])?;
         simulation.set_wheel_speeds(recording.wheel_speeds(0).into())?;
-        simulation.settle()?;
+        let here = [state.x, state.y, state.heading];
+        let seen = course.iter().map(|pose| seen_from(*pose, here));
+        simulation.settle_after(&seen.collect::<Vec<_>>())?;
     }
     Ok(())
 }
@@ -163,6 +175,14 @@ pub fn read_input(path: &Path) -> Result<Drive, Failure> {
     if path == Path::new("-") {
         return read_drive("standard input", io::stdin().lock()).map_err(Failure::Recording);
     }
+    read_file(path, read_drive)
+}
+
+/// Reads a file, and names it where it cannot.
+fn read_file<T>(
+    path: &Path,
+    read: impl FnOnce(&str, File) -> Result<T, CsvError>,
+) -> Result<T, Failure> {
     let file = path.display().to_string();
     let opened = File::open(path);
     opened
@@ -170,7 +190,7 @@ pub fn read_input(path: &Path) -> Result<Drive, Failure> {
             file: file.clone(),
             source,
         })
-        .and_then(|input| read_drive(&file, input))
+        .and_then(|input| read(&file, input))
         .map_err(Failure::Recording)
 }
 

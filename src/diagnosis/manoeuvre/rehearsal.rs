@@ -207,6 +207,7 @@ fn drive(
     let request = Request {
         parameters: &[],
         start: &start,
+        course: &[],
         clock: 0.0,
         drive: &drive,
         wheel_latency: 0.0,

@@ -3,12 +3,14 @@
 
 mod drive;
 mod error;
+mod poses;
 mod samples;
 mod table;
 
 pub use drive::read_drive;
 pub(super) use error::malformed;
 pub use error::{Cell, CsvError};
+pub use poses::read_poses;
 pub(super) use samples::{RawRun, Sample, Samples, read_samples};
 
 /// Marks separate drives, each with its own clock.

@@ -4,6 +4,7 @@
 //! The balance is found in the specific force s = sum F / m that the ground exerts; the loads follow
 //! from it as in (28), and gravity on a slope, drag and drawbar add to the acceleration.
 
+mod came;
 mod chassis;
 mod direction;
 mod directions;
@@ -14,6 +15,8 @@ mod solve;
 mod surroundings;
 mod tracks;
 
+pub(crate) use came::Came;
+pub use came::seen_from;
 pub(crate) use chassis::Chassis;
 pub(crate) use direction::Direction;
 pub(crate) use directions::{Differentiated, Directions};
@@ -23,6 +26,4 @@ pub(crate) use solve::{Altered, Prepared};
 pub use surroundings::Surroundings;
 pub(crate) use surroundings::{Environment, Situation};
 pub use tracks::Tracks;
-pub(crate) use tracks::{
-    TRACK_SAMPLES, sample_size, spacing, steady_pose, steady_pose_slopes, steady_seconds,
-};
+pub(crate) use tracks::{TRACK_SAMPLES, sample_size, spacing};

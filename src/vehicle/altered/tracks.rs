@@ -1,18 +1,17 @@
 //! Where the wheels' tracks lie, seen from the vehicle.
 
+use super::came::{came_with, steady_seconds};
 use super::{Chassis, Situation};
-use crate::scalar::{Dual, Elementary, Scalar};
+use crate::scalar::{Elementary, Scalar};
 
 /// Samples of the tracks that are kept.
 pub(crate) const TRACK_SAMPLES: usize = 128;
 /// Samples over the distance from the first row to the last.
-const SAMPLES_PER_BASE: f64 = 10.0;
+pub(super) const SAMPLES_PER_BASE: f64 = 10.0;
 /// Half angle \[rad\] of an arc below which its chord is a series.
 const SMALL: f64 = 1e-2;
 /// Length \[m\] below which a piece of a track lies along the line on which a wheel meets it, not across.
 const ALONG: f64 = 1e-9;
-/// Slowest speed \[m/s\] at which a vehicle is taken to have come here.
-const CRAWL: f64 = 0.01;
 
 /// The tracks that the wheels left behind; by default none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -25,6 +24,7 @@ enum Kind<'a> {
         points: &'a [[f64; 2]],
     },
     Steady,
+    Along(&'a [[f64; 3]]),
 }
 
 impl Default for Kind<'_> {
@@ -39,6 +39,12 @@ impl Default for Kind<'_> {
 impl<'a> Tracks<'a> {
     /// As if the vehicle had come here in its present motion, each wheel as deep as now.
     pub(crate) const STEADY: Self = Self(Kind::Steady);
+
+    /// As if the vehicle had come here over poses, the oldest first, seen from the present one: ahead, to the left \[m\] and
+    /// turned \[rad\]; each wheel as deep as now.
+    pub(crate) fn along(course: &'a [[f64; 3]]) -> Self {
+        Self(Kind::Along(course))
+    }
 
     /// Samples, the oldest first: of each x, y \[m\] and heading \[rad\] of the vehicle, then the depth \[m\] below the
     /// untouched surface to which each wheel pressed the soil there; and where the wheels were, east and north \[m\].
@@ -58,54 +64,11 @@ pub(crate) fn spacing(places: &[[f64; 2]]) -> f64 {
     ends.map_or(1.0, |(first, last)| (first[0] - last[0]).abs()) / SAMPLES_PER_BASE
 }
 
-/// Seconds ago at which samples were left, the oldest first, where the vehicle came here in its present motion.
-pub(crate) fn steady_seconds(
-    places: &[[f64; 2]],
-    velocity: [f64; 2],
-    yaw_rate: f64,
-) -> impl Iterator<Item = f64> {
-    let [x, y] = came_with(velocity);
-    let speed = |[ahead, left]: &[f64; 2]| (x - yaw_rate * left).hypot(y + yaw_rate * ahead);
-    let fastest = places.iter().map(speed).fold(CRAWL, f64::max);
-    let interval = spacing(places) / fastest;
-    (0..TRACK_SAMPLES).map(move |sample| (TRACK_SAMPLES - sample) as f64 * interval)
-}
-
-/// The pose x, y, heading so many seconds ago of a vehicle that came here in its present motion.
-pub(crate) fn steady_pose<S: Scalar>(
-    seconds: f64,
-    [x, y, heading]: [S; 3],
-    velocity: [S; 2],
-    yaw_rate: S,
-) -> [S; 3] {
-    let placed = Placed::before(seconds, velocity, yaw_rate);
-    let (sin, cos) = heading.sin_cos();
-    [
-        x + placed.ahead * cos - placed.left * sin,
-        y + placed.ahead * sin + placed.left * cos,
-        heading - yaw_rate.scale(seconds),
-    ]
-}
-
-/// The velocity with which a vehicle came here: at rest, straight on.
-fn came_with<S: Scalar>(velocity: [S; 2]) -> [S; 2] {
-    let [x, y] = velocity;
-    let sign = if x.value() < 0.0 { -1.0 } else { 1.0 };
-    [x.rounded_abs(CRAWL).scale(sign), y]
-}
-
-/// Derivatives of [`steady_pose`] by x, y, heading, both velocities and the yaw rate.
-pub(crate) fn steady_pose_slopes(seconds: f64, state: [f64; 6]) -> [[f64; 6]; 3] {
-    let [x, y, heading, v_x, v_y, yaw_rate] =
-        std::array::from_fn(|k| Dual::<f64, 6>::variable(state[k], k));
-    steady_pose(seconds, [x, y, heading], [v_x, v_y], yaw_rate).map(|number| number.eps)
-}
-
 /// A pose in the frame of another: how far ahead and to the left \[m\], and how far turned.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed<S> {
-    ahead: S,
-    left: S,
+    pub ahead: S,
+    pub left: S,
     sin: S,
     cos: S,
 }
@@ -119,6 +82,17 @@ impl<S: Scalar> Placed<S> {
             left: zero,
             sin: zero,
             cos: one,
+        }
+    }
+
+    /// A pose that is already seen from there: ahead, to the left and turned.
+    fn at([ahead, left, turned]: [S; 3]) -> Self {
+        let (sin, cos) = turned.sin_cos();
+        Self {
+            ahead,
+            left,
+            sin,
+            cos,
         }
     }
 
@@ -214,6 +188,8 @@ pub(super) struct View<'a> {
     wheels: usize,
     /// Seconds ago at which each sample was left, in a steady motion.
     seconds: Vec<f64>,
+    /// Poses at which each sample was left, where the vehicle came here over these.
+    course: &'a [[f64; 3]],
     /// How deep each wheel stands now \[m\].
     depths: Vec<f64>,
     /// Every wheel's points, sample by sample, the present ones last: ahead and to the left \[m\].
@@ -237,6 +213,7 @@ impl<'a> View<'a> {
             samples: &[],
             wheels: places.len(),
             seconds: Vec::new(),
+            course: &[],
             depths: depths.iter().map(|depth| depth.value()).collect(),
             points: Vec::new(),
         };
@@ -259,6 +236,14 @@ impl<'a> View<'a> {
                     view.points.extend(points);
                 }
             }
+            Kind::Along(course) => {
+                view.course = course;
+                for pose in course {
+                    let placed = Placed::at(*pose);
+                    let points = places.iter().map(|place| placed.point(*place));
+                    view.points.extend(points);
+                }
+            }
         }
         view.points.extend(&places);
         view
@@ -274,6 +259,9 @@ impl<'a> View<'a> {
         if let Some(numbers) = self.recorded(sample) {
             let pose = [numbers[0], numbers[1], numbers[2]].map(S::constant);
             return Placed::seen_from(pose, at.place);
+        }
+        if let Some(pose) = self.course.get(sample) {
+            return Placed::at(pose.map(S::constant));
         }
         let seconds = self.seconds.get(sample);
         seconds.map_or(Placed::here(), |seconds| {
@@ -341,28 +329,6 @@ impl<S: Copy> Situation<S> {
 mod tests {
     use super::*;
 
-    const PLACES: [[f64; 2]; 4] = [[0.5, 0.4], [0.5, -0.4], [-0.5, 0.4], [-0.5, -0.4]];
-
-    #[test]
-    fn a_steady_motion_is_where_small_steps_back_lead() {
-        for (velocity, yaw_rate) in [([1.2, 0.1], 0.7), ([-0.3, 0.2], -2.0), ([1.0, 0.0], 1e-4)] {
-            let start = [3.0, -2.0, 0.4];
-            let [x_speed, y_speed] = came_with(velocity);
-            let (mut pose, steps) = (start, 100_000);
-            let step = 1.5 / f64::from(steps);
-            for _ in 0..steps {
-                let (sin, cos) = (pose[2] - 0.5 * step * yaw_rate).sin_cos();
-                pose[0] -= step * (x_speed * cos - y_speed * sin);
-                pose[1] -= step * (x_speed * sin + y_speed * cos);
-                pose[2] -= step * yaw_rate;
-            }
-            let exact = steady_pose(1.5, start, velocity, yaw_rate);
-            for (exact, stepped) in exact.iter().zip(pose) {
-                assert!((exact - stepped).abs() < 1e-9, "{exact} {stepped}");
-            }
-        }
-    }
-
     #[test]
     fn a_track_beside_the_wheel_by_its_width_is_half_as_deep() {
         let front = Front {
@@ -379,14 +345,5 @@ mod tests {
         assert!((front.met(&back, &ahead, [0.0, 0.4]) - 0.02).abs() < 1e-15);
         assert!((front.met(&back, &ahead, [0.0, 0.6]) - 0.01).abs() < 1e-15);
         assert!(front.met(&back, &ahead, [0.0, 1.4]) < 0.02 * 0.05);
-    }
-
-    #[test]
-    fn samples_of_a_steady_motion_are_as_far_apart_as_those_of_a_drive() {
-        let seconds: Vec<f64> = steady_seconds(&PLACES, [1.0, 0.0], 0.0).collect();
-        assert_eq!(seconds.len(), TRACK_SAMPLES);
-        assert!(seconds.windows(2).all(|pair| pair[0] > pair[1]));
-        let apart = seconds[TRACK_SAMPLES - 1] * 1.0;
-        assert!((apart / spacing(&PLACES) - 1.0).abs() < 1e-3, "{apart}");
     }
 }
