@@ -101,14 +101,12 @@ impl VehicleModel {
     /// Where the depth stands that a wheel's soil was pressed to before, among the remembered numbers; `None` where
     /// wheels do not meet the ruts that they left.
     pub(crate) fn rut_of(&self, wheel: usize) -> Option<usize> {
-        let layout = &self.altered()?.layout;
-        layout.has_ruts().then(|| layout.rut_of(wheel))
+        self.altered()?.layout.rut_of(wheel)
     }
 
     /// Whether wheels meet the ruts that they left.
     pub(crate) fn has_ruts(&self) -> bool {
-        self.altered()
-            .is_some_and(|altered| altered.layout.has_ruts())
+        self.rut_of(0).is_some()
     }
 
     /// What a remembered number is. `None` beyond the last.
@@ -151,7 +149,7 @@ impl VehicleModel {
                 .is_none_or(|window| matches!(window.extent, Extent::Time { .. }));
             anywhere
                 && effects.slope_profile.is_none()
-                && !altered.layout.has_ruts()
+                && !self.has_ruts()
                 && placed.all(|p| effects.get(p) == p.declaration().1.default)
         })
     }

@@ -128,6 +128,28 @@ fn a_drive_is_taken_up_in_its_midst_where_its_ruts_are() {
         (settled / long - 1.0).abs() < 0.03 && untouched > 1.2 * long,
         "{long} {settled} {untouched}"
     );
+    // Over a course: straight on is what a steady motion is taken to be; from aside it met no track.
+    bench.write("straight_on.csv", "x,y,heading\n-4,0,0\n-0.1,0,0\n");
+    let straight = entry("--initial no-slip --course straight_on.csv", |rows| rows[0]);
+    assert!(
+        (straight / settled - 1.0).abs() < 1e-3,
+        "{straight} {settled}"
+    );
+    bench.write(
+        "aside.csv",
+        "x,y,heading,time\n0,-4,1.57,0\n0,-0.1,1.57,4\n",
+    );
+    let aside = entry("--initial no-slip --course aside.csv", |rows| rows[0]);
+    assert!(aside > 1.1 * long, "{aside} {long}");
+    let before = "simulate --input straight.csv --effects ruts.json --course";
+    bench.write("half.csv", "x,y,heading\n1,2,\n");
+    let error = bench.fails(&format!("{before} half.csv"), 2);
+    assert!(
+        error.contains("half.csv: line 2, column 3 (heading)"),
+        "{error}"
+    );
+    let error = bench.fails(&format!("{before} nowhere.csv"), 2);
+    assert!(error.contains("nowhere.csv"), "{error}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The truth comes back.
 
 use crate::synthetic::{QUIET, Sensors, fitted, nominal, plain, record, truths};
+use ugv_terrain::effects::Effects;
 use ugv_terrain::fit::sensor::SensorParameter;
 use ugv_terrain::fit::{Fit, Options};
 use ugv_terrain::recording::{Channel, Recording, Run};
@@ -87,6 +88,32 @@ fn noise_is_told_from_the_data() {
         } else {
             assert!(found.coloured < white, "{estimate:?}");
         }
+    }
+}
+
+#[test]
+fn ruts_come_back_from_a_drive_that_turns_on_the_spot() {
+    // Segments begin in tracks of turns and of ways back; the antenna tells them from beside.
+    let mut truth = nominal("sandy_loam");
+    truth.effects = Effects::NONE.with("multipass.memory", 0.8).unwrap();
+    let by = Sensors {
+        lever_arm: [0.4, -0.2],
+        ..QUIET
+    };
+    let mut begin = truth.clone();
+    begin.effects = Effects::NONE.with("multipass.memory", 0.4).unwrap();
+    let options = Options {
+        sensors: vec![SensorParameter::LeverArmX, SensorParameter::LeverArmY],
+        ..plain()
+    };
+    let free = ["multipass.memory", "friction_angle"];
+    let fit = fitted(&begin, &free, &[record(&truth, 60.0, &by)], &options).unwrap();
+    assert!(fit.converged);
+    // The wheels are taken to have stood as deep on the way to a segment as at its start, which costs some hundredths.
+    let truths = truths(&fit, &truth, &by).into_iter();
+    let near = truths.zip([0.07, 0.002, 0.005, 0.005]);
+    for (estimate, (truth, near)) in fit.estimates.iter().zip(near) {
+        assert!((estimate.value - truth).abs() < near, "{estimate:?}");
     }
 }
 

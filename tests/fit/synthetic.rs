@@ -122,7 +122,7 @@ impl Noise {
 
 /// Drives for some seconds and records: pose at 10 Hz, yaw rate at 20 Hz.
 pub fn record(truth: &Specification, seconds: f64, by: &Sensors) -> Recording {
-    let model = VehicleModel::new(truth.vehicle.clone(), truth.terrain).unwrap();
+    let model = VehicleModel::from_specification(truth).unwrap();
     let mut simulation = Simulation::new(model);
     let rows = wheel_speeds(seconds);
     let mut poses = [Vec::new(), Vec::new(), Vec::new()];

@@ -61,6 +61,24 @@ class Recordings(unittest.TestCase):
             self.assertAlmostEqual(state.heading, 3.6, places=6)
         self.assertAlmostEqual(faulty.x, plain.x, places=3)
 
+    def test_a_window_knows_the_course_that_led_to_it(self) -> None:
+        told = Sensors(latency={"pose": 0.2}, lever_arm={"ahead": 0.5})
+        with tempfile.TemporaryDirectory() as folder:
+            windows = Recording(drive(Path(folder), lever=0.5, late=0.2), told).windows()
+            plain = Recording(drive(Path(folder))).windows()
+        of = {window.number: window for window in windows}
+        for window in plain:
+            course, initial = of[window.number].course, window.initial
+            self.assertLess(len(course), 200)
+            step = math.dist(course[-1][:2], (initial.x, initial.y))
+            self.assertLess(step, 0.21)
+            self.assertLess(abs(course[-1][2] - initial.heading), 0.061)
+            # A circle of 1 m/s and 0.3 rad/s since the ramp's end.
+            if window.start > 9.0:
+                ago = course[-10:]
+                self.assertAlmostEqual(ago[-1][2] - ago[0][2], 9 * 0.2 * 0.3, places=5)
+                self.assertAlmostEqual(math.dist(ago[-1][:2], ago[0][:2]), 2 / 0.3 * math.sin(0.27), places=2)
+
     def test_a_model_that_fails_is_charged_the_whole_way(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             windows = Recording(drive(Path(folder))).windows()

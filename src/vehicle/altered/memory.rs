@@ -51,14 +51,11 @@ impl MemoryLayout {
         }
     }
 
-    /// Whether wheels meet the ruts that they left.
-    pub fn has_ruts(&self) -> bool {
-        self.rut
-    }
-
-    /// Where the depth stands to which a wheel's soil was pressed before.
-    pub fn rut_of(&self, wheel: usize) -> usize {
-        self.first(wheel) + self.per_wheel() - 1
+    /// Where the depth stands to which a wheel's soil was pressed before; `None` where wheels do not meet the ruts that
+    /// they left.
+    pub fn rut_of(&self, wheel: usize) -> Option<usize> {
+        let place = self.first(wheel) + self.per_wheel();
+        self.rut.then(|| place - 1)
     }
 
     /// How many numbers there are.
