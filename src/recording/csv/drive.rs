@@ -2,7 +2,7 @@
 
 use super::RUN;
 use super::error::{CsvError, malformed};
-use super::table::{Column, Header, Row, read_table};
+use super::table::{Column, Header, Row, read_bytes, read_table};
 use crate::recording::{Drive, fill_gaps};
 use std::io::Read;
 
@@ -33,14 +33,8 @@ const fn required(name: &'static str, unit: &'static str) -> Column {
 ///
 /// # Errors
 /// The first thing that makes the text no drive, with its line and column.
-pub fn read_drive(file: &str, mut input: impl Read) -> Result<Drive, CsvError> {
-    let mut bytes = Vec::new();
-    input
-        .read_to_end(&mut bytes)
-        .map_err(|source| CsvError::Read {
-            file: file.into(),
-            source,
-        })?;
+pub fn read_drive(file: &str, input: impl Read) -> Result<Drive, CsvError> {
+    let bytes = read_bytes(file, input)?;
     let mut rows = Rows::default();
     let header = read_table(file, &bytes, &COLUMNS, |row| rows.push(row))?;
     rows.finish(&header)

@@ -1,7 +1,7 @@
 //! Poses from CSV: the course over which a vehicle came to where a drive begins.
 
 use super::error::CsvError;
-use super::table::{Column, read_table};
+use super::table::{Column, read_bytes, read_table};
 use std::io::Read;
 
 const COLUMNS: [Column; 3] = [column("x", "m"), column("y", "m"), column("heading", "rad")];
@@ -18,14 +18,8 @@ const fn column(name: &'static str, unit: &'static str) -> Column {
 ///
 /// # Errors
 /// The first thing that makes the text none, with its line and column; a table without any row.
-pub fn read_poses(file: &str, mut input: impl Read) -> Result<Vec<[f64; 3]>, CsvError> {
-    let mut bytes = Vec::new();
-    input
-        .read_to_end(&mut bytes)
-        .map_err(|source| CsvError::Read {
-            file: file.into(),
-            source,
-        })?;
+pub fn read_poses(file: &str, input: impl Read) -> Result<Vec<[f64; 3]>, CsvError> {
+    let bytes = read_bytes(file, input)?;
     let mut poses = Vec::new();
     let header = read_table(file, &bytes, &COLUMNS, |row| {
         let [x, y, heading] = [0, 1, 2].map(|index| row.required_number(index));

@@ -2,6 +2,7 @@
 
 use super::error::{Cell, CsvError, malformed};
 use csv::{ByteRecord, ReaderBuilder, Trim};
+use std::io::Read;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
@@ -11,6 +12,20 @@ pub struct Column {
     pub name: &'static str,
     pub unit: &'static str,
     pub is_required: bool,
+}
+
+/// Reads all of an input. `file` names it in errors.
+///
+/// # Errors
+/// An input that cannot be read.
+pub fn read_bytes(file: &str, mut input: impl Read) -> Result<Vec<u8>, CsvError> {
+    let mut bytes = Vec::new();
+    let read = input.read_to_end(&mut bytes);
+    read.map_err(|source| CsvError::Read {
+        file: file.into(),
+        source,
+    })?;
+    Ok(bytes)
 }
 
 /// Reads a text row by row; the header of the table comes back. `file` names it in errors.
