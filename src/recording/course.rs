@@ -12,9 +12,8 @@ const FAR: f64 = 2.0;
 const ROUNDS: usize = 5;
 
 /// Poses x, y \[m\] and heading \[rad\] over which a vehicle came to where it is at a time \[s\], the oldest first and that
-/// of the time itself last; less the noise that sensors have from one sample to the next,
-/// and outliers. Empty where that one
-/// is not known.
+/// of the time itself last; less the noise that sensors have from one sample to the next, and outliers. Empty where
+/// that one is not known.
 #[must_use]
 pub fn course_to(x: &Series, y: &Series, heading: &Series, time: f64) -> Vec<[f64; 3]> {
     let pose = |at: f64| Some([smooth(x, at)?, smooth(y, at)?, smooth(heading, at)?]);

@@ -6,7 +6,6 @@
 
 mod about;
 mod channel;
-#[cfg(feature = "analysis")]
 mod course;
 #[cfg(feature = "analysis")]
 mod csv;
@@ -23,7 +22,6 @@ mod way;
 
 pub use about::About;
 pub use channel::Channel;
-#[cfg(feature = "analysis")]
 pub use course::course_to;
 #[cfg(feature = "analysis")]
 pub use csv::{Cell, CsvError, read_drive, read_poses};

@@ -129,6 +129,7 @@ impl Simulation {
 
     /// Tolerates errors in a step that are so many times the usual ones (some hundredths of a millimetre): for fits to
     /// sensors whose noise is a hundred times that.
+    #[cfg(feature = "analysis")]
     pub(crate) fn tolerate(&mut self, times: f64) {
         self.integrator.tolerance = times;
     }

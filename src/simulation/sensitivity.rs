@@ -122,6 +122,7 @@ impl SensitiveSimulation {
     }
 
     /// As [`Simulation::tolerate`].
+    #[cfg(feature = "analysis")]
     pub(crate) fn tolerate(&mut self, times: f64) {
         self.simulation.tolerate(times);
     }
