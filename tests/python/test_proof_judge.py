@@ -32,6 +32,7 @@ CHROMIUM = find_chromium()
 DRAWBAR = {"effect": "drawbar", "kind": "physics", "size": "large", "off": {"force": 0.0},
            "parameters": {"force": 200.0, "hitch_height": 0.3}}
 GUSTS = {"effect": "outside:gusts", "kind": "outside", "size": "small", "parameters": {"side": 3.0}, "off": {"side": 0.0}}
+PLACE, TIME = ({"windows": {"drive": {"kind": kind, "numbers": [1.0, 2.0, 3.0]}}} for kind in ("disc", "time"))
 FACTS = {"seed": [7], "drawn": 1, "answered": 1, "tool": ["t"], "limit_s": 600, "took_s": 1}
 
 
@@ -118,11 +119,19 @@ class Metrics(unittest.TestCase):
                  case(truth("lookalike"), said("missing_physics", "drawbar"))]
         found = measured(cases)
         self.assertEqual((found["first"], found["two"]), (0.25, 0.5))
+        # That nothing is missing is a place in the order as any other.
+        third = {"verdict": "missing_physics", "findings": [{"effect": "grade", "probability": 0.6}],
+                 "candidates": [{"effect": name, "probability": p} for name, p in (("grade", 0.6), ("nothing_missing", 0.3), ("drawbar", 0.1))]}
+        self.assertFalse(case(truth(), third).two)
 
     def test_both_of_a_pair(self) -> None:
         pair = truth("pair", (DRAWBAR, DRAWBAR | {"effect": "grade"}))
         cases = [case(pair, said("missing_physics", "grade", "drawbar")), case(pair, said("missing_physics", "grade", "drag"))]
         self.assertEqual(measured(cases)["both"], 0.5)
+        # A candidate is not a finding.
+        second = said("missing_physics", "grade")
+        second["candidates"].append({"effect": "drawbar", "probability": 0.09})
+        self.assertFalse(case(pair, second).both)
         self.assertIn("one or both of them", confusion(cases)["two effects"])
 
     def test_probability_and_claims(self) -> None:
@@ -142,9 +151,10 @@ class Metrics(unittest.TestCase):
         cases = [case(truth(), said("missing_physics", "drawbar")), case(truth(), said("missing_physics", "drawbar", "latency")),
                  case(truth(), said("ambiguous", "drawbar", group=("drag",))), case(pair, said("missing_physics", "grade", "drawbar")),
                  case(pair, said("missing_physics", "grade")), case(truth("outside", (GUSTS,)), said("unknown_physics", "unknown")),
+                 case(truth("outside", (GUSTS,)), said("unknown_physics", "unknown", "unknown")),
                  case(truth("nothing", (), 0.0), said("nothing_missing")), case(truth(), None)]
-        self.assertEqual([c.exact for c in cases], [True, False, False, True, False, True, True, False])
-        self.assertEqual(measured(cases)["exact"], 0.5)
+        self.assertEqual([c.exact for c in cases], [True, False, False, True, False, True, False, True, False])
+        self.assertEqual(measured(cases)["exact"], 4 / 9)
 
     def test_names_of_what_is_not_there(self) -> None:
         outside = truth("outside", (GUSTS,))
@@ -168,12 +178,18 @@ class Metrics(unittest.TestCase):
         self.assertEqual(found["coverage"], 0.0)
         # Of several recordings the first; what is truly off as well.
         shift = {"effect": "com_shift", "kind": "physics", "size": "large", "off": {"ahead": 0.0, "left": 0.0},
-                 "parameters": {"ahead": -0.1, "left": 0.0}}
+                 "parameters": {"ahead": -0.1}}
         told = {"drive.ahead": {"value": -0.09, "low": -0.12, "high": -0.07}, "second.ahead": {"value": 9.0, "low": 8.0, "high": 9.5},
                 "left": {"value": 0.03, "low": 0.01, "high": 0.05}}
         one = case(truth(effects=(shift,)), said("missing_physics", "com_shift", parameters=told))
         self.assertEqual([(name, round(error, 9), held) for name, error, held in one.parameters],
                          [("com_shift.ahead", 0.1, True), ("com_shift.left", 0.3, False)])
+        # Strengths of one arrow are compared with the largest, others each with itself.
+        pushed = {"effect": "bulldozing", "kind": "physics", "size": "large", "off": {"lateral": 0.0, "frontal": 0.0},
+                  "parameters": {"lateral": 0.8, "frontal": 0.1}}
+        told = {"lateral": {"value": 0.8, "low": 0.7, "high": 0.9}, "frontal": {"value": 0.15, "low": 0.0, "high": 0.2}}
+        one = case(truth(effects=(pushed,)), said("missing_physics", "bulldozing", parameters=told))
+        self.assertEqual([round(error, 9) for _, error, _ in one.parameters], [0.0, 0.5])
 
     def test_latencies_count_from_the_gyro(self) -> None:
         late = {"effect": "latency", "kind": "sensor", "size": "large", "off": {"pose": 0.0, "yaw_rate": 0.0, "wheels": 0.0},
@@ -216,8 +232,14 @@ class Metrics(unittest.TestCase):
         late = Judged("case_0000", truth(), answer, {"retuned": 0.3, "own": 0.2}, oracle="timeout")
         metric = next(m for m in metrics([*cases, late]) if m.key == "gain")
         self.assertEqual(metric.note, "2 left out: no oracle, or it gains too little; 1: the oracle took too long")
+        lost = Judged("case_0000", truth(), answer, {"retuned": 0.3, "own": 0.2}, oracle="1")
+        metric = next(m for m in metrics([*cases, lost]) if m.key == "gain")
+        self.assertEqual(metric.note, "2 left out: no oracle, or it gains too little; 1: the oracle failed")
         cases = [case(truth(), answer, retuned=0.3, own=own) for own in (0.32, 0.34, 0.1, None)]
         self.assertAlmostEqual(measured(cases)["harm"], 1 / 3)
+        # Also where little is left; not where what is missing keeps to seconds that the unseen drive does not have.
+        for faint, harm in ((truth("edge", signal=3.0), 1.0), (truth("local", (DRAWBAR | TIME,)), None)):
+            self.assertEqual(measured([case(faint, answer, retuned=0.3, own=0.34)])["harm"], harm)
 
     def test_look_alikes(self) -> None:
         alike = truth("lookalike", expected=["missing_physics", "ambiguous"])
@@ -225,7 +247,7 @@ class Metrics(unittest.TestCase):
         cases = [case(alike, said("ambiguous", "grade", group=("drawbar", "drag"))), case(alike, said("missing_physics", "grade")),
                  case(twice, said("missing_physics", "drawbar")), case(twice, said("ambiguous", "drawbar", group=("grade",)))]
         found = measured(cases)
-        self.assertEqual((found["alike_in_set"], found["alike_size"], found["alike_resolved"]), (0.75, 1.75, 0.5))
+        self.assertEqual((found["alike_in_set"], found["alike_size"], found["alike_resolved"]), (0.75, 2.0, 0.5))
         self.assertEqual([c.right for c in cases], [True, False, True, False])
 
     def test_outside_of_the_catalogue(self) -> None:
@@ -251,10 +273,11 @@ class Oracle(unittest.TestCase):
     """What one who knows the effect fits."""
 
     def test_what_an_oracle_can_be_told(self) -> None:
-        place, time = ({"windows": {"drive": {"kind": kind, "numbers": [1.0, 2.0, 3.0]}}} for kind in ("disc", "time"))
         self.assertTrue(knowable(truth()))
-        self.assertTrue(knowable(truth("local", (DRAWBAR | place,))))
-        self.assertFalse(knowable(truth("local", (DRAWBAR | time,))))
+        self.assertTrue(knowable(truth("local", (DRAWBAR | PLACE,))))
+        self.assertFalse(knowable(truth("local", (DRAWBAR | TIME,))))
+        change = DRAWBAR | {"effect": "terrain_change", "parameters": {"cohesion_factor": 0.5, "over": "time"}}
+        self.assertFalse(knowable(truth("single", (change,))))
         self.assertFalse(knowable(truth("outside", (GUSTS,))))
         self.assertEqual(active(DRAWBAR | {"off": {"force": 0.0, "hitch_height": 0.3}}), ["force"])
 

@@ -13,7 +13,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts" / "proof"))
 
-from judge import noise, prediction
+from judge import noise, oracle, prediction
 from judge.peers import residual, stepwise
 from judge.peers.residual import TIMES
 from judge.peers.stepwise import Candidate, Regression, select
@@ -151,8 +151,8 @@ class Recordings(unittest.TestCase):
             self.assertEqual(set(noise.floor(path, {"x": still})["errors"]), {str(number) for number in plain})
 
     def test_models_are_compared_over_the_windows_that_all_have(self) -> None:
-        own, retuned, oracle = score([(1, 0.1), (2, 0.2)]), score([(0, 9.0), (1, 0.3), (2, 0.4)]), score([(0, 5.0), (2, 0.1), (3, 7.0)])
-        found = compared({"own": own, "retuned": retuned, "oracle": oracle, "nominal": None})
+        own, retuned, best = score([(1, 0.1), (2, 0.2)]), score([(0, 9.0), (1, 0.3), (2, 0.4)]), score([(0, 5.0), (2, 0.1), (3, 7.0)])
+        found = compared({"own": own, "retuned": retuned, "oracle": best, "nominal": None})
         self.assertEqual(found, {"own": 0.2, "retuned": 0.4, "oracle": 0.1, "nominal": None})
         # What has no window is no model, and takes none from the others.
         self.assertEqual(compared({"own": score([]), "retuned": score([(0, 0.3)])}), {"own": None, "retuned": 0.3})
@@ -230,6 +230,22 @@ class Peers(unittest.TestCase):
                 again = stepwise.stepwise(*asked, first["answer"])
         self.assertEqual(fits[1], ({"drag": {"linear": 30.0}}, soil))
         self.assertEqual(again, first)
+
+    def test_what_each_recording_tells_of_its_sensors_is_kept(self) -> None:
+        def fit(*_: object) -> dict:
+            numbers = {"kind": "sensor", "low": 0.0, "high": 1.0}
+            return {"parameters": [{"name": f"{name}.lever_arm_x", "value": value} | numbers for name, value in (("drive", 0.3), ("second", 0.5))]}
+
+        arm = Candidate("lever_arm", {"ahead": 0.3}, {"ahead": 0.0}, {"ahead": (-3.0, 3.0)})
+        with mock.patch.object(stepwise, "fit", fit):
+            findings = stepwise.refit(Path("ugv"), [], Path("model.json"), [arm], [{}], {})
+        self.assertEqual([(key, p["value"]) for key, p in findings[0]["parameters"].items()], [("drive.ahead", 0.3), ("second.ahead", 0.5)])
+        self.assertEqual(told_sensors(findings), Sensors(lever_arm={"ahead": 0.4}))
+        # As the oracle does.
+        truth = {"effects": [{"effect": "lever_arm", "kind": "sensor", "parameters": {"ahead": 0.4}, "off": {"ahead": 0.0, "left": 0.0}}],
+                 "true_terrain": {}}
+        with mock.patch.object(oracle, "fit", fit):
+            self.assertEqual(oracle.oracle(Path("ugv"), [], truth, Path("model.json")), Sensors(lever_arm={"ahead": 0.4}))
 
     def test_selection_finds_the_one_effect(self) -> None:
         random = np.random.default_rng(5)

@@ -10,6 +10,7 @@ NONE = "none"  # the verdict where there is no answer: crash, timeout
 HARM_SHARE, HARM = 0.1, 0.005  # of the re-tuned error, and m, by which a model must be worse than that one to do harm
 PLAIN = 8.0  # signal left after re-tuning, in sigma, from which on an effect should be found
 IDENTIFIABLE = {"single", "sensor", "absorbed", "local", "vehicle"}
+VECTORS = {"grade", "lever_arm", "com_shift"}  # effects whose strengths are components of one arrow
 LEAST_SHARE, LEAST_GAIN = 0.1, 0.005  # of the re-tuned error, and m, that the oracle must gain to be compared with
 
 
@@ -45,7 +46,7 @@ class Judged:
         ranked = sorted(said.get("candidates") or [], key=lambda c: -(c.get("probability") or 0.0))
         self.probabilities = {c["effect"]: c.get("probability") or 0.0 for c in ranked}
         silent = ["nothing_missing"] if self.verdict in SILENT else []
-        other = [f["effect"] for f in self.findings] + [c["effect"] for c in ranked if c["effect"] != "nothing_missing"]
+        other = [f["effect"] for f in self.findings] + [c["effect"] for c in ranked]
         self.told = list(dict.fromkeys(silent + other)) if self.said else []
         self.group = set(self.told[:1])
         if not silent:
@@ -69,7 +70,7 @@ class Judged:
 
     @property
     def two(self) -> bool:
-        """A right name is among the first two."""
+        """A right name is among the first two; that nothing is missing takes a place as any other."""
         return bool(set(self.told[:2]) & set(self.names))
 
     @property
@@ -79,8 +80,8 @@ class Judged:
 
     @property
     def both(self) -> bool:
-        """Of several effects, all are named."""
-        return set(self.real) <= set(self.told[: len(self.real)])
+        """Of several effects, all are named, and before anything else."""
+        return self.detected and set(self.real) <= {finding["effect"] for finding in self.findings[: len(self.real)]}
 
     @property
     def plain(self) -> bool:
@@ -125,7 +126,7 @@ class Judged:
         if not self.truth["effects"]:
             return self.answered and not self.detected
         alone = not any(f.get("ambiguous_with") for f in self.findings)
-        return self.detected and alone and {f["effect"] for f in self.findings} == set(self.names)
+        return self.detected and alone and sorted(f["effect"] for f in self.findings) == sorted(self.names)
 
     @property
     def right(self) -> bool:
@@ -174,8 +175,9 @@ class Judged:
         return overlap(self._rest(told), true) > overlap(told, true)
 
     def _parameters(self) -> list[tuple[str, float, bool]]:
-        """Of each strength that was told of a right effect: error over the effect's strength, interval holds truth. A
-        strength that is truly off counts as well; of what each of several recordings has for itself the first's."""
+        """Of each strength that was told of a right effect: error over that strength, interval holds truth. What is truly
+        off, and a component of an arrow, is compared with the effect's largest; of what each of several recordings has for
+        itself the first's counts."""
         right = {f["effect"]: f for f in self.findings if f["effect"] in self.names}
         result = []
         for effect in map(told_by, self.truth["effects"]):
@@ -184,13 +186,15 @@ class Judged:
             for key, value in (finding.get("parameters") or {}).items():
                 told.setdefault(key.rpartition(".")[2], value)
             turned = self._turned_round(effect["effect"], seconds(finding))
-            true, off = effect["parameters"], effect.get("off") or {}
-            acting = [key for key in off if key in true and true[key] != off[key]]
-            strength = max((min(abs(true[key] - off[key]), abs(true[key])) for key in acting), default=0.0)
+            off = effect.get("off") or {}
+            true = off | effect["parameters"]
+            strengths = {key: min(abs(true[key] - off[key]), abs(true[key])) for key in off}
+            largest = max(strengths.values(), default=0.0)
             for key in off:
-                if key in told and key in true and strength > 0:
+                if key in told and largest > 0:
                     p = one_over(told[key]) if turned else told[key]
-                    error = abs(p["value"] - true[key]) / strength
+                    own = 0.0 if effect["effect"] in VECTORS else strengths[key]
+                    error = abs(p["value"] - true[key]) / (own or largest)
                     result.append((f"{effect['effect']}.{key}", error, p["low"] <= true[key] <= p["high"]))
         return result
 
@@ -207,6 +211,12 @@ class Judged:
             return None
         before, best, own = (self.unseen.get(key) for key in ("retuned", "oracle", "own"))
         return 0.0 if own is None else max(-1.0, min(1.0, (before - own) / (before - best)))
+
+    @property
+    def timed(self) -> bool:
+        """Something acts in seconds of the drive that are not those of the unseen one, which no model can know."""
+        windows = [window for effect in self.truth["effects"] for window in (effect.get("windows") or {}).values()]
+        return any(w["kind"] == "time" for w in windows) or any(e["parameters"].get("over") == "time" for e in self.truth["effects"])
 
     @property
     def harmful(self) -> bool:

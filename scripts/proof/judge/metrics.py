@@ -87,20 +87,23 @@ def _gain(cases: Cases) -> list[Metric]:
     ):
         asked = [case for case in cases if case.plain and ("unknown" in case.names) == outside]
         gains = [case.gain for case in asked if case.gain is not None]
-        late = sum(case.gain is None and case.oracle == "timeout" for case in asked)
-        note = f"{len(asked) - len(gains) - late} left out: no oracle, or it gains too little" + (f"; {late}: the oracle took too long" if late else "")
+        lost = Counter(case.oracle for case in asked if case.gain is None and case.oracle != "done")
+        late, failed = lost["timeout"], lost.total() - lost["timeout"]
+        note = (f"{len(asked) - len(gains) - late - failed} left out: no oracle, or it gains too little"
+                + (f"; {late}: the oracle took too long" if late else "") + (f"; {failed}: the oracle failed" if failed else ""))
         result.append(of(key, label, gains, statistics.median, "share", Target("at least", least), note))
     return result
 
 
 def _alike(cases: Cases) -> list[Metric]:
-    """Of look-alikes; where silence is allowed, silent answers do not count."""
+    """Of look-alikes; where silence is allowed, silent answers do not count. How large a set is tells something where one
+    recording leaves a choice."""
     alike = [c for c in cases if c.family == "lookalike" and (c.detected or not set(c.truth["expected"]) & SILENT)]
-    named = [c for c in alike if c.detected]
+    named = [c for c in alike if c.detected and not c.resolvable]
     twice = [c.resolved for c in alike if c.resolvable]
     return [
         share("alike_in_set", "look-alikes: truth in the set", [c.detected and c.in_set for c in alike], Target("at least", 0.97)),
-        of("alike_size", "look-alikes: size of the set, mean", [len(c.group) for c in named], statistics.fmean,
+        of("alike_size", "look-alikes: size of the set, mean (one recording)", [len(c.group) for c in named], statistics.fmean,
            target=Target("at most", 2)),
         share("alike_resolved", "look-alikes: told apart with a second recording", twice, Target("at least", 0.85)),
     ]
@@ -125,7 +128,7 @@ def metrics(cases: Cases) -> list[Metric]:
     claims = [c.claim for c in cases if c.claim]
     outside = [c for c in cases if "unknown" in c.names and c.answered]
     sharp = [c for c in cases if not c.truth["effects"] or (c.plain and not c.truth["rivals"])]
-    shown = [c for c in plain if c.unseen.get("own") is not None and c.unseen.get("retuned") is not None]
+    shown = [c for c in cases if not c.timed and c.unseen.get("own") is not None and c.unseen.get("retuned") is not None]
     pairs = [c for c in plain if len(c.real) > 1]
     found = [c for c in (case.located for case in cases) if c is not None]
     seconds = [c.seconds for c in cases if c.seconds is not None]
@@ -145,7 +148,7 @@ def metrics(cases: Cases) -> list[Metric]:
         of("located", "overlap of the located seconds, median", found, statistics.median, "share", Target("at least", 0.7)),
         *_parameters(cases),
         *_gain(cases),
-        share("harm", "unseen drive worse than with the soil re-tuned alone, by 10 % and 5 mm (8 or more left)", [c.harmful for c in shown]),
+        share("harm", "unseen drive worse than with the soil re-tuned alone, by 10 % and 5 mm", [c.harmful for c in shown]),
         *_alike(cases),
         share("misnamed", "outside the catalogue: wrongly named", [c.misnamed for c in outside], Target("at most", 0.1)),
         of("seconds", "seconds per case, median", seconds, statistics.median, "s"),

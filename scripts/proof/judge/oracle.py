@@ -2,6 +2,7 @@
 that the tool got."""
 
 import json
+import statistics
 import subprocess
 import tempfile
 from pathlib import Path
@@ -42,12 +43,14 @@ def fit(tool: Path, recordings: list[Path], model: Path, free: list[str] = SOIL,
 
 
 def knowable(truth: dict) -> bool:
-    """Whether the truth is in the catalogue, and acts everywhere or on a place of the map."""
+    """Whether the truth is in the catalogue, and acts everywhere or on a place of the map: seconds of a drive do not fit
+    segments, each with a beginning of its own."""
     effects = truth["effects"]
     windows = [window for effect in effects for window in (effect.get("windows") or {}).values()]
     if truth["family"] == "local" and not windows:
         return False
-    return bool(effects) and all(e["kind"] != "outside" for e in effects) and all(w["kind"] == "disc" for w in windows)
+    inside = all(e["kind"] != "outside" and e["parameters"].get("over", "place") == "place" for e in effects)
+    return bool(effects) and inside and all(w["kind"] == "disc" for w in windows)
 
 
 def active(effect: dict) -> list[str]:
@@ -76,10 +79,13 @@ def oracle(tool: Path, recordings: list[Path], truth: dict, model: Path) -> Sens
             if window := place(effect, "drive"):
                 effects["window"] = window
     report = fit(tool, recordings, model, free, sensors, effects, truth["true_terrain"])
-    fitted = {p["name"].rpartition(".")[2]: p["value"] for p in report["parameters"] if p["kind"] == "sensor"}
+    fitted: dict[str, list[float]] = {}  # of each sensor what every recording tells of it
+    for p in report["parameters"]:
+        if p["kind"] == "sensor":
+            fitted.setdefault(p["name"].rpartition(".")[2], []).append(p["value"])
     for (name, key), fitted_name in SENSOR_NAMES.items():
         if fitted_name in fitted and key in told.get(name, {}):
-            told[name][key] = fitted[fitted_name]
+            told[name][key] = statistics.fmean(fitted[fitted_name])
     for effect in truth["effects"]:
         if window := place(effect, "unseen"):
             fitted_model = json.loads(model.read_text())

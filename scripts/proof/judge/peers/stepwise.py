@@ -189,16 +189,16 @@ def refit(tool: Path, given: list[Path], model: Path, chosen: list[Candidate], b
             effects[candidate.name] = parameters
             free += [f"{candidate.name}.{key}" for key in candidate.off]
     report = fit(tool, given, model, free, sensors, effects, terrain)
-    fitted = {}
+    names = {SENSOR_NAMES.get((candidate.name, key), f"{candidate.name}.{key}"): (candidate.name, key)
+             for candidate in chosen for key in candidate.off}
+    parameters: dict[str, dict[str, dict]] = {candidate.name: {} for candidate in chosen}
     for p in report["parameters"]:
-        name = p["name"] if p["kind"] == "model" else p["name"].rpartition(".")[2]
-        fitted[name] = {key: p[key] for key in ("value", "low", "high")}
-    findings = []
-    for candidate in chosen:
-        keys = {key: SENSOR_NAMES.get((candidate.name, key), f"{candidate.name}.{key}") for key in candidate.off}
-        parameters = {key: fitted[name] for key, name in keys.items() if name in fitted}
-        findings.append({"effect": candidate.name, "parameters": parameters})
-    return findings
+        # A sensor of one of several recordings is told with the recording before it, here as in the findings of the tool.
+        recording, dot, last = ("", "", p["name"]) if p["kind"] == "model" else p["name"].rpartition(".")
+        if last in names:
+            effect, key = names[last]
+            parameters[effect][recording + dot + key] = {key: p[key] for key in ("value", "low", "high")}
+    return [{"effect": effect, "parameters": own} for effect, own in parameters.items()]
 
 
 def predicted(tool: Path, given: list[Path], unseen: Path, model: Path, chosen: list[Candidate],
