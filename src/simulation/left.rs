@@ -3,6 +3,7 @@
 use super::{Simulation, State};
 use crate::vehicle::{
     Came, TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing,
+    wheel_places, wheel_travel,
 };
 
 /// The samples of the tracks that are kept, a sample for each of so many metres driven.
@@ -93,9 +94,7 @@ impl LeftTracks {
         self.numbers.extend(pose);
         let depths = wrench.wheels.iter().map(|wheel| wheel.sinkage);
         self.numbers.extend(depths);
-        let places = self.places.iter();
-        self.points
-            .extend(places.map(|place| wheel_place(pose, place)));
+        self.points.extend(wheel_places(pose, &self.places));
         self.begun += 1;
     }
 
@@ -108,14 +107,7 @@ impl LeftTracks {
         let pose = [state.x, state.y, state.heading];
         let far = spacing(&self.places);
         let last = self.points.rchunks_exact(wheels).next();
-        let moved = last.is_none_or(|last| {
-            let mut wheels = last.iter().zip(&self.places);
-            wheels.any(|(from, place)| {
-                let to = wheel_place(pose, place);
-                (to[0] - from[0]).hypot(to[1] - from[1]) >= far
-            })
-        });
-        if moved {
+        if last.is_none_or(|last| wheel_travel(last, pose, &self.places) >= far) {
             self.push(pose, wrench);
         }
     }
@@ -138,18 +130,10 @@ impl LeftTracks {
         self.numbers.truncate(count * size);
         self.points.clear();
         for sample in self.numbers.chunks_exact(size) {
-            let places = self.places.iter();
             let pose = [sample[0], sample[1], sample[2]];
-            self.points
-                .extend(places.map(|place| wheel_place(pose, place)));
+            self.points.extend(wheel_places(pose, &self.places));
         }
     }
-}
-
-/// East and north of a place on a vehicle.
-fn wheel_place([x, y, heading]: [f64; 3], [ahead, left]: &[f64; 2]) -> [f64; 2] {
-    let (sin, cos) = heading.sin_cos();
-    [x + ahead * cos - left * sin, y + ahead * sin + left * cos]
 }
 
 impl Simulation {

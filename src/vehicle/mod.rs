@@ -21,7 +21,7 @@ mod wrench;
 
 pub(crate) use altered::{
     Came, Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES, TrackSlope,
-    sample_size, spacing,
+    sample_size, spacing, wheel_places, wheel_travel,
 };
 pub use altered::{Surroundings, Tracks, seen_from};
 pub use balance::Balance;

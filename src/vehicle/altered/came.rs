@@ -1,6 +1,8 @@
 //! How a vehicle came to where a drive begins in its midst, for the tracks that it left.
 
-use super::tracks::{Placed, SAMPLES_PER_BASE, TRACK_SAMPLES, Tracks, spacing};
+use super::tracks::{
+    Placed, SAMPLES_PER_BASE, TRACK_SAMPLES, Tracks, spacing, wheel_places, wheel_travel,
+};
 use crate::scalar::{Dual, Elementary, Scalar};
 
 /// Slowest speed \[m/s\] at which a vehicle is taken to have come here.
@@ -104,12 +106,15 @@ fn steady_pose_slopes(seconds: f64, state: [f64; 6]) -> [[f64; 6]; 3] {
 /// Of a course the poses at which a vehicle left its tracks, and before them some over which it came straight on.
 fn course_samples(places: &[[f64; 2]], course: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let far = spacing(places);
+    let points = |pose| wheel_places(pose, places).collect::<Vec<_>>();
     let mut samples = Vec::new();
     let mut last = [0.0; 3];
+    let mut left = points(last);
     for pose in course.iter().rev() {
-        if moved(places, *pose, last) >= far {
+        if wheel_travel(&left, *pose, places) >= far {
             samples.push(*pose);
             last = *pose;
+            left = points(last);
         }
     }
     samples.truncate(TRACK_SAMPLES);
@@ -124,19 +129,6 @@ fn course_samples(places: &[[f64; 2]], course: &[[f64; 3]]) -> Vec<[f64; 3]> {
     }));
     samples.reverse();
     samples
-}
-
-/// How far the wheel moves that moves furthest from one pose to another \[m\].
-fn moved(places: &[[f64; 2]], from: [f64; 3], to: [f64; 3]) -> f64 {
-    let of = |[x, y, turned]: [f64; 3], [ahead, left]: &[f64; 2]| {
-        let (sin, cos) = turned.sin_cos();
-        [x + ahead * cos - left * sin, y + ahead * sin + left * cos]
-    };
-    let each = places.iter().map(|place| {
-        let (from, to) = (of(from, place), of(to, place));
-        (to[0] - from[0]).hypot(to[1] - from[1])
-    });
-    each.fold(0.0, f64::max)
 }
 
 /// The pose x, y, heading of a sample of a course that leads to another.

@@ -26,4 +26,4 @@ pub(crate) use solve::{Altered, Prepared};
 pub use surroundings::Surroundings;
 pub(crate) use surroundings::{Environment, Situation};
 pub use tracks::Tracks;
-pub(crate) use tracks::{TRACK_SAMPLES, sample_size, spacing};
+pub(crate) use tracks::{TRACK_SAMPLES, sample_size, spacing, wheel_places, wheel_travel};

@@ -64,6 +64,26 @@ pub(crate) fn spacing(places: &[[f64; 2]]) -> f64 {
     ends.map_or(1.0, |(first, last)| (first[0] - last[0]).abs()) / SAMPLES_PER_BASE
 }
 
+/// East and north of the wheels at these places of a vehicle in a pose x, y, heading.
+pub(crate) fn wheel_places(
+    [x, y, heading]: [f64; 3],
+    places: &[[f64; 2]],
+) -> impl Iterator<Item = [f64; 2]> {
+    let (sin, cos) = heading.sin_cos();
+    let place = move |[ahead, left]: &[f64; 2]| {
+        [x + ahead * cos - left * sin, y + ahead * sin + left * cos]
+    };
+    places.iter().map(place)
+}
+
+/// How far the wheel comes that comes furthest from where the wheels were to where they are in a pose \[m\].
+pub(crate) fn wheel_travel(from: &[[f64; 2]], to: [f64; 3], places: &[[f64; 2]]) -> f64 {
+    let pairs = from.iter().zip(wheel_places(to, places));
+    pairs
+        .map(|(from, to)| (to[0] - from[0]).hypot(to[1] - from[1]))
+        .fold(0.0, f64::max)
+}
+
 /// A pose in the frame of another: how far ahead and to the left \[m\], and how far turned.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed<S> {
