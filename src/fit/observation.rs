@@ -14,8 +14,8 @@ const SENSORS: usize = SensorParameter::ALL.len();
 pub struct Residuals {
     /// One per sample, in the channel's unit.
     pub residual: Vec<f64>,
-    /// A row per sample: by the start, the model's parameters, all sensor parameters. Empty
-    /// where only residuals were asked for.
+    /// A row per sample: by the start, the model's parameters, all sensor parameters; how these move the course over which
+    /// the vehicle came to the start is left out. Empty where only residuals were asked for.
     pub rows: Vec<f64>,
 }
 

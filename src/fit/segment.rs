@@ -7,7 +7,7 @@
 
 use super::sensor::{SensorParameter, SensorValues};
 use super::told_start::{AT_REST, START_DEVIATION, with_start};
-use crate::recording::{Channel, Drive, Recording, Run, course_to};
+use crate::recording::{Channel, Course, Drive, Recording, Run};
 use crate::vehicle::seen_from;
 use std::sync::Arc;
 
@@ -248,6 +248,7 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
             let Some(drive) = data.drive().map(Arc::new) else {
                 continue;
             };
+            let course = course(data);
             let start = data.start().max(drive.time[0]);
             let end = data.end().min(drive.time[drive.len() - 1]);
             let whole = Segment {
@@ -266,12 +267,12 @@ pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> C
             let lost = data.wheel_gaps(LONGEST_GAP).into_iter();
             let lost = lost.map(|[gap, behind]| [gap.max(start), behind.min(end)]);
             for [gap, behind] in lost.filter(|[gap, behind]| behind > gap) {
-                cut.add_pieces(&whole, [from, gap], data, sensors, length);
+                cut.add_pieces(&whole, [from, gap], (data, &course), sensors, length);
                 let lost = behind - gap;
                 cut.unusable += if lost > PAUSE { 0.0 } else { lost };
                 from = behind;
             }
-            cut.add_pieces(&whole, [from, end], data, sensors, length);
+            cut.add_pieces(&whole, [from, end], (data, &course), sensors, length);
         }
     }
     cut
@@ -283,7 +284,7 @@ impl Cut {
         &mut self,
         whole: &Segment,
         [start, end]: [f64; 2],
-        run: &Run,
+        (run, course): (&Run, &Course),
         sensors: &SensorValues,
         length: f64,
     ) {
@@ -306,7 +307,7 @@ impl Cut {
                 start: from,
                 end: from + step,
                 samples: samples(run, sensors, from, from + step),
-                course: course(run, sensors, from),
+                course: course.to(from + Signal::X.latency(sensors)).into(),
                 ..whole.clone()
             };
             if segment.sample_count() < FEWEST_SAMPLES {
@@ -324,13 +325,13 @@ impl Cut {
     }
 }
 
-/// The poses over which the vehicle came to where it is at a time.
-fn course(run: &Run, sensors: &SensorValues, time: f64) -> Arc<[[f64; 3]]> {
+/// Where the vehicle was in a run, as far as that is told.
+fn course(run: &Run) -> Course {
     let series = [Channel::X, Channel::Y, Channel::Heading].map(|channel| run.series(channel));
     let [Some(x), Some(y), Some(heading)] = series else {
-        return Arc::default();
+        return Course::default();
     };
-    course_to(x, y, heading, time + Signal::X.latency(sensors)).into()
+    Course::new(x, y, heading)
 }
 
 /// The fastest wheel speed between two times \[rad/s\].

@@ -4,9 +4,10 @@ use super::estimate::median;
 use super::increments::Increments;
 use super::latency::gyro_bias;
 use super::{IdentificationError, Latencies};
-use crate::recording::{Channel, Drive, Recording, Run, Series, course_to};
+use crate::recording::{Channel, Course, Drive, Recording, Run, Series};
 use crate::vehicle::seen_from;
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 /// Wheel speeds or yaw rates this far apart are lost in between \[s\].
 const LOST: f64 = 1.5;
@@ -44,6 +45,8 @@ pub struct Signals {
     x: Series,
     y: Series,
     heading: Series,
+    /// Made when it is asked for.
+    course: OnceLock<Course>,
     wheels: Drive,
     yaw_rate: Option<Series>,
     /// Integral of the yaw rate \[rad\] at its samples.
@@ -89,6 +92,7 @@ impl Signals {
             x: run.series(Channel::X)?.clone(),
             y: run.series(Channel::Y)?.clone(),
             heading: run.series(Channel::Heading)?.clone(),
+            course: OnceLock::new(),
             wheels: run.drive()?,
             turned: yaw_rate.as_ref().map(integral),
             yaw_rate,
@@ -141,7 +145,10 @@ impl Signals {
     #[must_use]
     pub fn course(&self, time: f64) -> Vec<[f64; 3]> {
         let at = time + self.pose_latency();
-        let course = course_to(&self.x, &self.y, &self.heading, at);
+        let course = self
+            .course
+            .get_or_init(|| Course::new(&self.x, &self.y, &self.heading))
+            .to(at);
         let Some((here, before)) = course.split_last() else {
             return Vec::new();
         };

@@ -22,7 +22,7 @@ mod way;
 
 pub use about::About;
 pub use channel::Channel;
-pub use course::course_to;
+pub use course::Course;
 #[cfg(feature = "analysis")]
 pub use csv::{Cell, CsvError, read_drive, read_poses};
 pub use cumulated::{Cumulated, Grid, stretches};

@@ -153,6 +153,27 @@ fn a_drive_is_taken_up_in_its_midst_where_its_ruts_are() {
 }
 
 #[test]
+fn what_a_drive_is_taken_up_with_counts_times_from_its_first_row() {
+    let bench = Bench::new();
+    let softens = r#"{"format": "ugv-effects/1", "multipass": {"memory": 1},
+        "terrain_change": {"stiffness_factor": 0.3, "over": "time", "position": 5}}"#;
+    bench.write("softens.json", softens);
+    let [early, late] = [0, 100].map(|start| {
+        let drive = format!(
+            "time,omega_left,omega_right\n{start},6,6\n{},6,6\n",
+            start + 2
+        );
+        bench.write("straight.csv", &drive);
+        let command = "simulate --input straight.csv --effects softens.json --initial no-slip";
+        column(
+            &bench.stdout(&format!("{command} --settled")),
+            "wheel[7].sinkage",
+        )
+    });
+    assert_eq!(early, late);
+}
+
+#[test]
 fn output_step_sets_the_rows() {
     let bench = Bench::new();
     let csv = bench.stdout("simulate --input drive.csv --output-step 0.1");

@@ -161,7 +161,6 @@ fn begin(
 ) -> Result<(), SimulationError> {
     simulation.set_state(state)?;
     if let Some(course) = midst {
-        simulation.set_time(recording.time[0])?;
         simulation.set_wheel_speeds(recording.wheel_speeds(0).into())?;
         let here = [state.x, state.y, state.heading];
         let seen = course.iter().map(|pose| seen_from(*pose, here));

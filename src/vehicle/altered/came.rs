@@ -10,6 +10,10 @@ const CRAWL: f64 = 0.01;
 /// For how long the present motion is taken to have lasted, and how far a vehicle is taken to have come straight on to
 /// where a course begins, in samples.
 const STEADY_SAMPLES: usize = 3 * SAMPLES_PER_BASE as usize;
+/// A vehicle came backwards to where a course begins if that leads backwards by so many samples at least.
+const BACK_SAMPLES: f64 = 0.5 * SAMPLES_PER_BASE;
+/// A steady motion from one pose of a course to the next turns by less \[rad\].
+const MOST_TURNED: f64 = 1.5 * std::f64::consts::PI;
 
 /// How a vehicle came here.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +107,8 @@ fn steady_pose_slopes(seconds: f64, state: [f64; 6]) -> [[f64; 6]; 3] {
     steady_pose(seconds, [x, y, heading], [v_x, v_y], yaw_rate).map(|number| number.eps)
 }
 
-/// Of a course the poses at which a vehicle left its tracks, and before them some over which it came straight on.
+/// Of a course the poses at which a vehicle left its tracks, steadily from one to the next where they are far apart, and
+/// before them some over which it came straight on.
 fn course_samples(places: &[[f64; 2]], course: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let far = spacing(places);
     let points = |pose| wheel_places(pose, places).collect::<Vec<_>>();
@@ -111,24 +116,67 @@ fn course_samples(places: &[[f64; 2]], course: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut last = [0.0; 3];
     let mut left = points(last);
     for pose in course.iter().rev() {
-        if wheel_travel(&left, *pose, places) >= far {
-            samples.push(*pose);
-            last = *pose;
-            left = points(last);
+        let pieces = (wheel_travel(&left, *pose, places) / far).floor();
+        if pieces < 1.0 {
+            continue;
         }
+        let room = TRACK_SAMPLES - samples.len();
+        let shares = (1..=pieces as usize).map(|piece| piece as f64 / pieces);
+        samples.extend(shares.take(room).map(|share| between(last, *pose, share)));
+        if samples.len() == TRACK_SAMPLES {
+            break;
+        }
+        last = *pose;
+        left = points(last);
     }
-    samples.truncate(TRACK_SAMPLES);
-    let (sin, cos) = last[2].sin_cos();
-    let before = samples.iter().rev().nth(1).copied().unwrap_or([0.0; 3]);
-    let ahead = (before[0] - last[0]) * cos + (before[1] - last[1]) * sin;
-    let back = if ahead < 0.0 { far } else { -far };
+    let first = samples.last().copied().unwrap_or([0.0; 3]);
+    let (sin, cos) = first[2].sin_cos();
+    let back = if in_reverse(&samples, far) { far } else { -far };
     let room = (TRACK_SAMPLES - samples.len()).min(STEADY_SAMPLES);
     samples.extend((1..=room).map(|sample| {
         let way = back * sample as f64;
-        [last[0] + way * cos, last[1] + way * sin, last[2]]
+        [first[0] + way * cos, first[1] + way * sin, first[2]]
     }));
     samples.reverse();
     samples
+}
+
+/// Whether the oldest samples, the newest first and so far apart, lead backwards, by more than noise at a standstill does.
+fn in_reverse(samples: &[[f64; 3]], far: f64) -> bool {
+    let oldest = samples.len().saturating_sub(SAMPLES_PER_BASE as usize)..samples.len();
+    let ahead = oldest.map(|k| {
+        let from = samples[k];
+        let to = k.checked_sub(1).map_or([0.0; 3], |newer| samples[newer]);
+        let (sin, cos) = from[2].sin_cos();
+        (to[0] - from[0]) * cos + (to[1] - from[1]) * sin
+    });
+    ahead.sum::<f64>() < -BACK_SAMPLES * far
+}
+
+/// The pose after a share of a steady motion from one to another; straight on where that would be most of a circle.
+fn between(from: [f64; 3], to: [f64; 3], share: f64) -> [f64; 3] {
+    let [ahead, left, turned] = seen_from(to, from);
+    let half = if turned.abs() < MOST_TURNED {
+        0.5 * turned
+    } else {
+        0.0
+    };
+    // A chord is as long as the arc times sin(h)/h, and turned by h, half of what the arc turns.
+    let chord = |half: f64| {
+        if half.abs() < 1e-4 {
+            1.0
+        } else {
+            half.sin() / half
+        }
+    };
+    let long = share * chord(share * half) / chord(half);
+    let (sin, cos) = ((share - 1.0) * half).sin_cos();
+    let seen = [
+        long * (ahead * cos - left * sin),
+        long * (ahead * sin + left * cos),
+        share * turned,
+    ];
+    course_pose(seen, from)
 }
 
 /// The pose x, y, heading of a sample of a course that leads to another.
@@ -222,6 +270,51 @@ mod tests {
             .map(|k| [-0.1 * f64::from(k), 0.0, 0.0])
             .collect();
         assert_eq!(course_samples(&PLACES, &long).len(), TRACK_SAMPLES);
+    }
+
+    #[test]
+    fn poses_that_are_far_apart_are_joined_by_a_steady_motion() {
+        // On a circle of 1 m with the outer wheels 0.1 m apart: two poses are as good as many.
+        let at = |angle: f64| [angle.sin(), 1.0 - angle.cos(), angle];
+        let [many, few] = [0.005, 0.8].map(|step: f64| {
+            let poses = (1..=(1.6 / step).round() as i32).rev();
+            let course: Vec<[f64; 3]> = poses.map(|k| at(-step * f64::from(k))).collect();
+            course_samples(&PLACES, &course)
+        });
+        for samples in [&many, &few] {
+            for [x, y, heading] in samples[STEADY_SAMPLES..].iter().copied() {
+                let [exact_x, exact_y, _] = at(heading);
+                assert!((x - exact_x).hypot(y - exact_y) < 1e-9, "{x} {y}");
+            }
+        }
+        assert!(
+            many.len().abs_diff(few.len()) <= 3,
+            "{} {}",
+            many.len(),
+            few.len()
+        );
+        // Far more than there is room for.
+        let far = course_samples(&PLACES, &[[-1e9, 0.0, 0.0]]);
+        assert_eq!(far.len(), TRACK_SAMPLES);
+        assert!(
+            far.windows(2)
+                .all(|pair| (pair[1][0] - pair[0][0] - 0.1).abs() < 1e-3)
+        );
+        let turned = between([1.0, 2.0, 0.3], [1.0, 2.0, 9.0], 0.5);
+        assert!(
+            turned
+                .iter()
+                .zip([1.0, 2.0, 4.65])
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+    }
+
+    #[test]
+    fn noise_at_a_standstill_does_not_lay_tracks_ahead() {
+        for x in [0.07, 0.12, -0.12] {
+            let samples = course_samples(&PLACES, &[[x, 0.0, 0.0], [x - 0.13, 0.0, 0.0]]);
+            assert!(samples[0][0] < -2.0, "{x} {:?}", samples[0]);
+        }
     }
 
     #[test]
