@@ -74,7 +74,7 @@ def _parameters(cases: Cases) -> list[Metric]:
         return statistics.fmean(inside for own in drawn for _, inside in own)
 
     return [
-        of("parameter_error", "parameter error over the effect's strength, median", pairs, middle, "share", Target("at most", 0.1)),
+        of("parameter_error", "parameter error, share of the strength, median", pairs, middle, "share", Target("at most", 0.1)),
         of("coverage", "90 % intervals of parameters that hold the truth", pairs, held, "share", Target("within", 0.85, 0.95)),
     ]
 
