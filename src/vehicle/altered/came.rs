@@ -4,6 +4,7 @@ use super::tracks::{
     Placed, SAMPLES_PER_BASE, TRACK_SAMPLES, Tracks, spacing, wheel_places, wheel_travel,
 };
 use crate::scalar::{Dual, Elementary, Scalar};
+use std::f64::consts::TAU;
 
 /// Slowest speed \[m/s\] at which a vehicle is taken to have come here.
 const CRAWL: f64 = 0.01;
@@ -12,8 +13,6 @@ const CRAWL: f64 = 0.01;
 const STEADY_SAMPLES: usize = 3 * SAMPLES_PER_BASE as usize;
 /// A vehicle came backwards to where a course begins if that leads backwards by so many samples at least.
 const BACK_SAMPLES: f64 = 0.5 * SAMPLES_PER_BASE;
-/// A steady motion from one pose of a course to the next turns by less \[rad\].
-const MOST_TURNED: f64 = 1.5 * std::f64::consts::PI;
 
 /// How a vehicle came here.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,14 +152,11 @@ fn in_reverse(samples: &[[f64; 3]], far: f64) -> bool {
     ahead.sum::<f64>() < -BACK_SAMPLES * far
 }
 
-/// The pose after a share of a steady motion from one to another; straight on where that would be most of a circle.
+/// The pose after a share of a steady motion from one to another, by the shorter turn: headings may be wrapped.
 fn between(from: [f64; 3], to: [f64; 3], share: f64) -> [f64; 3] {
     let [ahead, left, turned] = seen_from(to, from);
-    let half = if turned.abs() < MOST_TURNED {
-        0.5 * turned
-    } else {
-        0.0
-    };
+    let turned = turned - TAU * (turned / TAU).round();
+    let half = 0.5 * turned;
     // A chord is as long as the arc times sin(h)/h, and turned by h, half of what the arc turns.
     let chord = |half: f64| {
         if half.abs() < 1e-4 {
@@ -206,6 +202,7 @@ pub fn seen_from(pose: [f64; 3], from: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     const PLACES: [[f64; 2]; 4] = [[0.5, 0.4], [0.5, -0.4], [-0.5, 0.4], [-0.5, -0.4]];
 
@@ -300,13 +297,10 @@ mod tests {
             far.windows(2)
                 .all(|pair| (pair[1][0] - pair[0][0] - 0.1).abs() < 1e-3)
         );
-        let turned = between([1.0, 2.0, 0.3], [1.0, 2.0, 9.0], 0.5);
-        assert!(
-            turned
-                .iter()
-                .zip([1.0, 2.0, 4.65])
-                .all(|(a, b)| (a - b).abs() < 1e-12)
-        );
+        // On the spot, with headings that are wrapped.
+        let [x, y, heading] = between([1.0, 2.0, 3.0], [1.0, 2.0, -3.0], 0.5);
+        assert_eq!((x, y), (1.0, 2.0));
+        assert!((heading - PI).abs() < 1e-12, "{heading}");
     }
 
     #[test]
