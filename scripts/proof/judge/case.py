@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .estimates import overlap
-from .gauge import told_by
+from .gauge import told_by, windows
 
 SILENT = {"nothing_missing", "insufficient_data"}
 NONE = "none"  # the verdict where there is no answer: crash, timeout
@@ -215,8 +215,8 @@ class Judged:
     @property
     def timed(self) -> bool:
         """Something acts in seconds of the drive that are not those of the unseen one, which no model can know."""
-        windows = [window for effect in self.truth["effects"] for window in (effect.get("windows") or {}).values()]
-        return any(w["kind"] == "time" for w in windows) or any(e["parameters"].get("over") == "time" for e in self.truth["effects"])
+        changes = any(effect["parameters"].get("over") == "time" for effect in self.truth["effects"])
+        return changes or any(window["kind"] == "time" for window in windows(self.truth))
 
     @property
     def harmful(self) -> bool:

@@ -1,6 +1,11 @@
 """Truths as recordings can tell them."""
 
 
+def windows(truth: dict) -> list[dict]:
+    """The windows of all effects, in all recordings."""
+    return [window for effect in truth["effects"] for window in (effect.get("windows") or {}).values()]
+
+
 def told_by(effect: dict) -> dict:
     """An effect with latencies counted from the gyro, which is the clock: what makes pose and gyro late alike makes the
     wheels early."""

@@ -87,7 +87,7 @@ def _gain(cases: Cases) -> list[Metric]:
     ):
         asked = [case for case in cases if case.plain and ("unknown" in case.names) == outside]
         gains = [case.gain for case in asked if case.gain is not None]
-        lost = Counter(case.oracle for case in asked if case.gain is None and case.oracle != "done")
+        lost = Counter(case.oracle for case in asked if case.gain is None and case.oracle not in ("done", "not run"))
         late, failed = lost["timeout"], lost.total() - lost["timeout"]
         note = (f"{len(asked) - len(gains) - late - failed} left out: no oracle, or it gains too little"
                 + (f"; {late}: the oracle took too long" if late else "") + (f"; {failed}: the oracle failed" if failed else ""))

@@ -2,13 +2,12 @@
 that the tool got."""
 
 import json
-import statistics
 import subprocess
 import tempfile
 from pathlib import Path
 
-from .gauge import told_by
-from .prediction import SENSOR_EFFECTS, Sensors
+from .gauge import told_by, windows
+from .prediction import SENSOR_EFFECTS, Sensors, means
 
 SOIL = ["cohesion", "friction_angle", "frictional_modulus", "sinkage_exponent", "shear_modulus"]
 SENSOR_NAMES = {
@@ -46,11 +45,10 @@ def knowable(truth: dict) -> bool:
     """Whether the truth is in the catalogue, and acts everywhere or on a place of the map: seconds of a drive do not fit
     segments, each with a beginning of its own."""
     effects = truth["effects"]
-    windows = [window for effect in effects for window in (effect.get("windows") or {}).values()]
-    if truth["family"] == "local" and not windows:
+    if truth["family"] == "local" and not windows(truth):
         return False
     inside = all(e["kind"] != "outside" and e["parameters"].get("over", "place") == "place" for e in effects)
-    return bool(effects) and inside and all(w["kind"] == "disc" for w in windows)
+    return bool(effects) and inside and all(window["kind"] == "disc" for window in windows(truth))
 
 
 def active(effect: dict) -> list[str]:
@@ -79,13 +77,10 @@ def oracle(tool: Path, recordings: list[Path], truth: dict, model: Path) -> Sens
             if window := place(effect, "drive"):
                 effects["window"] = window
     report = fit(tool, recordings, model, free, sensors, effects, truth["true_terrain"])
-    fitted: dict[str, list[float]] = {}  # of each sensor what every recording tells of it
-    for p in report["parameters"]:
-        if p["kind"] == "sensor":
-            fitted.setdefault(p["name"].rpartition(".")[2], []).append(p["value"])
+    fitted = means({p["name"]: p for p in report["parameters"] if p["kind"] == "sensor"})
     for (name, key), fitted_name in SENSOR_NAMES.items():
         if fitted_name in fitted and key in told.get(name, {}):
-            told[name][key] = statistics.fmean(fitted[fitted_name])
+            told[name][key] = fitted[fitted_name]
     for effect in truth["effects"]:
         if window := place(effect, "unseen"):
             fitted_model = json.loads(model.read_text())

@@ -91,16 +91,18 @@ def on_unseen(tool: Path, model: Path, recording: Path, sensors: Sensors = PERFE
     return errors([window for window in Recording(recording, sensors).windows() if window.number in plain], Simulator(tool, model))
 
 
+def means(parameters: Mapping[str, dict]) -> dict[str, float]:
+    """Values by their last names; of what each of several recordings has for itself the mean."""
+    each: dict[str, list[float]] = {}
+    for name, p in parameters.items():
+        each.setdefault(name.rpartition(".")[2], []).append(p["value"])
+    return {name: statistics.fmean(values) for name, values in each.items()}
+
+
 def told_sensors(findings: Sequence[dict]) -> Sensors:
     """What findings say of the sensors; of what each of several recordings has for itself the mean."""
-    told = {}
-    for finding in findings:
-        if finding["effect"] in SENSOR_EFFECTS:
-            each: dict[str, list[float]] = {}
-            for name, p in (finding.get("parameters") or {}).items():
-                each.setdefault(name.rpartition(".")[2], []).append(p["value"])
-            told[finding["effect"]] = {name: statistics.fmean(values) for name, values in each.items()}
-    return Sensors(**told)
+    sensors = [finding for finding in findings if finding["effect"] in SENSOR_EFFECTS]
+    return Sensors(**{finding["effect"]: means(finding.get("parameters") or {}) for finding in sensors})
 
 
 def nominal_model(tool: Path, recording: Path, to: Path) -> None:

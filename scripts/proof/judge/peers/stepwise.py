@@ -197,7 +197,7 @@ def refit(tool: Path, given: list[Path], model: Path, chosen: list[Candidate], b
         recording, dot, last = ("", "", p["name"]) if p["kind"] == "model" else p["name"].rpartition(".")
         if last in names:
             effect, key = names[last]
-            parameters[effect][recording + dot + key] = {key: p[key] for key in ("value", "low", "high")}
+            parameters[effect][recording + dot + key] = {field: p[field] for field in ("value", "low", "high")}
     return [{"effect": effect, "parameters": own} for effect, own in parameters.items()]
 
 
