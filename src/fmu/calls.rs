@@ -159,8 +159,14 @@ impl Call {
     /// The table's other column: the only interface that has the call, where the modes do not tell.
     fn only(self) -> Option<Interface> {
         match self {
-            Self::GetStatesOrRates | Self::GetScales | Self::Count => {
-                Some(Interface::ModelExchange)
+            Self::GetDerivatives
+            | Self::GetContinuousStates
+            | Self::GetNominals
+            | Self::GetStatesOrRates
+            | Self::GetScales
+            | Self::Count => Some(Interface::ModelExchange),
+            Self::SetInputDerivatives | Self::GetOutputDerivatives | Self::GetStatus => {
+                Some(Interface::CoSimulation)
             }
             _ => None,
         }

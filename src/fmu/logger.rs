@@ -62,20 +62,12 @@ impl Logger {
     }
 
     /// Chooses what to report: all categories where none is named. To FMI 2.0 only the events can
-    /// be switched: on where they are named, off where others are.
+    /// be switched: on where they are named, or no other is.
     pub(super) fn choose(&mut self, on: bool, named: [bool; 3]) {
         self.enabled = match self.callback {
             Callback::Fmi2 { .. } => {
                 let meant = named == [false; 3] || named[EVENT];
-                [
-                    true,
-                    true,
-                    if meant {
-                        on
-                    } else {
-                        !on && self.enabled[EVENT]
-                    },
-                ]
+                [true, true, on && meant]
             }
             Callback::Fmi3 { .. } if named == [false; 3] => [on; 3],
             Callback::Fmi3 { .. } => named.map(|named| named && on),
@@ -102,8 +94,8 @@ impl Logger {
         self.report(Status::Warning, WARNING, message);
     }
 
-    /// A trial of the importer's solver that cannot be computed: there may be many, so that only who
-    /// asked for events is told.
+    /// What is not to be had, such as a trial of the importer's solver that cannot be computed: there may be
+    /// many, so that only who asked for events is told.
     pub(super) fn discard(&self, message: &str) {
         self.report(Status::Discard, EVENT, message);
     }

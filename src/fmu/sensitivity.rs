@@ -3,7 +3,7 @@
 use super::calls::Mode;
 use super::instance::{Failure, Instance, Outcome, broken, refuse};
 use super::values::{total, wheel_field};
-use crate::declaration::{Kind, Quantity};
+use crate::declaration::{Kind, Naming, Quantity};
 use crate::simulation::{State, WheelSpeeds};
 use crate::vehicle::{Motion, Wrench};
 
@@ -189,7 +189,9 @@ impl Instance {
         orders: &[i32],
         values: &mut [f64],
     ) -> Outcome {
-        if let Some(order) = orders.iter().find(|order| **order != 1) {
+        let scalars = self.naming == Naming::Scalars;
+        let known = |order: i32| order == 1 || (order > 1 && scalars);
+        if let Some(order) = orders.iter().find(|order| !known(**order)) {
             return refuse(format!("output derivatives are of order 1, not {order}"));
         }
         let simulation = self.core.simulation()?;
@@ -199,7 +201,15 @@ impl Instance {
         };
         let wrench = simulation.wrench_rate().map_err(broken)?.clone();
         let change = change(simulation.state(), direction, wrench);
-        self.changes(&change, references, values)
+        self.changes(&change, references, values)?;
+        if scalars {
+            // FMI 2.0 has those of higher orders, which are none of the FMU's, read as zero.
+            let pairs = values.iter_mut().zip(orders);
+            pairs
+                .filter(|(_, order)| **order > 1)
+                .for_each(|(value, _)| *value = 0.0);
+        }
+        Ok(())
     }
 
     fn changes(&self, change: &Change, references: &[u32], values: &mut [f64]) -> Outcome {

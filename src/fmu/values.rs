@@ -232,11 +232,20 @@ impl Instance {
         let mut rates = self.core.rates;
         for ((reference, order), value) in references.iter().zip(orders).zip(values) {
             let (elements, _) = self.find(*reference, Kind::Real)?;
-            if *order != 1 {
+            if *order != 1 && (*order < 1 || self.naming == Naming::Arrays) {
                 return refuse(format!("input derivatives are of order 1, not {order}"));
             }
             if !value.is_finite() {
                 return refuse(format!("an input derivative cannot be {value}"));
+            }
+            if *order > 1 {
+                // To FMI 2.0 the order that is known cannot be told beforehand.
+                if *value != 0.0 {
+                    self.logger.warning(&format!(
+                        "the input derivative of order {order} is left out: wheel speeds are linear within a step"
+                    ));
+                }
+                continue;
             }
             match elements {
                 Elements::One(Quantity::Input(0)) => rates.left = *value,

@@ -9,6 +9,10 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 const ICON: &[u8] = include_bytes!("../../modelDescription/model.png");
 const TERMINALS: &str = include_str!("../../modelDescription/terminalsAndIcons.xml");
+const LICENSES: &str = "SPDX-License-Identifier: MIT OR Apache-2.0
+
+Either of the two licences beside this file, at your option: LICENSE-MIT.txt, LICENSE-APACHE.txt
+";
 const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
 
@@ -195,6 +199,8 @@ pub fn write_fmu<W: Write + Seek>(
         "documentation/index.html",
         documentation(standard, configuration).as_bytes(),
     )?;
+    // The name under which both standards look for where to begin.
+    add("documentation/licenses/license.txt", LICENSES.as_bytes())?;
     add(
         "documentation/licenses/LICENSE-MIT.txt",
         LICENSE_MIT.as_bytes(),

@@ -234,7 +234,7 @@ class Status(unittest.TestCase):
     """fmi2GetXStatus: what is not there is discarded."""
 
     def test_only_the_time_and_the_end_can_be_had(self) -> None:
-        with Instance().start() as instance:
+        with Instance(logging=True).start() as instance:
             instance.step(0.25)
             time, flag = c_double(), c_int(1)
             instance.do("GetRealStatus", 2, byref(time))

@@ -217,10 +217,12 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
             Call::Differentiate,
             "fmi2GetDirectionalDerivative",
             |instance| {
+                // A copy, as the result may lie in the same place.
+                let seeds = read(known_seeds, n_known)?.to_vec();
                 instance.directional_derivative(
                     read(unknown_references, n_unknown)?,
                     read(known_references, n_known)?,
-                    read(known_seeds, n_known)?,
+                    &seeds,
                     write(unknown_values, n_unknown)?,
                 )
             },

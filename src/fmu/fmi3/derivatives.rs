@@ -22,12 +22,16 @@ exports! {
         sensitivity: *mut fmi3Float64,
         n_sensitivity: usize,
     )
-    |instance| instance.directional_derivative(
-        read(unknowns, n_unknowns)?,
-        read(knowns, n_knowns)?,
-        read(seed, n_seed)?,
-        write(sensitivity, n_sensitivity)?,
-    );
+    |instance| {
+        // A copy, as the result may lie in the same place.
+        let seeds = read(seed, n_seed)?.to_vec();
+        instance.directional_derivative(
+            read(unknowns, n_unknowns)?,
+            read(knowns, n_knowns)?,
+            &seeds,
+            write(sensitivity, n_sensitivity)?,
+        )
+    };
 
     /// Derivatives of a weighted sum of outputs and state derivatives by inputs, states and the time.
     fmi3GetAdjointDerivative: fmi3GetAdjointDerivativeTYPE = Differentiate
@@ -41,12 +45,16 @@ exports! {
         sensitivity: *mut fmi3Float64,
         n_sensitivity: usize,
     )
-    |instance| instance.adjoint_derivative(
-        read(unknowns, n_unknowns)?,
-        read(knowns, n_knowns)?,
-        read(seed, n_seed)?,
-        write(sensitivity, n_sensitivity)?,
-    );
+    |instance| {
+        // A copy, as the result may lie in the same place.
+        let seeds = read(seed, n_seed)?.to_vec();
+        instance.adjoint_derivative(
+            read(unknowns, n_unknowns)?,
+            read(knowns, n_knowns)?,
+            &seeds,
+            write(sensitivity, n_sensitivity)?,
+        )
+    };
 
     /// On how many variables an output or a state derivative depends.
     fmi3GetNumberOfVariableDependencies: fmi3GetNumberOfVariableDependenciesTYPE = GetDependencies
