@@ -16,6 +16,7 @@ use super::robust;
 use super::segment::Segment;
 use super::sensor::{SensorParameter, SensorValues};
 use super::weighing::reweigh_segment;
+use crate::recording::upper_median;
 use crate::simulation::State;
 use nalgebra::{DVector, SVector};
 use rayon::prelude::*;
@@ -58,7 +59,7 @@ pub fn outlying_restarted<P: Predictor>(
     costs: impl Iterator<Item = f64>,
 ) -> Option<Vec<[f64; START]>> {
     let each = each(problem, costs);
-    let bar = OUTLYING * median(&each)?;
+    let bar = OUTLYING * upper_median(each.clone())?;
     let outlying = |index: usize| each[index] > bar;
     if !(0..each.len()).any(outlying) {
         return None;
@@ -73,7 +74,7 @@ pub fn outlying_excess<P: Predictor>(
     costs: impl Iterator<Item = f64>,
 ) -> f64 {
     let each = each(problem, costs);
-    let middle = median(&each).unwrap_or(0.0);
+    let middle = upper_median(each.clone()).unwrap_or(0.0);
     let pairs = each.iter().zip(&problem.segments);
     let outlying = pairs.filter(|(cost, _)| **cost > OUTLYING * middle);
     outlying
@@ -141,12 +142,6 @@ pub fn settled<P: Predictor>(
     };
     let settled = stretch.settled(stretch.start(start)?, None)?;
     Some(settled.at)
-}
-
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
 }
 
 fn restarted_where<P: Predictor>(

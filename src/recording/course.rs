@@ -1,6 +1,6 @@
 //! The course over which a vehicle came to where it is.
 
-use super::Series;
+use super::{Series, upper_median};
 use std::ops::Range;
 
 /// A course begins so long before its end \[s\].
@@ -107,10 +107,9 @@ fn smooth(series: &Series, time: f64) -> Option<f64> {
     for _ in 0..ROUNDS {
         let off = |(at, value): &(f64, f64)| (value - line[0] - line[1] * at).abs();
         let away: Vec<f64> = samples.iter().map(off).collect();
-        let usual = median(away.clone());
-        if usual <= 0.0 {
+        let Some(usual) = upper_median(away.clone()).filter(|usual| *usual > 0.0) else {
             break;
-        }
+        };
         for (weight, away) in weights.iter_mut().zip(away) {
             *weight = 1.0 / (1.0 + (away / (FAR * usual)).powi(2));
         }
@@ -147,15 +146,9 @@ fn median_line(samples: &[(f64, f64)]) -> [f64; 2] {
         let later = samples[k + 1..].iter();
         later.map(move |(then, other)| (other - value) / (then - at))
     });
-    let slope = median(slopes.collect());
+    let slope = upper_median(slopes.collect()).unwrap_or(0.0);
     let left = samples.iter().map(|(at, value)| value - slope * at);
-    [median(left.collect()), slope]
-}
-
-/// The upper median; there is a value.
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    [upper_median(left.collect()).unwrap_or(0.0), slope]
 }
 
 /// Value at 0 and slope of the line through samples (at, value).

@@ -33,5 +33,5 @@ pub use note::{Note, NoteKind};
 #[cfg(feature = "analysis")]
 pub use reading::{RecordingError, read_recording};
 pub use run::{Recording, Run};
-pub use series::Series;
+pub use series::{Series, upper_median};
 pub use way::way_along;

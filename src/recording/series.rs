@@ -67,11 +67,7 @@ impl Series {
     /// Median of the intervals \[s\]; `None` with fewer than two samples.
     #[must_use]
     pub fn median_interval(&self) -> Option<f64> {
-        let mut intervals: Vec<f64> = self.intervals().collect();
-        let middle = intervals.len() / 2;
-        let pick =
-            |intervals: &mut [f64]| *intervals.select_nth_unstable_by(middle, f64::total_cmp).1;
-        (!intervals.is_empty()).then(|| pick(&mut intervals))
+        upper_median(self.intervals().collect())
     }
 
     /// The largest interval: where it begins, and how long it is \[s\].
@@ -98,6 +94,14 @@ impl FromIterator<(f64, f64)> for Series {
         let (time, value) = samples.into_iter().unzip();
         Self { time, value }
     }
+}
+
+/// The larger of the two values in the middle; `None` without values.
+#[must_use]
+pub fn upper_median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    let some = !values.is_empty();
+    some.then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]
