@@ -11,6 +11,7 @@ pub struct Bounds {
     high: f64,
     low_included: bool,
     high_included: bool,
+    why: &'static str,
 }
 
 impl Bounds {
@@ -24,6 +25,7 @@ impl Bounds {
             high,
             low_included: true,
             high_included: true,
+            why: "",
         }
     }
 
@@ -51,6 +53,13 @@ impl Bounds {
         bounds
     }
 
+    /// The same range, with what makes it so, for those whose value is outside of it.
+    #[must_use]
+    pub const fn because(mut self, why: &'static str) -> Self {
+        self.why = why;
+        self
+    }
+
     /// Whether a value is finite and within the range.
     ///
     /// # Errors
@@ -66,6 +75,7 @@ impl Bounds {
             value,
             unit: self.unit,
             range: self.to_string(),
+            why: self.why,
         })
     }
 }
@@ -89,6 +99,8 @@ pub struct ParameterError {
     pub unit: &'static str,
     /// The range that it must lie in.
     pub range: String,
+    /// What makes the range so; empty where it always is.
+    pub why: &'static str,
 }
 
 impl ParameterError {
@@ -100,6 +112,7 @@ impl ParameterError {
             value,
             unit: "",
             range: "(no such parameter)".into(),
+            why: "",
         }
     }
 }
@@ -111,6 +124,7 @@ impl fmt::Display for ParameterError {
             value,
             unit,
             range,
+            why,
         } = self;
         match *unit {
             "1" => write!(f, "{name} = {value} is outside its range {range}"),
@@ -118,6 +132,10 @@ impl fmt::Display for ParameterError {
                 f,
                 "{name} = {value} {unit} is outside its range {range} {unit}"
             ),
+        }?;
+        match *why {
+            "" => Ok(()),
+            why => write!(f, " ({why})"),
         }
     }
 }
@@ -155,5 +173,10 @@ mod tests {
             .check(2.0)
             .unwrap_err();
         assert_eq!(error.to_string(), "share = 2 is outside its range [0, 1]");
+        let narrow = Bounds::closed("share", "1", 0.0, 0.5).because("half of all");
+        assert_eq!(
+            narrow.check(2.0).unwrap_err().to_string(),
+            "share = 2 is outside its range [0, 0.5] (half of all)"
+        );
     }
 }

@@ -106,9 +106,22 @@ impl Failure {
         match self {
             Self::Argument { hint, .. } => hint.clone(),
             Self::Import(error) => error.remedy(),
-            Self::Diagnosis(DiagnosisError::NothingMeasured { .. }) => Some(
+            Self::Diagnosis(DiagnosisError::NothingMeasured { .. })
+            | Self::Fit(FitError::NothingMeasured { .. }) => Some(
                 "record a pose (x, y, heading) or at least the yaw rate beside the wheel speeds".into(),
             ),
+            Self::Fit(FitError::AtRest | FitError::TooShort { .. }) => Some(
+                "give recordings in which the vehicle drives on, with wheel speeds and a pose, for half a minute or more in all".into(),
+            ),
+            Self::Identification(IdentificationError::NoPose { .. }) => {
+                Some("record a pose (x, y, heading) beside the wheel speeds".into())
+            }
+            Self::Identification(
+                IdentificationError::TooShort { .. } | IdentificationError::NoWindows { .. },
+            ) => Some("`ugv score` predicts less far ahead with --horizon 2; `ugv inspect` shows gaps".into()),
+            Self::Read { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
+                Some("save the file as UTF-8".into())
+            }
             Self::SameName(_) => Some(
                 "name each file once, and rename one of two: what is said of a recording names it".into(),
             ),

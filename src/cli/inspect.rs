@@ -19,7 +19,8 @@ Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], hea
          drive.csv may tell vehicle, terrain and sensors.
 Repairs: wrong units, swapped columns, late rows and wrapped headings are put right where that is
          unambiguous, and told; where it is not, the file is refused.
-Delays:  positive where the first signal trails the second.";
+Delays:  positive where the first signal trails the second. Those against the wheels hold what the
+         vehicle takes to respond to them, too: up to 0.3 s in turns.";
 
 /// Look at a recording: rates, gaps, noise, and how far its sensors trail each other.
 #[derive(clap::Args)]

@@ -4,7 +4,7 @@ use super::{Failure, tell};
 use std::fs;
 use std::path::{Path, PathBuf};
 use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
-use ugv_terrain::json::JsonError;
+use ugv_terrain::json::{FittedTo, JsonError};
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
@@ -89,8 +89,13 @@ impl ModelArgs {
 /// Says that what is of the sensors moves nothing.
 pub fn tell_of_sensors(effects: &Effects) {
     if let Some(names) = names(effects, Kind::Measurement) {
+        let change = if names.contains(',') {
+            "change"
+        } else {
+            "changes"
+        };
         tell(&format!(
-            "note: {names} change what sensors report, not how the vehicle moves; left out here"
+            "note: {names} {change} what sensors report, not how the vehicle moves; left out here"
         ));
     }
 }
@@ -124,6 +129,13 @@ pub fn load_vehicle(path: &Path) -> Result<Vehicle, Failure> {
 /// Reads vehicle, terrain and effects from a file.
 pub fn load_model(path: &Path) -> Result<Specification, Failure> {
     read(path, Specification::from_json)
+}
+
+/// As [`load_model`], with what the model was fitted to.
+pub fn load_fitted(path: &Path) -> Result<(Specification, Vec<FittedTo>), Failure> {
+    read(path, |text| {
+        Ok((Specification::from_json(text)?, FittedTo::from_json(text)))
+    })
 }
 
 /// Reads effects from a file.

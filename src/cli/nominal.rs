@@ -5,6 +5,7 @@ use super::model::{
 };
 use super::{Failure, tell};
 use std::path::PathBuf;
+use ugv_terrain::json::FittedTo;
 use ugv_terrain::recording::{Recording, different_names, read_recording};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
@@ -107,6 +108,15 @@ fn recorded_vehicle(recordings: &[Recording], quiet: bool) -> Result<Vehicle, Fa
         }),
         None => Ok(vehicle.clone()),
     }
+}
+
+/// What a model is fitted to, as its file tells.
+pub fn fitted_to(recordings: &[Recording], whole: bool) -> Vec<FittedTo> {
+    let one = |recording: &Recording| FittedTo {
+        recording: recording.name.clone(),
+        whole,
+    };
+    recordings.iter().map(one).collect()
 }
 
 /// Reads recordings, with what stands beside them; no two of one name.

@@ -16,4 +16,4 @@ mod window;
 pub use effects::EFFECTS_FORMAT;
 pub use error::JsonError;
 pub(crate) use object::parse;
-pub use specification::MODEL_FORMAT;
+pub use specification::{FittedTo, MODEL_FORMAT};

@@ -12,12 +12,48 @@ use serde_json::{Value, json};
 /// What marks a file of a model.
 pub const MODEL_FORMAT: &str = "ugv-model/1";
 
-const KEYS: [&str; 5] = ["format", "vehicle", "terrain", "effects", "note"];
+const KEYS: [&str; 6] = [
+    "format",
+    "vehicle",
+    "terrain",
+    "effects",
+    "fitted_to",
+    "note",
+];
+
+/// A recording that a model was fitted to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FittedTo {
+    /// Its name.
+    pub recording: String,
+    /// All of it, or else the part by which `ugv score` does not judge.
+    pub whole: bool,
+}
+
+/// The parts of a recording, as files have them.
+const ALL: &str = "all";
+const HALF: &str = "half";
+
+impl FittedTo {
+    /// What the file of a model tells of; nothing where it does not say.
+    #[must_use]
+    pub fn from_json(text: &str) -> Vec<Self> {
+        let value = object::parse(text).unwrap_or_default();
+        let entries = value["fitted_to"].as_array().into_iter().flatten();
+        let read = |entry: &Value| {
+            Some(Self {
+                recording: entry["recording"].as_str()?.into(),
+                whole: entry["part"] != HALF,
+            })
+        };
+        entries.filter_map(read).collect()
+    }
+}
 
 impl Specification {
     /// Reads a model from JSON: an object with the keys `format`, `vehicle`, `terrain` (an object,
     /// or the name of one of the paper's) and `effects` (which may be missing); `note` is for
-    /// people.
+    /// people, `fitted_to` read by [`FittedTo::from_json`].
     ///
     /// # Errors
     /// Text that is not JSON, keys that are missing or unknown, and what vehicle, terrain and
@@ -61,16 +97,30 @@ impl Specification {
     /// friction angle, in degrees there, to rounding).
     #[must_use]
     pub fn to_json(&self) -> String {
+        format!("{:#}\n", self.to_json_value())
+    }
+
+    /// As [`Specification::to_json`], with what the model was fitted to.
+    #[must_use]
+    pub fn to_json_fitted(&self, to: &[FittedTo]) -> String {
+        let each = to.iter().map(
+            |to| json!({ "recording": to.recording, "part": if to.whole { ALL } else { HALF } }),
+        );
+        let mut value = self.to_json_value();
+        value["fitted_to"] = each.collect();
+        format!("{value:#}\n")
+    }
+
+    fn to_json_value(&self) -> Value {
         let parsed = |text: String| -> Value {
             serde_json::from_str(&text).expect("what the crate writes is JSON")
         };
-        let value = json!({
+        json!({
             "format": MODEL_FORMAT,
             "vehicle": parsed(self.vehicle.to_json()),
             "terrain": parsed(self.terrain.to_json()),
             "effects": self.effects.to_json_value(),
-        });
-        format!("{value:#}\n")
+        })
     }
 }
 
@@ -86,6 +136,19 @@ mod tests {
             effects: Effects::NONE.with("grade.slope_north", -0.07).unwrap(),
         };
         assert_eq!(Specification::from_json(&model.to_json()), Ok(model));
+    }
+
+    #[test]
+    fn a_file_tells_what_its_model_was_fitted_to() {
+        let model = Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_clay").unwrap());
+        let to = [("monday", true), ("tuesday", false)].map(|(recording, whole)| FittedTo {
+            recording: recording.into(),
+            whole,
+        });
+        let text = model.to_json_fitted(&to);
+        assert_eq!(FittedTo::from_json(&text), to);
+        assert_eq!(Specification::from_json(&text), Ok(model.clone()));
+        assert_eq!(FittedTo::from_json(&model.to_json()), []);
     }
 
     #[test]

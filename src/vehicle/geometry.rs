@@ -50,7 +50,10 @@ impl Vehicle {
         WHEEL_RADIUS.check(self.wheel_radius)?;
         HALF_TRACK.check(self.half_track)?;
         let widest = 2.0 * self.half_track;
-        Bounds::open_low("wheel_width", "m", 0.0, widest).check(self.wheel_width)?;
+        let width = Bounds::open_low("wheel_width", "m", 0.0, widest);
+        width
+            .because("at most twice half_track")
+            .check(self.wheel_width)?;
         COM_HEIGHT.check(self.com_height)?;
         self.validate_rows()
     }
@@ -58,15 +61,25 @@ impl Vehicle {
     fn validate_rows(&self) -> Result<(), ParameterError> {
         let rows = &self.row_positions;
         Bounds::closed("number of row_positions", "rows", 2.0, 64.0).check(rows.len() as f64)?;
-        for &row in rows {
-            ROW_POSITION.check(row)?;
+        let at = |index: usize| {
+            move |mut error: ParameterError| {
+                error.name = format!("row_positions[{index}]");
+                error
+            }
+        };
+        for (index, row) in rows.iter().enumerate() {
+            ROW_POSITION.check(*row).map_err(at(index))?;
         }
-        for pair in rows.windows(2) {
+        for (index, pair) in rows.windows(2).enumerate() {
             let behind = Bounds::half_open("row_positions", "m", -50.0, pair[0]);
-            behind.check(pair[1])?;
+            let behind = behind.because("rows stand in order from the front to the rear");
+            behind.check(pair[1]).map_err(at(index + 1))?;
         }
         let (front, rear) = (rows[0], rows[rows.len() - 1]);
-        Bounds::open("com_offset", "m", rear, front).check(self.com_offset)
+        let between = Bounds::open("com_offset", "m", rear, front);
+        between
+            .because("between the first and the last row")
+            .check(self.com_offset)
     }
 
     /// Which of the numbers hardly belong together, each with what to check. They may still be right: a long boom, a

@@ -104,7 +104,7 @@ fn effects_take_the_place_of_a_models_and_it_is_told() {
     let told = contains(
         "note: the effects of other.json take the place of those in model.json (grade, payload)",
     )
-    .and(contains("note: latency change what sensors report"))
+    .and(contains("note: latency changes what sensors report"))
     .and(contains("effects: drag\n"));
     let assert = bench
         .ugv("simulate --input drive.csv --model model.json --effects other.json")

@@ -132,7 +132,7 @@ fn what_is_left_out_or_chosen_for_all_is_told() {
     let output = bench.ugv(command).assert().success();
     let told = String::from_utf8(output.get_output().stderr.clone()).unwrap();
     for expected in [
-        "heading_offset change what sensors report",
+        "heading_offset changes what sensors report",
         "rec and other tell different terrains",
     ] {
         assert!(told.contains(expected), "{told}");
@@ -157,6 +157,12 @@ fn names_are_listed_and_typos_answered() {
     assert!(message.contains("the nearest is cohesion"), "{message}");
     let message = bench.fails("fit rec.csv --sensors pose_lag", 2);
     assert!(message.contains("the nearest is pose_latency"), "{message}");
+    // Those of sensors are named elsewhere, beside the others that are fitted.
+    let message = bench.fails("fit rec.csv --free lever_arm_x", 2);
+    let all = "--sensors pose_latency,wheel_latency,yaw_rate_bias,lever_arm_x";
+    assert!(message.contains(all), "{message}");
+    let message = bench.fails("fit rec.csv --free cohesion --sensors mass", 2);
+    assert!(message.contains("--free cohesion,mass"), "{message}");
 }
 
 #[test]
@@ -166,6 +172,7 @@ fn what_cannot_be_fitted_is_refused() {
     assert!(message.contains("no recording"), "{message}");
     let message = bench.fails("fit drive.csv", 2);
     assert!(message.contains("neither pose nor yaw rate"), "{message}");
+    assert!(message.contains("hint: record a pose"), "{message}");
     bench.write("rec.csv", recording());
     bench.write("other.csv", recording());
     let vehicle = |mass: &str| {

@@ -137,6 +137,43 @@ fn vehicle_and_terrain_beside_the_recording_are_nominal() {
 }
 
 #[test]
+fn without_a_vehicle_beside_the_recording_all_models_have_the_given_one() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(30.0));
+    let narrow = bench.stdout("vehicle").replace("0.61,", "0.5,");
+    bench.write("narrow.json", &narrow);
+    let score = json(&bench, "score a.csv --vehicle narrow.json --json -");
+    let recording = &score["recordings"][0];
+    let description = |name| model(recording, name)["description"].as_str().unwrap();
+    assert_eq!(
+        description("no_slip"),
+        "r = 0.25 m, track = 1 m of the vehicle"
+    );
+    assert!(description("nominal_soil").starts_with("the given vehicle"));
+}
+
+#[test]
+fn a_model_that_has_learned_from_the_windows_is_told() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(40.0));
+    let fit = "fit a.csv --free friction_angle --sensors none --starts 0";
+    bench.stdout(&format!("{fit} --output whole.json"));
+    bench.stdout(&format!("{fit} --half --output half.json"));
+    let told = |model: &str| {
+        let mut command = bench.ugv(&format!("score a.csv --model {model}"));
+        let output = command.unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (text(output.stdout), text(output.stderr))
+    };
+    let (table, warning) = told("whole.json");
+    assert!(warning.contains("fitted to all of a"), "{warning}");
+    assert!(table.contains("fitted to these windows too"), "{table}");
+    let (table, warning) = told("half.json");
+    assert!(!warning.contains("fitted"), "{warning}");
+    assert!(!table.contains("fitted to these windows"), "{table}");
+}
+
+#[test]
 fn windows_that_fail_are_counted() {
     let bench = Bench::new();
     bench.write("a.csv", drive(30.0));

@@ -14,7 +14,7 @@ const HEAD: &str = "\
 Each effect is one file in `src/effects/`, of one shape, generic over the scalar: the same code is switched
 on by a file (`ugv simulate --effects FILE`), estimated by `ugv fit`, and set as an FMU's parameters. With all
 off the model is the paper's, bit for bit. An effect is on when one of its **bold** parameters differs from its
-default; the others shape it. Symbols as in the paper; z is the sinkage (h in `bulldozing`), and i is the slip
+default; the others shape it. Symbols and numbers of equations as in the paper; z is the sinkage (h in `bulldozing`), and i is the slip
 (r omega - v) / max(abs(r omega), abs(v)): -1 for a locked wheel, 1 for one that spins on the spot, up to 2 in size where
 rim and travel oppose each other; smooth between. (The output
 `longitudinal_slip` is the paper's, (13), which divides by r omega.) The stress' peak stays within 0.95 of the arc. Where
@@ -31,7 +31,7 @@ the row ahead, a sinkage h_0 under the axle, v_0 = 0.01 m/s, and after Hegedus D
 q = sqrt(1 + tan^2 phi) + tan phi.
 
 What is of the sensors moves no vehicle: a simulation and an FMU leave it out. `ugv fit` and `ugv diagnose` estimate it for each recording
-under names of its own (`pose_latency`, `lever_arm_x`, ...), in ranges and with priors of its own, which `ugv fit --free help` prints; there a latency may be negative.
+under names of its own (`pose_latency`, `lever_arm_x`, ...), in ranges and with priors of its own, whose 90 % intervals `ugv fit --free help` prints; there a latency may be negative.
 
 In a file `grade` may also hold slopes along the drive, linear in between:
 `\"profile\": {\"over\": \"time\" or \"distance\", \"points\": [[at, slope_east, slope_north], ...]}` or

@@ -3,7 +3,7 @@
 mod folder;
 mod progress;
 
-use super::nominal::{NominalArgs, read_all};
+use super::nominal::{NominalArgs, fitted_to, read_all};
 use super::output::{Output, write_stdout};
 use super::{Failure, tell};
 use folder::Folder;
@@ -90,15 +90,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
     bar.finish();
+    let mut to = fitted_to(&recordings, true);
     let diagnosis = match found {
         Err(error @ (DiagnosisError::AtRest { .. } | DiagnosisError::TooShort { .. })) => {
+            to.clear();
             insufficient(&recordings, &nominal, &options, &error)
         }
         other => other.map_err(Failure::Diagnosis)?,
     };
     let texts = [
         json(&diagnosis),
-        diagnosis.model.to_json(),
+        diagnosis.model.to_json_fitted(&to),
         page(&diagnosis),
     ];
     let written = write(outputs, texts);

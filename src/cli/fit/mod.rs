@@ -5,7 +5,7 @@ mod progress;
 mod report;
 mod summary;
 
-use super::nominal::{NominalArgs, read_all};
+use super::nominal::{NominalArgs, fitted_to, read_all};
 use super::output::Output;
 use super::{Failure, tell};
 use names::{Wanted, print_names};
@@ -21,6 +21,7 @@ use ugv_terrain::recording::Recording;
 const EXAMPLES: &str = "\
 Examples:
   ugv fit drive.csv --output model.json --report fit.json
+  ugv fit drive.csv --half --output half.json    # then: ugv score drive.csv --model half.json
   ugv fit monday.csv tuesday.csv --vehicle mine.json --terrain sandy_loam --report fit.json
   ugv fit drive.csv --free cohesion,friction_angle,wheel_radius --sensors pose_latency
   ugv fit --free help          # all parameters, with their priors
@@ -44,9 +45,13 @@ pub struct Args {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     free: Vec<String>,
 
-    /// Sensor parameters to fit for each recording, or none
-    #[arg(long, value_name = "NAMES", value_delimiter = ',',
-          default_values = ["pose_latency", "wheel_latency", "yaw_rate_bias"])]
+    /// Sensor parameters to fit for each recording, separated by commas, or none
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "pose_latency,wheel_latency,yaw_rate_bias"
+    )]
     sensors: Vec<String>,
 
     /// What is not fitted stays as it is there
@@ -99,7 +104,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
-        return print_names(&args.nominal.load(&[], args.quiet)?);
+        // No recording can tell a vehicle here.
+        return print_names(&args.nominal.load(&[], true)?);
     }
     if args.recordings.is_empty() {
         return Err(Failure::Argument {
@@ -147,7 +153,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut files = [&args.output, &args.report].into_iter().flatten();
     let to_stdout = files.any(|path| path.as_os_str() == "-");
     let written = [
-        write(output, || model.to_json()),
+        write(output, || {
+            model.to_json_fitted(&fitted_to(&recordings, !args.half))
+        }),
         write(report, || {
             report::to_json(&fitted, &model, &recordings, &options)
         }),

@@ -24,10 +24,10 @@ impl Wanted {
         for name in if free.is_empty() { &defaults } else { free } {
             let place = catalogue::find(name).map_err(|error| Failure::Argument {
                 reason: format!("--free: {error}"),
-                hint: Some(format!(
-                    "the nearest is {}; --free help lists all",
-                    error.nearest
-                )),
+                hint: Some(match SensorParameter::parse(name) {
+                    Ok(_) => format!("it is a sensor's: --sensors {}", with(sensors, name)),
+                    Err(_) => format!("the nearest is {}; --free help lists all", error.nearest),
+                }),
             })?;
             if !wanted.model.contains(&place) {
                 wanted.model.push(place);
@@ -39,9 +39,13 @@ impl Wanted {
         for name in sensors {
             let sensor = SensorParameter::parse(name).map_err(|nearest| Failure::Argument {
                 reason: format!("--sensors: there is no sensor parameter `{name}`"),
-                hint: Some(format!(
-                    "the nearest is {nearest}; --sensors none fits none"
-                )),
+                hint: Some(match catalogue::find(name) {
+                    Ok(_) => format!(
+                        "it is of soil, vehicle or effects: --free {}",
+                        with(free, name)
+                    ),
+                    Err(_) => format!("the nearest is {nearest}; --sensors none fits none"),
+                }),
             })?;
             if !wanted.sensors.contains(&sensor) {
                 wanted.sensors.push(sensor);
@@ -51,10 +55,17 @@ impl Wanted {
     }
 }
 
+/// Names with one more, as an argument.
+fn with(names: &[String], name: &str) -> String {
+    let others = names.iter().map(String::as_str);
+    let others = others.filter(|other| *other != "none" && *other != name);
+    others.chain([name]).collect::<Vec<_>>().join(",")
+}
+
 /// All names with their priors.
 pub fn print_names(nominal: &Specification) -> Result<(), Failure> {
     let mut text = String::from(
-        "--free: soil, vehicle and effects, shared by all recordings (* by default)\n",
+        "--free: soil, vehicle and effects, shared by all recordings (* by default), with 90 % of their prior\n",
     );
     for entry in catalogue::all() {
         let parameter = catalogue::describe(entry, nominal);
@@ -67,7 +78,8 @@ pub fn print_names(nominal: &Specification) -> Result<(), Failure> {
         let range = format!("{low:.3e} .. {high:.3e} {}", parameter.unit);
         let _ = writeln!(text, "{mark} {:30} prior {range}", parameter.name);
     }
-    text += "--sensors: each recording's own (* by default)\n";
+    text +=
+        "--sensors: each recording's own (* by default; naming some takes the place of these)\n";
     for sensor in SensorParameter::ALL {
         let mark = if SensorParameter::DEFAULT_FREE.contains(&sensor) {
             "*"

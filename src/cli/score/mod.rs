@@ -6,7 +6,7 @@ mod json;
 mod table;
 
 use super::model::{
-    check_piecewise, load_effects, load_model, load_terrain, load_vehicle, without_sensors,
+    check_piecewise, load_effects, load_fitted, load_terrain, load_vehicle, without_sensors,
 };
 use super::output::{Output, write_stdout};
 use super::progress::Progress;
@@ -22,7 +22,8 @@ use ugv_terrain::effects::Effects;
 use ugv_terrain::identification::{
     Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
 };
-use ugv_terrain::recording::{About, Recording, different_names, read_recording};
+use ugv_terrain::json::FittedTo;
+use ugv_terrain::recording::{Recording, different_names, read_recording};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
 
@@ -42,7 +43,8 @@ Recordings:  time,omega_left,omega_right,x,y,heading and, better, yaw_rate; NAME
 Windows:     each starts at the recorded state; a model gets the recorded wheel speeds and predicts the
              pose at the end. Constant latencies of pose and wheels are estimated and removed first.
              Of a single run the second half is judged, of several runs every second one; the
-             kinematic models are fitted on the rest. In brackets: 90 % intervals.";
+             kinematic models are fitted on the rest, and so is a soil by `ugv fit --half`.
+             In brackets: 90 % intervals, from four pieces of the drive on.";
 
 /// Compare how well models predict recordings: kinematics, nominal soil, a soil of your own.
 #[derive(clap::Args)]
@@ -115,8 +117,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let threads = super::jobs::pool(args.jobs)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
         let recording = read_recording(path)?;
-        let warnings = recording.warnings().collect();
-        Ok((warnings, prepare(args, &recording, &given)?))
+        let warnings = recording.warnings().chain(given.doubt(&recording));
+        Ok((warnings.collect(), prepare(args, &recording, &given)?))
     };
     // Collected in the order of the arguments, so the first error is always the same.
     let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
@@ -175,7 +177,7 @@ fn prepare(args: &Args, recording: &Recording, given: &Given) -> Result<Contest,
     };
     let set = cut(&recording.name, &runs, &how)?;
     let halves = split(&runs, &set.windows);
-    let (nominal, given) = given.models(&recording.about)?;
+    let (nominal, given) = given.models(recording)?;
     let entries = Entry::all(&set.windows, &halves.fitted, nominal, given);
     Ok(Contest {
         name: recording.name.clone(),
@@ -197,6 +199,7 @@ struct Given {
     terrain: Option<Terrain>,
     effects: Option<Effects>,
     words: String,
+    fitted_to: Vec<FittedTo>,
 }
 
 impl Given {
@@ -215,9 +218,11 @@ impl Given {
             terrain: args.terrain.as_deref().map(load_terrain).transpose()?,
             effects: args.effects.as_deref().map(load_effects).transpose()?,
             words: words.collect::<Vec<_>>().join(", "),
+            fitted_to: Vec::new(),
         };
         if let Some(path) = &args.model {
-            let model = load_model(path)?;
+            let (model, fitted_to) = load_fitted(path)?;
+            given.fitted_to = fitted_to;
             given.vehicle = Some(model.vehicle);
             given.terrain = Some(model.terrain);
             given.effects.get_or_insert(model.effects);
@@ -229,15 +234,38 @@ impl Given {
         Ok(given)
     }
 
+    /// Whether the model has learned from the windows by which it is judged.
+    fn is_fitted_to_all_of(&self, recording: &Recording) -> bool {
+        let mut to = self.fitted_to.iter();
+        to.any(|to| to.whole && to.recording == recording.name)
+    }
+
+    /// What is doubtful about judging the model by a recording.
+    fn doubt(&self, recording: &Recording) -> Option<String> {
+        self.is_fitted_to_all_of(recording).then(|| {
+            format!(
+                "warning: the given model was fitted to all of {}, also to the windows that judge it here; \
+                 judge it by another recording, or one by `ugv fit --half`",
+                recording.name
+            )
+        })
+    }
+
     /// The nominal model of a recording, and the one that the arguments ask for.
-    fn models(&self, about: &About) -> Result<(Described, Option<Described>), Failure> {
+    fn models(&self, recording: &Recording) -> Result<(Described, Option<Described>), Failure> {
         const TERRAIN: &str = "clayed_soil";
-        let vehicle = about.vehicle.clone();
-        let mut words = String::from(match vehicle {
-            Some(_) => "the recording's vehicle, ",
-            None => "the paper's vehicle (none is told beside the recording), ",
-        });
-        let vehicle = vehicle.unwrap_or_else(Vehicle::tran2007);
+        let about = &recording.about;
+        let (mut words, vehicle) = match (&about.vehicle, &self.vehicle) {
+            (Some(told), _) => ("the recording's vehicle, ".to_string(), told.clone()),
+            (None, Some(given)) => (
+                "the given vehicle (none is told beside the recording), ".into(),
+                given.clone(),
+            ),
+            (None, None) => (
+                "the paper's vehicle (none is told beside the recording), ".into(),
+                Vehicle::tran2007(),
+            ),
+        };
         let terrain = match (&about.terrain, &about.terrain_name) {
             (Some(terrain), name) => {
                 words += name.as_deref().unwrap_or("the recording's terrain");
@@ -263,6 +291,10 @@ impl Given {
             terrain: self.terrain.unwrap_or(told.terrain),
             effects: self.effects.clone().unwrap_or_default(),
         };
-        Ok((nominal, Some((self.words.clone(), model(&given)?))))
+        let mut words = self.words.clone();
+        if self.is_fitted_to_all_of(recording) {
+            words += ", fitted to these windows too";
+        }
+        Ok((nominal, Some((words, model(&given)?))))
     }
 }

@@ -1,6 +1,7 @@
 //! `ugv simulate`: drives a vehicle with recorded or invented wheel speeds.
 
 mod drive;
+mod input;
 mod progress;
 mod table;
 
@@ -11,13 +12,14 @@ use super::plot::{self, Trace};
 use super::{Failure, tell};
 pub use drive::Stop;
 use drive::{Schedule, drive};
+use input::read_file;
+pub use input::{doubts, filled, read_input};
 use progress::Progress;
-use std::fs::File;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use ugv_terrain::effects::Kind;
-use ugv_terrain::recording::{CsvError, Drive, read_drive, read_poses};
+use ugv_terrain::recording::{Drive, read_poses};
 use ugv_terrain::simulation::{Simulation, SimulationError, State};
 use ugv_terrain::vehicle::{VehicleModel, seen_from};
 
@@ -33,7 +35,8 @@ Examples:
   generate | ugv simulate --input - --quiet | plot
 
 Input:   a header with time,omega_left,omega_right [s, rad/s], linear in between. Other columns are
-         ignored; an empty cell of a wheel speed is a missing sample.
+         ignored; an empty cell of a wheel speed is a missing sample. Units, sides and times are taken
+         as they stand: what `ugv inspect` puts right in a recording is not put right here.
 Output:  wheel speeds, pose, velocities, accelerations, resistances and moments, then each wheel's
          slips, load, sinkage, entry angle and forces, in SI units and radians. When the vehicle
          cannot drive on to the end, nothing is written.";
@@ -94,6 +97,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let effects = names(&specification.effects, Kind::Physics);
     let model = VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
     let recording = read_input(&args.input)?;
+    doubts(&recording).for_each(|doubt| tell(&doubt));
     let state = initial_state(
         &args.initial,
         model.vehicle(),
@@ -167,39 +171,6 @@ fn begin(
         simulation.settle_after(&seen.collect::<Vec<_>>())?;
     }
     Ok(())
-}
-
-/// Reads wheel speeds from a file, or from standard input for `-`.
-pub fn read_input(path: &Path) -> Result<Drive, Failure> {
-    if path == Path::new("-") {
-        return read_drive("standard input", io::stdin().lock()).map_err(Failure::Recording);
-    }
-    read_file(path, read_drive)
-}
-
-/// Reads a file, and names it where it cannot.
-fn read_file<T>(
-    path: &Path,
-    read: impl FnOnce(&str, File) -> Result<T, CsvError>,
-) -> Result<T, Failure> {
-    let file = path.display().to_string();
-    let opened = File::open(path);
-    opened
-        .map_err(|source| CsvError::Read {
-            file: file.clone(),
-            source,
-        })
-        .and_then(|input| read(&file, input))
-        .map_err(Failure::Recording)
-}
-
-/// Says that wheel speeds are missing.
-pub fn filled(drive: &Drive) -> String {
-    format!(
-        "note: {} of {} rows lack a wheel speed; it was interpolated",
-        drive.filled_rows,
-        drive.len()
-    )
 }
 
 fn picture(picture: Output, table: &Output) -> Result<Output, Failure> {

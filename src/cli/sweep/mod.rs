@@ -10,7 +10,7 @@ use super::jobs::pool;
 use super::model::ModelArgs;
 use super::output::Output;
 use super::progress::Progress;
-use super::simulate::{filled, read_input};
+use super::simulate::{doubts, filled, read_input};
 use super::{Failure, tell};
 use distribution::{Values, Varied};
 use outcome::{COLUMNS, Outcome};
@@ -114,6 +114,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => read_input(path)?,
         None => standstill(),
     };
+    doubts(&drive).for_each(|doubt| tell(&doubt));
     if drive.filled_rows > 0 && !args.quiet {
         tell(&filled(&drive));
     }

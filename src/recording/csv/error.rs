@@ -79,12 +79,8 @@ impl fmt::Display for CsvError {
                     found.join("`, `")
                 )?;
                 write!(f, ", expected a header with {}", required.join(", "))?;
-                let others = found
-                    .iter()
-                    .map(String::as_str)
-                    .filter(|name| !required.contains(name));
-                match nearest(missing, others) {
-                    Some(name) => write!(f, " (the nearest is `{name}`)"),
+                match remedy(missing, required, found) {
+                    Some(remedy) => write!(f, " ({remedy})"),
                     None => Ok(()),
                 }
             }
@@ -95,6 +91,35 @@ impl fmt::Display for CsvError {
             } => write!(f, "{cell}: found {found}, expected {expected}"),
         }
     }
+}
+
+/// What to do about a header that lacks a column.
+fn remedy(missing: &str, required: &[&str], found: &[String]) -> Option<String> {
+    let has = |signs: &[char]| found.iter().any(|name| name.contains(signs));
+    if has(&['\0']) {
+        return Some("save the file as UTF-8".into());
+    }
+    if has(&[';', '\t']) {
+        return Some("separate the cells by commas".into());
+    }
+    if found.iter().all(|name| name.parse::<f64>().is_ok()) {
+        return Some("put the header above the first row of numbers".into());
+    }
+    let others = || {
+        let names = found.iter().map(String::as_str);
+        names.filter(|name| !required.contains(name))
+    };
+    if let Some(meant) = others().find(|name| plain(name) == missing) {
+        return Some(format!("name the column `{missing}` instead of `{meant}`"));
+    }
+    let near = nearest(missing, others())?;
+    Some(format!("the nearest is `{near}`"))
+}
+
+/// A column's name in small letters, without a unit in brackets.
+fn plain(name: &str) -> String {
+    let name = name.split(['[', '(']).next().unwrap_or_default();
+    name.trim().to_lowercase().replace([' ', '-'], "_")
 }
 
 impl std::error::Error for CsvError {

@@ -110,6 +110,21 @@ fn faults_are_located_and_explained() {
              expected a header with time, omega_left, omega_right (the nearest is `omega_lft`)",
         ),
         (
+            error("Time [s],omega_left,omega_right\n0,1,2\n"),
+            "drive.csv: line 1, column 4: found no column `time` among `Time [s]`, `omega_left`, `omega_right`, \
+             expected a header with time, omega_left, omega_right (name the column `time` instead of `Time [s]`)",
+        ),
+        (
+            error("time;omega_left;omega_right\n0;1;2\n"),
+            "drive.csv: line 1, column 2: found no column `time` among `time;omega_left;omega_right`, \
+             expected a header with time, omega_left, omega_right (separate the cells by commas)",
+        ),
+        (
+            error("0,1,2\n1,1,2\n"),
+            "drive.csv: line 1, column 4: found no column `time` among `0`, `1`, `2`, \
+             expected a header with time, omega_left, omega_right (put the header above the first row of numbers)",
+        ),
+        (
             error("time,time,omega_left,omega_right\n0,1,2,3\n"),
             "drive.csv: line 1, column 2 (time): found a second column `time`, expected one of each",
         ),
