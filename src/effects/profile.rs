@@ -32,6 +32,19 @@ impl SlopeProfile {
         let next = points.at.partition_point(|at| *at <= time);
         points.at.get(next).copied()
     }
+
+    /// The shortest way \[m\] from where the slope begins to change otherwise to the next such place; `None` where there is
+    /// no such way.
+    #[must_use]
+    pub fn grain(&self) -> Option<f64> {
+        let axes: [&[f64]; 2] = match self {
+            Self::Time(_) => [&[], &[]],
+            Self::Distance(points) => [&points.at, &[]],
+            Self::Place(grid) => [&grid.x, &grid.y],
+        };
+        let ways = axes.into_iter().flat_map(|axis| axis.windows(2));
+        ways.map(|pair| pair[1] - pair[0]).reduce(f64::min)
+    }
 }
 
 /// Slopes at the corners of a rectangular grid.

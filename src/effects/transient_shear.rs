@@ -10,13 +10,13 @@ effect! {
     /// The displacement obeys dj/dt - omega dj/dtheta = V_j along the contact, with j = 0 where the rim
     /// enters. Its steady state (14) is linear in four numbers of the wheel, V_X/abs(omega),
     /// V_Y/abs(omega), Omega/abs(omega) and r sign(omega); here these four are states J. Averaged over
-    /// the contact (a Galerkin closure with the steady profile, whose mean over the contact is
-    /// J theta_1 / 2) the equation is dJ/dt = 2/(s theta_1) (V - abs(omega) J) with V = V_X, V_Y, Omega,
+    /// the contact of angle L (theta_1, and with `elastic_rebound` theta_2 behind the axle besides; a Galerkin closure with the
+    /// steady profile, whose mean over the contact is J L / 2) the equation is dJ/dt = 2/(s L) (V - abs(omega) J) with V = V_X, V_Y, Omega,
     /// r omega: exact in the steady state and for the mean displacement of a locked wheel, of first
     /// order in between. Soil sheared beyond 10 K slides on without storing more.
     TransientShear: "transient_shear", Physics,
     lifts "velocities constant while a point of the rim is in contact",
-    equation "dJ/dt = 2/(s theta_1) (V - abs(omega) J), j as in (14) with J for V/abs(omega); what is sheared beyond 10 K stores no more",
+    equation "dJ/dt = 2/(s L) (V - abs(omega) J), j as in (14) with J for V/abs(omega), L the angle of contact, theta_1 or theta_1 + theta_2; what is sheared beyond 10 K stores no more",
     source "transport equation of the brush model (Pacejka, Tyre and Vehicle Dynamics, ch. 2), projected here",
     {
         relaxation ["1"] 0.0..5.0, off 0.0, lognormal(1.0, 0.4), "Scale s of the relaxation length, 1 as derived; 0 is the steady state of the paper";
@@ -41,7 +41,7 @@ pub struct Displacement<S> {
 }
 
 impl<S: Scalar> TransientShear<S> {
-    /// Rate of the displacement \[per s\] under a wheel that enters the soil at `entry_angle`
+    /// Rate of the displacement \[per s\] under a wheel that touches the soil over an `arc`
     /// \[rad\] and moves with the velocities `drive` (in the order of [`Displacement`]), at
     /// abs(omega) `turning` \[rad/s\], on soil of modulus K \[m\].
     pub fn rate(
@@ -49,10 +49,10 @@ impl<S: Scalar> TransientShear<S> {
         displacement: &Displacement<S>,
         drive: &Displacement<S>,
         turning: S,
-        entry_angle: S,
+        arc: S,
         shear_modulus: S,
     ) -> Displacement<S> {
-        let half_arc = entry_angle.scale(0.5);
+        let half_arc = arc.scale(0.5);
         let scale = self.relaxation * half_arc;
         let stored = displacement.forward - displacement.rim;
         let slip = drive.forward - drive.rim;

@@ -139,6 +139,15 @@ impl Extent {
         }
     }
 
+    /// The length \[m\] of what lies in the way; `None` where that is nothing.
+    #[must_use]
+    pub const fn grain(&self) -> Option<f64> {
+        match *self {
+            Self::Time { .. } => None,
+            Self::Place { radius, .. } => Some(radius),
+        }
+    }
+
     /// The first moment after `time` \[s\] at which an edge is passed, whatever the vehicle does.
     #[must_use]
     pub fn next_edge(&self, time: f64) -> Option<f64> {

@@ -32,7 +32,8 @@ impl Derivatives {
         self.0.fixed_columns::<{ State::COUNT }>(0).into()
     }
 
-    /// By a delay of the wheel speeds \[per s\].
+    /// By a delay of the wheel speeds \[per s\], as far as these change by their rates: what a jump from one call of
+    /// [`SensitiveSimulation::drive`](super::SensitiveSimulation::drive) to the next would do later is not in it.
     #[must_use]
     pub fn by_wheel_delay(&self) -> [f64; State::COUNT] {
         self.0.column(DELAY).into_owned().into()

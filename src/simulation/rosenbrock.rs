@@ -164,11 +164,11 @@ impl Simulation {
             let due = self.model.next_event(self.time);
             let event = due.filter(|event| *event <= start + seconds);
             let due = event.map_or(seconds, |event| (event - start).clamp(done, seconds));
-            let knot = self.model.next_knot(self.time).map(|knot| knot - start);
-            let knot = knot.filter(|knot| (done..due).contains(knot) && *knot > done);
-            let goal = knot.unwrap_or(due);
+            let within = |knot: &f64| (done..due).contains(&(knot - start)) && knot - start > done;
+            let knot = self.model.next_knot(self.time).filter(within);
+            let goal = knot.map_or(due, |knot| knot - start);
             let rest = goal - done;
-            let wanted = self.integrator.next_step;
+            let wanted = self.integrator.next_step.min(self.longest_step());
             // Rather two even steps than a long one and a stub.
             let step = if rest <= wanted * 1.05 {
                 rest
@@ -181,8 +181,12 @@ impl Simulation {
             let reached = if last { goal } else { done + step };
             let end_speeds = speeds.after(self.input_rates, reached);
             let passed = event.filter(|_| last && knot.is_none());
-            // Up to the event holds what held before it.
-            let end_time = passed.map_or(start + reached, f64::next_down);
+            // Up to the event holds what held before it; a knot is met as it is told, so that none comes twice.
+            let end_time = match (passed, knot.filter(|_| last)) {
+                (Some(event), _) => event.next_down(),
+                (None, Some(knot)) => knot,
+                (None, None) => start + reached,
+            };
             if self.try_step(step, end_speeds, end_time)? {
                 done = reached;
                 self.time = end_time;
@@ -196,6 +200,13 @@ impl Simulation {
             }
         }
         Ok(())
+    }
+
+    /// The longest step \[s\] that steps over nothing that lies in the way, whose evaluations are half a step apart.
+    fn longest_step(&self) -> f64 {
+        let speed = self.state.v_x.hypot(self.state.v_y);
+        let grain = self.model.grain();
+        grain.map_or(f64::INFINITY, |grain| grain / speed)
     }
 
     /// Goes on behind an event, where other effects are on.

@@ -14,6 +14,9 @@ use nalgebra::DMatrix;
 
 /// A [`Simulation`] that carries the derivatives of its state along.
 ///
+/// What is remembered has derivatives where it is there: those by an effect that would add a memory of its own
+/// (`multipass`, `transient_shear`, `terrain_change` over the distance) are zero while it is off.
+///
 /// ```
 /// use ugv_terrain::simulation::{SensitiveSimulation, WheelSpeeds};
 /// use ugv_terrain::terrain::Terrain;

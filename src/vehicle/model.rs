@@ -129,6 +129,11 @@ impl VehicleModel {
         effects.slope_profile.as_ref()?.next_knot(time)
     }
 
+    /// The length \[m\] of the shortest thing that lies in the way: a step that is longer might miss it.
+    pub(crate) fn grain(&self) -> Option<f64> {
+        self.altered()?.grain
+    }
+
     /// The directions to differentiate in, prepared; a model without effects has none.
     pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
         match self.altered() {

@@ -127,7 +127,8 @@ def remember(e, state, omega_left, omega_right, details, h):
             y = e[I.half_track] if left else -e[I.half_track]
             r = e[I.wheel_radius] * (e[I.wheel_radius_left] if left else e[I.wheel_radius_right])
             x = e[I.row0 + i // 2] - e[I.com_offset]
-            gain = 2.0 / (e[I.transient_shear_relaxation] * max(details[5 * i + 4], 1e-3))
+            angle = details[5 * i + 4] * (1.0 + e[I.elastic_rebound_share])
+            gain = 2.0 / (e[I.transient_shear_relaxation] * max(angle, 1e-3))
             rate = gain * abs(omega)
             keep = math.exp(-rate * h)
             fill = gain * ((1.0 - keep) / rate if rate > 1e-9 else h)

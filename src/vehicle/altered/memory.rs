@@ -175,7 +175,8 @@ impl MemoryLayout {
                 let turning = motion.angular_speed.rounded_abs(1e-9) * law.radius / contact.circle;
                 // The shortest one is the wheel's, not that of the larger circle on which a flat tyre stands.
                 let shortest = (law.radius / contact.circle).scale(SHORTEST_ARC);
-                let arc = contact.entry.most(shortest);
+                let whole = contact.entry * law.rebound.offset(1.0);
+                let arc = whole.most(shortest);
                 let rate = effect.rate(
                     &memory.displacement,
                     &drive,

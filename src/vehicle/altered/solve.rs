@@ -4,8 +4,8 @@ use super::loads::{LoadTargets, spread_loads};
 use super::rut::{Ruts, TrackSlope};
 use super::{Chassis, Environment, MemoryLayout, Situation, Surroundings, Tracks};
 use crate::contact::{Detail, Regularisation, WheelContact, WheelForces, WheelMemory};
-use crate::effects::Boundary;
-use crate::parameter::ParameterError;
+use crate::effects::{Boundary, SlopeProfile};
+use crate::parameter::{Bounds, ParameterError};
 use crate::scalar::{Dual, Scalar};
 use crate::vehicle::{Balance, Motion, Specification, WheelOutputs, Wrench};
 use fearless_simd::Level;
@@ -18,6 +18,8 @@ pub(crate) struct Altered {
     pub layout: MemoryLayout,
     /// The same outside of the effects' window, where they have one.
     pub outside: Option<Outside>,
+    /// The length \[m\] of the shortest thing that lies in the way.
+    pub grain: Option<f64>,
 }
 
 /// A specification and its chassis outside of the effects' window.
@@ -67,15 +69,30 @@ impl Altered {
                 specification,
             }
         });
+        if chassis.effects.tyre_compliance.is_some() {
+            // A tyre's stiffness has 3 - n in its denominator.
+            let below = Bounds::half_open("sinkage_exponent", "1", 0.0, 3.0);
+            below
+                .because("with tyre_compliance")
+                .check(specification.terrain.sinkage_exponent)?;
+        }
         let other = outside.iter().flat_map(|outside| &outside.chassis.wheels);
         for wheel in chassis.wheels.iter().chain(other) {
-            crate::parameter::Bounds::open_low("sinkage modulus", "N/m^(n+2)", 0.0, 1e16)
+            Bounds::open_low("sinkage modulus", "N/m^(n+2)", 0.0, 1e16)
                 .check(wheel.law.soil.modulus)?;
         }
+        let effects = &specification.effects;
+        let profile = effects.slope_profile.as_ref();
+        let window = effects.window.as_ref();
+        let grains = [
+            profile.and_then(SlopeProfile::grain),
+            window.and_then(|window| window.extent.grain()),
+        ];
         Ok(Self {
             specification: specification.clone(),
             chassis,
             layout: MemoryLayout::new(specification),
+            grain: grains.into_iter().flatten().reduce(f64::min),
             outside,
         })
     }
