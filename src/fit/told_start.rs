@@ -3,6 +3,7 @@
 use super::segment::{Samples, Segment, Signal};
 use super::sensor::{SensorParameter, SensorValues};
 use crate::recording::{Channel, Run, Series};
+use std::f64::consts::TAU;
 
 /// Standard deviations of the start's prior: pose \[m, m, rad\], then velocities. Positions are those of the antenna,
 /// which may be some metres from the reference point: many starts would pull a lever arm to zero.
@@ -80,6 +81,10 @@ pub fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Se
         heads = moves(0).is_some();
         let steps = 0..((segment.end - time) / SLOPE_SECONDS) as i32;
         pose[2] = steps.into_iter().find_map(moves).unwrap_or(0.0);
+        // On the turn of the headings that are told later.
+        if let Some(told) = about(Channel::Heading) {
+            pose[2] += TAU * ((told - pose[2]) / TAU).round();
+        }
         if !heads {
             deviation[2] = GUESSED_HEADING;
         }

@@ -87,13 +87,19 @@ impl Run {
         })
     }
 
-    /// Where the speed of a side is not sampled for longer than this \[s\]: from a sample to the next, in order and
-    /// without overlap.
+    /// Where the speed of a side is not sampled for longer than this \[s\]: from a sample to the next, and where the
+    /// other side begins earlier or ends later; in order and without overlap.
     #[must_use]
     pub fn wheel_gaps(&self, longest: f64) -> Vec<[f64; 2]> {
-        let sides = [Channel::OmegaLeft, Channel::OmegaRight];
-        let sides = sides.into_iter().filter_map(|side| self.series(side));
-        let mut gaps: Vec<[f64; 2]> = sides.flat_map(|series| series.gaps(longest)).collect();
+        let sides = [Channel::OmegaLeft, Channel::OmegaRight].map(|side| self.series(side));
+        let between = sides.into_iter().flatten();
+        let mut gaps: Vec<[f64; 2]> = between.flat_map(|series| series.gaps(longest)).collect();
+        if let [Some(left), Some(right)] = sides {
+            let ends = [Series::start, Series::end].map(|end| Some((end(left)?, end(right)?)));
+            let apart = ends.into_iter().flatten();
+            let apart = apart.map(|(left, right)| [left.min(right), left.max(right)]);
+            gaps.extend(apart.filter(|[from, to]| to - from > longest));
+        }
         gaps.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut merged: Vec<[f64; 2]> = Vec::new();
         for gap in gaps {
@@ -151,6 +157,23 @@ mod tests {
         assert_eq!(run.channels().count(), 2);
         assert_eq!(run.series(Channel::Y), None);
         assert_eq!(run.drive(), None);
+    }
+
+    #[test]
+    fn a_side_that_begins_late_or_ends_early_is_lost_there() {
+        let seconds = |from: u32, to: u32| -> Series {
+            let times = (10 * from..=10 * to).map(|k| 0.1 * f64::from(k));
+            times.map(|time| (time, 1.0)).collect()
+        };
+        let of = |left: Series, right: Series| {
+            let run = Run::new("").with(Channel::OmegaLeft, left);
+            run.with(Channel::OmegaRight, right).wheel_gaps(1.5)
+        };
+        assert_eq!(
+            of(seconds(0, 100), seconds(5, 30)),
+            [[0.0, 5.0], [30.0, 100.0]]
+        );
+        assert!(of(seconds(0, 100), seconds(1, 99)).is_empty());
     }
 
     #[test]

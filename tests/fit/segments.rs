@@ -69,6 +69,20 @@ fn no_segment_reaches_over_wheel_speeds_of_a_side_that_were_lost() {
 }
 
 #[test]
+fn nothing_is_driven_where_one_side_is_lost_for_good() {
+    let whole = drive(&seconds(0.0, 40));
+    let right = whole.series(Channel::OmegaRight).unwrap().samples();
+    let kept = right.filter(|(time, _)| (6.0..=20.0).contains(time));
+    let cut = cut_into(whole.clone().with(Channel::OmegaRight, kept.collect()), 5.0);
+    let ends: Vec<[f64; 2]> = cut
+        .segments
+        .iter()
+        .map(|one| [one.start, one.end])
+        .collect();
+    assert_eq!((ends[0][0], ends[ends.len() - 1][1]), (6.0, 20.0));
+}
+
+#[test]
 fn a_start_in_an_outage_of_the_pose_is_hardly_known() {
     let whole = drive(&seconds(0.0, 20));
     let series = |channel| whole.series(channel).unwrap();

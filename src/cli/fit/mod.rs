@@ -181,15 +181,13 @@ fn write(output: Option<Output>, text: impl Fn() -> String) -> Result<(), Failur
     output.finish()
 }
 
-/// The name of a recording's sensor parameter without the recording, where there is but one.
+/// The name of a parameter; that of a recording's sensor without the recording, where there is but one.
 fn short_name<'a>(name: &'a str, fitted: &Fit, recordings: &[Recording]) -> &'a str {
     let is_sensor = fitted.estimates[fitted.model_parameters..]
         .iter()
         .any(|estimate| estimate.parameter.name == name);
-    let short = name.rsplit_once('.').map_or(name, |(_, short)| short);
-    if is_sensor && recordings.len() > 1 {
-        name
-    } else {
-        short
+    match name.rsplit_once('.') {
+        Some((_, short)) if is_sensor && recordings.len() == 1 => short,
+        _ => name,
     }
 }

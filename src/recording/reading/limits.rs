@@ -3,6 +3,7 @@
 use super::note;
 use crate::recording::csv::{Sample, Samples, malformed};
 use crate::recording::{Channel, CsvError, Note, NoteKind};
+use std::f64::consts::TAU;
 
 /// Larger magnitudes are none of a ground vehicle's, in the channel's unit.
 pub fn limit(channel: Channel) -> f64 {
@@ -24,6 +25,13 @@ const MOST_OUTLIERS: f64 = 0.01;
 /// Headings that leave the ones before by more than this, in degrees or radians, are none: a number that stands for a
 /// missing one, such as -999.
 const LEAP: f64 = 400.0;
+/// Full turns, of radians and of degrees, with the rounding of numbers that are written.
+const TURNS: [f64; 2] = [TAU + 2e-3, 360.5];
+/// No vehicle turns by this share of a turn and back within so many seconds from one sample to the next.
+const FAR: f64 = 0.25;
+const QUICK: f64 = 1.2;
+/// Fewer headings do not tell which of them is a stray.
+const FEWEST: usize = 20;
 /// Of so many first ones the median is taken for what comes before.
 const FIRST: usize = 11;
 
@@ -60,6 +68,50 @@ pub fn drop_leaps(samples: &mut Samples) -> Option<Note> {
     }
     let why = format!("are more than {LEAP} from the ones before");
     take_out(samples, Channel::Heading, lines, &why)
+}
+
+/// Leaves out single headings outside of the full turn, of radians or else of degrees, that all others keep to: numbers
+/// that stand for missing ones, such as -1 degree. They would hide that the others are wrapped.
+pub fn drop_strays(samples: &mut Samples) -> Option<Note> {
+    TURNS.into_iter().find_map(|turn| {
+        let runs = samples.runs.iter();
+        let lines = runs.flat_map(|run| strays(&run.channels[Channel::Heading.index()], turn));
+        let why = format!("are outside of the full turn ({turn:.1}) that all others keep to");
+        let lines = lines.collect();
+        take_out(samples, Channel::Heading, lines, &why)
+    })
+}
+
+/// Lines of the few samples outside of a turn that holds all others, if each is far from those beside it.
+fn strays(headings: &[Sample], turn: f64) -> Vec<usize> {
+    let mut sorted: Vec<f64> = headings.iter().map(|sample| sample.value).collect();
+    sorted.sort_by(f64::total_cmp);
+    let held = |low: &f64| sorted.partition_point(|value| value - low <= turn);
+    let counts = sorted
+        .iter()
+        .enumerate()
+        .map(|(k, low)| (held(low) - k, *low));
+    let Some((count, low)) = counts.max_by_key(|(count, _)| *count) else {
+        return Vec::new();
+    };
+    let outside = |sample: &Sample| !(low..=low + turn).contains(&sample.value);
+    let few = 1.0_f64.max(MOST_OUTLIERS * headings.len() as f64);
+    let is_far = |index: usize| {
+        let beside = [index.checked_sub(1), Some(index + 1)];
+        let beside = beside.into_iter().flatten();
+        let mut beside = beside.filter_map(|k| headings.get(k));
+        beside.all(|other| {
+            let apart = (other.value - headings[index].value).abs();
+            apart > FAR * turn && (other.time - headings[index].time).abs() < QUICK
+        })
+    };
+    let all = (0..headings.len()).filter(|k| outside(&headings[*k]));
+    let all: Vec<usize> = all.collect();
+    let many = headings.len() < FEWEST || (headings.len() - count) as f64 > few;
+    if many || !all.iter().all(|index| is_far(*index)) {
+        return Vec::new();
+    }
+    all.into_iter().map(|k| headings[k].line).collect()
 }
 
 /// Leaves out the values of these lines, unless they are too many for slips.

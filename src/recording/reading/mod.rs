@@ -62,6 +62,7 @@ fn parse_recording(
     notes.extend(clock::to_seconds(&mut samples)?);
     notes.extend(limits::drop_outliers(&mut samples, limits::ANY_UNIT));
     notes.extend(limits::drop_leaps(&mut samples));
+    notes.extend(limits::drop_strays(&mut samples));
     notes.extend(units::convert(&mut samples, &about));
     notes.extend(limits::drop_outliers(&mut samples, 1.0));
     limits::check(&samples)?;

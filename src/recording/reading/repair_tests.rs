@@ -51,6 +51,19 @@ fn units_of_angles_are_seen() {
         });
         assert_restored(&good, &bad, &[outlier, unit(Channel::Heading), unwrapped]);
     }
+    // Nor does one that is no heading of the turn they keep to.
+    for missing in [-99.0, 10.0, 99.0] {
+        let bad = with(&good, |t, v| {
+            let wrapped = (v[4] + PI).rem_euclid(TAU) - PI;
+            v[4] = if *t == 30.0 { missing } else { wrapped };
+        });
+        assert_restored(&good, &bad, &[outlier, unwrapped]);
+    }
+    let bad = with(&good, |t, v| {
+        let wrapped = v[4].to_degrees().rem_euclid(360.0);
+        v[4] = if *t == 30.0 { -100.0 } else { wrapped };
+    });
+    assert_restored(&good, &bad, &[outlier, unit(Channel::Heading), unwrapped]);
     // 90 less a compass, and a compass with its declination.
     let unit_and_more = [unit(Channel::Heading), unwrapped];
     let bad = with(&good, |_, v| {

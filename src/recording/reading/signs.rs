@@ -86,6 +86,7 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
             let gyro = format!("taken as clockwise, its sign turned round: {text}");
             let mut notes = turn_round(samples, Channel::Heading, FRAC_PI_2, heading);
             notes.extend(turn_round(samples, Channel::YawRate, 0.0, gyro));
+            notes.extend(sideways(samples));
             notes
         }
         (Against, Against, Together) => mend_wheels(samples, "yaw_rate and heading", gyro_wheels.r),
@@ -143,8 +144,23 @@ fn clockwise(samples: &mut Samples, from: f64, r: f64, gyro: bool) -> Vec<Note> 
     if gyro {
         let text = format!("taken as clockwise, its sign turned round: {text}");
         notes.extend(turn_round(samples, Channel::YawRate, 0.0, text));
+        notes.extend(sideways(samples));
     }
     notes
+}
+
+/// Axes in which angles count clockwise mostly point to the right, too.
+fn sideways(samples: &Samples) -> Option<Note> {
+    let told = |channel: &Channel| samples.of(*channel).next().is_some();
+    let channel = [Channel::VY, Channel::AY].into_iter().find(told)?;
+    let text = "left as it is, though heading and yaw_rate count clockwise: where it (v_y, a_y) is positive to the right, \
+                turn its sign round";
+    note(
+        NoteKind::Suspicion,
+        Some(channel),
+        place(samples, channel),
+        text.into(),
+    )
 }
 
 /// Whether the vehicle comes the other way than its wheels roll, on the whole.
