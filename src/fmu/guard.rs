@@ -183,7 +183,7 @@ mod tests {
     use fmi_sys::fmi2::{
         fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component, fmi2ComponentEnvironment,
         fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
-        fmi2Status_fmi2OK, fmi2Status_fmi2Warning, fmi2String,
+        fmi2Status_fmi2OK, fmi2String,
     };
     use std::cell::RefCell;
     use std::ffi::CStr;

@@ -147,7 +147,8 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
     let members = &searched.members;
     let left = searched.last.wandering.map_or(0.0, |w| w.evidence);
     let something = 1.0 / (1.0 + (-(left - SOMETHING) / LEFT_SOFTNESS).exp());
-    let doubt = doubt(members, left.max(0.0) * something);
+    let explained = searched.retuned.surprise - searched.augmented.surprise;
+    let doubt = doubt(members, explained, left.max(0.0) * something);
     let physics: Vec<Subject> = searched.given.candidates.subjects.clone();
     let physics: Vec<Subject> = physics.into_iter().filter(|s| !s.is_sensor()).collect();
     let odds = |member: &Member| {
@@ -161,14 +162,14 @@ pub fn judge(searched: &Searched, seen: f64) -> Judgement {
     let judged = members.iter().enumerate();
     let judged = judged.map(|(index, member)| judge_member(index, member, odds(member)));
     let mut findings: Vec<Judged> = judged.collect();
-    let named: f64 = members.iter().map(|member| member.gain).sum();
     let local = members.iter().all(|member| {
         matches!(
             member.proposal.kind(),
             crate::diagnosis::search::proposal::Kind::Local
         )
     });
-    let main = members.is_empty() || left > MAIN * named || (local && left > 0.5 * MAIN * named);
+    let main =
+        members.is_empty() || left > MAIN * explained || (local && left > 0.5 * MAIN * explained);
     let mut odds = mean(members.iter().map(|m| (odds(m), m.gain.max(0.0))))
         .unwrap_or_else(|| Odds::new(&searched.refused, NOTHING));
     let something_unknown = something * (1.0 - MISSED);
@@ -226,20 +227,22 @@ impl Judged {
     }
 }
 
-/// How much a name is doubted because of what has none.
-fn doubt(members: &[Member], left: f64) -> f64 {
-    let gains = |unnamed: bool| -> f64 {
-        let own = |member: &&Member| (member.proposal.subject == Subject::Unknown) == unnamed;
-        let gains = members
-            .iter()
-            .filter(own)
-            .map(|member| member.gain.max(0.0));
-        gains.sum()
-    };
-    let unnamed = gains(true) + left;
-    let all = unnamed + gains(false);
+/// How much a name is doubted because of what has none: of all that was explained together what leaving out the laws
+/// would cost, and what is left over.
+fn doubt(members: &[Member], explained: f64, left: f64) -> f64 {
+    let laws = members.iter();
+    let laws = laws.filter(|member| member.proposal.subject == Subject::Unknown);
+    let laws: f64 = laws.map(|member| member.gain.max(0.0)).sum();
+    unnamed_share(laws, explained, left).min(MOST_DOUBT)
+}
+
+/// A name is doubted so much, before the limit. What members lose one by one does not add up to what they explain
+/// together, where they can stand in for each other.
+fn unnamed_share(laws: f64, explained: f64, left: f64) -> f64 {
+    let unnamed = laws + left;
+    let all = unnamed.max(explained.max(0.0) + left);
     if all > 0.0 {
-        (UNNAMED_DOUBT * unnamed / all).min(MOST_DOUBT)
+        UNNAMED_DOUBT * unnamed / all
     } else {
         0.0
     }
@@ -250,18 +253,19 @@ fn judge_member(index: usize, member: &Member, odds: Odds) -> Judged {
     let probability = odds.of(subject);
     let mut others: Vec<(Subject, f64)> = odds.0.clone();
     others.retain(|(other, _)| *other != subject && *other != Subject::Nothing);
-    others.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut held = probability;
-    let mut set = Vec::new();
-    if probability < SURE {
-        for (other, share) in others {
-            if held >= SET || share < WORTH_TELLING * probability {
-                break;
-            }
-            held += share;
-            set.push(other);
-        }
+    // What "unknown" has whatever the evidence makes it no rival.
+    for (_, share) in others
+        .iter_mut()
+        .filter(|(other, _)| *other == Subject::Unknown)
+    {
+        *share -= DOUBT;
     }
+    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let set = if probability < SURE {
+        joining(probability, odds.of(Subject::Nothing), &others)
+    } else {
+        Vec::new()
+    };
     Judged {
         member: Some(index),
         subject,
@@ -269,6 +273,21 @@ fn judge_member(index: usize, member: &Member, odds: Odds) -> Judged {
         physics: odds.physics(),
         set,
     }
+}
+
+/// Those that may stand in the place of a name of this probability, of all but "nothing".
+fn joining(probability: f64, nothing: f64, others: &[(Subject, f64)]) -> Vec<Subject> {
+    let wanted = SET * (1.0 - nothing - DOUBT);
+    let mut held = probability;
+    let mut set = Vec::new();
+    for (other, share) in others {
+        if held >= wanted || *share < WORTH_TELLING * probability {
+            break;
+        }
+        held += share;
+        set.push(*other);
+    }
+    set
 }
 
 /// Of several findings, each weighed by its evidence: what explains little is a small part of what was missing.
@@ -314,6 +333,27 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
         let nothing = Odds::new(&[], NOTHING).of(Subject::Nothing);
         assert!((nothing - (1.0 - DOUBT)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_set_holds_what_has_evidence() {
+        let (a, b) = (Subject::Effect(0), Subject::Effect(1));
+        // Two names hold all but the doubt that always is.
+        let others = [(a, 0.451), (b, 0.01), (Subject::Unknown, 0.0)];
+        assert_eq!(joining(0.478, 0.02, &others), [a]);
+        // What is not there takes no place among names.
+        assert_eq!(joining(0.6, 0.3, &[(a, 0.07), (b, 0.04)]), [a]);
+        let others = [(Subject::Unknown, 0.4), (a, 0.02)];
+        assert_eq!(joining(0.5, 0.05, &others), [Subject::Unknown]);
+    }
+
+    #[test]
+    fn laws_beside_a_name_count_by_what_they_alone_explain() {
+        // A name explains 150, a law 12 besides; without the name the law would regain most.
+        let share = unnamed_share(12.0, 162.0, 0.0);
+        assert!((share - UNNAMED_DOUBT * 12.0 / 162.0).abs() < 1e-12);
+        assert!((unnamed_share(12.0, 0.0, 3.0) - UNNAMED_DOUBT).abs() < 1e-12);
+        assert!(unnamed_share(0.0, 0.0, 0.0).abs() < 1e-12);
     }
 
     #[test]
