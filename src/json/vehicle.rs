@@ -201,7 +201,7 @@ mod tests {
         assert!(error(&with("row_positions", "[0.5]")).starts_with("number of row_positions = 1"));
         assert_eq!(
             error(&with("row_positions", "[-0.9, -0.3]")),
-            "row_positions[1] = -0.3 m is outside its range [-50, -0.9) m (rows stand in order from the front to the rear)"
+            "row_positions = -0.3 m is outside its range [-50, -0.9) m (rows stand in order from the front to the rear)"
         );
         assert!(error(&with("half_track", "0.01")).contains("0.02] m (at most twice half_track)"));
     }

@@ -61,19 +61,13 @@ impl Vehicle {
     fn validate_rows(&self) -> Result<(), ParameterError> {
         let rows = &self.row_positions;
         Bounds::closed("number of row_positions", "rows", 2.0, 64.0).check(rows.len() as f64)?;
-        let at = |index: usize| {
-            move |mut error: ParameterError| {
-                error.name = format!("row_positions[{index}]");
-                error
-            }
-        };
-        for (index, row) in rows.iter().enumerate() {
-            ROW_POSITION.check(*row).map_err(at(index))?;
+        for &row in rows {
+            ROW_POSITION.check(row)?;
         }
-        for (index, pair) in rows.windows(2).enumerate() {
+        for pair in rows.windows(2) {
             let behind = Bounds::half_open("row_positions", "m", -50.0, pair[0]);
             let behind = behind.because("rows stand in order from the front to the rear");
-            behind.check(pair[1]).map_err(at(index + 1))?;
+            behind.check(pair[1])?;
         }
         let (front, rear) = (rows[0], rows[rows.len() - 1]);
         let between = Bounds::open("com_offset", "m", rear, front);

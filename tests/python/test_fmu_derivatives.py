@@ -323,6 +323,7 @@ class InputDerivatives(unittest.TestCase):
             with self.assertRaisesRegex(Failed, "are of order 1, not 0"):
                 instance.set_input_derivatives(self.RATES, order=0)
             # Those of higher orders are left out, with a warning.
+            instance.messages.clear()
             instance.set_input_derivatives((0.0, 0.0), order=2)
             self.assertEqual(instance.messages, [])
             instance.set_input_derivatives(self.RATES, order=2)

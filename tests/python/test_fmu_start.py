@@ -124,7 +124,7 @@ class BadParameters(unittest.TestCase):
             ("vehicle.half_track", 21.0, "half_track = 21 m is outside its range (0, 20] m"),
             ("vehicle.com_offset", 3.0, "com_offset = 3 m is outside its range (-0.915, 0.915) m"),
             ("vehicle.com_height", -0.1, "com_height = -0.1 m is outside its range [0, 20] m"),
-            ("vehicle.row_positions[2]", 1.0, "row_positions[2] = 1 m is outside its range"),
+            ("vehicle.row_positions[2]", 1.0, "row_positions = 1 m is outside its range"),
             ("soil.cohesion", -1.0, "cohesion = -1 Pa is outside its range [0, 100000000] Pa"),
             ("soil.friction_angle_deg", 90.0, "friction_angle_deg = 90 deg is outside its range"),
             ("soil.sinkage_exponent", 0.0, "sinkage_exponent = 0 is outside its range (0, 3]"),
