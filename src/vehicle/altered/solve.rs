@@ -10,6 +10,10 @@ use crate::scalar::{Dual, Scalar};
 use crate::vehicle::{Balance, Motion, Specification, WheelOutputs, Wrench};
 use fearless_simd::Level;
 
+/// What is shorter \[m\] may be stepped over: a ramp of a tenth of a millimetre that stands for an edge would cost
+/// thousands of steps a second all the way.
+const FINEST: f64 = 0.02;
+
 /// A specification with effects, prepared for evaluation.
 #[derive(Debug, Clone)]
 pub(crate) struct Altered {
@@ -88,11 +92,12 @@ impl Altered {
             profile.and_then(SlopeProfile::grain),
             window.and_then(|window| window.extent.grain()),
         ];
+        let shortest = grains.into_iter().flatten().reduce(f64::min);
         Ok(Self {
             specification: specification.clone(),
             chassis,
             layout: MemoryLayout::new(specification),
-            grain: grains.into_iter().flatten().reduce(f64::min),
+            grain: shortest.map(|grain| grain.max(FINEST)),
             outside,
         })
     }
