@@ -22,8 +22,8 @@ pub use progress::Progress;
 /// How to diagnose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Length of a segment \[s\]. Where 10 s or more of driving make fewer than four, they are cut
-    /// into four shorter ones.
+    /// Length of a segment \[s\]. Where driving makes fewer than six, they are shorter, though not than 5 s; where 10 s or
+    /// more make fewer than four of these, they are cut into four.
     pub segment: f64,
     /// Seed of everything random.
     pub seed: u64,
@@ -32,7 +32,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            segment: 5.0,
+            segment: 7.5,
             seed: 1,
         }
     }

@@ -3,12 +3,14 @@
 //! What acts throughout shows in some minutes of driving as well as in many: some stretches, spread evenly, stand
 //! for all where it is to be seen which way to go; what acts for some seconds changes the cost of those alone.
 
+use super::prepare::seconds;
 use super::{Given, Solution};
 use crate::fit::problem::Weighing;
 
-/// More stretches than this are many, and of those so many are enough.
-const MANY: usize = 48;
-const ENOUGH: usize = 32;
+/// Stretches of more than this together are many, and of those this is enough \[s\]; but not fewer of them than so many.
+const MANY: f64 = 240.0;
+const ENOUGH: f64 = 160.0;
+const FEWEST: usize = 20;
 
 /// Some stretches of many.
 #[derive(Debug, Clone)]
@@ -22,8 +24,11 @@ impl Part {
     #[must_use]
     pub fn of(given: &Given) -> Option<Self> {
         let count = given.segments.len();
-        (count > MANY).then(|| Self {
-            places: (0..ENOUGH).map(|k| k * count / ENOUGH).collect(),
+        let seconds = seconds(given);
+        let enough = ENOUGH / seconds * count as f64;
+        let enough = (enough.round() as usize).max(FEWEST);
+        (seconds > MANY && count > enough).then(|| Self {
+            places: (0..enough).map(|k| k * count / enough).collect(),
             count,
         })
     }

@@ -14,6 +14,10 @@ use crate::recording::{Channel, Recording};
 const SHORTEST: f64 = 10.0;
 /// Stretches at least where that much was driven: what is held out takes two, and two are left to learn from.
 const FEWEST: usize = 2 * SMALLEST_FOLD;
+/// Longer stretches tell more, but of few the scatter is not known and little can be held out: so many are there, if each
+/// is as long as this \[s\].
+const FEW: usize = 3 * SMALLEST_FOLD;
+const LONG_ENOUGH: f64 = 5.0;
 /// A soil that cannot carry the vehicle is stiffened by this factor, up to so many times in all.
 const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1024.0;
@@ -33,11 +37,18 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
     let mut found = cut(given.recordings, &late, options.segment);
     given.segments = std::mem::take(&mut found.segments);
     let mut driven: f64 = seconds(given);
-    if driven >= SHORTEST && given.segments.len() < FEWEST {
+    let lengths = [
         // Shorter stretches tell a little less; of fewer none could be held out, and nothing be told.
-        found = cut(given.recordings, &late, driven / FEWEST as f64);
-        given.segments = std::mem::take(&mut found.segments);
-        driven = seconds(given);
+        (FEW, LONG_ENOUGH),
+        (FEWEST, SHORTEST / FEWEST as f64),
+    ];
+    for (count, least) in lengths {
+        let length = (driven / count as f64).max(least);
+        if driven >= SHORTEST && given.segments.len() < count && length < options.segment {
+            found = cut(given.recordings, &late, length);
+            given.segments = std::mem::take(&mut found.segments);
+            driven = seconds(given);
+        }
     }
     if driven == 0.0 && found.at_rest > found.unusable {
         return Err(DiagnosisError::AtRest {
@@ -130,6 +141,7 @@ fn reach(recordings: &[Recording]) -> f64 {
 mod tests {
     use super::*;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::fit::segment::Segment;
     use crate::fit::sensor::SensorParameter;
     use crate::recording::{Run, Series};
     use crate::terrain::Terrain;
@@ -168,12 +180,16 @@ mod tests {
             prepare(&mut given, &Options::default())?;
             Ok(given.segments)
         };
-        // Three of 5 s would leave nothing to learn from.
+        // Two of 7.5 s would leave nothing to learn from.
         let short = stretches(14.0).unwrap();
         assert_eq!(short.len(), FEWEST);
         assert!(short.iter().all(|one| one.end - one.start < 4.0));
         let longer = stretches(25.0).unwrap();
-        assert!(longer.iter().all(|one| one.end - one.start > 4.5));
+        let length = |one: &Segment| one.end - one.start;
+        assert!(longer.iter().all(|one| (4.5..6.0).contains(&length(one))));
+        let enough = stretches(38.0).unwrap();
+        assert_eq!(enough.len(), FEW);
+        assert!(enough.iter().all(|one| length(one) > 6.0));
         assert!(matches!(
             stretches(8.0),
             Err(DiagnosisError::TooShort { .. })
