@@ -281,7 +281,7 @@ mod tests {
             });
             let at = found.unwrap();
             assert!(
-                (at.start - start).abs() < 0.1 && (at.end - end).abs() < 0.1,
+                (at.start - start).abs() < 0.12 && (at.end - end).abs() < 0.12,
                 "{at:?}"
             );
         }

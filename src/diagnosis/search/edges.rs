@@ -14,7 +14,7 @@ use crate::diagnosis::hypothesis::likelihood::{
     SKETCH, Tuned, cost, own_noise, tune_on, tune_until,
 };
 use crate::diagnosis::screening::locate::Extent;
-use crate::fit::normal::{Eliminated, START};
+use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::problem::{Tables, Weighing};
 use nalgebra::{DMatrix, DVector};
 
@@ -24,8 +24,9 @@ const SECONDS: f64 = 2.0;
 /// ... what is known of them before is this share (one standard deviation), and a step goes no further than that one.
 const PRIOR: f64 = 1.0;
 const REACH: f64 = 0.25;
-/// A step that loses is halved, so many times.
-const HALVINGS: usize = 3;
+/// A step that loses is damped by so much of the diagonal (Marquardt 1963): beside an edge that is off soil and effect lead
+/// far along what they hardly tell apart, where nothing is linear any more.
+const DAMPINGS: [f64; 4] = [0.0, 1e-3, 1e-2, 0.1];
 /// Steps at most, while one gains more than so much of the log evidence; one that gains less than so much is none, for fits
 /// end half a unit from where they lead.
 const STEPS: usize = 10;
@@ -77,11 +78,11 @@ fn settle(named: &mut Named, by: &Weighing) {
 fn stepped(named: &mut Named, by: &Weighing) -> Option<f64> {
     let knobs = &named.tuned.knobs;
     let way = Way::of(named, by)?;
-    let (proposal, given, begin) = (0..=HALVINGS).find_map(|halved| {
-        let share = 0.5_f64.powi(halved as i32);
-        let proposal = moved(&named.proposal, &(&way.edges * share))?;
+    let (proposal, given, begin) = DAMPINGS.into_iter().find_map(|damping| {
+        let step = way.step(damping)?;
+        let proposal = moved(&named.proposal, &way.edges(&step))?;
         let given = placed(&named.given, &proposal)?;
-        let begin = way.solution(named, share);
+        let begin = way.solution(named, &step);
         let lower = cost(&given, knobs, &begin, by) < way.cost;
         lower.then_some((proposal, given, begin))
     })?;
@@ -97,9 +98,11 @@ fn stepped(named: &mut Named, by: &Weighing) -> Option<f64> {
 
 /// Where the linearised problem leads with the edges among its unknowns.
 struct Way {
-    edges: DVector<f64>,
-    others: DVector<f64>,
-    starts: Vec<[f64; START]>,
+    /// How many unknowns there are before the edges.
+    others: usize,
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+    segments: Vec<(Normal, Eliminated)>,
     /// Half the cost here.
     cost: f64,
 }
@@ -146,35 +149,49 @@ impl Way {
         };
         let still = matrix.view((0, 0), (others, others)).into_owned();
         let (without, _) = gain(still, gradient.rows(0, others).into_owned())?;
-        let (with, mut step) = gain(matrix, gradient)?;
-        let far = step.rows(others, after.len()).amax();
+        let (with, _) = gain(matrix.clone(), gradient.clone())?;
         if (with - without).is_nan() || with - without < LEAST {
             return None;
         }
-        step *= (REACH / far).min(1.0);
-        let starts = each.iter();
-        let starts = starts.map(|(normal, eliminated)| eliminated.start_step(normal, &step));
         Some(Self {
-            edges: step.rows(others, after.len()).into_owned(),
-            others: step.rows(0, others).into_owned(),
-            starts: starts.collect(),
+            others,
+            matrix,
+            gradient,
+            segments: each,
             cost: 0.5 * problem.cost(&here, &point, by),
         })
     }
 
-    /// The solution a share of the way from where a fit stands.
-    fn solution(&self, named: &Named, share: f64) -> Solution {
+    /// The step of all unknowns, damped; edges move no further than their reach.
+    fn step(&self, damping: f64) -> Option<DVector<f64>> {
+        let mut damped = self.matrix.clone();
+        for k in 0..damped.nrows() {
+            damped[(k, k)] *= 1.0 + damping;
+        }
+        let step = damped.cholesky()?.solve(&self.gradient);
+        let far = self.edges(&step).amax();
+        Some(step * (REACH / far).min(1.0))
+    }
+
+    fn edges(&self, step: &DVector<f64>) -> DVector<f64> {
+        let count = step.len() - self.others;
+        step.rows(self.others, count).into_owned()
+    }
+
+    /// The solution a step from where a fit stands.
+    fn solution(&self, named: &Named, step: &DVector<f64>) -> Solution {
         let Named { given, tuned, .. } = named;
         let predictor = given.predictor(&tuned.knobs);
         let problem = given.problem(&predictor, &tuned.knobs);
         let mut point = given.point(&problem, &tuned.knobs, &tuned.solution);
         for (k, parameter) in problem.parameters.iter().enumerate() {
             let (low, high) = parameter.bounds();
-            point.coordinates[k] = (point.coordinates[k] + share * self.others[k]).clamp(low, high);
+            point.coordinates[k] = (point.coordinates[k] + step[k]).clamp(low, high);
         }
-        for (start, step) in point.starts.iter_mut().zip(&self.starts) {
-            for (value, step) in start.iter_mut().zip(step) {
-                *value += share * step;
+        for (start, (normal, eliminated)) in point.starts.iter_mut().zip(&self.segments) {
+            let moved = eliminated.start_step(normal, step);
+            for (value, moved) in start.iter_mut().zip(moved) {
+                *value += moved;
             }
         }
         given.solution(&problem, &tuned.knobs, &point, &tuned.solution)

@@ -114,8 +114,9 @@ fn is_far(given: &Given, from: &[f64], to: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::naming::{ANY, sketch};
-    use super::super::stage::tests::retuned;
+    use super::super::stage::tests::retuned_with;
     use super::*;
+    use crate::diagnosis::Options;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::effects::ParameterName;
     use crate::terrain::Terrain;
@@ -133,7 +134,12 @@ mod tests {
         nominal.terrain.cohesion *= 1.5;
         nominal.terrain.frictional_modulus /= 1.5;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        let (stage, by) = retuned(&nominal, &recordings);
+        // In longer stretches it is seen from the re-tuned soil as well.
+        let options = Options {
+            segment: 5.0,
+            ..Options::default()
+        };
+        let (stage, by) = retuned_with(&nominal, &recordings, &options);
         let (given, tuned) = (&stage.given, &stage.tuned);
         let begin = given.begin();
         assert!(is_far(given, &begin.soil, &tuned.solution.soil));

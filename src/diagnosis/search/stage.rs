@@ -331,12 +331,20 @@ pub mod tests {
         nominal: &Specification,
         recordings: &'a [Recording],
     ) -> (Stage<'a>, Weighing) {
-        let options = Options::default();
+        retuned_with(nominal, recordings, &Options::default())
+    }
+
+    /// The same with other options.
+    pub fn retuned_with<'a>(
+        nominal: &Specification,
+        recordings: &'a [Recording],
+        options: &Options,
+    ) -> (Stage<'a>, Weighing) {
         let mut given = Given::new(nominal, recordings);
-        let (_, mut by) = prepare(&mut given, &options).unwrap();
+        let (_, mut by) = prepare(&mut given, options).unwrap();
         let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
         let progress = Progress::new(&|_: &'static str| {});
-        let stage = look(given, fitted, &mut by, &options, &progress).unwrap();
+        let stage = look(given, fitted, &mut by, options, &progress).unwrap();
         (stage, by)
     }
 
