@@ -145,11 +145,11 @@ impl Way {
         }
         let gain = |matrix: DMatrix<f64>, gradient: DVector<f64>| {
             let step = matrix.cholesky()?.solve(&gradient);
-            Some((0.5 * step.dot(&gradient), step))
+            Some(0.5 * step.dot(&gradient))
         };
         let still = matrix.view((0, 0), (others, others)).into_owned();
-        let (without, _) = gain(still, gradient.rows(0, others).into_owned())?;
-        let (with, _) = gain(matrix.clone(), gradient.clone())?;
+        let without = gain(still, gradient.rows(0, others).into_owned())?;
+        let with = gain(matrix.clone(), gradient.clone())?;
         if (with - without).is_nan() || with - without < LEAST {
             return None;
         }
