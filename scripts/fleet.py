@@ -26,6 +26,8 @@ TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).resolve().parent
 RUN = "run.json"  # how an answer came about
 LOST = "its workers ended one after the other; it may need more memory than they have"
 GONE = "its answer is not there, or is broken; the same command asks for it again"
+TYPES = {"error": pa.string(), "verdict": pa.string(), "statement": pa.string(), "names": pa.list_(pa.string()),
+         "probabilities": pa.list_(pa.float64())}  # of columns whose values may all be missing or empty
 COSTS = ("cpu_seconds", "wall_seconds", "peak_mb")
 EPILOG = """\
 examples:
@@ -102,13 +104,15 @@ def check_apart(named: dict[str, Path]) -> None:
 def mark(path: Path, fleet: Fleet) -> str:
     """Fingerprint of a recording, of what stands beside it, and of the job."""
     beside = path.with_suffix(".json")
-    content = [path.read_bytes(), beside.read_bytes() if beside.is_file() else b"", fleet.name.encode()]
+    content = [path.read_bytes(), beside.read_bytes() if beside.is_file() else b"", path.stem.encode(), fleet.name.encode()]
     return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in content)).hexdigest()[:16]
 
 
-def told(command: str, answer: dict) -> dict[str, Any]:
-    """What a row of the table says of an answer."""
-    return {"diagnose": of_diagnosis, "fit": of_fit, "score": of_score}[command](answer)
+def told(command: str, answer: dict, recording: str) -> dict[str, Any]:
+    """What a row of the table says of an answer about a recording."""
+    if command == "fit":
+        return of_fit(answer, recording)
+    return {"diagnose": of_diagnosis, "score": of_score}[command](answer)
 
 
 def of_diagnosis(answer: dict) -> dict[str, Any]:
@@ -124,11 +128,12 @@ def of_diagnosis(answer: dict) -> dict[str, Any]:
     return row
 
 
-def of_fit(answer: dict) -> dict[str, Any]:
-    """Each parameter with its interval."""
+def of_fit(answer: dict, recording: str) -> dict[str, Any]:
+    """Each parameter with its interval; those of the recording's sensors under the same names for all recordings."""
     row: dict[str, Any] = {"converged": answer["converged"], "seconds": answer["data"]["seconds"]}
     for parameter in answer["parameters"]:
-        row |= {parameter["name"] + end: parameter[key] for end, key in (("", "value"), ("_low", "low"), ("_high", "high"))}
+        name = parameter["name"].removeprefix(f"{recording}.")
+        row |= {name + end: parameter[key] for end, key in (("", "value"), ("_low", "low"), ("_high", "high"))}
     return row
 
 
@@ -149,7 +154,7 @@ def row(place: Place, command: str) -> dict[str, Any]:
     run = files.load(place.folder / RUN) or {"status": "lost", "error": GONE, **dict.fromkeys(COSTS)}
     answer = files.load(place.folder / ANSWERS[command]) if run["status"] == "done" else None
     result: dict[str, Any] = {"recording": place.name, "status": run["status"], "error": run["error"] or None}
-    result |= told(command, answer) if answer else {}
+    result |= told(command, answer, place.path.stem) if answer else {}
     return result | {key: run[key] for key in COSTS}
 
 
@@ -162,8 +167,8 @@ def write_table(path: Path, rows: list[dict[str, Any]], metadata: dict[str, str]
 
 def column(name: str, values: list[Any]) -> pa.Array:
     """A column, of the same type also where no recording has anything to tell."""
-    if name == "error":
-        return table.texts(values)
+    if name in TYPES:
+        return pa.array(values, TYPES[name])
     array = pa.array(values)  # of None alone it has no type
     return array.cast(pa.float64()) if pa.types.is_null(array.type) else array
 

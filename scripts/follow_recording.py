@@ -30,7 +30,7 @@ class Refused(Exception):
 
 
 def read(path: Path) -> dict[str, Series]:
-    """Times and values of each column that is needed; cells may be empty."""
+    """Times from the first row on, as `ugv simulate` counts them, and values of each column that is needed; cells may be empty."""
     try:
         lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
     except (UnicodeDecodeError, csv.Error) as error:
@@ -40,7 +40,7 @@ def read(path: Path) -> dict[str, Series]:
         if name not in header:
             raise Refused(f"{path}: line 1: there is no column {name}; needed are time, {', '.join(NEEDED)}")
     told: dict[str, list[tuple[float, float]]] = {name: [] for name in NEEDED}
-    last = -math.inf
+    last, first, run = -math.inf, math.nan, None
     for number, cells in enumerate(lines[1:], 2):
         if not any(cells):
             continue
@@ -50,10 +50,14 @@ def read(path: Path) -> dict[str, Series]:
         values = {name: finite(row[name], f"{path}: line {number}: {name}") for name in NEEDED if row[name].strip()}
         time = finite(row["time"], f"{path}: line {number}: time")
         if time <= last:
-            raise Refused(f"{path}: line {number}: time {time:g} is not after {last:g}; cut out one run")
+            raise Refused(f"{path}: line {number}: time {time:.12g} is not after {last:.12g}; cut out one run")
+        if last == -math.inf:
+            first, run = time, row.get("run")
+        if row.get("run") != run:
+            raise Refused(f"{path}: line {number}: run {row['run']} follows run {run}; cut out one run")
         last = time
         for name, value in values.items():
-            told[name].append((time, value))
+            told[name].append((time - first, value))
     for name, samples in told.items():
         if len(samples) < 2:
             raise Refused(f"{path}: fewer than two values of {name}")

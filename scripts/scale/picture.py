@@ -51,9 +51,10 @@ def draw(path: Path, ends: np.ndarray, reached: np.ndarray, nominal: np.ndarray)
             entries.append(Line2D([], [], color="black", linestyle=style, linewidth=1, label=f"smallest region with {share:.0%} of the ends"))
     if len(lost):
         entries += axes.plot(*lost.T, "x", color=LOST, markersize=4, label=f"did not reach the end: {len(lost)} of {len(ends)}")
-    entries += axes.plot(*nominal.T, color=NOMINAL, label="path with nominal parameters")
-    axes.plot(*nominal[0], "o", color=NOMINAL)
-    axes.plot(*nominal[-1], "*", color=NOMINAL, markersize=14, markeredgecolor="white")
+    if len(nominal):  # none where the vehicle cannot stand with nominal parameters
+        entries += axes.plot(*nominal.T, color=NOMINAL, label="path with nominal parameters")
+        axes.plot(*nominal[0], "o", color=NOMINAL)
+        axes.plot(*nominal[-1], "*", color=NOMINAL, markersize=14, markeredgecolor="white")
     axes.set(xlabel="East (m)", ylabel="North (m)", aspect="equal")
     figure.legend(handles=entries, loc="outside upper center", ncols=2, frameon=False, fontsize="small")
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 
 INDEX = "index"
 INPUT = ["time", "omega_left", "omega_right"]
+RUN = "run"
 
 
 def lines(path: Path) -> Iterator[tuple[int, list[str]]]:
@@ -27,6 +28,8 @@ def lines(path: Path) -> Iterator[tuple[int, list[str]]]:
                 if cells in ([], [""]):
                     continue
                 width = width or len(cells)
+                if any("\n" in cell or "\r" in cell for cell in row):
+                    sys.exit(f"{path}, line {rows.line_num}: a quote that is not closed on its line")
                 if len(cells) != width:
                     sys.exit(f"{path}, line {rows.line_num}: not as many cells as the header has, {width}")
                 yield rows.line_num, cells
@@ -68,6 +71,7 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
 def read_input(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Times, and the left and right wheel speed at each; as the tool reads them, other columns may hold anything."""
     _, rows = read(path, INPUT, INPUT[1:])
+    check_run(path)
     time, *speeds = map(np.ascontiguousarray, rows.T)
     if len(time) < 2:
         sys.exit(f"{path}: a drive of one row leads nowhere; give two rows or more")
@@ -77,6 +81,20 @@ def read_input(path: Path) -> tuple[np.ndarray, np.ndarray]:
         if np.isnan(values).all():
             sys.exit(f"{path}, {name}: nothing but empty cells, expected at least one number")
     return time, np.column_stack([filled(time, values) for values in speeds])
+
+
+def check_run(path: Path) -> None:
+    """Ends where a file holds several drives: what lies between two was not driven at the speeds between."""
+    below = lines(path)
+    _, header = next(below)
+    if RUN not in header:
+        return
+    place = header.index(RUN)
+    labels = ((line, cells[place]) for line, cells in below)
+    _, first = next(labels)
+    for line, label in labels:
+        if label != first:
+            sys.exit(f"{path}, line {line}, {RUN}: found `{label}`, expected `{first}` as in the first row: one drive; cut out one run")
 
 
 def filled(time: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 ANSWER = "answer"  # folder of what the tool writes
 MODEL = "model.json"
+RECORDING = "recording"  # folder of what it reads
 LOOK = 0.02  # s between two looks at the process
 ENDS = {0: "done", 1: "failed", 2: "refused"}  # by the tool's exit status
 
@@ -30,11 +31,13 @@ class Recording:
     name: str
     csv: bytes
     about: bytes | None  # what stands beside it
+    stem: str  # what the tool calls it
 
     @classmethod
     def read(cls, name: str, path: Path) -> "Recording":
         beside = path.with_suffix(".json")
-        return cls(name, zlib.compress(path.read_bytes(), 1), zlib.compress(beside.read_bytes(), 1) if beside.is_file() else None)
+        about = zlib.compress(beside.read_bytes(), 1) if beside.is_file() else None
+        return cls(name, zlib.compress(path.read_bytes(), 1), about, path.stem)
 
 
 @dataclass(frozen=True)
@@ -76,10 +79,13 @@ class Fleet:
         with tempfile.TemporaryDirectory(dir=self.folder) as name:
             place = Path(name)
             (place / ANSWER).mkdir()
-            (place / "drive.csv").write_bytes(zlib.decompress(recording.csv))
+            # Under its own name, which the answers tell, and apart: it may have that of another file here.
+            path = place / RECORDING / f"{recording.stem}.csv"
+            path.parent.mkdir()
+            path.write_bytes(zlib.decompress(recording.csv))
             if recording.about is not None:
-                (place / "drive.json").write_bytes(zlib.decompress(recording.about))
-            words = [str(self.folder / "ugv"), self.command, "drive.csv", *COMMANDS[self.command], *self.arguments]
+                path.with_suffix(".json").write_bytes(zlib.decompress(recording.about))
+            words = [str(self.folder / "ugv"), self.command, str(path.relative_to(place)), *COMMANDS[self.command], *self.arguments]
             if self.model is not None:
                 (place / MODEL).write_bytes(self.model)
                 words += ["--model", MODEL]

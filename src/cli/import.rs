@@ -237,13 +237,17 @@ impl Beside {
     fn new(path: &Path) -> Result<Self, Failure> {
         let output = Output::to(Some(path))?;
         let content = match fs::read_to_string(path) {
-            Ok(text) => serde_json::from_str(&text).map_err(|error| Failure::Argument {
-                reason: format!(
-                    "{} is there already and no JSON object: {error}",
-                    path.display()
-                ),
-                hint: Some("move it away, or choose another name for --output".into()),
-            })?,
+            Ok(text) => {
+                serde_json::from_str(text.trim_start_matches('\u{feff}')).map_err(|error| {
+                    Failure::Argument {
+                        reason: format!(
+                            "{} is there already and no JSON object: {error}",
+                            path.display()
+                        ),
+                        hint: Some("move it away, or choose another name for --output".into()),
+                    }
+                })?
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Map::new(),
             Err(source) => {
                 let path = path.into();

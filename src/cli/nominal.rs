@@ -5,8 +5,9 @@ use super::model::{
 };
 use super::{Failure, tell};
 use std::path::PathBuf;
+use ugv_terrain::effects::Effects;
 use ugv_terrain::json::FittedTo;
-use ugv_terrain::recording::{Recording, different_names, read_recording};
+use ugv_terrain::recording::{Recording, different_names, read_recording_of};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
@@ -31,19 +32,23 @@ pub struct NominalArgs {
     effects: Option<PathBuf>,
 }
 
+/// What the arguments name.
+pub struct Named {
+    model: Option<Specification>,
+    vehicle: Option<Vehicle>,
+    terrain: Option<Terrain>,
+    effects: Option<Effects>,
+}
+
 impl NominalArgs {
-    /// What the arguments name, or the recordings, or else the paper.
-    pub fn load(&self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
-        let mut nominal = match &self.model {
-            Some(path) => load_model(path)?,
-            None => self.told(recordings, quiet)?,
-        };
-        if let Some(path) = &self.effects {
-            nominal.effects = load_effects(path)?;
-        }
-        check_piecewise(&nominal.effects)?;
-        without_sensors(&mut nominal.effects)?;
-        Ok(nominal)
+    /// Reads the files that the arguments name.
+    pub fn load(&self) -> Result<Named, Failure> {
+        Ok(Named {
+            model: self.model.as_deref().map(load_model).transpose()?,
+            vehicle: self.vehicle.as_deref().map(load_vehicle).transpose()?,
+            terrain: self.terrain.as_deref().map(load_terrain).transpose()?,
+            effects: self.effects.as_deref().map(load_effects).transpose()?,
+        })
     }
 
     /// The files that the arguments name.
@@ -52,17 +57,45 @@ impl NominalArgs {
         let named = named.into_iter().flatten();
         named.filter(|path| path.exists()).cloned().collect()
     }
+}
 
-    fn told(&self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
-        let vehicle = match &self.vehicle {
-            Some(path) => load_vehicle(path)?,
-            None => recorded_vehicle(recordings, quiet)?,
+impl Named {
+    /// Reads recordings, with what stands beside them; no two of one name. Units of wheel speeds are seen by the vehicle that
+    /// is named here where none stands beside them.
+    pub fn read(&self, paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
+        let of_model = self.model.as_ref().map(|model| &model.vehicle);
+        let vehicle = of_model.or(self.vehicle.as_ref());
+        let each = paths.iter().map(|path| read_recording_of(path, vehicle));
+        let recordings: Vec<Recording> = each
+            .collect::<Result<_, _>>()
+            .map_err(Failure::ReadRecording)?;
+        different_names(recordings.iter().map(|one| one.name.as_str()))
+            .map_err(Failure::SameName)?;
+        Ok(recordings)
+    }
+
+    /// What is named, or stands beside the recordings, or else the paper's.
+    pub fn nominal(self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
+        let mut nominal = match self.model {
+            Some(model) => model,
+            None => {
+                let vehicle = match self.vehicle {
+                    Some(vehicle) => vehicle,
+                    None => recorded_vehicle(recordings, quiet)?,
+                };
+                let terrain = match self.terrain {
+                    Some(terrain) => terrain,
+                    None => recorded_terrain(recordings, quiet)?,
+                };
+                Specification::plain(vehicle, terrain)
+            }
         };
-        let terrain = match &self.terrain {
-            Some(path) => load_terrain(path)?,
-            None => recorded_terrain(recordings, quiet)?,
-        };
-        Ok(Specification::plain(vehicle, terrain))
+        if let Some(effects) = self.effects {
+            nominal.effects = effects;
+        }
+        check_piecewise(&nominal.effects)?;
+        without_sensors(&mut nominal.effects)?;
+        Ok(nominal)
     }
 }
 
@@ -117,14 +150,4 @@ pub fn fitted_to(recordings: &[Recording], whole: bool) -> Vec<FittedTo> {
         whole,
     };
     recordings.iter().map(one).collect()
-}
-
-/// Reads recordings, with what stands beside them; no two of one name.
-pub fn read_all(paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
-    let each = paths.iter().map(|path| read_recording(path));
-    let recordings: Vec<Recording> = each
-        .collect::<Result<_, _>>()
-        .map_err(Failure::ReadRecording)?;
-    different_names(recordings.iter().map(|one| one.name.as_str())).map_err(Failure::SameName)?;
-    Ok(recordings)
 }

@@ -92,10 +92,12 @@ impl Columns {
         self.push(name, topic, conversion, samples)
     }
 
-    /// Heading without jumps at half a turn. Returns whether any attitude is known.
+    /// Heading without jumps at half a turn, where it is asked for also one of zero throughout. Returns whether any attitude
+    /// is known.
     pub fn heading(
         &mut self,
         topic: &str,
+        is_asked: bool,
         attitudes: impl Iterator<Item = (i64, Option<Yaw>)>,
     ) -> bool {
         let mut headings = Series::new();
@@ -129,7 +131,11 @@ impl Columns {
             ));
         }
         let conversion = "yaw of the orientation, counted on over whole turns";
-        self.push_measured("heading", topic, conversion, headings)
+        if is_asked {
+            self.push("heading", topic, conversion, headings)
+        } else {
+            self.push_measured("heading", topic, conversion, headings)
+        }
     }
 
     /// Position of odometry.

@@ -103,7 +103,7 @@ fn write_heading(
             let found = odometry.is_some_and(|odometry| {
                 let samples = odometry.samples.iter();
                 let yaws = samples.map(|(time, sample)| (*time, Some(sample.yaw)));
-                columns.heading(&odometry.topic, yaws)
+                columns.heading(&odometry.topic, is_asked, yaws)
             });
             ("--heading odometry", found)
         }
@@ -112,6 +112,7 @@ fn write_heading(
                 let samples = imu.samples.iter();
                 columns.heading(
                     &imu.topic,
+                    is_asked,
                     samples.map(|(time, sample)| (*time, sample.yaw)),
                 )
             });

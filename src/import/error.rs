@@ -102,7 +102,14 @@ impl ImportError {
             Self::Joints { .. } => {
                 Some("name the wheels' joints: --left NAME,... --right NAME,...".into())
             }
-            Self::Read { .. } | Self::Message { .. } => None,
+            Self::Message { message_type, .. } => {
+                let kind = Kind::of_type(message_type).filter(|kind| *kind != Kind::Joints)?;
+                Some(format!(
+                    "--topics {}=none leaves its topic out",
+                    kind.name()
+                ))
+            }
+            Self::Read { .. } => None,
         }
     }
 }

@@ -31,7 +31,7 @@ pub use fault::{RecordingFault, SameName, SeriesFault, different_names};
 pub use moments::Moments;
 pub use note::{Note, NoteKind};
 #[cfg(feature = "analysis")]
-pub use reading::{RecordingError, read_recording};
+pub use reading::{RecordingError, read_recording, read_recording_of};
 pub use run::{Recording, Run};
 pub use series::{Series, upper_median};
 pub use way::way_along;

@@ -171,6 +171,14 @@ fn a_model_that_has_learned_from_the_windows_is_told() {
     let (table, warning) = told("half.json");
     assert!(!warning.contains("fitted"), "{warning}");
     assert!(!table.contains("fitted to these windows"), "{table}");
+    // Other windows part the recording elsewhere.
+    for other in ["--horizon 2", "--spacing 1", "--heading gyro"] {
+        let (_, warning) = told(&format!("half.json {other}"));
+        assert!(
+            warning.contains("fitted to a half of a"),
+            "{other}: {warning}"
+        );
+    }
 }
 
 #[test]
@@ -198,6 +206,30 @@ fn windows_that_fail_are_counted() {
         table.contains("no prediction") && table.contains("bogged"),
         "{table}"
     );
+    // A model that is lost in one recording alone is missed in the table of all; failures are summed.
+    bench.write("b.csv", drive(40.0));
+    let table = bench.stdout("score a.csv b.csv --terrain soft.json");
+    let pooled = &table[table.find("All 2 recordings").unwrap()..];
+    for name in ["a", "b"] {
+        assert!(
+            pooled.contains(&format!("no prediction of {name}\n")),
+            "{pooled}"
+        );
+    }
+    let score = json(&bench, "score a.csv b.csv --terrain soft.json --json -");
+    assert_eq!(score["pooled"][0]["failed"], 0, "{}", score["pooled"]);
+}
+
+#[test]
+fn a_preset_is_no_file_that_would_be_overwritten() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(30.0));
+    bench.stdout("score a.csv --terrain dry_sand --json dry_sand.json");
+    let again = bench.fails(
+        "score a.csv --terrain dry_sand.json --json dry_sand.json",
+        2,
+    );
+    assert!(again.contains("dry_sand.json is what is read"), "{again}");
 }
 
 #[test]

@@ -186,6 +186,13 @@ fn output_step_sets_the_rows() {
     assert!((end(&csv) - end(&bench.stdout("simulate --input drive.csv"))).abs() < 1e-3);
     let csv = bench.stdout("simulate --input drive.csv --output-step 100");
     assert_eq!(column(&csv, "time"), [0.0, 0.65]);
+    // 0.3 + (0.9 - 0.3) is above 0.9.
+    bench.write(
+        "late.csv",
+        "time,omega_left,omega_right\n0.3,1,1\n0.6,1,1\n0.9,1,1\n",
+    );
+    let csv = bench.stdout("simulate --input late.csv --output-step 0.25");
+    assert_eq!(column(&csv, "time"), [0.3, 0.55, 0.8, 0.9]);
 }
 
 #[test]

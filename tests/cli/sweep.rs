@@ -136,6 +136,7 @@ fn wrong_sweeps_are_refused() {
     bench.write("bad.csv", "soil.cohesion\n5\nx\n");
     bench.write("crlf.csv", "soil.cohesion\r\n5\r\n\r\nx\r\n");
     bench.write("twice.csv", "soil.cohesion,soil.cohesion\n5,6\n");
+    bench.write("light.csv", "vehicle.mass\n400\n-3\n");
     bench.write("empty.csv", "soil.cohesion\n");
     bench.write("one.csv", "time,omega_left,omega_right\n0,1,1\n");
     for (arguments, reason, remedy) in [
@@ -196,6 +197,11 @@ fn wrong_sweeps_are_refused() {
             "",
         ),
         ("--table empty.csv", "empty.csv: there is no row", ""),
+        (
+            "--table light.csv",
+            "light.csv: sample 1: mass = -3 kg",
+            "take the row out of the table",
+        ),
         ("--table nowhere.csv", "cannot read nowhere.csv", ""),
         ("", "--vary", ""),
     ] {

@@ -67,6 +67,23 @@ class Follow(unittest.TestCase):
         after = float(re.search(r"ugv\.fmu: .* ([0-9.]+) m after 7 s", said.getvalue())[1])
         self.assertLess(after, 0.2, said.getvalue())  # it was driven without slip there, so far as it knows
 
+    def test_times_count_from_the_first_row(self) -> None:
+        # Stamps since 1970 are far apart as fmpy compares them; effects over time begin with the drive.
+        with tempfile.TemporaryDirectory() as folder:
+            recording = Path(folder) / "drive.csv"
+            recorded(recording, 3)
+            header, *rows = recording.read_text().splitlines()
+            said = []
+            for epoch in (0, 1_700_000_000):
+                moved = (f"{epoch + int(time)}.{digits}" for time, digits in (row.partition(",")[0].split(".") for row in rows))
+                recording.write_text("\n".join([header, *(f"{time},{row.partition(',')[2]}" for time, row in zip(moved, rows, strict=True))]))
+                output = io.StringIO()
+                arguments = ["follow", str(recording), str(FMU), "--output", str(Path(folder) / "follow.png")]
+                with mock.patch.object(sys, "argv", arguments), contextlib.redirect_stdout(output):
+                    follow_recording.main()
+                said.append(output.getvalue())
+        self.assertEqual(said[0], said[1])
+
     def test_what_is_wrong_is_told_in_a_line_and_no_picture_is_left(self) -> None:
         header = "time,omega_left,omega_right,x,y,heading"
         rows = [f"{0.1 * k:.1f},1,1,0,0,0" for k in range(4)]
@@ -84,6 +101,7 @@ class Follow(unittest.TestCase):
                 (whole.replace("0.2,", "inf,"), [], "drive.csv: line 4: time is `inf`, not a finite number"),
                 (whole.replace("0.2,1,1", "0.2,1"), [], "drive.csv: line 4: 5 cells, not 6 as in the header"),
                 (whole.replace("0.3,", "0.1,"), [], "drive.csv: line 5: time 0.1 is not after 0.2"),
+                ("\n".join([f"{header},run", *(f"{row},{k // 2}" for k, row in enumerate(rows))]), [], "drive.csv: line 4: run 1 follows run 0"),
                 ("\n".join([header, rows[0]]), [], "drive.csv: fewer than two values of omega_left"),
                 (b"\xff\xfe\x9f", [], "drive.csv: .* UTF-8"),
                 (whole, [str(broken)], "broken.fmu: .* zip"),

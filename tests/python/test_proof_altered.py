@@ -1,11 +1,15 @@
 """Changes that scripts/proof/altered conceals in recordings, and how it tells whether they were found."""
 
+import contextlib
+import io
+import json
 import math
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
@@ -97,6 +101,48 @@ class Command(unittest.TestCase):
             done = subprocess.run(call, cwd=ROOT / "scripts" / "proof", capture_output=True, text=True, check=False)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("UGV_DATA", done.stderr)
+
+    def run_main(self, folder: Path, *words: str) -> int | str | None:
+        (folder / "data" / "recordings").mkdir(parents=True, exist_ok=True)
+        (folder / "drive.json").write_text("{}")
+        drive = Table(DRIVE.rows, folder / "drive.json")
+        cases = [Case("plain", "as it is", lambda data: [drive]), Case("late", "later", lambda data: [drive], "plain", POSE)]
+        arguments = ["altered", "--data", str(folder / "data"), "--out", str(folder / "out"), *words]
+        with mock.patch.object(command, "cases", lambda: cases), mock.patch.object(sys, "argv", arguments), \
+                contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as told:
+            try:
+                command.main()
+            except SystemExit as stopped:
+                return told.getvalue() if stopped.code == 2 else stopped.code
+        return None
+
+    def tool(self, folder: Path, pose: float) -> str:
+        """A program that tells this latency of every recording."""
+        errors = {name: {"position_rmse_m": 0.1} for name in ("nominal", "retuned", "augmented")}
+        said = answer(latency={"pose": pose}) | {"verdict": "sensor", "fit": {"held_out": errors}}
+        said["findings"][0] |= {"probability": 0.97}
+        path = folder / f"tool{pose}"
+        path.write_text(f"#!/bin/sh\nmkdir answer && echo '{json.dumps(said)}' > answer/diagnosis.json\n")
+        path.chmod(0o755)
+        return str(path)
+
+    def test_answers_are_kept_for_the_tool_that_gave_them(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            told = folder / "out" / "altered.json"
+            self.assertIsNone(self.run_main(folder, "--tool", self.tool(folder, 0.3)))
+            first = json.loads(told.read_text())
+            self.assertEqual([(case["case"], case.get("moved")) for case in first["cases"]], [("plain", None), ("late", 0.0)])
+            # One that is asked for alone is told against the other all the same, once that has an answer of the same tool.
+            other = self.tool(folder, 0.4)
+            self.assertIsNone(self.run_main(folder, "--tool", other, "--only", "late"))
+            second = json.loads(told.read_text())
+            self.assertNotEqual(second["tool"], first["tool"])
+            self.assertEqual([(case["case"], "moved" in case) for case in second["cases"]], [("late", False)])
+            self.assertIsNone(self.run_main(folder, "--tool", other, "--only", "plain"))
+            self.assertEqual([case["case"] for case in json.loads(told.read_text())["cases"]], ["plain", "late"])
+            self.assertIn("no such case; there are plain, late", str(self.run_main(folder, "--tool", other, "--only", "typo")))
+            self.assertIn("no answer to plain, late", str(self.run_main(folder, "--tool", "/bin/false")))
 
 
 if __name__ == "__main__":

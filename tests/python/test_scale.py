@@ -134,6 +134,8 @@ class Tables(unittest.TestCase):
                                   (b"time,omega_left,omega_right\n0,1,x\n", "line 2, omega_right: found `x`"),
                                   (b"time,omega_left,omega_right\n0,1,\n1,1,\n", "omega_right: nothing but empty cells"),
                                   (b"time,omega_left,omega_right,\n0,1,1\n", "line 2: not as many cells as the header has, 4"),
+                                  (b"time,omega_left,omega_right,run\n0,1,1,a\n9,1,1,b\n", "line 3, run: found `b`, expected `a`"),
+                                  (b'time,omega_left,omega_right,note\n0,1,1,"\n1,1,1,"\n', "a quote that is not closed on its line"),
                                   (b"time,omega_left\n0,1\n", "no column omega_right"),
                                   (b"time,omega_left,omega_left,omega_right\n0,1,1,1\n", "named twice")):
             with self.assertRaises(SystemExit) as stopped:
@@ -202,6 +204,23 @@ class Places(unittest.TestCase):
             self.assertIn("would be in each other's way; rename one", str(stopped.exception))
         apart = self.recordings("a.csv", "b/a.csv", "ab.csv", "b.part/a.csv", "c.part.csv")
         self.assertEqual(len(fleet.places([apart], self.folder / "out", self.fleet)), 5)
+
+    def test_columns_have_one_type_whatever_the_answers(self) -> None:
+        healthy = {"findings": [], "verdict": "nothing_missing", "statement": "", "account": {"seconds": 60.0}}
+        found = healthy | {"findings": [{"effect": "grade", "probability": 0.9}]}
+        schemas = []
+        for answers in ([healthy], [found], [found, healthy]):
+            rows = [{"recording": "a", "status": "done", "error": None} | fleet.told("diagnose", answer, "a") | dict.fromkeys(fleet.COSTS, 1.0)
+                    for answer in answers]
+            path = self.folder / "fleet.parquet"
+            fleet.write_table(path, rows, {})
+            schemas.append(pq.read_schema(path))
+        self.assertEqual(schemas[0], schemas[1])
+        self.assertEqual(schemas[0], schemas[2])
+
+    def test_sensors_have_one_name_in_all_rows(self) -> None:
+        fit = {"converged": True, "data": {"seconds": 9.0}, "parameters": [{"name": "a.b.pose_latency", "value": 1.0, "low": 0.0, "high": 2.0}]}
+        self.assertEqual(fleet.told("fit", fit, "a.b")["pose_latency_high"], 2.0)
 
     def test_an_answer_that_is_gone_is_lost(self) -> None:
         (place,) = fleet.places([self.recordings("a.csv")], self.folder / "out", self.fleet)
@@ -344,12 +363,22 @@ class Fleets(Bench):
         self.assertTrue(all(row[cost] > 0.0 for row in rows.values() for cost in COSTS if row["status"] == "done"))
 
     def test_answers_are_those_of_the_tool(self) -> None:
-        own = self.folder / "drive_alone"
-        own.mkdir()
-        for ending in ("csv", "json"):
-            shutil.copyfile(self.recordings / f"dry_sand.{ending}", own / f"drive.{ending}")
-        subprocess.run([UGV, "score", "drive.csv", "--json", "score.json", "--quiet"], cwd=own, check=True, stdout=subprocess.DEVNULL)
-        self.assertEqual((own / "score.json").read_bytes(), self.answers(self.serial)["answers/dry_sand/score.json"])
+        own = self.folder / "alone.json"
+        subprocess.run([UGV, "score", self.recordings / "dry_sand.csv", "--json", own, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+        self.assertEqual(own.read_bytes(), self.answers(self.serial)["answers/dry_sand/score.json"])
+
+    def test_a_recording_may_have_the_name_of_another_file(self) -> None:
+        # `ugv score` tells of a model that has seen the recording, by its name.
+        out, recording, model = self.folder / "named", self.folder / "model.csv", self.folder / "begin.json"
+        for ending in (".csv", ".json"):
+            shutil.copyfile(self.recordings / f"dry_sand{ending}", recording.with_suffix(ending))
+        model.write_bytes(subprocess.run([UGV, "model"], check=True, capture_output=True).stdout)
+        words = [recording, "--command", "fit", "--tool", UGV, "--out", out, "--model", model, "--serial", "--quiet"]
+        call(fleet.main, *words, "--", "--starts", "0", "--free", "friction_angle", "--sensors", "pose_latency")
+        fitted = json.loads((out / "answers" / "model" / "model.json").read_text())["fitted_to"]
+        self.assertEqual([to["recording"] for to in fitted], ["model"])
+        (row,) = self.rows(out)
+        self.assertEqual((row["status"], row["pose_latency"] is None), ("done", False))
 
     def test_dask_workers_give_the_same_answers(self) -> None:
         out = self.folder / "dask"

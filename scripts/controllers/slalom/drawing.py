@@ -14,11 +14,13 @@ SMOOTHED = 50  # episodes in the curve's mean
 def draw_learning(panel: Axes, episodes: np.ndarray) -> None:
     """Gates passed over the steps of training."""
     ended, _, passed = episodes.T
+    panel.set(xlabel="Steps of training (thousands)", ylabel=f"Gates passed (of {GATES})", ylim=(-0.2, GATES + 0.4))
     window = min(SMOOTHED, len(episodes))
+    if window == 0:  # too few steps for one to end
+        return
     mean = np.convolve(passed, np.ones(window) / window, mode="valid")
     panel.plot(ended / 1000, passed, ".", color="#bbbbbb", markersize=2, label="an episode")
     panel.plot(ended[window - 1 :] / 1000, mean, color=COLORS["trained"], label=f"mean of {window}")
-    panel.set(xlabel="Steps of training (thousands)", ylabel=f"Gates passed (of {GATES})", ylim=(-0.2, GATES + 0.4))
     panel.legend(loc="upper left", frameon=False)
 
 

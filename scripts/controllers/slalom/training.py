@@ -120,4 +120,4 @@ def train(make: Callable[[], gymnasium.Env], steps: int, seed: int) -> Trained:
     vector.close()
     flat = jax.tree_util.tree_leaves_with_path(models["policy"].state_dict.params)
     parameters = {jax.tree_util.keystr(path, simple=True, separator="/"): np.array(leaf) for path, leaf in flat}
-    return Trained(before, driver(models["policy"]), np.array(ended), parameters)
+    return Trained(before, driver(models["policy"]), np.array(ended).reshape(-1, 3), parameters)

@@ -39,8 +39,8 @@ def run_libcosim(ssp: Path, python: Path, names: list[str]) -> Columns:
 def tell(name: str, columns: Columns) -> None:
     """One line on a run: where it came to, and its largest slip once it is on the loose sand."""
     loose = columns["ugv.x"] > SAND_FROM
-    print(f"{name}: {columns['ugv.x'][-1]:.2f} m after {columns['time'][-1]:.0f} s, at {columns[SPEED][-1]:.2f} m/s; "
-          f"slip on the loose sand at most {columns[SLIP][loose].max():.3f}")
+    slip = f"slip on the loose sand at most {columns[SLIP][loose].max():.3f}" if loose.any() else "the loose sand was not reached"
+    print(f"{name}: {columns['ugv.x'][-1]:.2f} m after {columns['time'][-1]:.0f} s, at {columns[SPEED][-1]:.2f} m/s; {slip}")
 
 
 def main() -> None:

@@ -11,8 +11,9 @@ WITH, WITHOUT, GREY = "#059669", "#d97706", "#666666"
 
 
 def enter_sand(panel: Axes, columns: Columns) -> None:
-    """Marks when the vehicle comes to the loose sand."""
-    panel.axvline(float(np.interp(SAND_FROM, columns["ugv.x"], columns["time"])), color=GREY, linewidth=0.8, linestyle=":")
+    """Marks when the vehicle comes to the loose sand, if it does."""
+    if columns["ugv.x"].max() > SAND_FROM:
+        panel.axvline(float(np.interp(SAND_FROM, columns["ugv.x"], columns["time"])), color=GREY, linewidth=0.8, linestyle=":")
 
 
 def draw(limited: Columns, unlimited: Columns, slip_limit: float) -> Figure:

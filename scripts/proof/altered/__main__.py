@@ -5,6 +5,7 @@ What has an answer is not asked again: the same command goes on where it was int
 
 import argparse
 import os
+import shutil
 import signal
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from .cases import Case, cases, located
 from .recordings import joined, stretches
 
 ROOT = Path(__file__).resolve().parents[3]
+RUN = "run.json"  # which tool gave an answer
 
 
 def arguments() -> argparse.Namespace:
@@ -27,7 +29,17 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="recordings at a time [default: 2]")
     parser.add_argument("--limit", type=float, default=1800, metavar="S", help="seconds that one may take [default: 1800]")
     parser.add_argument("--tool", type=Path, required=True, help=argparse.SUPPRESS)
-    return parser.parse_args()
+    args = parser.parse_args()
+    known = [case.name for case in cases()]
+    if unknown := [name for name in args.only if name not in known]:
+        parser.error(f"--only {unknown[0]}: no such case; there are {', '.join(known)}")
+    return args
+
+
+def answered(out: Path, mark: str) -> dict | None:
+    """What this very tool said of a case."""
+    told = files.load(out / "answer" / RUN) or {}
+    return files.load(out / "answer" / "diagnosis.json") if told.get("tool") == mark else None
 
 
 def short(said: dict) -> str:
@@ -74,23 +86,31 @@ def main() -> None:
     files.make_folder(args.out)
     chosen = [case for case in cases() if not args.only or case.name in args.only]
     processes, tool = Processes(), args.tool.resolve()
+    mark = files.fingerprint(tool)
 
     def answer(name: str) -> str | None:
         out = (args.out / name).resolve()
-        if files.load(out / "answer" / "diagnosis.json"):
+        if answered(out, mark):
             return None
+        shutil.rmtree(out / "answer", ignore_errors=True)
         case = next(case for case in chosen if case.name == name)
         joined(case.make(data)).write(out / f"{name}.csv")
         status, said = processes.run([tool, "diagnose", f"{name}.csv", "--out", "answer", "--jobs", "1", "--quiet"], args.limit, out)
-        return None if status == 0 else f"{name}: {status}: {said[-200:]}"
+        if status != 0:
+            return f"{name}: {status}: {said[-200:]}"
+        files.save(out / "answer" / RUN, {"tool": mark})
+        return None
 
     each("altered", [case.name for case in chosen], answer, args.jobs, processes)
-    answers = {case.name: files.load(args.out / case.name / "answer" / "diagnosis.json") for case in chosen}
-    results = [judged(case, data, {k: v for k, v in answers.items() if v}) for case in chosen if answers[case.name]]
-    files.save(args.out / "altered.json", {"format": "ugv-altered/1", "tool": files.fingerprint(tool), "cases": results})
+    # Also of those that were not asked for now: what moved is told against the recording unchanged.
+    answers = {case.name: said for case in cases() if (said := answered(args.out / case.name, mark))}
+    results = [judged(case, data, answers) for case in cases() if case.name in answers]
+    files.save(args.out / "altered.json", {"format": "ugv-altered/1", "tool": mark, "cases": results})
     lines = ["| recording | answer | moved by | position on data not fitted \\[m\\] |", "|---|---|---|---|", *map(row, results)]
     files.write(args.out / "altered.md", "\n".join(lines) + "\n")
     print("\n".join(lines))
+    if missing := [case.name for case in chosen if case.name not in answers]:
+        sys.exit(f"prove: no answer to {', '.join(missing)}; the same command asks again")
 
 
 if __name__ == "__main__":

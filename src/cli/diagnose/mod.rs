@@ -3,7 +3,7 @@
 mod folder;
 mod progress;
 
-use super::nominal::{NominalArgs, fitted_to, read_all};
+use super::nominal::{NominalArgs, fitted_to};
 use super::output::{Output, write_stdout};
 use super::{Failure, tell};
 use folder::Folder;
@@ -63,11 +63,12 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let recordings = read_all(&args.recordings)?;
+    let named = args.nominal.load()?;
+    let recordings = named.read(&args.recordings)?;
     for recording in &recordings {
         recording.warnings().for_each(|warning| tell(&warning));
     }
-    let nominal = args.nominal.load(&recordings, args.quiet)?;
+    let nominal = named.nominal(&recordings, args.quiet)?;
     let options = Options {
         seed: args.seed,
         ..Options::default()

@@ -5,7 +5,7 @@ mod progress;
 mod report;
 mod summary;
 
-use super::nominal::{NominalArgs, fitted_to, read_all};
+use super::nominal::{NominalArgs, fitted_to};
 use super::output::Output;
 use super::{Failure, tell};
 use names::{Wanted, print_names};
@@ -105,7 +105,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
         // No recording can tell a vehicle here.
-        return print_names(&args.nominal.load(&[], true)?);
+        return print_names(&args.nominal.load()?.nominal(&[], true)?);
     }
     if args.recordings.is_empty() {
         return Err(Failure::Argument {
@@ -113,7 +113,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             hint: Some("ugv fit drive.csv --output model.json".into()),
         });
     }
-    let mut recordings = read_all(&args.recordings)?;
+    let named = args.nominal.load()?;
+    let mut recordings = named.read(&args.recordings)?;
     for recording in &recordings {
         recording.warnings().for_each(|warning| tell(&warning));
     }
@@ -122,7 +123,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             *recording = fitted_part(recording, &Cut::default())?;
         }
     }
-    let nominal = args.nominal.load(&recordings, args.quiet)?;
+    let nominal = named.nominal(&recordings, args.quiet)?;
     let wanted = Wanted::parse(&args.free, &args.sensors)?;
     let options = Options {
         sensors: wanted.sensors,

@@ -3,15 +3,15 @@
 use super::entries::Entry;
 use rayon::prelude::*;
 use ugv_terrain::identification::{
-    Halves, HeadingSource, Latencies, PredictionError, Summary, Window, WindowSet, common,
-    summarise,
+    Cut, Halves, Latencies, PredictionError, Summary, Window, WindowSet, common, summarise,
 };
 
 /// A recording's windows and the models that are to predict them.
 pub struct Contest {
     pub name: String,
     pub latencies: Latencies,
-    pub heading: HeadingSource,
+    /// How the windows are cut.
+    pub how: Cut,
     pub heading_noise: Option<f64>,
     pub set: WindowSet,
     pub halves: Halves,
@@ -48,6 +48,8 @@ pub struct Scores {
 pub struct Pooled {
     pub name: &'static str,
     pub windows: usize,
+    /// Windows of all recordings in which it failed.
+    pub failed: usize,
     pub scores: Scores,
 }
 
@@ -134,15 +136,18 @@ pub fn pool(outcomes: &[Outcome]) -> Option<Vec<Pooled>> {
     let together = |(index, entry): (usize, &Entry)| {
         let mut errors = Vec::new();
         let mut blocks = Vec::new();
+        let mut failed = 0;
         for (recording, outcome) in outcomes.iter().enumerate() {
             let result = outcome.results.get(index)?;
             result.scores.as_ref()?;
+            failed += result.failed;
             errors.extend_from_slice(&result.errors);
             blocks.extend(result.blocks.iter().map(|block| (recording, *block)));
         }
         Some(Pooled {
             name: entry.name,
             windows: errors.len(),
+            failed,
             scores: Scores::of(&errors, &blocks)?,
         })
     };

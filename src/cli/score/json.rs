@@ -57,14 +57,15 @@ fn recording(outcome: &Outcome) -> Value {
             "pose": latency(&contest.latencies.pose),
             "wheels": latency(&contest.latencies.wheels),
         },
-        "heading": contest.heading.name(),
+        "heading": contest.how.heading.name(),
         "heading_noise_rad": contest.heading_noise,
         "models": models.collect::<Vec<_>>(),
     })
 }
 
 fn pooled_model(pooled: &Pooled) -> Value {
-    let mut model = json!({ "model": pooled.name, "counted": pooled.windows });
+    let mut model =
+        json!({ "model": pooled.name, "counted": pooled.windows, "failed": pooled.failed });
     insert(&mut model, Some(&pooled.scores));
     model
 }

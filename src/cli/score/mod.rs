@@ -23,7 +23,7 @@ use ugv_terrain::identification::{
     Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
 };
 use ugv_terrain::json::FittedTo;
-use ugv_terrain::recording::{Recording, different_names, read_recording};
+use ugv_terrain::recording::{Recording, different_names, read_recording_of};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
 
@@ -107,7 +107,8 @@ enum Heading {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let files = [&args.vehicle, &args.terrain, &args.model, &args.effects];
-    let files = || files.into_iter().flatten();
+    // The name of a preset is no path.
+    let files = || files.into_iter().flatten().filter(|path| path.exists());
     let json = args
         .json
         .as_deref()
@@ -116,9 +117,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let given = Given::load(args)?;
     let threads = super::jobs::pool(args.jobs)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
-        let recording = read_recording(path)?;
-        let warnings = recording.warnings().chain(given.doubt(&recording));
-        Ok((warnings.collect(), prepare(args, &recording, &given)?))
+        let recording = read_recording_of(path, given.vehicle.as_ref())?;
+        let contest = prepare(args, &recording, &given)?;
+        let warnings = recording
+            .warnings()
+            .chain(given.doubt(&recording, &contest.how));
+        Ok((warnings.collect(), contest))
     };
     // Collected in the order of the arguments, so the first error is always the same.
     let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
@@ -182,7 +186,7 @@ fn prepare(args: &Args, recording: &Recording, given: &Given) -> Result<Contest,
     Ok(Contest {
         name: recording.name.clone(),
         latencies,
-        heading,
+        how,
         heading_noise: noise,
         set,
         halves,
@@ -240,13 +244,22 @@ impl Given {
         to.any(|to| to.whole && to.recording == recording.name)
     }
 
-    /// What is doubtful about judging the model by a recording.
-    fn doubt(&self, recording: &Recording) -> Option<String> {
-        self.is_fitted_to_all_of(recording).then(|| {
+    /// What is doubtful about judging the model by a recording's windows.
+    fn doubt(&self, recording: &Recording, how: &Cut) -> Option<String> {
+        let name = &recording.name;
+        if self.is_fitted_to_all_of(recording) {
+            return Some(format!(
+                "warning: the given model was fitted to all of {name}, also to the windows that judge it here; \
+                 judge it by another recording, or one by `ugv fit --half`"
+            ));
+        }
+        let is_half = self.fitted_to.iter().any(|to| to.recording == *name);
+        (is_half && *how != Cut::default()).then(|| {
             format!(
-                "warning: the given model was fitted to all of {}, also to the windows that judge it here; \
-                 judge it by another recording, or one by `ugv fit --half`",
-                recording.name
+                "warning: the given model was fitted to a half of {name} that windows of {} s every {} s and the \
+                 recorded heading part; cut otherwise, as here, the other half may hold some of what it has seen",
+                Cut::default().horizon,
+                Cut::default().spacing
             )
         })
     }

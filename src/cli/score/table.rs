@@ -23,7 +23,10 @@ pub fn render(horizon: f64, outcomes: &[Outcome], pooled: Option<&Vec<Pooled>>) 
         );
         heads(&mut text);
         for model in pooled {
-            rows(&mut text, model.name, &model.scores, 0);
+            rows(&mut text, model.name, &model.scores, model.failed);
+        }
+        for (model, recording) in lost(outcomes) {
+            let _ = writeln!(text, "  {model:NAME$} no prediction of {recording}");
         }
         text.push('\n');
     }
@@ -31,6 +34,15 @@ pub fn render(horizon: f64, outcomes: &[Outcome], pooled: Option<&Vec<Pooled>>) 
     text.truncate(text.trim_end().len());
     text.push('\n');
     text
+}
+
+/// Models that predicted nothing of some recording, with its name.
+fn lost<'a>(outcomes: &'a [Outcome]) -> impl Iterator<Item = (&'a str, &'a str)> {
+    outcomes.iter().flat_map(|outcome| {
+        let results = outcome.contest.entries.iter().zip(&outcome.results);
+        let lost = results.filter(|(_, result)| result.scores.is_none());
+        lost.map(|(entry, _)| (entry.name, outcome.contest.name.as_str()))
+    })
 }
 
 fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
@@ -53,7 +65,7 @@ fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
         "latency removed: pose {}, wheels {}; heading compared with the {}",
         latency(&contest.latencies.pose),
         latency(&contest.latencies.wheels),
-        contest.heading.name()
+        contest.how.heading.name()
     );
     let _ = match contest.heading_noise {
         Some(noise) => writeln!(text, " (in 1 s pose and gyro differ by {noise:.3} rad RMS)"),

@@ -50,7 +50,8 @@ impl Schedule {
         }
         Ok(Self {
             start,
-            end: start + recording.duration(),
+            // Not start + duration, which may round above it.
+            end: recording.time[recording.len() - 1],
             step,
             next: 0,
         })

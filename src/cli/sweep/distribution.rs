@@ -45,27 +45,48 @@ impl Distribution {
     /// The value below which a share of them lies, for 0 < share < 1.
     pub fn quantile(&self, share: f64) -> f64 {
         let (low, high) = self.range;
-        let scaled = |value: f64| if self.is_log { value.ln() } else { value };
+        let scaled = |value: f64| self.scaled(value);
         let value = match self.shape {
             Shape::Uniform => scaled(low) + share * (scaled(high) - scaled(low)),
             Shape::Normal { mean, deviation } => {
-                let normal = Normal::standard();
-                let [low, high] = [low, high].map(|end| (scaled(end) - mean) / deviation);
-                // Shares of the lower tail keep their digits; those of the upper one are its mirror image.
-                let within = |low: f64, high: f64, share: f64| {
-                    let [below, up_to] = [low, high].map(|end| normal.cdf(end));
-                    normal.inverse_cdf(below + share * (up_to - below))
-                };
-                let off = if low > 0.0 {
-                    -within(-high, -low, 1.0 - share)
-                } else {
-                    within(low, high, share)
-                };
-                mean + deviation * off
+                let (below, up_to, is_mirrored) = self.tails(mean, deviation);
+                let share = if is_mirrored { 1.0 - share } else { share };
+                let off = Normal::standard().inverse_cdf(below + share * (up_to - below));
+                mean + deviation * if is_mirrored { -off } else { off }
             }
         };
         let value = if self.is_log { value.exp() } else { value };
         value.clamp(low, high)
+    }
+}
+
+impl Distribution {
+    fn scaled(&self, value: f64) -> f64 {
+        if self.is_log { value.ln() } else { value }
+    }
+
+    /// Shares of a normal distribution below both ends of the range; of its mirror image where both are in the upper tail, for
+    /// those of the lower one keep their digits.
+    fn tails(&self, mean: f64, deviation: f64) -> (f64, f64, bool) {
+        let normal = Normal::standard();
+        let [low, high] =
+            [self.range.0, self.range.1].map(|end| (self.scaled(end) - mean) / deviation);
+        if low > 0.0 {
+            (normal.cdf(-high), normal.cdf(-low), true)
+        } else {
+            (normal.cdf(low), normal.cdf(high), false)
+        }
+    }
+
+    /// Share of the distribution within its bounds, none where it is too small for a number.
+    fn share_within(&self) -> f64 {
+        match self.shape {
+            Shape::Uniform => 1.0,
+            Shape::Normal { mean, deviation } => {
+                let (below, up_to, _) = self.tails(mean, deviation);
+                up_to - below
+            }
+        }
     }
 }
 
@@ -165,11 +186,18 @@ fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
         }
         Some((mean, deviation)) => Shape::Normal { mean, deviation },
     };
-    Ok(Distribution {
+    let drawn = Distribution {
         shape,
         is_log,
         range,
-    })
+    };
+    if drawn.share_within() <= 0.0 {
+        return Err(format!(
+            "none of it lies between {} and {}, to the last digit: bring the bounds nearer, or take uniform:LOW,HIGH",
+            range.0, range.1
+        ));
+    }
+    Ok(drawn)
 }
 
 #[cfg(test)]
@@ -237,6 +265,14 @@ mod tests {
             ("a=normal:1,0", "a standard deviation of 0"),
             ("a=log-normal:5,0.5", "a factor above 1"),
             ("a=grid:1,2,1.5", "a grid of 1.5 values"),
+            (
+                "a=normal:5,1,100,200",
+                "none of it lies between 100 and 200",
+            ),
+            (
+                "a=log-normal:1040,1.05,10000,20000",
+                "none of it lies between",
+            ),
         ] {
             let message = text.parse::<Varied>().unwrap_err();
             assert!(message.contains(expected), "{text}: {message}");

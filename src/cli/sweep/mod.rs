@@ -39,7 +39,7 @@ Distributions:  uniform:LOW,HIGH   log-uniform:LOW,HIGH   list:A,B,...   grid:LO
                 and MEDIAN * FACTOR); with ,LOW,HIGH behind them nothing lies beyond
 Parameters:     the FMU's: soil.*, vehicle.*, initial.*, effects.* (effects.payload.mass), in SI
                 units, or degrees where the name says so. The model gives those that are not varied.
-Output:         one row per drive: index; its parameters; the time that it reached; pose and
+Output:         one row per drive: index; its parameters; how long it drove (seconds from the first row); pose and
                 velocities there; distance; largest and mean |longitudinal slip| and largest sinkage
                 over wheels and rows; work against the rolling resistance [J]; and in `error` why it
                 did not reach the end (a bogged vehicle, say): then the other columns tell of the
@@ -119,7 +119,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         tell(&filled(&drive));
     }
     let setup = Setup::new(specification, &args.initial, &drive, &samples.names)?;
-    setup.check(&samples)?;
+    setup.check(&samples, args.table.as_deref())?;
     if args.samples_only {
         samples
             .write(&mut output)

@@ -4,6 +4,7 @@
 use super::samples::{Sample, Samples};
 use crate::cli::Failure;
 use crate::cli::initial::{Initial, initial_state};
+use std::path::Path;
 use ugv_terrain::declaration::{Causality, Configuration, Kind, Quantity, variables};
 use ugv_terrain::parameter::ParameterError;
 use ugv_terrain::recording::Drive;
@@ -52,11 +53,12 @@ impl<'a> Setup<'a> {
     ///
     /// # Errors
     /// The first such row, with the parameter and its range.
-    pub fn check(&self, samples: &Samples) -> Result<(), Failure> {
+    pub fn check(&self, samples: &Samples, table: Option<&Path>) -> Result<(), Failure> {
+        let file = table.map_or(String::new(), |path| format!("{}: ", path.display()));
         for sample in &samples.rows {
             self.prepare(sample).map_err(|failure| match failure {
                 Failure::Model(error) => Failure::Argument {
-                    reason: format!("sample {}: {error}", sample.index),
+                    reason: format!("{file}sample {}: {error}", sample.index),
                     hint: Some(
                         "bound what is drawn (normal:MEAN,SD,LOW,HIGH, log-normal:MEDIAN,FACTOR,LOW,HIGH), or take the row out of the table".into(),
                     ),

@@ -2,18 +2,24 @@
 
 use super::RUN;
 use super::error::{CsvError, malformed};
-use super::table::{Column, Header, Row, read_bytes, read_table};
+use super::table::{Column, Header, Row, quoted, read_bytes, read_table};
 use crate::recording::{Drive, fill_gaps};
 use std::io::Read;
 
 const TIME: usize = 0;
 const OMEGA_LEFT: usize = 1;
 const OMEGA_RIGHT: usize = 2;
-/// What every recording has, at the indices above.
-const COLUMNS: [Column; 3] = [
+const RUN_INDEX: usize = 3;
+/// What every recording has, and the run, at the indices above.
+const COLUMNS: [Column; 4] = [
     required("time", "s"),
     required("omega_left", "rad/s"),
     required("omega_right", "rad/s"),
+    Column {
+        name: RUN,
+        unit: "-",
+        is_required: false,
+    },
 ];
 
 /// Longer intervals are none of a drive's \[s\], and a simulation refuses them.
@@ -58,20 +64,27 @@ struct Rows {
     time: Vec<f64>,
     omega_left: Vec<Option<f64>>,
     omega_right: Vec<Option<f64>>,
+    /// Label of the first row's run.
+    run: Vec<u8>,
 }
 
 impl Rows {
     fn push(&mut self, row: &Row) -> Result<(), CsvError> {
-        let time = row.required_number(TIME)?;
+        let (time, run) = (row.required_number(TIME)?, row.bytes(RUN_INDEX));
+        if self.time.is_empty() {
+            self.run = run.into();
+        } else if self.run != run {
+            // Also where its clock goes on: what lies between was not driven at the speeds between.
+            let expected = format!(
+                "{} as in the first row: one drive (a file with several runs holds several drives: cut out one)",
+                quoted(&self.run)
+            );
+            return Err(malformed(row.cell(RUN_INDEX), quoted(run), expected));
+        }
         if let Some(&before) = self.time.last()
             && time <= before
         {
-            let hint = if row.header().has(RUN) {
-                " (a file with a column `run` holds several drives: cut out one)"
-            } else {
-                ""
-            };
-            let expected = format!("a time later than {before} s{hint}");
+            let expected = format!("a time later than {before} s");
             return Err(malformed(row.cell(TIME), format!("{time}"), expected));
         }
         if let Some(&before) = self.time.last()

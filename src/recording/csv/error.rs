@@ -117,7 +117,7 @@ fn remedy(missing: &str, required: &[&str], found: &[String]) -> Option<String> 
 }
 
 /// A column's name in small letters, without a unit in brackets.
-fn plain(name: &str) -> String {
+pub fn plain(name: &str) -> String {
     let name = name.split(['[', '(']).next().unwrap_or_default();
     name.trim().to_lowercase().replace([' ', '-'], "_")
 }

@@ -2,7 +2,7 @@
 
 use super::RUN;
 use super::error::{Cell, CsvError, malformed};
-use super::table::{Column, Row, read_table};
+use super::table::{Column, Header, Row, read_table};
 use crate::recording::Channel;
 use std::collections::HashMap;
 
@@ -87,6 +87,8 @@ pub struct Samples {
     pub runs: Vec<RawRun>,
     /// For each channel, number of cells with a word for "missing", and the first one's line.
     pub words: [Option<(usize, usize)>; Channel::ALL.len()],
+    /// Columns that were not read, with the channels that they seem to be meant for.
+    pub misnamed: Vec<(Channel, String)>,
     /// Number of clocks that restarted under the same label, and the first one's line.
     pub restarts: Option<(usize, usize)>,
     /// The header's cells, to name places.
@@ -154,6 +156,7 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
     let samples = Samples {
         runs,
         words,
+        misnamed: misnamed(&header),
         restarts,
         places: std::array::from_fn(|index| header.cell(1, index)),
     };
@@ -163,6 +166,14 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
         }
     }
     Ok(samples)
+}
+
+fn misnamed(header: &Header) -> Vec<(Channel, String)> {
+    let meant = |channel: Channel| {
+        let name = header.meant(CHANNELS + channel.index())?;
+        Some((channel, name.to_owned()))
+    };
+    Channel::ALL.into_iter().filter_map(meant).collect()
 }
 
 fn push(

@@ -1,7 +1,7 @@
 //! Rows of cells under a header, with the place of each for messages.
 
-use super::error::{Cell, CsvError, malformed};
-use csv::{ByteRecord, ReaderBuilder, Trim};
+use super::error::{Cell, CsvError, malformed, plain};
+use csv::{ByteRecord, ReaderBuilder};
 use std::io::Read;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -44,7 +44,6 @@ pub fn read_table<'a>(
     let mut reader = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
-        .trim(Trim::All)
         .from_reader(bytes);
     let mut record = ByteRecord::new();
     let mut next = |record: &mut ByteRecord| {
@@ -76,6 +75,7 @@ pub fn read_table<'a>(
                 record: &record,
                 line: place.line,
             };
+            row.check_quotes()?;
             row.check_length()?;
             visit(&row)?;
         }
@@ -120,7 +120,7 @@ fn line_ends(bytes: &[u8]) -> usize {
 
 /// A line of spaces, such as some editors leave at the end.
 fn is_blank(record: &ByteRecord) -> bool {
-    record.len() == 1 && record[0].is_empty()
+    record.len() == 1 && record[0].trim_ascii().is_empty()
 }
 
 /// Names of the columns that must be there.
@@ -130,7 +130,7 @@ fn required(columns: &[Column]) -> Vec<&'static str> {
 }
 
 /// A cell's bytes for a message.
-fn quoted(bytes: &[u8]) -> String {
+pub fn quoted(bytes: &[u8]) -> String {
     format!("`{}`", String::from_utf8_lossy(bytes))
 }
 
@@ -152,7 +152,7 @@ impl<'a> Header<'a> {
         record: &ByteRecord,
         line: usize,
     ) -> Result<Self, CsvError> {
-        let name = |name| String::from_utf8_lossy(name).into_owned();
+        let name = |name: &[u8]| String::from_utf8_lossy(name.trim_ascii()).into_owned();
         let mut header = Self {
             file,
             bytes,
@@ -186,6 +186,18 @@ impl<'a> Header<'a> {
     /// Whether the table has a column of this name, read or not.
     pub fn has(&self, name: &str) -> bool {
         self.names.iter().any(|other| other == name)
+    }
+
+    /// Where a column is not there, the name of another one that is meant for it.
+    pub fn meant(&self, index: usize) -> Option<&str> {
+        let meant = |name: &&String| {
+            let other = |column: &Column| column.name == **name;
+            plain(name) == self.columns[index].name && !self.columns.iter().any(other)
+        };
+        match self.positions[index] {
+            Some(_) => None,
+            None => self.names.iter().find(meant).map(String::as_str),
+        }
     }
 
     /// The cell of a column in some line.
@@ -231,6 +243,24 @@ pub struct Row<'a> {
 }
 
 impl Row<'_> {
+    /// A quote that opens a cell and is not closed on its line swallows what follows.
+    fn check_quotes(&self) -> Result<(), CsvError> {
+        let is_open = |cell: &[u8]| cell.iter().any(|byte| matches!(byte, b'\n' | b'\r'));
+        match self.record.iter().position(is_open) {
+            None => Ok(()),
+            Some(place) => {
+                let found = "a quote that is not closed on its line";
+                let expected =
+                    "cells of one line (a quote that is text is written twice, within quotes)";
+                Err(malformed(
+                    self.header.cell_at(self.line, place),
+                    found,
+                    expected,
+                ))
+            }
+        }
+    }
+
     fn check_length(&self) -> Result<(), CsvError> {
         let (cells, wanted) = (self.record.len(), self.header.names.len());
         if cells == wanted {
@@ -257,7 +287,7 @@ impl Row<'_> {
 
     /// What stands in a column; nothing where there is no such column.
     pub fn bytes(&self, index: usize) -> &[u8] {
-        self.header.positions[index].map_or(&[], |place| &self.record[place])
+        self.header.positions[index].map_or(&[], |place| self.record[place].trim_ascii())
     }
 
     /// The number in a column, or nothing where the cell is empty or there is no such column.

@@ -19,6 +19,9 @@ const LONGEST: f64 = 5.0;
 const RATES: std::ops::RangeInclusive<f64> = 1.5..=1400.0;
 /// So many wheel speeds at intervals of seconds are odd.
 const MANY: usize = 1000;
+/// No drive has a longer hole than this \[s\], and samples beyond one are strays where they are fewer than this share.
+const LONGEST_HOLE: f64 = 1e6;
+const MOST_STRAYS: f64 = 0.05;
 /// How far heading and gyro may differ in what they tell of the unit.
 const FACTOR: f64 = 2.0;
 const STRONG: f64 = 0.8;
@@ -82,6 +85,44 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
     Ok(note(NoteKind::TimeUnit, None, (count, line), text))
 }
 
+/// Leaves out the first or last samples of a run that lie years from the others: a clock that was set after the log began.
+pub fn drop_strays(samples: &mut Samples) -> Option<Note> {
+    let (mut count, mut line, mut off) = (0, usize::MAX, 0.0);
+    for run in &mut samples.runs {
+        let mut times: Vec<f64> = run
+            .channels
+            .iter()
+            .flatten()
+            .map(|sample| sample.time)
+            .collect();
+        times.sort_by(f64::total_cmp);
+        let Some((start, end)) = longest_stretch(&times) else {
+            continue;
+        };
+        for channel in &mut run.channels {
+            channel.retain(|sample| {
+                let is_kept = (start..=end).contains(&sample.time);
+                if !is_kept {
+                    (count, line) = (count + 1, line.min(sample.line));
+                    off = f64::max(start - sample.time, sample.time - end).max(off);
+                }
+                is_kept
+            });
+        }
+    }
+    let text = format!("{count} values are up to {off:.3e} s from all others; left out");
+    note(NoteKind::Outlier, None, (count, line), text)
+}
+
+/// First and last time of the stretch between holes that has nearly all samples, where there are such holes.
+fn longest_stretch(times: &[f64]) -> Option<(f64, f64)> {
+    let mut stretches = times.chunk_by(|before, after| after - before <= LONGEST_HOLE);
+    let longest = stretches.by_ref().max_by_key(|stretch| stretch.len())?;
+    let strays = times.len() - longest.len();
+    let is_clear = strays > 0 && (strays as f64) < MOST_STRAYS * times.len() as f64;
+    is_clear.then(|| (longest[0], longest[longest.len() - 1]))
+}
+
 fn first_line(samples: &Samples) -> usize {
     let first = samples.of(Channel::OmegaLeft).next();
     first.map_or(2, |sample| sample.line)
@@ -106,4 +147,22 @@ fn turning_unit(samples: &Samples, interval: f64) -> Option<Turning> {
     }
     let unit = UNITS.into_iter().find(|(_, size)| near(*size))?;
     Some(Turning::Unit(unit.0, unit.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strays_are_few_and_beyond_a_hole_that_no_drive_has() {
+        let drive = |start: f64, count: usize| (0..count).map(move |k| start + 0.1 * k as f64);
+        let with = |start: f64, count: usize| drive(start, count).chain(drive(1e9, 100)).collect();
+        let found = |times: Vec<f64>| longest_stretch(&times);
+        assert_eq!(found(with(0.0, 5)), Some((1e9, 1e9 + 9.9)));
+        // Two drives, a drive with a hole, and one drive.
+        assert_eq!(found(with(0.0, 6)), None);
+        assert_eq!(found(with(1e9 - 9e5, 2)), None);
+        assert_eq!(found(with(0.0, 0)), None);
+        assert_eq!(found(Vec::new()), None);
+    }
 }

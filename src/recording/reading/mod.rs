@@ -14,6 +14,7 @@ pub use error::RecordingError;
 
 use super::csv::{Samples, read_samples};
 use super::{About, Channel, CsvError, Note, NoteKind, Recording, Run, Series};
+use crate::vehicle::Vehicle;
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -23,6 +24,17 @@ use std::path::Path;
 /// # Errors
 /// Files that cannot be read, and the first thing that makes them no recording.
 pub fn read_recording(path: &Path) -> Result<Recording, RecordingError> {
+    read_recording_of(path, None)
+}
+
+/// The same of a known vehicle, which tells units of wheel speeds where `NAME.json` tells none.
+///
+/// # Errors
+/// As [`read_recording`].
+pub fn read_recording_of(
+    path: &Path,
+    vehicle: Option<&Vehicle>,
+) -> Result<Recording, RecordingError> {
     let file = path.display().to_string();
     let bytes = fs::read(path).map_err(|source| CsvError::Read {
         file: file.clone(),
@@ -30,7 +42,7 @@ pub fn read_recording(path: &Path) -> Result<Recording, RecordingError> {
     })?;
     let about = read_about(&path.with_extension("json"))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    Ok(parse_recording(&file, &name, &bytes, about)?)
+    Ok(parse_recording(&file, &name, &bytes, about, vehicle)?)
 }
 
 fn read_about(path: &Path) -> Result<About, RecordingError> {
@@ -54,16 +66,22 @@ fn parse_recording(
     name: &str,
     bytes: &[u8],
     about: About,
+    vehicle: Option<&Vehicle>,
 ) -> Result<Recording, CsvError> {
     let mut samples = read_samples(file, bytes)?;
     let mut notes = words(&samples);
+    notes.extend(misnamed(&samples));
     notes.extend(restarts(&samples));
     notes.extend(order::settle(&mut samples)?);
     notes.extend(clock::to_seconds(&mut samples)?);
+    notes.extend(clock::drop_strays(&mut samples));
     notes.extend(limits::drop_outliers(&mut samples, limits::ANY_UNIT));
     notes.extend(limits::drop_leaps(&mut samples));
     notes.extend(limits::drop_strays(&mut samples));
-    notes.extend(units::convert(&mut samples, &about));
+    notes.extend(units::convert(
+        &mut samples,
+        about.vehicle.as_ref().or(vehicle),
+    ));
     notes.extend(limits::drop_outliers(&mut samples, 1.0));
     limits::check(&samples)?;
     notes.extend(signs::settle(&mut samples));
@@ -114,6 +132,17 @@ fn words(samples: &Samples) -> Vec<Note> {
         note(NoteKind::NotANumber, Some(channel), (count, line), text)
     };
     Channel::ALL.into_iter().filter_map(of).collect()
+}
+
+fn misnamed(samples: &Samples) -> Vec<Note> {
+    let of = |(channel, name): &(Channel, String)| {
+        let text = format!(
+            "there is none, but a column `{name}`, which is not read; name it `{}`",
+            channel.name()
+        );
+        note(NoteKind::Suspicion, Some(*channel), (1, 1), text)
+    };
+    samples.misnamed.iter().filter_map(of).collect()
 }
 
 fn restarts(samples: &Samples) -> Option<Note> {

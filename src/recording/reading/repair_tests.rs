@@ -11,6 +11,76 @@ fn good_drive_is_left_alone() {
     assert_restored(&good, &text(&good), &[]);
 }
 
+/// 40 s straight on in this direction \[rad\], as its heading wavers by half a degree.
+fn straight(direction: f64) -> Rows {
+    let row = |index: usize| {
+        let time = 0.05 * index as f64;
+        let heading = direction + 0.5f64.to_radians() * (1.3 * time).sin();
+        let way = 0.9 * time;
+        let values = [
+            4.0,
+            4.0,
+            way * direction.cos(),
+            way * direction.sin(),
+            heading,
+            0.0,
+        ];
+        (time, values)
+    };
+    (0..800).map(row).collect()
+}
+
+#[test]
+fn degrees_of_a_drive_straight_on_are_seen_by_its_course() {
+    let heading = Some(Channel::Heading);
+    for direction in [0.5 * PI, -0.9 * PI] {
+        let good = straight(direction);
+        let degrees = with(&good, |_, v| v[4] = v[4].to_degrees());
+        assert_restored(&good, &degrees, &[(NoteKind::Unit, heading)]);
+        // In reverse as well.
+        let degrees = with(&good, |_, v| {
+            [v[0], v[1]] = [-v[0], -v[1]];
+            v[4] = (v[4] - direction.signum() * PI).to_degrees();
+        });
+        assert_eq!(read(&degrees).unwrap().notes[0].kind, NoteKind::Unit);
+    }
+    // Steadier than a sensor is: another zero of a heading in radians might look the same.
+    let steady = with(&straight(0.5 * PI), |_, v| v[4] = 90.0);
+    let notes = read(&steady).unwrap().notes;
+    assert_eq!(
+        (notes[0].kind, notes[0].channel),
+        (NoteKind::Suspicion, heading),
+        "{notes:?}"
+    );
+    assert!(notes[0].text.contains("may be degrees"), "{notes:?}");
+    // Radians beyond a turn, and from another zero.
+    for offset in [3.0 * TAU, 3.0 * TAU + 1.0] {
+        let good = with(&straight(0.5 * PI), |_, v| v[4] += offset);
+        assert!(read(&good).unwrap().notes.is_empty());
+    }
+}
+
+#[test]
+fn stamps_from_before_the_clock_was_set_are_left_out() {
+    let good = drive(60.0, 5);
+    let epoch = 1.7e9;
+    let mut rows = good.clone();
+    for (time, values) in &mut rows {
+        *time += epoch;
+        values.swap(0, 1);
+    }
+    let swapped = NoteKind::SwappedWheels;
+    assert_eq!(kinds(&read(&text(&rows)).unwrap().notes), [swapped]);
+    let mut stray = rows.clone();
+    stray.insert(0, (0.0, rows[0].1));
+    stray.push((2.0 * epoch, rows[0].1));
+    let recording = read(&text(&stray)).unwrap();
+    let found = kinds(&recording.notes);
+    assert_eq!(found, [NoteKind::Outlier, swapped], "{:?}", recording.notes);
+    assert_eq!(recording.notes[0].line, 2);
+    assert!((recording.runs[0].duration() - 60.0).abs() < 0.1);
+}
+
 #[test]
 fn units_of_angles_are_seen() {
     let good = drive(60.0, 2);
@@ -98,13 +168,21 @@ fn wheel_speeds_that_cannot_be_are_converted_or_refused() {
     let narrow = turning(60.0, 3, 1.0);
     let bad = with(&narrow, |_, v| [v[0], v[1]] = [0.3 * v[0], 0.3 * v[1]]);
     assert_restored(&narrow, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
-    let recording = parse_recording("drive.csv", "drive", bad.as_bytes(), About::default());
+    let recording = parse_recording("drive.csv", "drive", bad.as_bytes(), About::default(), None);
     let notes = recording.unwrap().notes;
     assert_eq!(kinds(&notes), [NoteKind::Suspicion], "{notes:?}");
     assert!(
         notes[0].text.contains("may be rim speeds in m/s"),
         "{notes:?}"
     );
+    // A vehicle that is not told beside the recording, but to the program.
+    let vehicle = Vehicle {
+        wheel_radius: 0.3,
+        ..Vehicle::tran2007()
+    };
+    let about = About::default();
+    let recording = parse_recording("drive.csv", "drive", bad.as_bytes(), about, Some(&vehicle));
+    assert_eq!(kinds(&recording.unwrap().notes), [NoteKind::Unit]);
     // One spike is left out.
     let bad = with(&good, |t, v| v[1] = if *t == 20.0 { 400.0 } else { v[1] });
     assert_restored(

@@ -19,10 +19,10 @@ const TRAVEL: f64 = 0.3;
 const FEWEST: usize = 50;
 /// How well directions must agree with one relation, and how badly with the other: lengths of
 /// the mean of unit vectors.
-const CLEAR: f64 = 0.9;
+pub const CLEAR: f64 = 0.9;
 const UNCLEAR: f64 = 0.5;
 /// Largest angle between the relation and what is expected of it \[rad\].
-const NEAR: f64 = 0.3;
+pub const NEAR: f64 = 0.3;
 
 /// What two signals say of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -305,18 +305,18 @@ enum Relation {
     Clockwise(f64),
 }
 
-/// The relation that the positions show, if they show one: a slow vehicle takes longer to come anywhere.
-fn position(samples: &Samples) -> Option<Relation> {
-    SPANS
+/// Directions of travel beside the headings \[rad\], if the positions show enough of them: a slow vehicle takes longer to
+/// come anywhere.
+pub fn directions(samples: &Samples) -> Option<Vec<(f64, f64)>> {
+    let mut over = SPANS
         .into_iter()
-        .find_map(|seconds| over(samples, seconds))?
+        .map(|seconds| directions_over(samples, seconds));
+    over.find(|found| found.len() >= FEWEST)
 }
 
-/// The relation over so many seconds; `None` where they show too few directions.
-fn over(samples: &Samples, seconds: f64) -> Option<Option<Relation>> {
-    // Sums of unit vectors at twice the angles, so that reverse counts as forward.
-    let (mut same, mut mirrored) = ([0.0; 2], [0.0; 2]);
-    let mut count = 0;
+/// The same over so many seconds.
+fn directions_over(samples: &Samples, seconds: f64) -> Vec<(f64, f64)> {
+    let mut found = Vec::new();
     for run in &samples.runs {
         let (Some(x), Some(y)) = (cumulated(run, Channel::X), cumulated(run, Channel::Y)) else {
             continue;
@@ -326,33 +326,38 @@ fn over(samples: &Samples, seconds: f64) -> Option<Option<Relation>> {
             let (Some(east), Some(north)) = (speed(&x), speed(&y)) else {
                 continue;
             };
-            if east.hypot(north) * seconds < TRAVEL {
-                continue;
+            if east.hypot(north) * seconds >= TRAVEL {
+                found.push((north.atan2(east), sample.value));
             }
-            let travel = north.atan2(east);
-            for (sum, angle) in [
-                (&mut same, travel - sample.value),
-                (&mut mirrored, travel + sample.value),
-            ] {
-                sum[0] += (2.0 * angle).cos();
-                sum[1] += (2.0 * angle).sin();
-            }
-            count += 1;
         }
     }
-    if count < FEWEST {
-        return None;
+    found
+}
+
+/// The relation that the positions show, if they show one.
+fn position(samples: &Samples) -> Option<Relation> {
+    let directions = directions(samples)?;
+    // Sums of unit vectors at twice the angles, so that reverse counts as forward.
+    let (mut same, mut mirrored) = ([0.0; 2], [0.0; 2]);
+    for (travel, heading) in &directions {
+        for (sum, angle) in [
+            (&mut same, travel - heading),
+            (&mut mirrored, travel + heading),
+        ] {
+            sum[0] += (2.0 * angle).cos();
+            sum[1] += (2.0 * angle).sin();
+        }
     }
-    let length = |sum: [f64; 2]| sum[0].hypot(sum[1]) / count as f64;
+    let length = |sum: [f64; 2]| sum[0].hypot(sum[1]) / directions.len() as f64;
     let off = (mirrored[1].atan2(mirrored[0]) - PI).rem_euclid(TAU);
     let is_mirrored = length(mirrored) >= CLEAR && length(same) <= UNCLEAR;
-    Some(if is_mirrored && off.min(TAU - off) <= NEAR {
+    if is_mirrored && off.min(TAU - off) <= NEAR {
         Some(Relation::Mirrored)
     } else if is_mirrored {
         Some(Relation::Clockwise(0.5 * mirrored[1].atan2(mirrored[0])))
     } else {
         (length(same) >= CLEAR && length(mirrored) <= UNCLEAR).then_some(Relation::Same)
-    })
+    }
 }
 
 /// Way along the heading \[m\].

@@ -69,7 +69,7 @@ pub fn read(text: &str) -> Result<Recording, CsvError> {
         }),
         ..About::default()
     };
-    parse_recording("drive.csv", "drive", text.as_bytes(), about)
+    parse_recording("drive.csv", "drive", text.as_bytes(), about, None)
 }
 
 pub fn kinds(notes: &[Note]) -> Vec<NoteKind> {

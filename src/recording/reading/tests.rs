@@ -1,7 +1,13 @@
 use super::*;
 
 fn read(text: &str) -> Result<Recording, CsvError> {
-    parse_recording("drive.csv", "drive", text.as_bytes(), About::default())
+    parse_recording(
+        "drive.csv",
+        "drive",
+        text.as_bytes(),
+        About::default(),
+        None,
+    )
 }
 
 #[test]
@@ -143,4 +149,21 @@ fn clock_that_starts_anew_begins_another_run() {
         error.contains("line 14, column 2 (time): found 0, expected a time later"),
         "{error}"
     );
+}
+
+#[test]
+fn columns_that_are_nearly_named_right_are_told() {
+    let recording = read(
+        "time,omega_left,omega_right,x,y,Heading,yaw_rate [rad/s],V_X,v_x,heading_deviation\n0,1,1,0,0,0,0,1,1,0\n",
+    );
+    let notes = recording.unwrap().notes;
+    let told: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        told,
+        [
+            "heading: there is none, but a column `Heading`, which is not read; name it `heading` (from line 1 on)",
+            "yaw_rate: there is none, but a column `yaw_rate [rad/s]`, which is not read; name it `yaw_rate` (from line 1 on)",
+        ]
+    );
+    assert!(notes[0].kind.is_warning());
 }

@@ -2,10 +2,10 @@
 
 use super::agreement::{Agreement, compare, cumulated, wheels};
 use super::limits::limit;
-use super::signs::travel;
+use super::signs::{self, travel};
 use super::{note, place};
 use crate::recording::csv::{RawRun, Samples};
-use crate::recording::{About, Channel, Cumulated, Grid, Note, NoteKind};
+use crate::recording::{Channel, Cumulated, Grid, Note, NoteKind};
 use crate::vehicle::Vehicle;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -41,10 +41,10 @@ const SPAN: f64 = 1.0;
 const MOST_TRAVEL: f64 = 1.5;
 
 /// Converts headings and yaw rates from degrees, and wheel speeds that cannot be.
-pub fn convert(samples: &mut Samples, about: &About) -> Vec<Note> {
+pub fn convert(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Vec<Note> {
     let mut notes = Vec::new();
     notes.extend(wrapped_degrees(samples));
-    let rims = rim_speeds(samples, about.vehicle.as_ref());
+    let rims = rim_speeds(samples, vehicle);
     let is_suspected = |note: &Note| note.kind == NoteKind::Suspicion;
     let most_turn = if rims.as_ref().is_some_and(is_suspected) {
         MOST_TURN_OF_RIMS
@@ -53,7 +53,13 @@ pub fn convert(samples: &mut Samples, about: &About) -> Vec<Note> {
     };
     notes.extend(rims);
     notes.extend(degrees(samples, most_turn));
-    notes.extend(wheel_unit(samples, about.vehicle.as_ref()));
+    if !notes
+        .iter()
+        .any(|note| note.channel == Some(Channel::Heading))
+    {
+        notes.extend(degrees_by_course(samples));
+    }
+    notes.extend(wheel_unit(samples, vehicle));
     notes
 }
 
@@ -214,6 +220,58 @@ fn degrees(samples: &mut Samples, most_turn: f64) -> Vec<Note> {
         notes.extend(evidence.and_then(|text| from_degrees(samples, channel, &text)));
     }
     notes
+}
+
+/// Headings of a drive with few turns, which the course over the ground agrees with as degrees and not as radians.
+fn degrees_by_course(samples: &mut Samples) -> Option<Note> {
+    let headings = samples.of(Channel::Heading);
+    let (count, beyond) = headings.fold((0, 0), |(count, beyond), sample| {
+        (
+            count + 1,
+            beyond + usize::from(sample.value.abs() > NO_RADIANS),
+        )
+    });
+    if 2 * beyond <= count {
+        return None;
+    }
+    let directions = signs::directions(samples)?;
+    // Length and half the angle of the mean unit vector at twice the angle between, which is the same in reverse.
+    let off = |unit: f64| {
+        let angles = directions
+            .iter()
+            .map(|(travel, heading)| 2.0 * (travel - heading / unit));
+        let (east, north) = angles.fold((0.0, 0.0), |(x, y), angle| {
+            (x + angle.cos(), y + angle.sin())
+        });
+        (
+            east.hypot(north) / directions.len() as f64,
+            0.5 * north.atan2(east),
+        )
+    };
+    let goes_along =
+        |(length, angle): (f64, f64)| length >= signs::CLEAR && angle.abs() <= signs::NEAR;
+    let (degrees, radians) = (off(DEGREES), off(1.0));
+    if !goes_along(degrees) || goes_along(radians) {
+        return None;
+    }
+    let evidence = format!(
+        "as such it is within {:.0} deg of the direction of travel, on the mean",
+        degrees.1.abs().to_degrees().max(1.0)
+    );
+    if radians.0 < signs::CLEAR {
+        return from_degrees(samples, Channel::Heading, &evidence);
+    }
+    // A steady heading from another zero looks the same.
+    let text = format!(
+        "may be degrees: {evidence}, as radians {:.0} deg off; left as it is",
+        radians.1.abs().to_degrees()
+    );
+    note(
+        NoteKind::Suspicion,
+        Some(Channel::Heading),
+        place(samples, Channel::Heading),
+        text,
+    )
 }
 
 /// Wheel speeds that in another unit move the vehicle as its pose says: those beyond the limit are converted, others told,

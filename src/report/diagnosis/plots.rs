@@ -18,6 +18,8 @@ const NEARLY_ALL: f64 = 0.98;
 const CUT: f64 = 2.0;
 /// A gap of so many intervals between points interrupts a path.
 const GAP: f64 = 8.0;
+/// Times from here on have too many digits for an axis \[s\].
+const LONG_CLOCK: f64 = 1e5;
 
 /// The runs to be plotted, in their order: those with a place of a finding first, then the worst.
 pub fn chosen(diagnosis: &Diagnosis) -> Vec<&RunTrace> {
@@ -43,16 +45,59 @@ pub fn chosen(diagnosis: &Diagnosis) -> Vec<&RunTrace> {
 pub fn figures(run: &RunTrace, diagnosis: &Diagnosis) -> String {
     let map = map(run, diagnosis).figure();
     let mut html = map.replacen("<figure>", "<figure class=\"tall\">", 1);
-    let spans = spans(run, diagnosis);
+    let from = origin(run);
+    let label = match from {
+        0.0 => "time [s]".to_string(),
+        from => format!("time after {from} s [s]"),
+    };
+    let spans = spans(run, diagnosis).into_iter();
+    let spans: Vec<_> = spans
+        .map(|(name, start, end)| (name, start - from, end - from))
+        .collect();
+    let over_time = |chart: Chart| {
+        let x_label = label.clone();
+        Chart { x_label, ..chart }.figure()
+    };
     for residual in &run.residuals {
-        html += &residuals(residual, &spans, words::has_model(diagnosis)).figure();
+        let time = since(from, &residual.time);
+        let residual = ResidualTrace {
+            time,
+            ..residual.clone()
+        };
+        html += &over_time(residuals(&residual, &spans, words::has_model(diagnosis)));
     }
     if let Some(wrench) = &run.wrench {
-        for chart in wrenches(wrench, &spans) {
-            html += &chart.figure();
-        }
+        let time = since(from, &wrench.time);
+        let wrench = WrenchTrace {
+            time,
+            ..wrench.clone()
+        };
+        html += &wrenches(&wrench, &spans)
+            .into_iter()
+            .map(over_time)
+            .collect::<String>();
     }
     html
+}
+
+/// From where times are shown \[s\]: a clock of more digits than an axis has room for counts from the run's start, to the
+/// second.
+fn origin(run: &RunTrace) -> f64 {
+    let traces = run.residuals.iter().map(|residual| &residual.time);
+    let first = traces.chain([&run.time]).filter_map(|time| time.first());
+    let start = first
+        .copied()
+        .filter(|time| time.is_finite())
+        .fold(f64::INFINITY, f64::min);
+    if start.is_finite() && start.abs() >= LONG_CLOCK {
+        start.floor()
+    } else {
+        0.0
+    }
+}
+
+fn since(from: f64, time: &[f64]) -> Vec<f64> {
+    time.iter().map(|time| time - from).collect()
 }
 
 fn places<'a>(
@@ -340,61 +385,4 @@ pub fn heading(run: &RunTrace, diagnosis: &Diagnosis) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_band_of_what_is_left_over_is_parted_as_its_line_is() {
-        let trace = WrenchTrace {
-            time: [0.0, 1.0, 2.0, 30.0, 31.0].into(),
-            value: vec![[1.0; 3]; 5],
-            deviation: vec![[0.5; 3]; 5],
-        };
-        for chart in wrenches(&trace, &[]) {
-            let Some((_, Mark::Band(band))) = chart.marks.last() else {
-                panic!("no band")
-            };
-            let line: Vec<usize> = chart.lines[0].parts.iter().map(Vec::len).collect();
-            let band: Vec<usize> = band.iter().map(Vec::len).collect();
-            assert_eq!((line, band), (vec![3, 2], vec![3, 2]));
-        }
-    }
-
-    #[test]
-    fn an_outlier_does_not_hide_the_others() {
-        let noise: Vec<f64> = (0..200).map(|k| f64::from(k % 7) - 3.0).collect();
-        let mut spiked = noise.clone();
-        spiked[50] = -400.0;
-        spiked[60] = f64::NAN;
-        assert_eq!(limit(&[&noise, &noise]), f64::INFINITY);
-        assert_eq!(limit(&[&noise, &spiked]), 6.0);
-        assert_eq!(limit(&[&vec![0.0; 9]]), f64::INFINITY);
-        assert_eq!(limit(&[&Vec::new()]), f64::INFINITY);
-        let trace = |before: &Vec<f64>| ResidualTrace {
-            channel: "yaw_rate",
-            unit: "m",
-            time: (0..200).map(f64::from).collect(),
-            before: before.clone(),
-            after: noise.clone(),
-        };
-        let chart = residuals(&trace(&spiked), &[], true);
-        assert!(
-            chart
-                .title
-                .ends_with("predicted (one sample beyond the axis)")
-        );
-        let lowest = chart.lines[0].parts.iter().flatten().map(|point| point.1);
-        assert_eq!(lowest.fold(f64::INFINITY, f64::min), -6.0);
-        // Where something was found to act the signal is shown, an outlier is not.
-        let acts = [("where it acts", 45.0, 55.0)];
-        let title = |before: &Vec<f64>| residuals(&trace(before), &acts, true).title;
-        assert!(title(&spiked).ends_with("predicted (one sample beyond the axis)"));
-        spiked[47..54].fill(-400.0);
-        assert!(title(&spiked).ends_with("predicted"));
-        assert!(
-            residuals(&trace(&noise), &[], true)
-                .title
-                .ends_with("predicted")
-        );
-    }
-}
+mod tests;

@@ -134,16 +134,41 @@ fn faults_are_located_and_explained() {
 }
 
 #[test]
-fn several_runs_in_one_file_get_a_hint() {
-    let message = error("run,time,omega_left,omega_right\n0,5,1,1\n1,0,1,1\n");
-    assert!(
-        message.contains("line 3, column 2 (time): found 0"),
-        "{message}"
+fn several_runs_in_one_file_are_no_drive() {
+    // Neither where the clock starts anew nor where it goes on.
+    for time in [0.0, 100.0] {
+        let message = error(&format!(
+            "run,time,omega_left,omega_right\na,5,1,1\nb,{time},1,1\n"
+        ));
+        assert!(
+            message.contains("line 3, column 1 (run): found `b`, expected `a` as in the first row: one drive (a file"),
+            "{message}"
+        );
+    }
+    assert_eq!(
+        read("run,time,omega_left,omega_right\n3,5,1,1\n3,6,1,1\n")
+            .unwrap()
+            .len(),
+        2
     );
-    assert!(
-        message.contains("column `run` holds several drives"),
-        "{message}"
-    );
+}
+
+#[test]
+fn an_open_quote_swallows_no_rows() {
+    let rows = "1,1,1,\"\n2,2,2,\"\n3,3,3,\"\n4,4,4,\"\n";
+    for (rows, line) in [
+        (rows, 2),
+        ("0,1,1,\"start\n1,1,1,\n", 2),
+        ("0,1,1,a\n1,1,1,\"b\nc\"\n", 3),
+    ] {
+        let message = error(&format!("time,omega_left,omega_right,note\n{rows}"));
+        let expected = format!(
+            "drive.csv: line {line}, column 4 (note): found a quote that is not closed on its line, expected cells of one line"
+        );
+        assert!(message.starts_with(&expected), "{message}");
+    }
+    let quoted = read("time,omega_left,omega_right,note\n0,1,1,\"a, \"\"b\"\"\"\n1,1,1,5\"\n");
+    assert_eq!(quoted.unwrap().len(), 2);
 }
 
 #[test]
