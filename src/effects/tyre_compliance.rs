@@ -18,9 +18,9 @@ effect! {
     TyreCompliance: "tyre_compliance", Physics,
     lifts "rigid wheels",
     equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), W what the normal stress carries",
-    source "rigid limit: Wong, Theory of Ground Vehicles, 2.5, after Bekker; the substitute circle: Schmid, J. Terramechanics 32 (1995)",
+    source "rigid limit: Wong, Theory of Ground Vehicles (2001), ch. 2, after Bekker (moderate sinkage, n up to about 1.3); the substitute circle: Schmid, J. Terramechanics 32 (1995)",
     {
-        pressure ["Pa"] 5000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; at 2 MPa the wheel is rigid";
+        pressure ["Pa"] 5000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; 2 MPa switches it off: the wheel is then rigid on any ground";
     }
 }
 

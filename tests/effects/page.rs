@@ -15,7 +15,7 @@ Each effect is one file in `src/effects/`, of one shape, generic over the scalar
 on by a file (`ugv simulate --effects FILE`), estimated by `ugv fit`, and set as an FMU's parameters. With all
 off the model is the paper's, bit for bit. An effect is on when one of its **bold** parameters differs from its
 default; the others shape it. Symbols and numbers of equations as in the paper; z is the sinkage (h in `bulldozing`), and i is the slip
-(r omega - v) / max(abs(r omega), abs(v)): -1 for a locked wheel, 1 for one that spins on the spot, up to 2 in size where
+(r omega - V_X) / max(abs(r omega), abs(V_X)): -1 for a locked wheel, 1 for one that spins on the spot, up to 2 in size where
 rim and travel oppose each other; smooth between. (The output
 `longitudinal_slip` is the paper's, (13), which divides by r omega.) The stress' peak stays within 0.95 of the arc. Where
 shear is a state (`transient_shear`), the slip speed u at which the shear of a held wheel fades is 0.02 mm/s, for a rolling one 1 mm/s: u^2 grows with (r omega)^2/((r omega)^2 + (1 mm/s)^2).
@@ -41,6 +41,7 @@ Beside the effects a `window` with hard edges may tell when [s] or where [m] som
 `\"window\": {\"effects\": [\"drawbar\"], \"time\": [12.4, 21]}` (from the start on, before the end) or
 `{\"effects\": [\"drawbar\"], \"place\": {\"x\": 5, \"y\": 0, \"radius\": 2}}` (while the reference point is in the disc).
 Outside they are off; what they make the vehicle and its ground remember goes on being remembered.
+What acts over the time or the distance is for simulation and FMU: `ugv fit`, `score` and `diagnose` refuse it.
 The laws `residual_*` have no name: they say how physics that is not in this list acts, not what it is.
 ";
 

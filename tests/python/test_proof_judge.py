@@ -1,6 +1,7 @@
 """The judge of scripts/proof: its measures against truths and answers made by hand, and how it runs the tool."""
 
 import csv
+import gzip
 import io
 import json
 import math
@@ -27,6 +28,7 @@ from judge.oracle import active, knowable
 from judge.page import page
 from judge.report import report
 from judge.run import Bench, Processes, each
+from judge.tables import tables
 
 CHROMIUM = find_chromium()
 DRAWBAR = {"effect": "drawbar", "kind": "physics", "size": "large", "off": {"force": 0.0},
@@ -452,6 +454,12 @@ class PageOfAll(unittest.TestCase):
                 path.write_text(answers.lines({"mended": part, "stepwise": part}, facts))
             everyone, facts = answers.load(parts)
             self.assertEqual(report(everyone, facts), whole)
+            compressed = Path(folder) / "0.jsonl.gz"
+            compressed.write_bytes(gzip.compress(parts[0].read_bytes()))
+            self.assertEqual(report(*answers.load([compressed, parts[1]])), whole)
+            compressed.write_bytes(compressed.read_bytes()[:-20])
+            with self.assertRaisesRegex(SystemExit, "0.jsonl.gz cannot be read"):
+                answers.load([compressed])
             self.assertNotIn("href", page(everyone["mended"], whole, linked=False).partition("<h2>Failures")[2])
             for given, message in (([parts[0], parts[0]], "case_0000 of seed 7 is in .* give each case once"),
                                    ([Path(folder) / "none.jsonl"], "cannot be read"),
@@ -474,6 +482,17 @@ class PageOfAll(unittest.TestCase):
         marks = [mark.get("class") for mark in drawn.iter("{http://www.w3.org/2000/svg}circle")]
         right = sum(one.right for one in cases)
         self.assertEqual((marks.count("right"), marks.count("wrong")), (right, len(cases) - right))
+
+    def test_tables_are_those_of_the_page(self) -> None:
+        cases = self.cases()
+        summary = report({"mended": cases, "nominal": cases}, FACTS | {"drawn": len(cases), "answered": len(cases)})
+        told = tables(summary)
+        for metric in summary["metrics"]:
+            (line,) = [line for line in told.splitlines() if line.startswith(f"| {metric['label']} |")]
+            cells = [cell.strip() for cell in line.strip("|").split(" | ")]
+            self.assertEqual((cells[3], cells[2].startswith("**")), (str(metric["n"]), metric["met"] is False), line)
+        for name in (*summary["families"], *summary["peers"]):
+            self.assertIn(f"\n| {name} | ", told)
 
     def test_page_and_json(self) -> None:
         cases = self.cases()

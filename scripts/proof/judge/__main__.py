@@ -21,6 +21,7 @@ from .peers import NAMES
 from .prediction import compared
 from .report import NOT_ANSWERING, report
 from .run import Bench, Processes, each, resumable
+from .tables import tables
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -40,7 +41,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--peer-limit", type=float, metavar="S", help="seconds that each peer and the oracle may take [default: as --limit]")
     parser.add_argument("--page", action="store_true", help="run nothing; judge what has been answered so far")
     parser.add_argument("--answers", type=Path, nargs="+", default=[], metavar="JSONL",
-                        help="run nothing; judge the cases of these files together, parts of one set or several sets")
+                        help="run nothing; judge the cases of these files (.jsonl or .jsonl.gz) together, parts of one set or several sets")
     parser.add_argument("--tool", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args(given)
     args.peer_limit = args.limit if args.peer_limit is None else args.peer_limit
@@ -149,6 +150,7 @@ def main() -> None:
     files.save(args.out / "proof.json", summary)
     files.write(args.out / "cases.csv", listing(summary["cases"]))
     files.write(args.out / "proof.svg", figure(everyone["mended"], summary["reliability"]))
+    files.write(args.out / "proof.md", tables(summary))
     files.write(args.out / "proof.html", page(everyone["mended"], summary, linked=not args.answers))
     print(f"prove: {args.out / 'proof.html'}", file=sys.stderr)
 

@@ -4,8 +4,10 @@ The first line tells how they came about (format ugv-proof-answers/1): seeds, to
 truth, and what each method told of it.
 """
 
+import gzip
 import json
 import sys
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -40,6 +42,11 @@ def lines(everyone: Mapping[str, Sequence[Judged]], facts: dict) -> str:
     return "".join(json.dumps(line, allow_nan=False, separators=(",", ":")) + "\n" for line in out)
 
 
+def text(path: Path) -> str:
+    """What a file says, compressed (.gz) or not."""
+    return gzip.decompress(path.read_bytes()).decode() if path.suffix == ".gz" else path.read_text()
+
+
 def load(paths: Sequence[Path]) -> tuple[dict[str, list[Judged]], dict]:
     """Everyone's answers to the cases of all files, and how they came about."""
     everyone: dict[str, list[Judged]] = {}
@@ -47,8 +54,8 @@ def load(paths: Sequence[Path]) -> tuple[dict[str, list[Judged]], dict]:
     seen: dict[tuple[int, str], Path] = {}
     for path in paths:
         try:
-            head, *rest = map(json.loads, path.read_text().splitlines())
-        except (OSError, ValueError) as error:
+            head, *rest = map(json.loads, text(path).splitlines())
+        except (OSError, EOFError, zlib.error, ValueError) as error:
             sys.exit(f"prove: {path} cannot be read ({error}); give an answers.jsonl that prove.sh has written")
         if head.get("format") != FORMAT:
             sys.exit(f"prove: {path} is not of the format {FORMAT}; give an answers.jsonl that prove.sh has written")
