@@ -166,7 +166,7 @@ fn configuration(args: &Args) -> Result<Configuration, Failure> {
         let preset = terrain
             .to_str()
             .filter(|name| Terrain::preset(name).is_some());
-        if !preset.is_some_and(|name| configuration.select(name)) {
+        if !preset.is_some_and(|name| configuration.begin_on(name)) {
             configuration.select_custom(load_terrain(terrain)?);
         }
         args.model.replace_effects(&mut configuration.effects)?;

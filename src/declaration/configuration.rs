@@ -118,6 +118,14 @@ impl Configuration {
         true
     }
 
+    /// Begins on one of the terrains by name, which is where the custom soil's parameters start as well; whether there is
+    /// one.
+    pub fn begin_on(&mut self, name: &str) -> bool {
+        let is_there = self.select(name);
+        self.terrains[CUSTOM] = *self.terrain();
+        is_there
+    }
+
     /// Chooses a soil of one's own.
     pub fn select_custom(&mut self, terrain: Terrain) {
         self.terrains[CUSTOM] = terrain;

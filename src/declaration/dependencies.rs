@@ -1,6 +1,6 @@
 //! What outputs and rates depend on, at the start and while the simulation runs.
 
-use super::{ArrayVariable, Causality, Configuration, Quantity, array_variables};
+use super::{ArrayVariable, Causality, Configuration, Elements, Quantity, array_variables};
 use crate::effects::{Boundary, Extent, SlopeProfile};
 
 /// How an unknown depends on what it depends on.
@@ -48,11 +48,27 @@ pub fn dependencies(
     }
 }
 
-/// The variables that each output and rate may depend on at the start, in any way: whatever can be set, and the
-/// start time where forces may depend on it.
+/// The initial value that a coordinate of the pose is at the start, alone.
 #[must_use]
-pub fn initial_dependencies(configuration: &Configuration) -> Vec<ArrayVariable> {
+pub fn initial_pose(quantity: Quantity) -> Option<Quantity> {
+    match quantity {
+        Quantity::State(index @ 0..=2) => Some(Quantity::Initial(index)),
+        _ => None,
+    }
+}
+
+/// The variables that an output or a rate may depend on at the start, in any way: the pose on its initial values, all
+/// others on whatever can be set, and on the start time where forces may depend on it.
+#[must_use]
+pub fn initial_dependencies(
+    quantity: Quantity,
+    configuration: &Configuration,
+) -> Vec<ArrayVariable> {
     let mut known = array_variables(configuration);
+    if let Some(own) = initial_pose(quantity) {
+        known.retain(|variable| variable.elements == Elements::One(own));
+        return known;
+    }
     known.retain(|variable| match variable.attributes.causality {
         Causality::Input | Causality::Parameter => true,
         Causality::Independent => configuration.depends_on_time(),
@@ -97,7 +113,7 @@ mod tests {
     fn at_the_start_all_depends_on_what_can_be_set() {
         let mut configuration = Configuration::default();
         let names = |configuration: &Configuration| -> Vec<String> {
-            let known = initial_dependencies(configuration).into_iter();
+            let known = initial_dependencies(Quantity::State(3), configuration).into_iter();
             known.map(|variable| variable.name).collect()
         };
         let plain = names(&configuration);
@@ -116,5 +132,9 @@ mod tests {
         let profile = r#"{"grade": {"profile": {"over": "time", "points": [[0, 0.1, 0]]}}}"#;
         configuration.effects = Effects::from_json(profile).unwrap();
         assert!(names(&configuration).contains(&"time".to_owned()));
+        let pose =
+            (0..3).flat_map(|index| initial_dependencies(Quantity::State(index), &configuration));
+        let pose: Vec<String> = pose.map(|variable| variable.name).collect();
+        assert_eq!(pose, ["initial.x", "initial.y", "initial.heading"]);
     }
 }

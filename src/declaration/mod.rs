@@ -12,7 +12,7 @@ mod resources;
 
 pub use arrays::{ArrayVariable, Elements, Naming, array_variables};
 pub use configuration::{Configuration, TERRAIN_NAMES};
-pub use dependencies::{DependencyKind, dependencies, initial_dependencies};
+pub use dependencies::{DependencyKind, dependencies, initial_dependencies, initial_pose};
 pub use resources::{ConfigurationError, guid};
 
 use crate::effects::ParameterName;

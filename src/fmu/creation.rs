@@ -58,7 +58,7 @@ pub(super) unsafe fn create(
         Ok(Err(message)) => message,
         Err(panic) => panic_message(panic.as_ref()).to_owned(),
     };
-    logger.refusal(&format!("{function}: {message}"));
+    logger.error(&format!("{function}: {message}"));
     std::ptr::null_mut()
 }
 

@@ -5,12 +5,24 @@ use fmi_sys::fmi2::{fmi2CallbackFunctions, fmi2CallbackLogger};
 use fmi_sys::fmi3::{fmi3InstanceEnvironment, fmi3LogMessageCallback};
 use std::ffi::{CStr, CString, c_void};
 
-/// The log categories that the model description declares, worst first.
-pub(super) const CATEGORIES: [&CStr; 3] = [c"logStatusError", c"logStatusWarning", c"logEvents"];
+/// The log categories that the model description declares.
+pub(super) const CATEGORIES: [&CStr; 5] = [
+    c"logStatusFatal",
+    c"logStatusError",
+    c"logStatusWarning",
+    c"logStatusDiscard",
+    c"logEvents",
+];
 
-const ERROR: usize = 0;
-const WARNING: usize = 1;
-const EVENT: usize = 2;
+const FATAL: usize = 0;
+const ERROR: usize = 1;
+const WARNING: usize = 2;
+const DISCARD: usize = 3;
+const EVENT: usize = 4;
+
+/// What is reported whatever the importer asks for: to FMI 2.0 warnings as well, to FMI 3.0 what its version 3.0.3 wants.
+const ALWAYS_2: [bool; 5] = [true, true, true, false, false];
+const ALWAYS_3: [bool; 5] = [true, true, false, false, false];
 
 /// The importer's function, in the form of its version of the standard.
 enum Callback {
@@ -28,11 +40,11 @@ pub(super) struct Logger {
     callback: Callback,
     environment: *mut c_void,
     /// Which of [`CATEGORIES`] to report.
-    enabled: [bool; 3],
+    enabled: [bool; 5],
 }
 
 impl Logger {
-    /// The logger of FMI 2.0: `verbose` switches the events; errors and warnings are always reported.
+    /// The logger of FMI 2.0; `verbose` switches what is not always reported.
     pub(super) fn fmi2(
         functions: Option<&fmi2CallbackFunctions>,
         name: &CStr,
@@ -44,11 +56,11 @@ impl Logger {
                 instance_name: name.to_owned(),
             },
             environment: functions.map_or(std::ptr::null_mut(), |f| f.componentEnvironment),
-            enabled: [true, true, verbose],
+            enabled: ALWAYS_2.map(|always| always || verbose),
         }
     }
 
-    /// The logger of FMI 3.0, which wants nothing reported unless it is `on`.
+    /// The logger of FMI 3.0; `on` switches what is not always reported.
     pub(super) fn fmi3(
         log: fmi3LogMessageCallback,
         environment: fmi3InstanceEnvironment,
@@ -57,21 +69,18 @@ impl Logger {
         Self {
             callback: Callback::Fmi3 { log },
             environment,
-            enabled: [on; 3],
+            enabled: ALWAYS_3.map(|always| always || on),
         }
     }
 
-    /// Chooses what to report: all categories where none is named. To FMI 2.0 only the events can
-    /// be switched: on where they are named, or no other is.
-    pub(super) fn choose(&mut self, on: bool, named: [bool; 3]) {
-        self.enabled = match self.callback {
-            Callback::Fmi2 { .. } => {
-                let meant = named == [false; 3] || named[EVENT];
-                [true, true, on && meant]
-            }
-            Callback::Fmi3 { .. } if named == [false; 3] => [on; 3],
-            Callback::Fmi3 { .. } => named.map(|named| named && on),
+    /// Chooses what to report beside what always is: all categories where none is named.
+    pub(super) fn choose(&mut self, on: bool, named: [bool; 5]) {
+        let always = match self.callback {
+            Callback::Fmi2 { .. } => ALWAYS_2,
+            Callback::Fmi3 { .. } => ALWAYS_3,
         };
+        let all = !named.contains(&true);
+        self.enabled = std::array::from_fn(|k| always[k] || on && (all || named[k]));
     }
 
     /// Something that makes the importer's call fail.
@@ -79,14 +88,9 @@ impl Logger {
         self.report(Status::Error, ERROR, message);
     }
 
-    /// Why there is no instance; always reported.
-    pub(super) fn refusal(&self, message: &str) {
-        self.send(Status::Error, CATEGORIES[ERROR], message);
-    }
-
     /// The end of the instance.
     pub(super) fn fatal(&self, message: &str) {
-        self.report(Status::Fatal, ERROR, message);
+        self.report(Status::Fatal, FATAL, message);
     }
 
     /// Something that the user should know.
@@ -95,9 +99,9 @@ impl Logger {
     }
 
     /// What is not to be had, such as a trial of the importer's solver that cannot be computed: there may be
-    /// many, so that only who asked for events is told.
+    /// many, so that only who asked is told.
     pub(super) fn discard(&self, message: &str) {
-        self.report(Status::Discard, EVENT, message);
+        self.report(Status::Discard, DISCARD, message);
     }
 
     /// Something for the curious.

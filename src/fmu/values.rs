@@ -190,7 +190,8 @@ impl Instance {
             ));
         }
         if self.core.mode.is_early() {
-            let known = declaration::initial_dependencies(configuration).into_iter();
+            let known =
+                declaration::initial_dependencies(elements.at(0), configuration).into_iter();
             return Ok((
                 known.map(|v| v.reference).collect(),
                 DependencyKind::Dependent,

@@ -11,8 +11,11 @@ const ICON: &[u8] = include_bytes!("../../modelDescription/model.png");
 const TERMINALS: &str = include_str!("../../modelDescription/terminalsAndIcons.xml");
 const LICENSES: &str = "SPDX-License-Identifier: MIT OR Apache-2.0
 
-Either of the two licences beside this file, at your option: LICENSE-MIT.txt, LICENSE-APACHE.txt
+Either of the two licences beside this file, at your option: LICENSE-MIT.txt, LICENSE-APACHE.txt.
+What is linked into the libraries keeps its own: THIRD-PARTY.txt.
 ";
+/// Written by `scripts/third_party.py`.
+const THIRD_PARTY: &str = include_str!("../../modelDescription/third_party.txt");
 const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
 
@@ -208,6 +211,10 @@ pub fn write_fmu<W: Write + Seek>(
     add(
         "documentation/licenses/LICENSE-APACHE.txt",
         LICENSE_APACHE.as_bytes(),
+    )?;
+    add(
+        "documentation/licenses/THIRD-PARTY.txt",
+        THIRD_PARTY.as_bytes(),
     )?;
     for (name, text) in configuration.to_resources() {
         add(&format!("resources/{name}"), text.as_bytes())?;

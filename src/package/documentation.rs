@@ -5,7 +5,7 @@ use crate::declaration::{
     ArrayVariable, Attributes, Causality, Configuration, Elements, Kind, TERRAIN_NAMES,
     array_variables, variables,
 };
-use crate::effects::{CATALOGUE, Declaration, Kind as EffectKind};
+use crate::effects::{CATALOGUE, Declaration, Effects, Kind as EffectKind};
 use quick_xml::escape::escape;
 
 /// What only FMI 2.0 has.
@@ -36,6 +36,7 @@ pub fn documentation(standard: Standard, configuration: &Configuration) -> Strin
         .replace("{{standard}}", version)
         .replace("{{ramps}}", ramps)
         .replace("{{interfaces}}", interfaces)
+        .replace("{{file}}", &file(configuration))
         .replace("{{effects}}", &effects(configuration).join("\n"))
         .replace("{{variables}}", &rows.join("\n"))
 }
@@ -59,6 +60,18 @@ fn effects(configuration: &Configuration) -> Vec<String> {
         )
     };
     physics.map(row).collect()
+}
+
+/// What is on, as its file has it: windows, profiles and boundaries are no variables.
+fn file(configuration: &Configuration) -> String {
+    if configuration.effects == Effects::NONE {
+        return String::new();
+    }
+    let text = configuration.effects.to_json();
+    format!(
+        "<p>As packaged (<code>resources/effects.json</code>):</p>\n<pre>{}</pre>\n",
+        escape(text.trim_end())
+    )
 }
 
 /// The variables of FMI 2.0, in the form of those of FMI 3.0.

@@ -1,12 +1,13 @@
 //! `modelDescription.xml` of FMI 2.0, written from the declaration of the variables.
 
-use super::MODEL_IDENTIFIER;
 use super::xml::{
-    ORIGIN, Xml, document, role, write_default_experiment, write_items, write_log_categories,
-    write_units,
+    ORIGIN, Xml, document, is_unbounded, role, write_default_experiment, write_items,
+    write_log_categories, write_units,
 };
+use super::{MODEL_IDENTIFIER, Standard};
 use crate::declaration::{
-    Causality, Configuration, Kind, Quantity, Variable, dependencies, enumerations, guid, variables,
+    Causality, Configuration, Kind, Quantity, Variable, dependencies, enumerations, guid,
+    initial_pose, variables,
 };
 use crate::simulation::State;
 use std::io;
@@ -61,7 +62,7 @@ fn write(xml: &mut Xml, configuration: &Configuration) -> io::Result<()> {
             write_units(xml)?;
             xml.create_element("TypeDefinitions")
                 .write_inner_content(write_enumerations)?;
-            write_log_categories(xml, "; always reported")?;
+            write_log_categories(xml, Standard::Fmi2)?;
             write_default_experiment(xml)?;
             xml.create_element("ModelVariables")
                 .write_inner_content(|xml| {
@@ -167,6 +168,9 @@ fn write_variable(
                         element = element.with_attribute((name, number.to_string().as_str()));
                     }
                 }
+                if is_unbounded(variable.quantity) {
+                    element = element.with_attribute(("unbounded", "true"));
+                }
                 if let Quantity::Rate(index) = variable.quantity {
                     let state = indices.of(Quantity::State(index)).to_string();
                     element = element.with_attribute(("derivative", state.as_str()));
@@ -198,16 +202,20 @@ fn write_structure(xml: &mut Xml, indices: &Indices) -> io::Result<()> {
                 .iter()
                 .try_for_each(|index| write_unknown(xml, *index, indices))
         })?;
-    // At the start everything may depend on every parameter: no list says so.
     xml.create_element("InitialUnknowns")
         .write_inner_content(|xml| {
             initial.iter().try_for_each(|index| {
+                let quantity = indices.variables[index - 1].quantity;
                 let index = index.to_string();
                 let element = xml.create_element("Unknown");
-                element
-                    .with_attribute(("index", index.as_str()))
-                    .write_empty()
-                    .map(drop)
+                let element = element.with_attribute(("index", index.as_str()));
+                // Where no list says so, it may depend on whatever can be set.
+                let element = match initial_pose(quantity) {
+                    Some(own) => element
+                        .with_attribute(("dependencies", indices.of(own).to_string().as_str())),
+                    None => element,
+                };
+                element.write_empty().map(drop)
             })
         })?;
     Ok(())

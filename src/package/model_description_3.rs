@@ -1,10 +1,10 @@
 //! `modelDescription.xml` of FMI 3.0, written from the declaration of the variables.
 
-use super::MODEL_IDENTIFIER;
 use super::xml::{
-    ORIGIN, Xml, document, role, write_default_experiment, write_items, write_log_categories,
-    write_units,
+    ORIGIN, Xml, document, is_unbounded, role, write_default_experiment, write_items,
+    write_log_categories, write_units,
 };
+use super::{MODEL_IDENTIFIER, Standard};
 use crate::declaration::{
     ArrayVariable, Causality, Configuration, Elements, Kind, Quantity, array_variables,
     dependencies, enumerations, guid, initial_dependencies,
@@ -58,7 +58,7 @@ fn write(xml: &mut Xml, model: &Model) -> io::Result<()> {
             write_units(xml)?;
             xml.create_element("TypeDefinitions")
                 .write_inner_content(write_enumerations)?;
-            write_log_categories(xml, "")?;
+            write_log_categories(xml, Standard::Fmi3)?;
             write_default_experiment(xml)?;
             xml.create_element("ModelVariables")
                 .write_inner_content(|xml| {
@@ -168,6 +168,9 @@ fn real(variable: &ArrayVariable, model: &Model) -> Vec<(&'static str, String)> 
         .into_iter()
         .filter_map(|(name, number)| Some((name, number?.to_string())));
     given.extend(limits);
+    if is_unbounded(variable.elements.at(0)) {
+        given.push(("unbounded", "true".to_owned()));
+    }
     let quantities = variable.elements.quantities();
     let starts: Vec<String> = quantities
         .filter_map(|quantity| model.configuration.parameter(quantity).or(attributes.start))
@@ -195,10 +198,10 @@ fn write_structure(xml: &mut Xml, model: &Model) -> io::Result<()> {
         write_unknown(xml, "ContinuousStateDerivative", rate, model)?;
     }
     // To leave the list away would say the same, but CasADi 3.8 wants it.
-    let known = initial_dependencies(model.configuration).into_iter();
-    let known: Vec<String> = known.map(|v| v.reference.to_string()).collect();
-    let known = known.join(" ");
     for initial in outputs().chain(rates()) {
+        let known = initial_dependencies(initial.elements.at(0), model.configuration).into_iter();
+        let known: Vec<String> = known.map(|v| v.reference.to_string()).collect();
+        let known = known.join(" ");
         let reference = initial.reference.to_string();
         xml.create_element("InitialUnknown")
             .with_attributes([

@@ -1,6 +1,7 @@
 //! What the model descriptions of both versions of the standard have in common.
 
-use crate::declaration::{Causality, Enumeration, Unit, units};
+use super::Standard;
+use crate::declaration::{Causality, Enumeration, Quantity, Unit, units};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use std::io;
@@ -65,32 +66,45 @@ fn write_unit(xml: &mut Xml, unit: &Unit) -> io::Result<()> {
     Ok(())
 }
 
-/// With what is said of those that cannot be switched off.
-pub(super) fn write_log_categories(xml: &mut Xml, always: &str) -> io::Result<()> {
-    xml.create_element("LogCategories")
-        .write_inner_content(|xml| write_categories(xml, always))?;
-    Ok(())
-}
+/// Each category with what it is for, and whether FMI 2.0 and FMI 3.0 are told whatever they ask for.
+const LOG_CATEGORIES: [(&str, &str, [bool; 2]); 5] = [
+    ("logStatusFatal", "What ends the instance", [true, true]),
+    ("logStatusError", "Calls that fail, and why", [true, true]),
+    (
+        "logStatusWarning",
+        "What the user should know, such as a lifted wheel",
+        [true, false],
+    ),
+    (
+        "logStatusDiscard",
+        "What is not to be had; in model exchange, trials of the solver that cannot be computed",
+        [false, false],
+    ),
+    (
+        "logEvents",
+        "What the integration has cost, at the end",
+        [false, false],
+    ),
+];
 
-fn write_categories(xml: &mut Xml, always: &str) -> io::Result<()> {
-    for (name, description, always) in [
-        ("logStatusError", "Calls that fail, and why", always),
-        (
-            "logStatusWarning",
-            "What the user should know, such as a lifted wheel",
-            always,
-        ),
-        (
-            "logEvents",
-            "What the integration has cost, at the end; in model exchange, trials of the solver that are discarded",
-            "",
-        ),
-    ] {
-        let description = format!("{description}{always}");
-        xml.create_element("Category")
-            .with_attributes([("name", name), ("description", description.as_str())])
-            .write_empty()?;
-    }
+pub(super) fn write_log_categories(xml: &mut Xml, standard: Standard) -> io::Result<()> {
+    xml.create_element("LogCategories")
+        .write_inner_content(|xml| {
+            LOG_CATEGORIES
+                .iter()
+                .try_for_each(|(name, description, always)| {
+                    let is_always = match standard {
+                        Standard::Fmi2 => always[0],
+                        Standard::Fmi3 => always[1],
+                    };
+                    let ending = if is_always { "; always reported" } else { "" };
+                    let description = format!("{description}{ending}");
+                    xml.create_element("Category")
+                        .with_attributes([("name", *name), ("description", description.as_str())])
+                        .write_empty()
+                        .map(drop)
+                })
+        })?;
     Ok(())
 }
 
@@ -105,6 +119,11 @@ pub(super) const fn role(
         Causality::Parameter => ("parameter", "fixed", Some("exact")),
         Causality::Independent => ("independent", "continuous", None),
     }
+}
+
+/// Whether a variable grows without end, so that a solver should not take its size for a measure: the pose.
+pub(super) const fn is_unbounded(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::State(0..=2))
 }
 
 /// The names of an enumeration's values.

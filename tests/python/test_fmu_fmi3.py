@@ -533,9 +533,9 @@ class Instances(unittest.TestCase):
                 self.assertTrue(all(m.environment == 0x1234 for m in instance.messages))
                 return [message.category for message in instance.messages]
 
-        self.assertEqual(told(False), [])
+        self.assertEqual(told(False), ["logStatusError"])
         self.assertEqual(told(True), ["logStatusError", "logEvents"])
-        self.assertEqual(told(False, b"logEvents"), ["logEvents"])
+        self.assertEqual(told(False, b"logEvents"), ["logStatusError", "logEvents"])
         self.assertEqual(told(False, b"logStatusError"), ["logStatusError"])
         with Instance3() as instance, self.assertRaisesRegex(Failed, "the log categories are"):
             instance.do("SetDebugLogging", 1, c_size_t(1), (c_char_p * 1)(b"logAll"))

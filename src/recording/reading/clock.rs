@@ -151,6 +151,7 @@ fn turning_unit(samples: &Samples, interval: f64) -> Option<Turning> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_drive::{drive, kinds, read, text};
     use super::*;
 
     #[test]
@@ -164,5 +165,26 @@ mod tests {
         assert_eq!(found(with(1e9 - 9e5, 2)), None);
         assert_eq!(found(with(0.0, 0)), None);
         assert_eq!(found(Vec::new()), None);
+    }
+
+    #[test]
+    fn stamps_from_before_the_clock_was_set_are_left_out() {
+        let good = drive(60.0, 5);
+        let epoch = 1.7e9;
+        let mut rows = good.clone();
+        for (time, values) in &mut rows {
+            *time += epoch;
+            values.swap(0, 1);
+        }
+        let swapped = NoteKind::SwappedWheels;
+        assert_eq!(kinds(&read(&text(&rows)).unwrap().notes), [swapped]);
+        let mut stray = rows.clone();
+        stray.insert(0, (0.0, rows[0].1));
+        stray.push((2.0 * epoch, rows[0].1));
+        let recording = read(&text(&stray)).unwrap();
+        let found = kinds(&recording.notes);
+        assert_eq!(found, [NoteKind::Outlier, swapped], "{:?}", recording.notes);
+        assert_eq!(recording.notes[0].line, 2);
+        assert!((recording.runs[0].duration() - 60.0).abs() < 0.1);
     }
 }

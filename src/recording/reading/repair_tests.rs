@@ -61,27 +61,6 @@ fn degrees_of_a_drive_straight_on_are_seen_by_its_course() {
 }
 
 #[test]
-fn stamps_from_before_the_clock_was_set_are_left_out() {
-    let good = drive(60.0, 5);
-    let epoch = 1.7e9;
-    let mut rows = good.clone();
-    for (time, values) in &mut rows {
-        *time += epoch;
-        values.swap(0, 1);
-    }
-    let swapped = NoteKind::SwappedWheels;
-    assert_eq!(kinds(&read(&text(&rows)).unwrap().notes), [swapped]);
-    let mut stray = rows.clone();
-    stray.insert(0, (0.0, rows[0].1));
-    stray.push((2.0 * epoch, rows[0].1));
-    let recording = read(&text(&stray)).unwrap();
-    let found = kinds(&recording.notes);
-    assert_eq!(found, [NoteKind::Outlier, swapped], "{:?}", recording.notes);
-    assert_eq!(recording.notes[0].line, 2);
-    assert!((recording.runs[0].duration() - 60.0).abs() < 0.1);
-}
-
-#[test]
 fn units_of_angles_are_seen() {
     let good = drive(60.0, 2);
     let unit = |channel| (NoteKind::Unit, Some(channel));

@@ -250,12 +250,13 @@ impl Category {
         let known = [
             c"logStatusError",
             c"logStatusWarning",
+            c"logStatusDiscard",
             c"logEvents",
             c"logAll",
             c"\xff",
         ];
         known
-            .get(usize::from(self.0) % 6)
+            .get(usize::from(self.0) % 7)
             .map_or(std::ptr::null(), |name| name.as_ptr())
     }
 }
