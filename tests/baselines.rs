@@ -2,8 +2,11 @@
 
 #![cfg(feature = "cli")]
 
+#[path = "common/measured.rs"]
+mod measured;
+
 use std::f64::consts::SQRT_2;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use ugv_terrain::identification::{
     Cut, Estimate, Kinematics, KinematicsForm, Latencies, PredictionError, Signals, Summary,
     Window, cut, split, summarise,
@@ -173,14 +176,10 @@ fn compute(folder: &Path, row: &Row) -> Found {
 
 #[test]
 fn the_readmes_baselines_are_reproduced() {
-    let folder = std::env::var_os("UGV_DATA").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
-        PathBuf::from,
-    );
-    if !folder.join("recordings").is_dir() {
-        eprintln!("skipped: no recordings in {}", folder.display());
+    if measured::data("recordings").is_none() {
         return;
     }
+    let folder = measured::data("").unwrap();
     let (mut agree, mut all) = (0, 0);
     for row in &TABLE {
         let found = compute(&folder, row);

@@ -97,6 +97,14 @@ fn long_steps_stay_few() {
         assert!(counters.steps < 250, "{terrain}: {counters:?}");
         assert!(counters.rejected < 25, "{terrain}: {counters:?}");
         assert!(counters.jacobians < 60, "{terrain}: {counters:?}");
+        assert!(
+            counters.steps >= 60 && counters.jacobians > 0,
+            "{terrain}: {counters:?}"
+        );
+        assert!(
+            counters.evaluations >= counters.steps,
+            "{terrain}: {counters:?}"
+        );
         assert!(counters.evaluations <= 2 * (counters.steps + counters.rejected));
     }
 }
@@ -164,6 +172,8 @@ fn numbers_that_no_simulation_has_are_no_snapshot() {
             other[place] = number;
             let mut restored = Simulation::new(paper_model("dry_sand"));
             if restored.restore(&other).is_ok() {
+                // Of time and state none may be NaN.
+                assert!(place > State::COUNT || !number.is_nan(), "{place}");
                 // Whatever it is then, a step ends.
                 let _ = restored.step(0.05);
             } else {

@@ -2,28 +2,16 @@
 
 #![cfg(feature = "cli")]
 
-use std::io::Write;
+#[path = "common/measured.rs"]
+mod measured;
+
+use measured::data;
 use std::path::{Path, PathBuf};
 use ugv_terrain::inspection::{Delay, Quality, Signal, inspect};
 use ugv_terrain::recording::{Channel, NoteKind, Recording, read_recording};
 
-/// The folder of measured data: `UGV_DATA`, or beside the project.
-fn data() -> Option<PathBuf> {
-    let named = std::env::var_os("UGV_DATA").map(PathBuf::from);
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let folder = named.unwrap_or_else(beside);
-    if !folder.is_dir() {
-        let place = folder.display();
-        let message = format!("SKIPPED: there is no {place}; UGV_DATA names another folder");
-        // Past the test harness, which would swallow it.
-        writeln!(std::io::stderr(), "{message}").expect("stderr can be written");
-        return None;
-    }
-    Some(folder)
-}
-
 fn all(folder: &str) -> Vec<Recording> {
-    let Some(data) = data() else {
+    let Some(data) = data("") else {
         return Vec::new();
     };
     let entries = std::fs::read_dir(data.join(folder)).unwrap();
@@ -88,7 +76,7 @@ fn warnings_after(path: &Path, rename: &[(&str, &str)]) -> Vec<NoteKind> {
 fn swapped_columns_of_real_recordings_are_seen() {
     const WHEELS: [(&str, &str); 2] =
         [("omega_left", "omega_right"), ("omega_right", "omega_left")];
-    let Some(data) = data() else { return };
+    let Some(data) = data("") else { return };
     for name in [
         "c05_warthog_grass_2024-07-29_1404",
         "c10_warthog_grass_2024-08-08_1619",

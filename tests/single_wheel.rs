@@ -12,6 +12,8 @@ mod judge;
 #[path = "studies/wheel/law.rs"]
 #[allow(dead_code, reason = "the study shows more of it")]
 mod law;
+#[path = "common/measured.rs"]
+mod measured;
 
 use data::{Data, scatter};
 use fit::{Fit, fit};
@@ -27,13 +29,10 @@ const SINKAGE: usize = 2;
 /// for coarser integrals and for a fit that ends elsewhere in a flat valley.
 #[test]
 fn effects_bring_the_law_nearer_to_a_real_wheel() {
-    let data = match Data::read() {
-        Ok(data) => data,
-        Err(error) => {
-            println!("skipped: the measured wheel is not there ({error}); UGV_DATA says where");
-            return;
-        }
-    };
+    if measured::data("single_wheel").is_none() {
+        return;
+    }
+    let data = Data::read().unwrap();
     let rig = Rig::new(Detail::Coarse);
     let (fitted, judged) = (data.half(false), data.half(true));
     let scatter = scatter(&data.trials);

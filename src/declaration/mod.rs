@@ -298,5 +298,9 @@ mod tests {
         for unit in used.iter().filter(|unit| !unit.is_empty()) {
             assert!(units().iter().any(|u| u.name == *unit), "{unit}");
         }
+        // The time's is "s".
+        for unit in units().iter().filter(|unit| unit.name != "s") {
+            assert!(used.contains(unit.name), "{}", unit.name);
+        }
     }
 }

@@ -50,7 +50,7 @@ fn fitted_kinematics_predict_a_kinematic_world() {
         (track["value"].as_f64().unwrap() - 2.0).abs() < 0.02,
         "{track}"
     );
-    assert!(track["low"].as_f64() < track["value"].as_f64());
+    assert!(track["low"].as_f64().unwrap() < track["value"].as_f64().unwrap());
     let median = |name| {
         model(recording, name)["position_m"]["median"]["value"]
             .as_f64()

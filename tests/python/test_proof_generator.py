@@ -145,7 +145,16 @@ class Effects(unittest.TestCase):
 
     def test_parameters_off_are_those_of_the_catalogue(self):
         vector = off_vector()
+        told, name = {}, ""
+        for line in (ROOT / "src" / "docs" / "effects.md").read_text().splitlines():
+            name = line.strip("# `") if line.startswith("### `") else name
+            cells = [cell.strip(" *") for cell in line.split("|")]
+            if len(cells) > 5 and " .. " in cells[3]:
+                told[name, cells[1]] = (float(cells[4]), *map(float, cells[3].split(" .. ")))
         for name, effect in EFFECTS.items():
+            for parameter, numbers in effect.parameters.items():
+                if effect.kind != "outside" and parameter != "over":
+                    self.assertEqual(numbers, told[name, parameter], (name, parameter))
             for parameter in effect.switches:
                 self.assertEqual(vector[slot(name, parameter)], effect.parameters[parameter][0])
 

@@ -49,7 +49,8 @@ fn json_has_the_format_of_the_design() {
     assert_eq!(all["next_manoeuvre"], Value::Null);
     let cohesion = &all["fit"]["soil"][0];
     assert_eq!(cohesion["nominal"], 1040.0);
-    let [retuned, augmented] = ["retuned", "augmented"].map(|key| cohesion[key]["value"].as_f64());
+    let [retuned, augmented] =
+        ["retuned", "augmented"].map(|key| cohesion[key]["value"].as_f64().unwrap());
     assert!(retuned > augmented, "{cohesion}");
 }
 
