@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
 
 from judge import answers, estimates, files, work
-from judge.__main__ import arguments, claim, judged
+from judge.__main__ import arguments, claim, judged, numbered
 from judge.case import Judged
 from judge.drawing import figure
 from judge.listing import listing
@@ -380,6 +380,16 @@ class Running(unittest.TestCase):
             files.save(path, there)
             self.assertEqual(self.bench.stage("a", "oracle")["status"] != "timeout", again)
             self.assertEqual(files.load(path).get("limit"), 5.0 if again else there.get("limit"))
+
+    def test_a_page_is_of_the_cases_that_it_is_asked_for(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            root = Path(name)
+            for folder in (root, root / "edge"):
+                (folder / "sealed").mkdir(parents=True)
+                for number in (0, 3, 40, 41):
+                    (folder / "sealed" / f"case_{number:04d}.json").write_text("{}")
+            self.assertEqual(numbered([root], root, range(3, 41)), ["case_0003", "case_0040"])
+            self.assertEqual(numbered([root / "edge"], root, range(41, 300)), ["edge/case_0041"])
 
     def test_answers_belong_to_one_set_of_cases(self) -> None:
         for seed, name in ((1, "first"), (2, "second")):

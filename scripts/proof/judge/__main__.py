@@ -39,7 +39,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--peers", default=",".join(NAMES), metavar="NAMES", help="[default: %(default)s]")
     parser.add_argument("--limit", type=float, default=600, metavar="S", help="seconds that one diagnosis may take [default: 600]")
     parser.add_argument("--peer-limit", type=float, metavar="S", help="seconds that each peer and the oracle may take [default: as --limit]")
-    parser.add_argument("--page", action="store_true", help="run nothing; judge what has been answered so far")
+    parser.add_argument("--page", action="store_true", help="run nothing; judge what has been answered so far, of the cases from --first on")
     parser.add_argument("--answers", type=Path, nargs="+", default=[], metavar="JSONL",
                         help="run nothing; judge the cases of these files (.jsonl or .jsonl.gz) together, parts of one set or several sets")
     parser.add_argument("--tool", type=Path, required=True, help=argparse.SUPPRESS)
@@ -82,6 +82,12 @@ def listed(sets: list[Path], root: Path) -> list[str]:
     return names
 
 
+def numbered(sets: list[Path], root: Path, wanted: range) -> list[str]:
+    """The cases of these numbers that are there with their truths, by their paths below the root."""
+    names = (str((folder / path.stem).relative_to(root)) for folder in sets for path in sorted((folder / "sealed").glob("case_*.json")))
+    return [name for name in names if int(name.rpartition("_")[2]) in wanted]
+
+
 def claim(out: Path, folder: Path) -> None:
     """Results in a folder belong to one set of cases: refuses those of another. Older sets do not tell their family."""
     told, known = files.load(folder / "set.json") or {}, files.load(out / "judged.json") or {}
@@ -119,7 +125,9 @@ def answered(args: argparse.Namespace) -> tuple[dict[str, list[Judged]], dict]:
     if args.set:
         claim(args.out, args.set)
     root = (args.set or args.out / "cases").resolve()
-    names, results = listed([folder.resolve() for folder in sets], root), (args.out / "results").resolve()
+    folders, results = [folder.resolve() for folder in sets], (args.out / "results").resolve()
+    some = args.page and not args.set
+    names = numbered(folders, root, range(args.first, args.first + args.cases)) if some else listed(folders, root)
     processes = Processes()
     tool = args.tool.resolve()
     bench = Bench(tool, files.fingerprint(tool), root, results, args.limit, args.peer_limit, processes)
