@@ -89,12 +89,14 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
 pub fn drop_strays(samples: &mut Samples) -> Option<Note> {
     let (mut count, mut line, mut off) = (0, usize::MAX, 0.0);
     for run in &mut samples.runs {
-        let mut times: Vec<f64> = run
-            .channels
-            .iter()
-            .flatten()
-            .map(|sample| sample.time)
-            .collect();
+        let times = || run.channels.iter().flatten().map(|sample| sample.time);
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+        let (first, last) =
+            times().fold(nothing, |(low, high), time| (time.min(low), time.max(high)));
+        if last - first <= LONGEST_HOLE {
+            continue;
+        }
+        let mut times: Vec<f64> = times().collect();
         times.sort_by(f64::total_cmp);
         let Some((start, end)) = longest_stretch(&times) else {
             continue;
@@ -116,8 +118,8 @@ pub fn drop_strays(samples: &mut Samples) -> Option<Note> {
 
 /// First and last time of the stretch between holes that has nearly all samples, where there are such holes.
 fn longest_stretch(times: &[f64]) -> Option<(f64, f64)> {
-    let mut stretches = times.chunk_by(|before, after| after - before <= LONGEST_HOLE);
-    let longest = stretches.by_ref().max_by_key(|stretch| stretch.len())?;
+    let stretches = times.chunk_by(|before, after| after - before <= LONGEST_HOLE);
+    let longest = stretches.max_by_key(|stretch| stretch.len())?;
     let strays = times.len() - longest.len();
     let is_clear = strays > 0 && (strays as f64) < MOST_STRAYS * times.len() as f64;
     is_clear.then(|| (longest[0], longest[longest.len() - 1]))
