@@ -38,7 +38,7 @@ fn model<'a>(recording: &'a Value, name: &str) -> &'a Value {
 #[test]
 fn fitted_kinematics_predict_a_kinematic_world() {
     let bench = Bench::new();
-    bench.write("world.csv", drive(60.0));
+    bench.write("world.csv", drive(120.0));
     let score = json(&bench, "score world.csv --terrain dry_sand --json -");
     assert_eq!(score["format"], "ugv-score/1");
     formats::assert_documented(&score);
@@ -50,7 +50,9 @@ fn fitted_kinematics_predict_a_kinematic_world() {
         (track["value"].as_f64().unwrap() - 2.0).abs() < 0.02,
         "{track}"
     );
-    assert!(track["low"].as_f64().unwrap() < track["value"].as_f64().unwrap());
+    let of_track = |bound: &str| track[bound].as_f64().unwrap();
+    assert!(of_track("low") < of_track("value") && of_track("value") < of_track("high"));
+    assert!(of_track("high") - of_track("low") < 0.02, "{track}");
     let median = |name| {
         model(recording, name)["position_m"]["median"]["value"]
             .as_f64()
