@@ -7,8 +7,11 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 export UGV_DATA=${UGV_DATA:-../shared/data}
 ./scripts/package.sh --platforms "${UGV_PLATFORMS:-linux64}"
+# A failure does not keep what comes after it from being told.
+status=0
 echo "test: Rust"
-cargo test --locked --release --features fmu
+cargo test --locked --release --features fmu --no-fail-fast || status=1
 echo "test: Python"
 # A module on each of two cores; those that skip tell why.
-target/venv/bin/python -m pytest tests/python --numprocesses 2 --dist loadfile --no-loadscope-reorder -p no:cacheprovider -q -rs --durations 12
+target/venv/bin/python -m pytest tests/python --numprocesses 2 --dist loadfile --no-loadscope-reorder -p no:cacheprovider -q -rs --durations 12 || status=1
+exit $status
