@@ -14,6 +14,7 @@
 
 pub mod bounded;
 pub mod catalogue;
+mod descent;
 pub mod error;
 pub mod estimate;
 pub mod exact;

@@ -1,17 +1,14 @@
 //! The same fit from random starts: is there another answer?
 
+use super::descent::{Answer, Descent, close, descend, descend_past, group};
 use super::estimate::{Options, Stage};
-use super::normal::Eliminated;
-use super::optimiser::{Stop, minimise, normals};
 use super::parameter::Parameter;
 use super::predictor::Predictor;
-use super::problem::{Point, Problem, Tables, Weighing};
-use super::robust;
+use super::problem::{Point, Problem, Weighing};
 use super::sensor::{SensorParameter, compared};
 use super::uncertainty::Uncertainty;
-use super::weighing::reweigh;
 use crate::recording::Recording;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::f64::consts::TAU;
 
 /// What random starts led to.
@@ -73,28 +70,8 @@ pub fn beginning<P: Predictor>(
 const SCREEN: usize = 12;
 /// Answers polished at most.
 const POLISHED: usize = 4;
-/// Answers are the same where no parameter differs by more of its standard deviations.
-const SAME: f64 = 1.0;
-const DESCENT: Stop = Stop::after(12, 0.1);
-/// Turns of motion and weights on the way down.
-const TURNS: usize = 6;
-
-/// A way down and where it ended.
-struct Answer {
-    point: Point,
-    cost: f64,
-    count: usize,
-    /// Standard deviations of the parameters there, if the data tell of all of them.
-    deviations: Option<DVector<f64>>,
-}
-
-/// A way down past answers that are known.
-enum Descent {
-    /// It comes so near to one that it leads there.
-    Joins(usize),
-    /// It has an end of its own.
-    Ends(Answer),
-}
+/// An answer is better where its cost is lower by this.
+const BETTER: f64 = 1.0;
 
 /// Tries random starts from the prior.
 pub fn search<P: Predictor>(
@@ -112,8 +89,21 @@ pub fn search<P: Predictor>(
     let screen = problem.with_segments(segments.collect());
     let part = by.of(&picked);
     let mut random = fastrand::Rng::with_seed(options.seed);
-    let mut failed = 0;
-    let mut answers: Vec<Answer> = Vec::new();
+    let mut starts = Starts {
+        tried: options.starts,
+        failed: 0,
+        agreed: 0,
+        others: Vec::new(),
+        better: None,
+    };
+    // The answer from the nominal model is known, though no start has led there yet.
+    let told = Point {
+        coordinates: found.coordinates.clone(),
+        starts: picked.iter().map(|k| found.starts[*k]).collect(),
+    };
+    let told = descend(&screen, told, &part, options.robust);
+    let told = told.map(|told| Answer { count: 0, ..told });
+    let mut answers = Vec::from_iter(told.clone());
     for start in 0..options.starts {
         progress(Stage::Start(start));
         let point = Point {
@@ -123,13 +113,23 @@ pub fn search<P: Predictor>(
         match descend_past(&answers, &screen, point, &part, options.robust) {
             Some(Descent::Joins(known)) => answers[known].count += 1,
             Some(Descent::Ends(answer)) => answers.push(answer),
-            None => failed += 1,
+            None => starts.failed += 1,
         }
     }
     let deviations = (0..problem.parameters.len()).map(|k| doubt.deviation(k));
     let deviations = DVector::from_iterator(problem.parameters.len(), deviations);
     let mut minima: Vec<Answer> = Vec::new();
     for answer in group(answers) {
+        if answer.count == 0 {
+            continue;
+        }
+        if told
+            .as_ref()
+            .is_some_and(|told| is_that_of(told, found, &answer))
+        {
+            starts.agreed += answer.count;
+            continue;
+        }
         if minima.len() == POLISHED {
             // Too high to be worth more work: known by its cost on the screen alone.
             break;
@@ -139,7 +139,7 @@ pub fn search<P: Predictor>(
             starts: found.starts.clone(),
         };
         let Some(mut polished) = descend(problem, point, by, options.robust) else {
-            failed += answer.count;
+            starts.failed += answer.count;
             continue;
         };
         polished.count = answer.count;
@@ -156,37 +156,50 @@ pub fn search<P: Predictor>(
             None => minima.push(polished),
         }
     }
-    verdict(problem, found, by, minima, &deviations, failed, options)
+    if minima.is_empty() {
+        return starts;
+    }
+    verdict(
+        problem,
+        found,
+        by,
+        minima,
+        &deviations,
+        starts,
+        options.robust,
+    )
 }
 
+/// Whether an answer on the screen is that from the nominal model there (`told`), which is still at `found`; it then
+/// needs no work on all segments.
+fn is_that_of(told: &Answer, found: &Point, answer: &Answer) -> bool {
+    told.deviations.as_ref().is_some_and(|deviations| {
+        close(found, &told.point, deviations) && close(&answer.point, &told.point, deviations)
+    }) && answer.cost > told.cost - BETTER
+}
+
+/// Compares answers of starts with that from the nominal model.
 fn verdict<P: Predictor>(
     problem: &Problem<P>,
     found: &Point,
     by: &Weighing,
     mut minima: Vec<Answer>,
     deviations: &DVector<f64>,
-    failed: usize,
-    options: &Options,
+    mut starts: Starts,
+    robust: bool,
 ) -> Starts {
-    let mut starts = Starts {
-        tried: options.starts,
-        failed,
-        agreed: 0,
-        others: Vec::new(),
-        better: None,
-    };
-    let Some(mut answer) = descend(problem, found.clone(), by, options.robust) else {
+    let Some(mut answer) = descend(problem, found.clone(), by, robust) else {
         return starts;
     };
     minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     if let Some(lowest) = minima.first()
-        && lowest.cost < answer.cost - 1.0
+        && lowest.cost < answer.cost - BETTER
         && !close(&lowest.point, &answer.point, deviations)
     {
         starts.better = Some(lowest.point.clone());
         let nominal = std::mem::replace(
             &mut answer,
-            descend(problem, lowest.point.clone(), by, options.robust).unwrap_or(Answer {
+            descend(problem, lowest.point.clone(), by, robust).unwrap_or(Answer {
                 point: found.clone(),
                 cost: lowest.cost,
                 count: 0,
@@ -227,104 +240,4 @@ fn draw(parameters: &[Parameter], random: &mut fastrand::Rng) -> DVector<f64> {
         at.clamp(low, high)
     });
     DVector::from_iterator(parameters.len(), coordinates)
-}
-
-/// Down to a minimum: motion and weights in turns, the noise held. `None` where the model
-/// cannot drive.
-fn descend<P: Predictor>(
-    problem: &Problem<P>,
-    point: Point,
-    by: &Weighing,
-    robust: bool,
-) -> Option<Answer> {
-    match descend_past(&[], problem, point, by, robust)? {
-        Descent::Ends(answer) => Some(answer),
-        Descent::Joins(_) => None,
-    }
-}
-
-/// [`descend`], unless it comes as near to an answer that is known as answers that are the same.
-fn descend_past<P: Predictor>(
-    known: &[Answer],
-    problem: &Problem<P>,
-    mut point: Point,
-    by: &Weighing,
-    robust: bool,
-) -> Option<Descent> {
-    let mut by = by.clone();
-    if robust {
-        by.weights.iter_mut().flatten().for_each(|w| w.fill(1.0));
-    }
-    let mut cost = f64::INFINITY;
-    let mut turn = 0;
-    loop {
-        turn += 1;
-        let outcome = minimise(problem, &mut point, &by, DESCENT).ok()?;
-        let near = |answer: &Answer| {
-            let deviations = answer.deviations.as_ref();
-            deviations.is_some_and(|d| close(&answer.point, &point, d))
-        };
-        if let Some(known) = known.iter().position(near) {
-            return Some(Descent::Joins(known));
-        }
-        let penalty: f64 = by
-            .weights
-            .iter()
-            .flatten()
-            .flatten()
-            .map(|w| robust::penalty(*w))
-            .sum();
-        let now = outcome.cost + penalty;
-        let still = outcome.converged && cost - now < 0.3;
-        cost = now;
-        if still || turn == TURNS {
-            return Some(Descent::Ends(Answer {
-                deviations: deviations(problem, &outcome.tables, &point, &by),
-                point,
-                cost,
-                count: 1,
-            }));
-        }
-        if robust {
-            reweigh(problem, &outcome.tables, &mut by);
-        }
-    }
-}
-
-/// Answers that are the same become one, the best first.
-fn group(mut answers: Vec<Answer>) -> Vec<Answer> {
-    answers.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let Some(deviations) = answers.first().and_then(|best| best.deviations.clone()) else {
-        return answers;
-    };
-    let mut groups: Vec<Answer> = Vec::new();
-    for answer in answers {
-        match groups
-            .iter_mut()
-            .find(|g| close(&g.point, &answer.point, &deviations))
-        {
-            Some(same) => same.count += answer.count,
-            None => groups.push(answer),
-        }
-    }
-    groups
-}
-
-/// Standard deviations of the parameters.
-fn deviations<P: Predictor>(
-    problem: &Problem<P>,
-    tables: &[Tables],
-    point: &Point,
-    by: &Weighing,
-) -> Option<DVector<f64>> {
-    let mut matrix = DMatrix::from_diagonal(&problem.prior(&point.coordinates).0);
-    for normal in normals(problem, tables, point, by) {
-        matrix += Eliminated::new(&normal, 0.0)?.matrix;
-    }
-    Some(matrix.cholesky()?.inverse().diagonal().map(f64::sqrt))
-}
-
-fn close(a: &Point, b: &Point, deviations: &DVector<f64>) -> bool {
-    let apart = (&a.coordinates - &b.coordinates).component_div(deviations);
-    apart.amax() < SAME
 }

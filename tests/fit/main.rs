@@ -10,3 +10,4 @@ mod recovery;
 mod refusals;
 mod segments;
 mod synthetic;
+mod valleys;
