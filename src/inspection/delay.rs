@@ -152,7 +152,7 @@ fn blocks_of(a: &Cumulated, b: &Cumulated, length: f64) -> Vec<Vec<Moments>> {
     let Some(grid) = Grid::over(a, b, STEP) else {
         return Vec::new();
     };
-    let (a, mut b) = (a.mean_rates(grid, WINDOW), b.mean_rates(grid, WINDOW));
+    let (a, mut b) = (a.mean_rates(&grid, WINDOW), b.mean_rates(&grid, WINDOW));
     keep_where_later_is_known(&a, &mut b);
     let count = (grid.count as f64 * STEP / length).round().max(1.0) as usize;
     let block = |index: usize| {

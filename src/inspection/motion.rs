@@ -1,6 +1,6 @@
 //! How long, how far, and how much of it at rest.
 
-use crate::recording::{Channel, Run, Series, way_along};
+use crate::recording::{Channel, Run, Series, longest_interval, way_along};
 
 /// Wheels slower than this stand still \[rad/s\].
 const STILL: f64 = 0.02;
@@ -21,7 +21,7 @@ pub struct Motion {
     /// Length of the way along the heading, forward and back, after the pose \[m\], without what
     /// noise goes to and fro; `None` without a pose.
     pub distance: Option<f64>,
-    /// Angle turned, both ways, after the yaw rate, or after the heading without one \[rad\]; without noise and
+    /// Angle turned, both ways, after the yaw rate (where it was sampled without a gap), or after the heading without one \[rad\]; without noise and
     /// without a bias that shows at rest.
     pub turned: Option<f64>,
     /// Time in which all wheels stand still \[s\].
@@ -47,7 +47,10 @@ impl Motion {
         let rests = rest_spans(run);
         let turned = series(Channel::YawRate).map(|rate| {
             let bias = bias(rate, &rests);
+            // What it did in a gap is not known.
+            let limit = longest_interval(rate);
             let pairs = rate.value.windows(2).zip(rate.intervals());
+            let pairs = pairs.filter(|(_, interval)| *interval <= limit);
             let steps = pairs.scan(0.0, |angle, (pair, interval)| {
                 *angle += (f64::midpoint(pair[0], pair[1]) - bias) * interval;
                 Some(*angle)
@@ -169,6 +172,14 @@ mod tests {
             .map(|(way, noise)| way + noise)
             .collect();
         assert!((length(&noisy, 0.2) - 15.0).abs() < 0.5);
+    }
+
+    #[test]
+    fn nobody_knows_what_turned_in_a_gap() {
+        let times = (0..=100).chain(100_000..=100_100);
+        let rate: Series = times.map(|k| (0.05 * f64::from(k), 0.4)).collect();
+        let turned = Motion::of(&Run::new("").with(Channel::YawRate, rate)).turned;
+        assert!((turned.unwrap() - 0.4 * 10.0).abs() < 1e-9, "{turned:?}");
     }
 
     #[test]

@@ -140,6 +140,34 @@ fn delays_are_recovered_within_two_hundredths_of_a_second() {
 }
 
 #[test]
+fn ten_days_of_silence_hide_no_delay() {
+    let run = run(100.0, [0.12, 0.37], [0.02, 0.02, 0.005], 3);
+    let paused = |by: f64| {
+        let channels = run.channels().map(|(channel, series)| {
+            let samples = series.samples();
+            let later = |time: f64| if time < 60.0 { time } else { time + by };
+            (
+                channel,
+                samples.map(|(time, value)| (later(time), value)).collect(),
+            )
+        });
+        let run = channels.fold(Run::new(""), |run, (channel, series)| {
+            run.with(channel, series)
+        });
+        inspect(&recording(vec![run]))
+    };
+    let (minutes, days) = (paused(120.0), paused(864_000.0));
+    assert_eq!(days.delays.len(), minutes.delays.len());
+    for (one, other) in days.delays.iter().zip(&minutes.delays) {
+        assert_eq!(one.quality, Quality::Clear, "{:?}", one.pair);
+        let apart = one.seconds.value - other.seconds.value;
+        assert!(apart.abs() < 0.005, "{:?}: {apart}", one.pair);
+    }
+    let [one, other] = [days, minutes].map(|found| found.motion.turned.unwrap());
+    assert!((one - other).abs() < 1e-6, "{one}, {other}");
+}
+
+#[test]
 fn short_runs_are_pooled() {
     let long = run(150.0, [0.1, 0.37], [0.02, 0.02, 0.005], 5);
     let piece = |index: usize| {

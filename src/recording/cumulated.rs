@@ -6,7 +6,9 @@ use super::Series;
 /// An interval is a gap where it is longer than so many median ones, and than so many seconds.
 const GAP: (f64, f64) = (5.0, 0.6);
 
-fn longest_interval(series: &Series) -> f64 {
+/// Longer intervals than this \[s\] are gaps.
+#[must_use]
+pub fn longest_interval(series: &Series) -> f64 {
     let median = series.median_interval().unwrap_or(0.0);
     (GAP.0 * median).max(GAP.1)
 }
@@ -71,6 +73,17 @@ impl Cumulated {
         Some((*self.time.first()?, *self.time.last()?))
     }
 
+    /// Where nothing was sampled for longer than a hole \[s\], before the first sample and after the last among it.
+    fn silences(&self) -> Vec<[f64; 2]> {
+        let pairs = self.time.windows(2).zip(self.gaps.windows(2));
+        let long = pairs.filter(|(time, gaps)| time[1] - time[0] > HOLE.0 && gaps[1] > gaps[0]);
+        let between = long.map(|(time, _)| [time[0], time[1]]);
+        let ends = self.span().into_iter();
+        let before = ends.clone().map(|(start, _)| [f64::NEG_INFINITY, start]);
+        let after = ends.map(|(_, end)| [end, f64::INFINITY]);
+        before.chain(between).chain(after).collect()
+    }
+
     /// Sum and gaps up to a time.
     fn at(&self, time: f64) -> Option<(f64, f64)> {
         let after = self.time.partition_point(|sample| *sample <= time);
@@ -94,14 +107,14 @@ impl Cumulated {
 
     /// Mean rates over windows around times on a grid.
     #[must_use]
-    pub fn mean_rates(&self, grid: Grid, window: f64) -> Vec<Option<f64>> {
+    pub fn mean_rates(&self, grid: &Grid, window: f64) -> Vec<Option<f64>> {
         let rate = |index| self.mean_rate(grid.time(index), window);
         (0..grid.count).map(rate).collect()
     }
 }
 
-/// Equidistant times.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Equidistant times, but for those in long holes.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     /// First time \[s\].
     pub start: f64,
@@ -109,10 +122,16 @@ pub struct Grid {
     pub step: f64,
     /// Number of times.
     pub count: usize,
+    /// From which index on so many steps are left out.
+    left_out: Vec<(usize, usize)>,
 }
 
 /// More times than this are not looked at.
 const MOST_TIMES: f64 = 4e6;
+/// Holes of both quantities that are longer than the first \[s\] are left out but for the second at either end, which is
+/// more than windows and delays span. So a night between two drives costs nothing, and does not thin out what is
+/// compared block by block.
+const HOLE: (f64, f64) = (60.0, 10.0);
 
 impl Grid {
     /// From the earlier start to the later end of both, in steps of so many seconds.
@@ -120,15 +139,49 @@ impl Grid {
     pub fn over(a: &Cumulated, b: &Cumulated, step: f64) -> Option<Self> {
         let ((a_start, a_end), (b_start, b_end)) = (a.span()?, b.span()?);
         let (start, end) = (a_start.min(b_start), a_end.max(b_end));
-        let count = ((end - start) / step).floor().min(MOST_TIMES) as usize + 1;
-        Some(Self { start, step, count })
+        let mut skipped = 0;
+        let mut left_out = Vec::new();
+        for [from, to] in shared(&a.silences(), &b.silences()) {
+            let first = ((from + HOLE.1 - start) / step).ceil() as usize;
+            let next = ((to - HOLE.1 - start) / step).floor() as usize;
+            left_out.push((first - skipped, skipped + next - first));
+            skipped += next - first;
+        }
+        let steps = ((end - start) / step).floor() - skipped as f64;
+        let count = steps.min(MOST_TIMES) as usize + 1;
+        Some(Self {
+            start,
+            step,
+            count,
+            left_out,
+        })
     }
 
     /// A time of the grid \[s\].
     #[must_use]
     pub fn time(&self, index: usize) -> f64 {
-        self.start + index as f64 * self.step
+        let holes = self.left_out.partition_point(|(first, _)| *first <= index);
+        let skipped = holes.checked_sub(1).map_or(0, |last| self.left_out[last].1);
+        self.start + (index + skipped) as f64 * self.step
     }
+}
+
+/// What lies in one of both, where that is longer than a hole; both in order.
+fn shared(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut both = Vec::new();
+    let (mut i, mut j) = (0, 0);
+    while let (Some(one), Some(other)) = (a.get(i), b.get(j)) {
+        let (from, to) = (one[0].max(other[0]), one[1].min(other[1]));
+        if to - from > HOLE.0 && from.is_finite() && to.is_finite() {
+            both.push([from, to]);
+        }
+        if one[1] < other[1] {
+            i += 1;
+        } else {
+            j += 1;
+        }
+    }
+    both
 }
 
 #[cfg(test)]
@@ -163,5 +216,49 @@ mod tests {
         assert_eq!(sum.mean_rate(1.95, 0.2), None);
         assert_eq!(sum.mean_rate(4.0, 0.2), None);
         assert!(sum.mean_rate(1.5, 0.5).is_some() && sum.mean_rate(7.0, 0.5).is_some());
+    }
+
+    #[test]
+    fn what_no_sensor_saw_for_long_is_left_out_of_the_grid() {
+        let hole = 1e6;
+        let of = |start: f64, count: i32| {
+            let times = (0..count).map(move |k| start + 0.1 * f64::from(k));
+            times.chain((0..300).map(move |k| start + hole + 0.1 * f64::from(k)))
+        };
+        let sum = |times: &mut dyn Iterator<Item = f64>| {
+            Cumulated::of_rate(&times.map(|time| (time, 1.0)).collect())
+        };
+        let (a, b) = (sum(&mut of(5.0, 300)), sum(&mut of(7.0, 600)));
+        let grid = Grid::over(&a, &b, 0.02).unwrap();
+        let times: Vec<f64> = (0..grid.count).map(|index| grid.time(index)).collect();
+        let jumps: Vec<_> = times
+            .windows(2)
+            .filter(|pair| pair[1] - pair[0] > 0.021)
+            .collect();
+        // b was sampled to 66.9 s; a comes first again.
+        assert_eq!(jumps.len(), 1);
+        assert!(
+            (jumps[0][0] - 76.9).abs() < 0.1 && (jumps[0][1] - (5.0 + hole - 10.0)).abs() < 0.1,
+            "{jumps:?}"
+        );
+        assert_eq!(times[0], 5.0);
+        assert!((times[times.len() - 1] - (7.0 + hole + 29.9)).abs() < 0.1);
+        let known = |sum: &Cumulated| sum.mean_rates(&grid, 0.5).iter().flatten().count();
+        // All but the edges of what was sampled.
+        assert!(
+            (known(&a) as f64 - 2.0 * 29.4 * 50.0).abs() < 5.0,
+            "{}",
+            known(&a)
+        );
+        assert!(
+            (known(&b) as f64 - (59.4 + 29.4) * 50.0).abs() < 5.0,
+            "{}",
+            known(&b)
+        );
+        // Shorter holes stay, and what only one of both saw.
+        let whole = sum(&mut (0..1000).map(|k| 0.1 * f64::from(k)));
+        let parts = sum(&mut of(0.0, 300).filter(|time| *time < 100.0).chain([99.9]));
+        let grid = Grid::over(&whole, &parts, 0.1).unwrap();
+        assert!((0..grid.count).all(|index| grid.time(index) == index as f64 * 0.1));
     }
 }

@@ -11,6 +11,8 @@ const FAST: f64 = 200.0;
 /// So many rows further apart than this \[s\] are told of: recordings are not so slow.
 const SLOW: f64 = 5.0;
 const ROWS: usize = 20;
+/// A gap is told of where it is longer than this \[s\] and than so many usual intervals.
+const GAP: (f64, f64) = (10.0, 50.0);
 
 /// Reads wheel speeds from a file, or from standard input for `-`.
 pub fn read_input(path: &Path) -> Result<Drive, Failure> {
@@ -56,13 +58,31 @@ pub fn doubts(drive: &Drive) -> impl Iterator<Item = String> + use<> {
         )
     });
     let rows = drive.time.windows(2).map(|pair| pair[1] - pair[0]);
-    let usual = upper_median(rows.collect()).filter(|usual| drive.len() >= ROWS && *usual > SLOW);
-    let slow = usual.map(|usual| {
+    let usual = upper_median(rows.collect()).filter(|_| drive.len() >= ROWS);
+    let slow = usual.filter(|usual| *usual > SLOW).map(|usual| {
         format!(
             "warning: rows are {usual} s apart: if the file has milliseconds or less, convert it first"
         )
     });
-    fast.into_iter().chain(slow)
+    let gap = usual.and_then(|usual| {
+        let longest = GAP.0.max(GAP.1 * usual);
+        let pairs = drive.time.windows(2);
+        let gaps: Vec<_> = pairs.filter(|pair| pair[1] - pair[0] > longest).collect();
+        let (first, more) = (gaps.first()?, gaps.len() - 1);
+        let others = if more > 0 { format!(" ({more} more such gaps)") } else { String::new() };
+        Some(format!(
+            "warning: no row from {} to {} s{others}: the wheels are taken to turn on, from one speed to the next; if the \
+             recording paused there, give what comes before and after as two files",
+            milliseconds(first[0]),
+            milliseconds(first[1])
+        ))
+    });
+    fast.into_iter().chain(slow).chain(gap)
+}
+
+/// A time rounded to milliseconds \[s\].
+fn milliseconds(time: f64) -> f64 {
+    (1e3 * time).round() / 1e3
 }
 
 #[cfg(test)]
@@ -87,6 +107,25 @@ mod tests {
         assert!(
             fast.len() == 1 && fast[0].contains("up to 688 rad/s"),
             "{fast:?}"
+        );
+        let gap = |length: f64| {
+            let time: Vec<f64> = (0..50)
+                .map(|row| 0.1 * f64::from(row) + if row > 30 { length } else { 0.0 })
+                .collect();
+            let speeds = vec![1.0; time.len()];
+            let drive = Drive {
+                omega_left: speeds.clone(),
+                omega_right: speeds,
+                time,
+                filled_rows: 0,
+            };
+            doubts(&drive).collect::<Vec<_>>()
+        };
+        assert!(gap(9.0).is_empty());
+        let told = gap(3600.0);
+        assert!(
+            told.len() == 1 && told[0].contains("no row from 3 to 3603.1 s:"),
+            "{told:?}"
         );
         let slow = doubts_of(100.0, 12.0);
         assert!(

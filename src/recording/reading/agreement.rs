@@ -29,7 +29,7 @@ impl Agreement {
         let window = WINDOW_STEPS * step;
         let rates = |(a, b): &(Cumulated, Cumulated)| {
             let grid = Grid::over(a, b, step)?;
-            Some((a.mean_rates(grid, window), b.mean_rates(grid, window)))
+            Some((a.mean_rates(&grid, window), b.mean_rates(&grid, window)))
         };
         let rates: Vec<_> = pairs.iter().filter_map(rates).collect();
         let at = |shift: isize| {

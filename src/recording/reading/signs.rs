@@ -168,7 +168,7 @@ fn goes_backwards(samples: &Samples) -> bool {
     let product = |run: &RawRun| {
         let (way, rims) = (travel(run)?, wheels(run, [0.5, 0.5])?);
         let grid = Grid::over(&way, &rims, STEP)?;
-        let rates = [way, rims].map(|sum| sum.mean_rates(grid, SPANS[0]));
+        let rates = [way, rims].map(|sum| sum.mean_rates(&grid, SPANS[0]));
         let pairs = rates[0].iter().zip(&rates[1]);
         Some(pairs.filter_map(|(a, b)| Some((*a)? * (*b)?)).sum::<f64>())
     };

@@ -125,7 +125,7 @@ fn travel_ahead(run: &RawRun) -> Option<Cumulated> {
     let way = travel(run)?;
     let (x, y) = (cumulated(run, Channel::X)?, cumulated(run, Channel::Y)?);
     let grid = Grid::over(&x, &way, STEP)?;
-    let rates = |sum: &Cumulated| sum.mean_rates(grid, SPAN);
+    let rates = |sum: &Cumulated| sum.mean_rates(&grid, SPAN);
     let (x, y) = (rates(&x), rates(&y));
     let (mut ahead, mut whole) = (0.0, 0.0);
     for (way, (x, y)) in rates(&way).iter().zip(x.iter().zip(&y)) {
