@@ -206,14 +206,12 @@ fn verdict<P: Predictor>(
                 deviations: None,
             }),
         );
-        if !minima
-            .iter()
-            .any(|m| close(&m.point, &nominal.point, deviations))
-        {
-            minima.push(Answer {
-                count: 0,
-                ..nominal
-            });
+        // Who agreed with that from the nominal model agreed with another than the answer.
+        let count = std::mem::take(&mut starts.agreed);
+        let mut there = minima.iter_mut();
+        match there.find(|m| close(&m.point, &nominal.point, deviations)) {
+            Some(same) => same.count += count,
+            None => minima.push(Answer { count, ..nominal }),
         }
     }
     for minimum in minima {
@@ -227,6 +225,7 @@ fn verdict<P: Predictor>(
             });
         }
     }
+    starts.others.sort_by(|a, b| a.above.total_cmp(&b.above));
     starts
 }
 
