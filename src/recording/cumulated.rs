@@ -144,8 +144,9 @@ impl Grid {
         for [from, to] in shared(&a.silences(), &b.silences()) {
             let first = ((from + HOLE.1 - start) / step).ceil() as usize;
             let next = ((to - HOLE.1 - start) / step).floor() as usize;
-            left_out.push((first - skipped, skipped + next - first));
+            let index = first - skipped;
             skipped += next - first;
+            left_out.push((index, skipped));
         }
         let steps = ((end - start) / step).floor() - skipped as f64;
         let count = steps.min(MOST_TIMES) as usize + 1;
