@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Soaks the FMU: soak.sh [--steps N] [--instances N] drives it through FMI 2.0 and 3.0 for N steps (default
-# 100000000: most of an hour on an idle machine), then creates, drives and frees N instances (default 100000),
+# 100000000: about 25 min on an idle machine), then creates, drives and frees N instances (default 100000),
 # and fails unless the memory stays flat. Shows progress with the time left, and prints a table. UGV_FMU names
 # the FMU; without it target/ugv.fmu serves, which is built if it is not there.
 set -euo pipefail

@@ -132,7 +132,7 @@ pub fn search<P: Predictor>(
         }
         if minima.len() == POLISHED {
             // Too high to be worth more work: known by its cost on the screen alone.
-            break;
+            continue;
         }
         let point = Point {
             coordinates: answer.point.coordinates,

@@ -13,6 +13,8 @@ pub struct Halves {
     pub fitted: Vec<usize>,
     /// For judging.
     pub judged: Vec<usize>,
+    /// Whether these are of one run, so that how windows are cut tells where fitting ends and judging begins.
+    pub within_a_run: bool,
 }
 
 /// Parts the windows of a recording.
@@ -41,7 +43,11 @@ pub fn split(runs: &[Signals], windows: &[Window]) -> Halves {
         place.is_some_and(|place| place % 2 == 1)
     };
     let (judged, fitted) = (0..windows.len()).partition(judged);
-    Halves { fitted, judged }
+    Halves {
+        fitted,
+        judged,
+        within_a_run: false,
+    }
 }
 
 /// Parts the windows of one run; those of others are for fitting.
@@ -56,6 +62,7 @@ fn split_one(windows: &[Window], run: usize) -> Halves {
             .chain(end..windows.len())
             .collect(),
         judged: shifted(own.judged).collect(),
+        within_a_run: true,
     }
 }
 
@@ -72,5 +79,6 @@ fn split_run(windows: &[Window]) -> Halves {
     Halves {
         fitted: (0..fitted).collect(),
         judged: (first..windows.len()).collect(),
+        within_a_run: true,
     }
 }

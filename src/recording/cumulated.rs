@@ -123,7 +123,7 @@ pub struct Grid {
     /// Number of times.
     pub count: usize,
     /// From which index on so many steps are left out.
-    left_out: Vec<(usize, usize)>,
+    left_out: Vec<(usize, f64)>,
 }
 
 /// More times than this are not looked at.
@@ -139,16 +139,19 @@ impl Grid {
     pub fn over(a: &Cumulated, b: &Cumulated, step: f64) -> Option<Self> {
         let ((a_start, a_end), (b_start, b_end)) = (a.span()?, b.span()?);
         let (start, end) = (a_start.min(b_start), a_end.max(b_end));
-        let mut skipped = 0;
+        let mut skipped = 0.0;
         let mut left_out = Vec::new();
         for [from, to] in shared(&a.silences(), &b.silences()) {
-            let first = ((from + HOLE.1 - start) / step).ceil() as usize;
-            let next = ((to - HOLE.1 - start) / step).floor() as usize;
-            let index = first - skipped;
-            skipped += next - first;
-            left_out.push((index, skipped));
+            let first = ((from + HOLE.1 - start) / step).ceil();
+            let next = ((to - HOLE.1 - start) / step).floor();
+            // A clock that is not in seconds yet can have steps as long as the hole.
+            if next > first {
+                let index = (first - skipped) as usize;
+                skipped += next - first;
+                left_out.push((index, skipped));
+            }
         }
-        let steps = ((end - start) / step).floor() - skipped as f64;
+        let steps = ((end - start) / step).floor() - skipped;
         let count = steps.min(MOST_TIMES) as usize + 1;
         Some(Self {
             start,
@@ -162,8 +165,10 @@ impl Grid {
     #[must_use]
     pub fn time(&self, index: usize) -> f64 {
         let holes = self.left_out.partition_point(|(first, _)| *first <= index);
-        let skipped = holes.checked_sub(1).map_or(0, |last| self.left_out[last].1);
-        self.start + (index + skipped) as f64 * self.step
+        let skipped = holes
+            .checked_sub(1)
+            .map_or(0.0, |last| self.left_out[last].1);
+        self.start + (index as f64 + skipped) * self.step
     }
 }
 
@@ -256,6 +261,22 @@ mod tests {
             "{}",
             known(&b)
         );
+        // A clock in nanoseconds that is not known to be one yet, and a hole of more steps than can be counted.
+        let nanoseconds = |offset: f64, from: f64, to: f64| {
+            let times = (0..600).map(move |k| offset + 5e7 * f64::from(k));
+            sum(&mut times.filter(move |time| *time <= from || *time >= to))
+        };
+        let (a, b) = (
+            nanoseconds(0.0, 1e10, 1.1e10),
+            nanoseconds(2e7, 1.097e10, 1.202e10),
+        );
+        let grid = Grid::over(&a, &b, 5e7).unwrap();
+        assert!((grid.time(grid.count - 1) - (599.0 * 5e7 + 2e7)).abs() <= 5e7);
+        let far = sum(&mut (0..70)
+            .map(|k| 0.1 * f64::from(k))
+            .chain((0..50).map(|k| 1e19 + 4096.0 * f64::from(k))));
+        let grid = Grid::over(&far, &far, 0.1).unwrap();
+        assert!(grid.time(grid.count - 1) >= 1e19);
         // Shorter holes stay, and what only one of both saw.
         let whole = sum(&mut (0..1000).map(|k| 0.1 * f64::from(k)));
         let parts = sum(&mut of(0.0, 300).filter(|time| *time < 100.0).chain([99.9]));

@@ -181,6 +181,25 @@ fn a_model_that_has_learned_from_the_windows_is_told() {
             "{other}: {warning}"
         );
     }
+    // Of several drives every second one is judged, however they are cut.
+    let drive = drive(40.0);
+    let rows = |run: u8| {
+        let rows = drive.lines().skip(1);
+        rows.map(move |row| format!("{run},{row}\n"))
+    };
+    let header = drive.lines().next().unwrap();
+    let rows: String = rows(1).chain(rows(2)).collect();
+    bench.write("b.csv", format!("run,{header}\n{rows}"));
+    bench.stdout(&format!(
+        "{} --half --output half.json",
+        fit.replace("a.csv", "b.csv")
+    ));
+    let warning = bench
+        .ugv("score b.csv --model half.json --spacing 1")
+        .unwrap()
+        .stderr;
+    let warning = String::from_utf8(warning).unwrap();
+    assert!(!warning.contains("fitted to a half"), "{warning}");
 }
 
 #[test]

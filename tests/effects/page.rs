@@ -26,8 +26,8 @@ the yaw acceleration, not in R_r, M_r or the turning moment; frontal bulldozing 
 x and y lie along the surface, not in the horizontal: at 10 deg a map is 1.5 % shorter.
 
 Priors: m ± s is normal, m ×/÷ f log-normal with ln f the standard deviation of the logarithm; `ugv fit` uses those of the physics, `ugv diagnose`
-[others around \"off\"](method.md#1-the-likelihood). Besides the paper's symbols: N wheels of width b, half a track B, the distance L to
-the row ahead, a sinkage h_0 under the axle, v_0 = 0.01 m/s, and after Hegedus D1 = 2 q, D2 = q + q^2 tan phi with
+[others around \"off\"](method.md#1-the-likelihood). Besides the paper's symbols: N wheels of width b, half a track B,
+a sinkage h_0 under the axle, v_0 = 0.01 m/s, and after Hegedus D1 = 2 q, D2 = q + q^2 tan phi with
 q = sqrt(1 + tan^2 phi) + tan phi.
 
 What is of the sensors moves no vehicle: a simulation and an FMU leave it out. `ugv fit` and `ugv diagnose` estimate it for each recording
@@ -37,8 +37,8 @@ In a file `grade` may also hold slopes along the drive, linear in between:
 `\"profile\": {\"over\": \"time\" or \"distance\", \"points\": [[at, slope_east, slope_north], ...]}` or
 `{\"over\": \"place\", \"x\": [...], \"y\": [...], \"slopes\": [[[slope_east, slope_north], ...], ...]}`.
 `terrain_change` lies at a line on the map, or with `\"over\": \"time\"` or `\"over\": \"distance\"` at a time or a distance driven.
-Beside the effects a `window` with hard edges may tell when [s] or where [m] some of them act:
-`\"window\": {\"effects\": [\"drawbar\"], \"time\": [12.4, 21]}` (from the start on, before the end) or
+Beside the effects a `window` with hard edges may tell when [s from the first row] or where [m] some of them act:
+`\"window\": {\"effects\": [\"drawbar\"], \"time\": [12.4, 21]}` (from 12.4 on, before 21) or
 `{\"effects\": [\"drawbar\"], \"place\": {\"x\": 5, \"y\": 0, \"radius\": 2}}` (while the reference point is in the disc).
 Outside they are off; what they make the vehicle and its ground remember goes on being remembered.
 What acts over the time or the distance is for simulation and FMU: `ugv fit`, `score` and `diagnose` refuse it.

@@ -121,7 +121,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let contest = prepare(args, &recording, &given)?;
         let warnings = recording
             .warnings()
-            .chain(given.doubt(&recording, &contest.how));
+            .chain(given.doubt(&recording, &contest));
         Ok((warnings.collect(), contest))
     };
     // Collected in the order of the arguments, so the first error is always the same.
@@ -245,7 +245,7 @@ impl Given {
     }
 
     /// What is doubtful about judging the model by a recording's windows.
-    fn doubt(&self, recording: &Recording, how: &Cut) -> Option<String> {
+    fn doubt(&self, recording: &Recording, contest: &Contest) -> Option<String> {
         let name = &recording.name;
         if self.is_fitted_to_all_of(recording) {
             return Some(format!(
@@ -254,7 +254,9 @@ impl Given {
             ));
         }
         let is_half = self.fitted_to.iter().any(|to| to.recording == *name);
-        (is_half && *how != Cut::default()).then(|| {
+        // Whole runs are judged or not, however they are cut.
+        let is_cut_anew = contest.halves.within_a_run && contest.how != Cut::default();
+        (is_half && is_cut_anew).then(|| {
             format!(
                 "warning: the given model was fitted to a half of {name} that windows of {} s every {} s and the \
                  recorded heading part; cut otherwise, as here, the other half may hold some of what it has seen",

@@ -193,7 +193,8 @@ fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
     };
     if drawn.share_within() <= 0.0 {
         return Err(format!(
-            "none of it lies between {} and {}, to the last digit: bring the bounds nearer, or take uniform:LOW,HIGH",
+            "none of it lies between {} and {}, to the last digit: expected bounds farther apart or nearer to the \
+             mean, or uniform:LOW,HIGH",
             range.0, range.1
         ));
     }

@@ -36,7 +36,7 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// Switches the reporting of events on and off; errors and warnings are always reported.
+/// Switches the reporting of events and of discarded calls on and off; errors and warnings are always reported.
 ///
 /// # Safety
 /// As the standard says: a live component, `n_categories` strings.

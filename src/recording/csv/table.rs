@@ -66,6 +66,15 @@ pub fn read_table<'a>(
         return Err(malformed(cell, "an empty file", expected));
     }
     place.advance(bytes, &record);
+    if let Some(index) = swallowing(&record) {
+        let cell = Cell {
+            file: file.into(),
+            line: place.line,
+            column: index + 1,
+            name: None,
+        };
+        return Err(open_quote(cell));
+    }
     let header = Header::new(file, bytes, columns, &record, place.line)?;
     while next(&mut record)? {
         place.advance(bytes, &record);
@@ -75,8 +84,10 @@ pub fn read_table<'a>(
                 record: &record,
                 line: place.line,
             };
-            row.check_quotes()?;
-            row.check_length()?;
+            match swallowing(&record) {
+                Some(index) => return Err(open_quote(header.cell_at(place.line, index))),
+                None => row.check_length()?,
+            }
             visit(&row)?;
         }
     }
@@ -116,6 +127,17 @@ fn line_ends(bytes: &[u8]) -> usize {
     let lone = |place: &usize| bytes[*place] == b'\r' && bytes.get(place + 1) != Some(&b'\n');
     let ends = |place: &usize| bytes[*place] == b'\n' || lone(place);
     (0..bytes.len()).filter(ends).count()
+}
+
+/// Which cell has a quote that opens it and is not closed on its line, which swallows what follows.
+fn swallowing(record: &ByteRecord) -> Option<usize> {
+    let is_open = |cell: &[u8]| cell.iter().any(|byte| matches!(byte, b'\n' | b'\r'));
+    record.iter().position(is_open)
+}
+
+fn open_quote(cell: Cell) -> CsvError {
+    let expected = "cells of one line (a quote that is text is written twice, within quotes)";
+    malformed(cell, "a quote that is not closed on its line", expected)
 }
 
 /// A line of spaces, such as some editors leave at the end.
@@ -243,24 +265,6 @@ pub struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// A quote that opens a cell and is not closed on its line swallows what follows.
-    fn check_quotes(&self) -> Result<(), CsvError> {
-        let is_open = |cell: &[u8]| cell.iter().any(|byte| matches!(byte, b'\n' | b'\r'));
-        match self.record.iter().position(is_open) {
-            None => Ok(()),
-            Some(place) => {
-                let found = "a quote that is not closed on its line";
-                let expected =
-                    "cells of one line (a quote that is text is written twice, within quotes)";
-                Err(malformed(
-                    self.header.cell_at(self.line, place),
-                    found,
-                    expected,
-                ))
-            }
-        }
-    }
-
     fn check_length(&self) -> Result<(), CsvError> {
         let (cells, wanted) = (self.record.len(), self.header.names.len());
         if cells == wanted {

@@ -159,3 +159,6 @@ mod test_drive;
 
 #[cfg(test)]
 mod repair_tests;
+
+#[cfg(test)]
+mod unit_tests;

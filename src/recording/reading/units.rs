@@ -183,7 +183,6 @@ fn degrees(samples: &mut Samples, most_turn: f64) -> Vec<Note> {
     let both = of(compare(samples, STEP, heading, gyro));
     let turn = of(compare(samples, STEP, heading, difference)).filter(|turn| turn.1 > most_turn);
     let yaw = of(compare(samples, STEP, gyro, difference)).filter(|yaw| yaw.1 > most_turn);
-    let near = |ratio: f64, unit: f64| (ratio / unit).max(unit / ratio) < NEAR;
     let (mut heading_evidence, mut gyro_evidence) = (None, None);
     match both {
         Some((r, ratio)) if near(ratio, DEGREES) => {
@@ -222,8 +221,9 @@ fn degrees(samples: &mut Samples, most_turn: f64) -> Vec<Note> {
     notes
 }
 
-/// Headings of a drive with few turns, which the course over the ground agrees with as degrees and not as radians.
-fn degrees_by_course(samples: &mut Samples) -> Option<Note> {
+/// Headings of a drive with few turns, which the course over the ground agrees with as degrees and not as radians; and
+/// yaw rates that turn alike.
+fn degrees_by_course(samples: &mut Samples) -> Vec<Note> {
     let headings = samples.of(Channel::Heading);
     let (count, beyond) = headings.fold((0, 0), |(count, beyond), sample| {
         (
@@ -232,9 +232,11 @@ fn degrees_by_course(samples: &mut Samples) -> Option<Note> {
         )
     });
     if 2 * beyond <= count {
-        return None;
+        return Vec::new();
     }
-    let directions = signs::directions(samples)?;
+    let Some(directions) = signs::directions(samples) else {
+        return Vec::new();
+    };
     // Length and half the angle of the mean unit vector at twice the angle between, which is the same in reverse.
     let off = |unit: f64| {
         let angles = directions
@@ -250,28 +252,44 @@ fn degrees_by_course(samples: &mut Samples) -> Option<Note> {
     };
     let goes_along =
         |(length, angle): (f64, f64)| length >= signs::CLEAR && angle.abs() <= signs::NEAR;
-    let (degrees, radians) = (off(DEGREES), off(1.0));
+    let (degrees, radians, clockwise) = (off(DEGREES), off(1.0), off(-1.0));
     if !goes_along(degrees) || goes_along(radians) {
-        return None;
+        return Vec::new();
     }
     let evidence = format!(
         "as such it is within {:.0} deg of the direction of travel, on the mean",
         degrees.1.abs().to_degrees().max(1.0)
     );
-    if radians.0 < signs::CLEAR {
-        return from_degrees(samples, Channel::Heading, &evidence);
-    }
-    // A steady heading from another zero looks the same.
-    let text = format!(
-        "may be degrees: {evidence}, as radians {:.0} deg off; left as it is",
-        radians.1.abs().to_degrees()
-    );
-    note(
-        NoteKind::Suspicion,
-        Some(Channel::Heading),
-        place(samples, Channel::Heading),
-        text,
-    )
+    // A steady heading from another zero looks the same, and so can one that counts the other way.
+    let otherwise = if radians.0 >= signs::CLEAR {
+        format!("as radians {:.0} deg off", radians.1.abs().to_degrees())
+    } else if clockwise.0 >= signs::CLEAR {
+        "as radians it would count the other way round".into()
+    } else {
+        let gyro = alike(samples).and_then(|r| {
+            let text = format!("heading turns alike (correlation {r:.2}), which is in degrees");
+            from_degrees(samples, Channel::YawRate, &text)
+        });
+        let heading = from_degrees(samples, Channel::Heading, &evidence);
+        return heading.into_iter().chain(gyro).collect();
+    };
+    let text = format!("may be degrees: {evidence}, {otherwise}; left as it is");
+    let place = place(samples, Channel::Heading);
+    let told = note(NoteKind::Suspicion, Some(Channel::Heading), place, text);
+    told.into_iter().collect()
+}
+
+/// Correlation of heading and yaw rate, if they turn alike.
+fn alike(samples: &Samples) -> Option<f64> {
+    let heading = |run: &_| cumulated(run, Channel::Heading);
+    let gyro = |run: &_| cumulated(run, Channel::YawRate);
+    let (r, slope) = compare(samples, STEP, heading, gyro)?.strongest();
+    (r.abs() >= STRONG && near(slope.abs(), 1.0)).then_some(r)
+}
+
+/// Whether a ratio is that of units.
+fn near(ratio: f64, unit: f64) -> bool {
+    (ratio / unit).max(unit / ratio) < NEAR
 }
 
 /// Wheel speeds that in another unit move the vehicle as its pose says: those beyond the limit are converted, others told,

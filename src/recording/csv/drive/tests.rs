@@ -167,6 +167,17 @@ fn an_open_quote_swallows_no_rows() {
         );
         assert!(message.starts_with(&expected), "{message}");
     }
+    // In the header, too.
+    for (header, column) in [
+        ("time,omega_left,omega_right,\"note", 4),
+        ("\"time,omega_left,omega_right", 1),
+    ] {
+        let message = error(&format!("{header}\n0,1,1,a\n1,1,1,\"b\"\n2,1,1,c\n"));
+        let expected = format!(
+            "drive.csv: line 1, column {column}: found a quote that is not closed on its line"
+        );
+        assert!(message.starts_with(&expected), "{message}");
+    }
     let quoted = read("time,omega_left,omega_right,note\n0,1,1,\"a, \"\"b\"\"\"\n1,1,1,5\"\n");
     assert_eq!(quoted.unwrap().len(), 2);
 }
