@@ -60,6 +60,14 @@ class Changes(unittest.TestCase):
         self.assertAlmostEqual(float(rows[5]["heading"]), 1.5)
         self.assertEqual(recordings.stretches([DRIVE, DRIVE]), [[(0, 0.0, 0.2)], [(0, 3.2, 3.4)]])
 
+    def test_what_is_driven_begins_where_wheels_turn(self) -> None:
+        still = [row(float(k), omega_left=0.0, omega_right=0.0) for k in range(60)]
+        rolls = [row(60.0 + k, omega_right=-1.0) for k in range(60)]
+        part = Table(still + rolls, SIDECAR).driven(10.0)
+        self.assertEqual([r["time"] for r in part.rows], [f"{time:g}" for time in range(58, 68)])
+        with self.assertRaises(ValueError):
+            Table(still, SIDECAR).driven(10.0)
+
     def test_runs_are_numbered_on(self) -> None:
         steps = Table([{"run": str(run)} | row(0.1 * k) for run in (0, 2) for k in range(3)], SIDECAR)
         self.assertEqual([r["run"] for r in recordings.joined([steps, steps.runs(1)]).rows], list("000222333"))

@@ -75,8 +75,8 @@ def cases() -> list[Case]:
         *every,
         Case("gravel_sand", f"{STEPS} steps of s08, gravel, then {STEPS} of s11, wet sand",
              lambda data: [Table.read(data, stem).runs(STEPS) for stem in ("s08", "s11")]),
-        Case("grass_asphalt", f"c05, grass, then {ASPHALT:.0f} s of c01, asphalt",
-             lambda data: [Table.read(data, "c05"), Table.read(data, "c01").seconds(ASPHALT)]),
+        Case("grass_asphalt", f"c05, grass, then {ASPHALT:.0f} s of driving of c01, asphalt",
+             lambda data: [Table.read(data, "c05"), Table.read(data, "c01").driven(ASPHALT)]),
     ]
 
 

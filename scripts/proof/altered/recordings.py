@@ -14,6 +14,9 @@ from judge import files
 
 Row = dict[str, str]
 POSE = ("x", "y", "heading")
+SIDES = ("omega_left", "omega_right")
+ROLLS = 0.05  # rad/s
+BEFORE = 2.0  # s of rest before a drive
 BREAK = 3.0  # s without samples between two recordings that are driven one after the other
 
 
@@ -43,9 +46,13 @@ class Table:
         """Its first runs."""
         return Table([row for row in self.rows if int(row["run"]) < count], self.sidecar)
 
-    def seconds(self, seconds: float) -> "Table":
-        """Its first seconds."""
-        return Table([row for row in self.rows if float(row["time"]) < seconds], self.sidecar)
+    def driven(self, seconds: float) -> "Table":
+        """So many seconds from a moment before its wheels first turn."""
+        turns = (float(row["time"]) for row in self.rows for side in SIDES if row[side] and abs(float(row[side])) > ROLLS)
+        start = next(turns, None)
+        if start is None:
+            raise ValueError(f"{self.sidecar.stem} does not drive")
+        return Table([row for row in self.rows if 0 <= float(row["time"]) - start + BEFORE < seconds], self.sidecar)
 
 
 def _changed(table: Table, column: str, change: Callable[[float], float]) -> Table:
