@@ -7,6 +7,7 @@ from html import escape
 from .case import PLAIN, Judged
 
 SIZE, EDGE = 320, 50
+DIGIT = 8  # width, with what parts numbers
 WIDE = 360  # of the picture of all cases
 SEEN = (1.0, 3000.0)  # its signals in sigma; less stands at its left edge
 STANDALONE = """text { font: 12px system-ui, sans-serif; fill: #59636e; } .grid { stroke: #d8dee4; fill: none; }
@@ -31,11 +32,15 @@ def reliability(bins: Sequence[dict]) -> str:
         parts.append(f'<text x="{x:.1f}" y="{_up(0) + 16:.1f}" text-anchor="middle">{tick:g}</text>')
         parts.append(f'<text x="{_at(0) - 6:.1f}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>')
     parts.append(f'<path class="line even" d="M{_at(0):.1f} {_up(0):.1f}L{_at(1):.1f} {_up(1):.1f}"/>')
+    free, is_raised = 0.0, False
     for b in bins:
         x = _at(b["told"])
         parts.append(f'<path class="line bar" d="M{x:.1f} {_up(b["low"]):.1f}V{_up(b["high"]):.1f}"/>')
         parts.append(f'<circle class="dots" cx="{x:.1f}" cy="{_up(b["right"]):.1f}" r="{3 + min(6.0, b["n"] ** 0.5 / 2):.1f}"/>')
-        parts.append(f'<text x="{x:.1f}" y="{_up(1) - 6:.1f}" text-anchor="middle">{b["n"]}</text>')
+        begins, ends = (x + side * DIGIT * len(str(b["n"])) / 2 for side in (-1, 1))
+        is_raised = begins < free and not is_raised  # above a neighbour that is close
+        free = max(free, ends)
+        parts.append(f'<text x="{x:.1f}" y="{_up(1) - (17 if is_raised else 6):.1f}" text-anchor="middle">{b["n"]}</text>')
     parts.append(f'<text x="{_at(0.5):.1f}" y="{SIZE - 8}" text-anchor="middle">probability told</text>')
     parts.append(f'<text transform="translate(11 {_up(0.5):.1f}) rotate(-90)" text-anchor="middle">share right</text>')
     return f'<svg viewBox="0 0 {SIZE} {SIZE}" role="img" aria-label="reliability">{"".join(parts)}</svg>'
