@@ -8,5 +8,6 @@ pub mod regime;
 pub mod scan;
 pub mod screen;
 pub mod sensitivity;
+pub mod slow;
 pub mod system;
 pub mod wrench;

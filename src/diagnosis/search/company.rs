@@ -26,7 +26,7 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
     let Some((best, extent)) = likeliest(fitted) else {
         return Vec::new();
     };
-    let at = (extent, best.proposal.looking);
+    let at = (extent, best.proposal.price);
     let mut there = found(stage, |projection, asked| {
         located_at(&stage.given, &stage.looked.system, projection, asked, at)
     });
@@ -123,7 +123,7 @@ fn begun_there<'a>(
 /// The same measured against the hypothesis without it where the likeliest is: that one's soil may have turned out better
 /// than the re-tuned one without what is proposed, which is nobody's merit.
 fn on_a_par<'a>(one: Named<'a>, likeliest: &Named, before: &Tuned) -> Named<'a> {
-    let without = likeliest.gain + likeliest.tuned.surprise + likeliest.proposal.looking;
+    let without = likeliest.gain + likeliest.tuned.surprise + likeliest.proposal.price;
     Named {
         gain: one.gain - (before.surprise - without).max(0.0),
         ..one
@@ -190,7 +190,7 @@ mod tests {
         assert!(
             there
                 .iter()
-                .all(|one| &one.extent == extent && one.looking == 7.0)
+                .all(|one| &one.extent == extent && one.price == 7.0)
         );
         let names: Vec<&str> = there.iter().map(|one| one.subject.name()).collect();
         assert!(
@@ -232,7 +232,7 @@ mod tests {
         let one = drag(&stage, &by);
         // Measured against the re-tuned model, and 30 better than that without anything.
         let before = &stage.tuned;
-        let gain = before.surprise - one.tuned.surprise - one.proposal.looking;
+        let gain = before.surprise - one.tuned.surprise - one.proposal.price;
         let with = |gain: f64| Named {
             gain,
             ..one.clone()

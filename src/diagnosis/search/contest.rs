@@ -45,7 +45,7 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
         let named = &close[place];
         let under = |noise: &Weighing| tune_on(&named.given, &named.tuned, noise, SKETCH).surprise;
         let sum: f64 = noises.iter().map(under).sum();
-        sum / noises.len() as f64 + named.proposal.looking - named.proposal.log_prior()
+        sum / noises.len() as f64 + named.proposal.price - named.proposal.log_prior()
     };
     let totals: Vec<f64> = (0..count).map(total).collect();
     let places = (0..count).filter(|place| totals[*place].is_finite());

@@ -289,7 +289,7 @@ pub mod tests {
             })),
             steps: vec![(knobs[0], DVector::repeat(1, 100.0))],
             evidence: 0.0,
-            looking: 7.0,
+            price: 7.0,
             stability: Vec::new(),
             soil: DVector::zeros(stage.given.soil.len()),
             hidden: false,

@@ -7,9 +7,9 @@
 use super::begins::begin;
 use super::naming::Sketch;
 use super::proposal::{Kind, Proposal, proposals, screened, shortlist};
+use super::view::View;
 use crate::diagnosis::hypothesis::likelihood::{LONG_SKETCH, Tuned, cost, tune_from_afar};
 use crate::diagnosis::hypothesis::{Given, Solution};
-use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::linearise;
 use crate::fit::problem::Weighing;
@@ -47,12 +47,11 @@ pub fn seen_from_given_soil(
     let tables = sensitivities(given, &layout, &at);
     let system = linearise(given, &layout, &tables, &at, by);
     drop(tables);
-    let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
-    let Some(projection) = Projection::over_all(&system, &further) else {
+    let Some(view) = View::new(given, &system, on, by) else {
         return Vec::new();
     };
-    let screened = screened(given, &system, &projection, on);
-    let all = proposals(given, &system, &projection, &screened, on, &at.soil, seed);
+    let screened = screened(&view);
+    let all = proposals(&view, &screened, &at.soil, seed);
     let is_known = |one: &Proposal| {
         let same = |other: &Proposal| (one.subject, one.kind()) == (other.subject, other.kind());
         one.kind() == Kind::Throughout && known.iter().any(same)

@@ -105,7 +105,7 @@ mod tests {
                 extent: None,
                 steps: steps.map(|(k, s)| (*k, DVector::repeat(1, *s))).collect(),
                 evidence,
-                looking: 0.0,
+                price: 0.0,
                 stability: Vec::new(),
                 soil: DVector::zeros(given.soil.len()),
                 hidden: false,

@@ -80,7 +80,7 @@ mod tests {
                 extent: None,
                 steps: Vec::new(),
                 evidence: 0.0,
-                looking: 0.0,
+                price: 0.0,
                 stability: Vec::new(),
                 soil: DVector::zeros(0),
                 hidden: false,

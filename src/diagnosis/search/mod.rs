@@ -17,6 +17,7 @@ pub mod proposal;
 pub mod prune;
 pub mod scout;
 pub mod stage;
+pub mod view;
 pub mod wheels;
 
 use crate::diagnosis::hypothesis::likelihood::{
@@ -83,7 +84,7 @@ impl Searched<'_> {
 /// Log odds that something must have over nothing more, its prior counted.
 pub const TAKE: f64 = 0.5;
 /// Logarithm of the prior of nothing (more) over that of one effect of the catalogue.
-pub const NOTHING: f64 = 3.0;
+pub const NOTHING: f64 = 4.5;
 /// Re-tuning is begun again where that gains so much \[log odds\], so many times at most.
 const STUCK: f64 = 5.0;
 const AGAIN: usize = 2;

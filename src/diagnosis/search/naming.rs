@@ -81,7 +81,7 @@ impl<'a> Sketch<'a> {
     /// A fit that has begun beside what was found before.
     pub fn new(proposal: &Proposal, given: &Given<'a>, tuned: Tuned, before: &Tuned) -> Self {
         Self {
-            gain: before.surprise - tuned.surprise - proposal.looking,
+            gain: before.surprise - tuned.surprise - proposal.price,
             proposal: proposal.clone(),
             given: given.clone(),
             tuned,
@@ -135,7 +135,7 @@ pub fn sketch<'a>(
     least: f64,
 ) -> Option<Sketch<'a>> {
     // A knob costs evidence besides what it gains.
-    let useful = before.misfit - (least + proposal.looking - proposal.log_prior());
+    let useful = before.misfit - (least + proposal.price - proposal.log_prior());
     let useful = 2.0 * (useful + UNSURE);
     let given = placed(given, proposal)?;
     let mut knobs = before.knobs.clone();
@@ -195,7 +195,7 @@ pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<N
     let tuned = tune_restarted(&given, &sketch.tuned, by);
     let without = surprise_without(&given, &proposal, &tuned, before, by);
     Some(Named {
-        gain: without - tuned.surprise - proposal.looking,
+        gain: without - tuned.surprise - proposal.price,
         scores: scores(&given, &tuned, by),
         proposal,
         given,

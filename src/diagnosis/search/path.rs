@@ -122,7 +122,15 @@ impl<'a> Path<'a> {
         }
         progress.step("what can be left out again")?;
         let ratio = self.on_all(1.0);
+        let before = self.members.clone();
         prune(&mut self.stage, &mut self.members, &self.by, ratio);
+        if self.members.is_empty() && !before.is_empty() {
+            let rivals = before.into_iter().flat_map(|member| member.rivals);
+            let refused = rivals.map(|(subject, odds)| (subject, odds.min(0.0)));
+            self.refused.extend(refused);
+            let Stage { given, tuned, .. } = self.stage;
+            self.stage = look(given, tuned, &mut self.by, options, progress)?;
+        }
         Ok(self)
     }
 
@@ -330,7 +338,7 @@ impl<'a> Path<'a> {
     fn advantage(&self, other: &Self) -> f64 {
         let price = |path: &Self| -> f64 {
             let members = path.members.iter().map(|member| &member.proposal);
-            members.map(|m| NOTHING - m.log_prior() + m.looking).sum()
+            members.map(|m| NOTHING - m.log_prior() + m.price).sum()
         };
         let surprise = |path: &Self, by: &Weighing| -> f64 {
             let stage = &path.stage;

@@ -1,11 +1,13 @@
 //! What may be missing: what screen, box scan and laws propose, the most likely first.
 
 use super::load::place_load;
+use super::view::View;
 use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::screening::law::{Law, law};
 use crate::diagnosis::screening::locate::{Extent, Found, locate, scanned};
 use crate::diagnosis::screening::screen::{Projected, Projection, Score};
+use crate::diagnosis::screening::slow;
 use crate::diagnosis::screening::system::System;
 use nalgebra::DVector;
 
@@ -20,10 +22,10 @@ pub struct Proposal {
     pub extent: Option<Extent>,
     /// Steps of its knobs by the linearised problem.
     pub steps: Vec<(usize, DVector<f64>)>,
-    /// Log Bayes factor by the linearised problem, less what looking in many places costs.
+    /// Log Bayes factor by the linearised problem, less its price.
     pub evidence: f64,
-    /// Of it, what looking costs.
-    pub looking: f64,
+    /// What looking in many places costs, or what slow noise of the sensor explains.
+    pub price: f64,
     /// Stability of a law's terms.
     pub stability: Vec<f64>,
     /// Step of the soil that goes with those of its knobs.
@@ -43,6 +45,8 @@ pub struct Screened {
     pub projected: Projected,
     /// Its one-step fit.
     pub score: Score,
+    /// Log Bayes factor of what slow noise explains of it.
+    pub price: f64,
 }
 
 /// Proposals that are further behind this share of the best of their kind are not worth a full fit:
@@ -58,12 +62,14 @@ const BETTER_LOCAL: f64 = 3.0;
 
 /// Screens every candidate that is not on.
 #[must_use]
-pub fn screened(
-    given: &Given,
-    system: &System,
-    projection: &Projection,
-    on: &[usize],
-) -> Vec<Screened> {
+pub fn screened(view: &View) -> Vec<Screened> {
+    let View {
+        given,
+        system,
+        projection,
+        by,
+        on,
+    } = view;
     let subjects = given.candidates.subjects.iter();
     subjects
         .filter_map(|subject| {
@@ -77,6 +83,7 @@ pub fn screened(
             let score = projection.score(&projected);
             Some(Screened {
                 subject: *subject,
+                price: slow::price(given, system, &projected, by),
                 projected,
                 score,
             })
@@ -86,15 +93,14 @@ pub fn screened(
 
 /// Everything that may be missing, the most likely first.
 #[must_use]
-pub fn proposals(
-    given: &Given,
-    system: &System,
-    projection: &Projection,
-    screened: &[Screened],
-    on: &[usize],
-    soil: &[f64],
-    seed: u64,
-) -> Vec<Proposal> {
+pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) -> Vec<Proposal> {
+    let View {
+        given,
+        system,
+        projection,
+        on,
+        ..
+    } = view;
     let mut all: Vec<Proposal> = screened
         .iter()
         .map(|one| Proposal {
@@ -106,8 +112,8 @@ pub fn proposals(
             hidden: false,
             anew: false,
             // What a scatter of its own says is for the reader: laws and local effects have none.
-            evidence: projection.score_with(&one.projected, 1.0).evidence,
-            looking: 0.0,
+            evidence: projection.score_with(&one.projected, 1.0).evidence - one.price,
+            price: one.price,
             stability: Vec::new(),
         })
         .collect();
@@ -124,7 +130,7 @@ pub fn proposals(
         all.extend(found);
     }
     if let Some(law) = law(given, system, projection.nuisance(), seed) {
-        all.push(unnamed(given, system, projection, law));
+        all.push(unnamed(view, law));
     }
     all.retain(|proposal| proposal.evidence > FAINT);
     all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -136,12 +142,13 @@ pub fn proposals(
 /// are off. They are proposed as large as the catalogue expects them, with the soil moved back by what
 /// would imitate that.
 #[must_use]
-pub fn hidden(
-    given: &Given,
-    system: &System,
-    projection: &Projection,
-    screened: &[Screened],
-) -> Vec<Proposal> {
+pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
+    let View {
+        given,
+        system,
+        projection,
+        ..
+    } = view;
     let propose = |one: &Screened| {
         let knobs: Vec<usize> = given.candidates.of(one.subject).collect();
         let unknowns = &one.projected.unknowns;
@@ -175,7 +182,7 @@ pub fn hidden(
             extent: None,
             steps,
             evidence: 0.0,
-            looking: 0.0,
+            price: one.price,
             stability: Vec::new(),
             soil: soil_after(given, projection, unknowns, &moved),
             hidden: true,
@@ -247,7 +254,7 @@ fn local(found: Found, soil: usize) -> Proposal {
             .map(each)
             .collect(),
         knobs: found.knobs,
-        looking: found.score.evidence - found.evidence,
+        price: found.score.evidence - found.evidence,
         evidence: found.evidence,
         extent: Some(found.extent),
         stability: Vec::new(),
@@ -258,7 +265,13 @@ fn local(found: Found, soil: usize) -> Proposal {
     }
 }
 
-fn unnamed(given: &Given, system: &System, projection: &Projection, law: Law) -> Proposal {
+fn unnamed(view: &View, law: Law) -> Proposal {
+    let View {
+        given,
+        system,
+        projection,
+        ..
+    } = view;
     let unknowns: Vec<usize> = law.knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
     let score = projection.score_with(&projection.of(&unknowns), 1.0);
     let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
@@ -267,7 +280,7 @@ fn unnamed(given: &Given, system: &System, projection: &Projection, law: Law) ->
         steps: law.knobs.iter().zip(score.step.iter()).map(each).collect(),
         knobs: law.knobs,
         extent: None,
-        looking: score.evidence - law.evidence,
+        price: score.evidence - law.evidence,
         evidence: law.evidence,
         stability: law.stability,
         soil: soil_after(given, projection, &unknowns, &score.step),

@@ -12,17 +12,17 @@ use crate::fit::problem::Weighing;
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
 
-/// Leaves out what the rest explains without it, and puts what remains in the order of what it explains beside the
+/// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in the order of what it explains beside the
 /// rest. All recordings are so many times what the stage was fitted to.
 pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
     let mut index = 0;
-    while members.len() > 1 && index < members.len() {
+    while index < members.len() {
         let gone = &members[index].proposal;
-        let price = NOTHING - gone.log_prior() + gone.looking;
+        let price = NOTHING - gone.log_prior() + gone.price;
         let loss = linear_loss(stage, &gone.knobs);
         if loss > SURELY * price + CLOSE {
             // What was found since may explain most of what it was taken for.
-            let gain = ratio * loss - gone.looking;
+            let gain = ratio * loss - gone.price;
             members[index].gain = members[index].gain.min(gain);
             index += 1;
             continue;
@@ -37,7 +37,7 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
             }
             Ok(without) => {
                 let lost = without.surprise - stage.tuned.surprise;
-                members[index].gain = ratio * lost - gone.looking;
+                members[index].gain = ratio * lost - gone.price;
                 index += 1;
             }
             Err(_) => index += 1,
@@ -94,4 +94,61 @@ fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
     });
     let matrix = projection.of(&unknowns).matrix;
     0.5 * step.dot(&(matrix * &step))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stage::tests::retuned;
+    use super::*;
+    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::effects::ParameterName;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Specification, Vehicle};
+    use nalgebra::DVector;
+
+    /// Soil that differs left and right as the only finding, said to have gained so much on a drive of this model.
+    fn left(truth: &Specification, gain: f64) -> (Vec<Member>, Vec<usize>) {
+        let nominal =
+            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let recordings = [driven(truth, "spiral")];
+        let (mut stage, by) = retuned(&nominal, &recordings);
+        let candidates = &stage.given.candidates;
+        let is = |subject: &&crate::diagnosis::Subject| subject.name() == "left_right_soil";
+        let subject = *candidates.subjects.iter().find(is).unwrap();
+        let knobs: Vec<usize> = candidates.of(subject).collect();
+        stage.tuned = tune(&stage.given, &knobs, &stage.tuned.solution, &by).unwrap();
+        let proposal = Proposal {
+            subject,
+            knobs,
+            extent: None,
+            steps: Vec::new(),
+            evidence: gain,
+            price: 0.0,
+            stability: Vec::new(),
+            soil: DVector::zeros(0),
+            hidden: false,
+            anew: false,
+        };
+        let rivals = vec![(subject, gain)];
+        let mut members = vec![Member {
+            proposal,
+            gain,
+            rivals,
+        }];
+        prune(&mut stage, &mut members, &by, 1.0);
+        (members, stage.tuned.knobs)
+    }
+
+    #[test]
+    fn what_gained_by_another_soil_alone_is_left_out() {
+        let plain =
+            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let (members, knobs) = left(&plain, 26.0);
+        assert!(members.is_empty() && knobs.is_empty());
+        let mut truth = plain;
+        let ratio = ParameterName::find("left_right_soil.ratio").unwrap();
+        truth.effects.set(ratio, 0.6).unwrap();
+        let (members, knobs) = left(&truth, 26.0);
+        assert!(members.len() == 1 && !knobs.is_empty());
+    }
 }

@@ -9,13 +9,14 @@ use super::given_soil::{from_given_soil, seen_from_given_soil};
 use super::naming::{Named, Sketch, finish, sketch};
 use super::proposal::{Kind, Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::scout::Scouts;
+use super::view::View;
 use super::{NOTHING, TAKE};
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{Tuned, tune_restarted};
 use crate::diagnosis::hypothesis::part::Part;
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::screening::noise;
-use crate::diagnosis::screening::screen::{Projection, chance};
+use crate::diagnosis::screening::screen::chance;
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::{System, linearise, weigh};
 use crate::diagnosis::screening::wrench::{Wandering, wandering};
@@ -113,18 +114,17 @@ pub fn look<'a>(
     }
     let system = linearise(&given, &layout, &tables, &at, by);
     drop(tables);
-    let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
-    let projection = Projection::over_all(&system, &further).ok_or(DiagnosisError::NotFinite)?;
+    let view = View::new(&given, &system, &on, by).ok_or(DiagnosisError::NotFinite)?;
     progress.step("screening and locating")?;
-    let screened = screened(&given, &system, &projection, &on);
+    let screened = screened(&view);
     let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
-    let threshold = chance(&projection, &equations, SHARE, NULLS, options.seed);
+    let threshold = chance(&view.projection, &equations, SHARE, NULLS, options.seed);
     let soil = &again.solution.soil;
     let seed = options.seed;
-    let all = proposals(&given, &system, &projection, &screened, &on, soil, seed);
+    let all = proposals(&view, &screened, soil, seed);
     let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
     if on.is_empty() {
-        proposals.extend(hidden(&given, &system, &projection, &screened));
+        proposals.extend(hidden(&view, &screened));
         let further = seen_from_given_soil(&given, &again, by, &proposals, seed);
         proposals.extend(further);
     }

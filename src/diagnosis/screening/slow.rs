@@ -1,0 +1,77 @@
+//! A constant error of a sensor, or slow noise?
+//!
+//! Noise is independent from segment to segment in the likelihood, and its correlation time is told by what changes within
+//! them. An error that outlasts segments, as that of a compass does, is then seen in each of them anew, and as surely as if
+//! they were independent witnesses of something constant. How long the coloured part of the noise lasts is not known, so
+//! "nothing missing" allows for a constant error of its size. With an estimate x of deviation s and a coloured part of
+//! deviation c, that is likelier than no error at all by the log Bayes factor
+//! x^2 / (2 s^2) c^2 / (s^2 + c^2) - ln(1 + c^2 / s^2) / 2, which a heading or a gyro that is off has to pay.
+
+use super::screen::Projected;
+use super::system::System;
+use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::candidate::Target;
+use crate::fit::problem::Weighing;
+use crate::fit::segment::NoiseGroup;
+use crate::fit::sensor::SensorParameter;
+
+/// Nothing pays more: against other names it would be too much, for slow noise explains a part of what they do as well.
+const MOST: f64 = 8.0;
+
+/// What a candidate pays for what slow noise explains of it.
+#[must_use]
+pub fn price(given: &Given, system: &System, candidate: &Projected, by: &Weighing) -> f64 {
+    let each = candidate.unknowns.iter().enumerate();
+    let paid = each.filter_map(|(place, unknown)| {
+        let slow = slow_noise(given, system, *unknown, by)?;
+        let (gradient, precision) = (candidate.gradient[place], candidate.matrix[(place, place)]);
+        Some(explained(gradient, precision, slow))
+    });
+    paid.sum::<f64>().min(MOST)
+}
+
+/// Deviation of the slow noise that an unknown may be as well, if it is a constant error of heading or gyro.
+fn slow_noise(given: &Given, system: &System, unknown: usize, by: &Weighing) -> Option<f64> {
+    let place = |places: &Vec<Option<usize>>| places.iter().position(|one| *one == Some(unknown));
+    let mut recordings = system.places.iter().zip(&by.noise);
+    let (column, noise) = recordings.find_map(|(places, noise)| Some((place(places)?, noise)))?;
+    let knob = column.checked_sub(system.layout.soil)?;
+    let group = match given.candidates.knobs.get(knob)?.target {
+        Target::Sensor(SensorParameter::HeadingOffset) => NoiseGroup::Heading,
+        Target::Sensor(SensorParameter::YawRateBias) => NoiseGroup::YawRate,
+        _ => return None,
+    };
+    Some(noise[group as usize].coloured)
+}
+
+/// Log Bayes factor of a constant error of this deviation against none.
+fn explained(gradient: f64, precision: f64, deviation: f64) -> f64 {
+    let ratio = precision * deviation.powi(2);
+    let chi_square = gradient.powi(2) / precision;
+    if ratio > 0.0 && chi_square.is_finite() {
+        (0.5 * chi_square * ratio / (1.0 + ratio) - 0.5 * ratio.ln_1p()).max(0.0)
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{Continuous, Normal};
+
+    #[test]
+    fn slow_noise_explains_what_two_normal_densities_say() {
+        let (estimate, own, slow): (f64, f64, f64) = (0.0055, 0.0012, 0.002);
+        let precision = own.powi(-2);
+        let density = |deviation: f64| Normal::new(0.0, deviation).unwrap().ln_pdf(estimate);
+        let expected = density(own.hypot(slow)) - density(own);
+        let found = explained(estimate * precision, precision, slow);
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        assert!(found > 6.0);
+        // An error that slow noise makes no likelier costs nothing, nor does one without noise.
+        assert_eq!(explained(0.0, precision, slow), 0.0);
+        assert_eq!(explained(estimate * precision, precision, 0.0), 0.0);
+        assert_eq!(explained(0.0, 0.0, slow), 0.0);
+    }
+}
