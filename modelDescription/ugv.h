@@ -214,7 +214,7 @@ const char *fmi2GetTypesPlatform(void);
 // The version of the standard, `2.0`.
 const char *fmi2GetVersion(void);
 
-// Switches the reporting of events on and off; errors and warnings are always reported.
+// Switches the reporting of events and of discarded calls on and off; errors and warnings are always reported.
 //
 // # Safety
 // As the standard says: a live component, `n_categories` strings.
