@@ -12,8 +12,8 @@ use crate::fit::problem::Weighing;
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
 
-/// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in the order of what it explains beside the
-/// rest. All recordings are so many times what the stage was fitted to.
+/// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
+/// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to.
 pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
     let mut index = 0;
     while index < members.len() {
@@ -21,9 +21,11 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
         let price = NOTHING - gone.log_prior() + gone.price;
         let loss = linear_loss(stage, &gone.knobs);
         if loss > SURELY * price + CLOSE {
-            // What was found since may explain most of what it was taken for.
-            let gain = ratio * loss - gone.price;
-            members[index].gain = members[index].gain.min(gain);
+            if members.len() > 1 {
+                // What was found since may explain most of what it was taken for.
+                let gain = ratio * loss - gone.price;
+                members[index].gain = members[index].gain.min(gain);
+            }
             index += 1;
             continue;
         }
@@ -148,7 +150,10 @@ mod tests {
         let mut truth = plain;
         let ratio = ParameterName::find("left_right_soil.ratio").unwrap();
         truth.effects.set(ratio, 0.6).unwrap();
-        let (members, knobs) = left(&truth, 26.0);
+        let gain = 1e6;
+        let (members, knobs) = left(&truth, gain);
         assert!(members.len() == 1 && !knobs.is_empty());
+        // Nothing was found since that may explain a part of it.
+        assert_eq!(members[0].gain, gain);
     }
 }
