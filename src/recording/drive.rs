@@ -1,5 +1,7 @@
 //! Wheel speeds over common times.
 
+use super::smoothing::knots;
+
 /// Wheel speeds over time, linear in between; at least one row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
@@ -41,12 +43,13 @@ impl Drive {
         [self.omega_left[row], self.omega_right[row]]
     }
 
-    /// The drive whose mean from the middle of each interval between rows to the middle of the next is what the row says,
-    /// as encoders count: the wheels' angle is kept.
+    /// The drive between whose samples is what they tell, smoothed so much (see [`knots`]): as means from the middle of
+    /// each interval between rows to the middle of the next where they were `counted`, as encoders do, so that the
+    /// wheels' angle is kept; as values at their times otherwise.
     #[must_use]
-    pub fn counted(mut self) -> Self {
+    pub fn reconstructed(mut self, counted: bool, smoothing: f64) -> Self {
         for side in [&mut self.omega_left, &mut self.omega_right] {
-            *side = knots_of_means(&self.time, side);
+            *side = knots(&self.time, side, counted, smoothing);
         }
         self
     }
@@ -62,27 +65,6 @@ impl Drive {
         let (from, to) = (self.wheel_speeds(row), self.wheel_speeds(row + 1));
         [0, 1].map(|side| (to[side] - from[side]) / seconds)
     }
-}
-
-/// Values between which straight lines have these means, each from the middle of the interval before to the middle
-/// of the next: 3/4 of the own value and 1/4 of the neighbours', by the lengths of the intervals. The ends stay.
-fn knots_of_means(time: &[f64], means: &[f64]) -> Vec<f64> {
-    let count = means.len();
-    let mut knots = means.to_vec();
-    // Thomas' algorithm: of each row what is left of the diagonal and of the right side.
-    let mut above = vec![0.0; count];
-    for row in 1..count.saturating_sub(1) {
-        let span = 4.0 * (time[row + 1] - time[row - 1]);
-        let before = (time[row] - time[row - 1]) / span;
-        let after = (time[row + 1] - time[row]) / span;
-        let diagonal = 0.75 - before * above[row - 1];
-        above[row] = after / diagonal;
-        knots[row] = (means[row] - before * knots[row - 1]) / diagonal;
-    }
-    for row in (1..count.saturating_sub(1)).rev() {
-        knots[row] -= above[row] * knots[row + 1];
-    }
-    knots
 }
 
 /// Fills gaps between samples linearly and holds the first and the last sample beyond them.
@@ -130,7 +112,7 @@ mod tests {
             time,
             filled_rows: 0,
         };
-        let counted = drive.clone().counted();
+        let counted = drive.clone().reconstructed(true, 0.0);
         let speed = |time: f64| {
             let row = counted.time.partition_point(|t| *t <= time).max(1) - 1;
             let rate = counted.wheel_accelerations(row)[0];
@@ -145,7 +127,8 @@ mod tests {
                 (angle(middles[0], here) + angle(here, middles[1])) / (middles[1] - middles[0]);
             assert!((mean - told).abs() < 1e-12, "{row}: {mean}");
         }
-        assert_eq!([counted.omega_left[0], counted.omega_left[7]], [0.0, 2.0]);
+        let ends = [counted.omega_left[0], counted.omega_left[7] - 2.0];
+        assert!(ends.iter().all(|end| end.abs() < 1e-12), "{ends:?}");
         assert!(counted.omega_left[3] > 3.2, "the corner is whole again");
         // An interval's length does not bend a steady change, where intervals are alike.
         let steady = |row: usize| (counted.omega_right[row] - drive.omega_right[row]).abs();
@@ -157,7 +140,7 @@ mod tests {
             omega_right: vec![0.0; 2],
             filled_rows: 0,
         };
-        assert_eq!(two.clone().counted(), two);
+        assert_eq!(two.clone().reconstructed(true, 0.0), two);
     }
 
     #[test]

@@ -18,6 +18,7 @@ mod note;
 mod reading;
 mod run;
 mod series;
+mod smoothing;
 mod way;
 
 pub use about::About;

@@ -41,7 +41,12 @@ pub struct Args {
     nominal: NominalArgs,
 
     /// Folder for diagnosis.json, model.json and report.html; made if it is not there
-    #[arg(long, value_name = "DIR", default_value = "diagnosis")]
+    #[arg(
+        long,
+        visible_alias = "output",
+        value_name = "DIR",
+        default_value = "diagnosis"
+    )]
     out: PathBuf,
 
     /// Seed of everything random

@@ -2,8 +2,8 @@
 
 use super::findings::likeliest_first;
 use crate::diagnosis::Options;
-use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::maps::Maps;
+use crate::diagnosis::hypothesis::{Given, Wheels};
 use crate::diagnosis::outcome::Account;
 use crate::diagnosis::search::Searched;
 use crate::effects::Extent;
@@ -58,16 +58,7 @@ fn notes(searched: &Searched) -> Vec<String> {
             searched.given.stiffening
         ));
     }
-    if let Some(likelier) = searched.given.counted {
-        let units = if likelier < 1.0 {
-            "a fraction of a unit"
-        } else {
-            &format!("{likelier:.0} units")
-        };
-        notes.push(format!(
-            "Wheel speeds are taken as means over the time between samples, as encoders count; so the recordings are likelier by {units} of log evidence than with straight lines from sample to sample."
-        ));
-    }
+    notes.extend(searched.given.wheels.as_ref().map(between_samples));
     if searched.given.maps == Maps::OfRecordings {
         let note = "Recordings begin at one point, so each counts as having a map of its own: what belongs to a place on the map is not sought. Give poses in one frame if they share one.";
         notes.push(note.into());
@@ -101,4 +92,23 @@ fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> 
             )
         })
     })
+}
+
+/// How wheel speeds were taken between samples, in words.
+fn between_samples(wheels: &Wheels) -> String {
+    let units = if wheels.likelier < 1.0 {
+        "a fraction of a unit"
+    } else {
+        &format!("{:.0} units", wheels.likelier)
+    };
+    let how = match (wheels.counted, wheels.smoothing > 0.0) {
+        (true, false) => "as means over the time between samples, as encoders count",
+        (true, true) => {
+            "as means over the time between samples, as encoders count, and smoothed, as counts are noisy"
+        }
+        (false, _) => "smoothed, as they are noisy from sample to sample",
+    };
+    format!(
+        "Wheel speeds are taken {how}; so the recordings are likelier by {units} of log evidence than with straight lines from sample to sample."
+    )
 }

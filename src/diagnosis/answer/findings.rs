@@ -3,7 +3,7 @@
 use super::verdict::Judged;
 use super::words::{statement, whose};
 use crate::diagnosis::hypothesis::candidate::Target;
-use crate::diagnosis::hypothesis::likelihood::Tuned;
+use crate::diagnosis::hypothesis::likelihood::{Tuned, scattered};
 use crate::diagnosis::hypothesis::{Given, What};
 use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
 use crate::diagnosis::screening::law::{channel as pushed, group};
@@ -13,12 +13,8 @@ use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::search::proposal::{Kind, Proposal};
 use crate::diagnosis::search::{Member, Searched};
 use crate::fit::parameter::{NORMAL_95, Parameter};
-use crate::fit::uncertainty::uncertainty;
 use nalgebra::DMatrix;
 
-/// How much wider intervals are than the fit has them: it does not know of other ways to fit as well, nor that no
-/// model is exact. Set on 100 numbers of the proof's third judged set (see the docs); later sets judged it.
-const WIDER: f64 = 1.4;
 /// Stretches that are told where something acts throughout.
 const TOLD: usize = 3;
 
@@ -28,23 +24,12 @@ pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
     if judged.is_empty() {
         return Vec::new();
     }
-    let covariance = covariance(searched);
+    let covariance = scattered(&searched.placed, &searched.augmented, &searched.by);
     let one = |judged: &Judged| match judged.member {
         Some(member) => named(searched, &searched.members[member], judged, &covariance),
         None => left_over(searched, judged),
     };
     judged.iter().map(one).collect()
-}
-
-/// How well the unknowns of the augmented model are told: by what the segments' pulls on them scatter, see
-/// [`uncertainty`]; as the noise model has it where that cannot be told.
-fn covariance(searched: &Searched) -> DMatrix<f64> {
-    let (given, tuned) = (&searched.placed, &searched.augmented);
-    let predictor = given.predictor(&tuned.knobs);
-    let problem = given.problem(&predictor, &tuned.knobs);
-    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
-    let told = uncertainty(&problem, &tuned.tables, &point, &searched.by, true);
-    told.map_or_else(|| tuned.covariance.clone(), |told| told.covariance)
 }
 
 /// Values and intervals of a proposal's knobs at a fit.
@@ -74,7 +59,7 @@ fn quantities(
             return;
         }
         let at = tuned.solution.knobs[recording][knob];
-        let half = WIDER * NORMAL_95 * covariance[(place, place)].max(0.0).sqrt();
+        let half = NORMAL_95 * covariance[(place, place)].max(0.0).sqrt();
         let parameter: &Parameter = &about.parameter;
         let (low, high) = parameter.interval(at, half);
         let each = about.own && given.recordings.len() > 1;

@@ -27,7 +27,7 @@ const MOST_DOUBT: f64 = 0.5;
 /// Share of the probability of "unknown" that belongs to effects of the catalogue which were missed.
 const MISSED: f64 = 0.4;
 /// A wrench that comes and goes with more evidence than this is something, with even odds.
-const SOMETHING: f64 = 6.0;
+const SOMETHING: f64 = 7.5;
 /// Softens the evidence of what is left over.
 const LEFT_SOFTNESS: f64 = 2.0;
 /// What is left over is the main thing where it has more than this share of what was named.

@@ -59,11 +59,21 @@ pub struct Given<'a> {
     /// The frictional modulus that re-tuning begins with, as a multiple of the given one: more than 1
     /// where the given soil cannot carry the vehicle.
     pub stiffening: f64,
-    /// By how much the recordings are likelier where their wheel speeds are means over the time between samples; `None`
-    /// where they are taken as they are.
-    pub counted: Option<f64>,
+    /// What the wheels did between samples; `None` where their speeds are taken as they are.
+    pub wheels: Option<Wheels>,
     /// Errors of the integration in a step, in units of the usual ones.
     pub tolerance: f64,
+}
+
+/// What the wheels did between two samples of their speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheels {
+    /// Whether samples are means over the time between them.
+    pub counted: bool,
+    /// How much they are smoothed, see [`crate::recording::Drive::reconstructed`].
+    pub smoothing: f64,
+    /// By how much log evidence the recordings are likelier so than with straight lines from sample to sample.
+    pub likelier: f64,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.
@@ -106,7 +116,7 @@ impl<'a> Given<'a> {
             maps,
             stiffening: 1.0,
             tolerance: 1.0,
-            counted: None,
+            wheels: None,
         }
     }
 

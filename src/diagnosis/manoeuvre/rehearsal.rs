@@ -94,7 +94,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         maps: given.maps,
         stiffening: 1.0,
         tolerance: given.tolerance,
-        counted: None,
+        wheels: None,
     };
     let off = given.begin().knobs.swap_remove(template);
     let at = Solution {

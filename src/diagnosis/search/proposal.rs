@@ -342,6 +342,13 @@ impl Proposal {
         }
     }
 
+    /// Takes a term out of a law.
+    pub fn without_term(&mut self, place: usize) {
+        let knob = self.knobs.remove(place);
+        self.stability.remove(place);
+        self.steps.retain(|(other, _)| *other != knob);
+    }
+
     /// Logarithm of its prior beside that of an effect of the catalogue.
     #[must_use]
     pub fn log_prior(&self) -> f64 {

@@ -3,14 +3,16 @@
 use super::proposal::{Kind, Proposal};
 use super::stage::{CLOSE, Stage};
 use super::{Member, NOTHING};
-use crate::diagnosis::hypothesis::Given;
-use crate::diagnosis::hypothesis::likelihood::{Tuned, tune};
+use crate::diagnosis::hypothesis::likelihood::{Tuned, scattered, tune};
+use crate::diagnosis::hypothesis::{Given, What};
 use crate::diagnosis::screening::screen::Projection;
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
 
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
+/// A term of a law stays that is so many standard errors from none.
+const SURE_TERM: f64 = 2.0;
 
 /// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
 /// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to.
@@ -45,7 +47,61 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
             Err(_) => index += 1,
         }
     }
+    trim_laws(stage, members, by, ratio);
     members.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+}
+
+/// Takes terms out of laws that are less than so many standard errors from none. The likelihood takes segments for
+/// independent; what pulls some of them one way and others the other is worth less than it says.
+fn trim_laws(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
+    let mut index = 0;
+    while index < members.len() {
+        let law = &members[index].proposal;
+        let doubtful = doubtful_term(&stage.given, &stage.tuned, law, by);
+        let Some(place) = doubtful else {
+            index += 1;
+            continue;
+        };
+        let term = Proposal {
+            knobs: vec![law.knobs[place]],
+            ..law.clone()
+        };
+        let (given, Ok(without)) = without(stage, &term, by) else {
+            index += 1;
+            continue;
+        };
+        let member = &mut members[index];
+        member.gain -= ratio * (without.surprise - stage.tuned.surprise);
+        member.proposal.without_term(place);
+        if member.proposal.knobs.is_empty() {
+            members.remove(index);
+        }
+        stage.given = given;
+        stage.tuned = without;
+    }
+}
+
+/// Place of a law's term that is least sure, if it is not sure.
+fn doubtful_term(given: &Given, tuned: &Tuned, law: &Proposal, by: &Weighing) -> Option<usize> {
+    if law.kind() != Kind::Law {
+        return None;
+    }
+    let covariance = scattered(given, tuned, by);
+    let predictor = given.predictor(&tuned.knobs);
+    let problem = given.problem(&predictor, &tuned.knobs);
+    let mut sure = vec![0.0_f64; law.knobs.len()];
+    given.visit(&problem, &tuned.knobs, |unknown, recording, what| {
+        let What::Knob(knob) = what else { return };
+        let Some(place) = law.knobs.iter().position(|other| *other == knob) else {
+            return;
+        };
+        let off = given.candidates.knobs[knob].parameter.prior_coordinate();
+        let size = (tuned.solution.knobs[recording][knob] - off).abs();
+        let errors = size / covariance[(unknown, unknown)].max(0.0).sqrt();
+        sure[place] = sure[place].max(errors);
+    });
+    let least = (0..sure.len()).min_by(|a, b| sure[*a].total_cmp(&sure[*b]))?;
+    (sure[least] < SURE_TERM).then_some(least)
 }
 
 /// The hypothesis without something that was found, and the given model without its place.
@@ -102,31 +158,39 @@ fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
 mod tests {
     use super::super::stage::tests::retuned;
     use super::*;
+    use crate::diagnosis::Subject;
+    use crate::diagnosis::hypothesis::candidate::Knob;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::effects::ParameterName;
+    use crate::effects::{CATALOGUE, ParameterName};
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
     use nalgebra::DVector;
 
-    /// Soil that differs left and right as the only finding, said to have gained so much on a drive of this model.
-    fn left(truth: &Specification, gain: f64) -> (Vec<Member>, Vec<usize>) {
+    /// What stays of a finding of these numbers and so much gain on a drive of this model, and the numbers that are on.
+    fn left(truth: &Specification, names: &[&str], gain: f64) -> (Vec<Member>, Vec<String>) {
         let nominal =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
         let recordings = [driven(truth, "spiral")];
         let (mut stage, by) = retuned(&nominal, &recordings);
-        let candidates = &stage.given.candidates;
-        let is = |subject: &&crate::diagnosis::Subject| subject.name() == "left_right_soil";
-        let subject = *candidates.subjects.iter().find(is).unwrap();
-        let knobs: Vec<usize> = candidates.of(subject).collect();
+        let all = stage.given.candidates.knobs.clone();
+        let whole = |knob: &Knob| format!("{}.{}", CATALOGUE[knob.effect].name, knob.name);
+        let named = |name: &&str| all.iter().position(|knob| whole(knob) == *name).unwrap();
+        let knobs: Vec<usize> = names.iter().map(named).collect();
+        let law = names[0].starts_with("residual_");
+        let subject = if law {
+            Subject::Unknown
+        } else {
+            Subject::Effect(all[knobs[0]].effect)
+        };
         stage.tuned = tune(&stage.given, &knobs, &stage.tuned.solution, &by).unwrap();
         let proposal = Proposal {
             subject,
+            stability: vec![1.0; if law { knobs.len() } else { 0 }],
             knobs,
             extent: None,
             steps: Vec::new(),
             evidence: gain,
             price: 0.0,
-            stability: Vec::new(),
             soil: DVector::zeros(0),
             hidden: false,
             anew: false,
@@ -138,22 +202,41 @@ mod tests {
             rivals,
         }];
         prune(&mut stage, &mut members, &by, 1.0);
-        (members, stage.tuned.knobs)
+        let on = stage.tuned.knobs.iter().map(|knob| whole(&all[*knob]));
+        (members, on.collect())
     }
 
     #[test]
     fn what_gained_by_another_soil_alone_is_left_out() {
         let plain =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
-        let (members, knobs) = left(&plain, 26.0);
+        let ratio = "left_right_soil.ratio";
+        let (members, knobs) = left(&plain, &[ratio], 26.0);
         assert!(members.is_empty() && knobs.is_empty());
         let mut truth = plain;
-        let ratio = ParameterName::find("left_right_soil.ratio").unwrap();
-        truth.effects.set(ratio, 0.6).unwrap();
+        let name = ParameterName::find(ratio).unwrap();
+        truth.effects.set(name, 0.6).unwrap();
         let gain = 1e6;
-        let (members, knobs) = left(&truth, gain);
+        let (members, knobs) = left(&truth, &[ratio], gain);
         assert!(members.len() == 1 && !knobs.is_empty());
         // Nothing was found since that may explain a part of it.
         assert_eq!(members[0].gain, gain);
+    }
+
+    #[test]
+    fn terms_of_a_law_that_are_not_sure_are_left_out() {
+        let mut truth =
+            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let terms = [
+            "residual_longitudinal.constant",
+            "residual_yaw.speed_squared",
+        ];
+        let pull = ParameterName::find(terms[0]).unwrap();
+        truth.effects.set(pull, 0.03).unwrap();
+        let (members, knobs) = left(&truth, &terms, 1e6);
+        assert_eq!(knobs, terms[..1]);
+        assert_eq!(members[0].proposal.knobs.len(), 1);
+        assert_eq!(members[0].proposal.stability.len(), 1);
+        assert!(members[0].gain > 20.0);
     }
 }
