@@ -44,8 +44,8 @@ impl Drive {
     }
 
     /// The drive between whose samples is what they tell, smoothed so much (see [`knots`]): as means from the middle of
-    /// each interval between rows to the middle of the next where they were `counted`, as encoders do, so that the
-    /// wheels' angle is kept; as values at their times otherwise.
+    /// each interval between rows to the middle of the next where they were `counted`, as encoders do (unsmoothed,
+    /// the wheels' angle is kept so); as values at their times otherwise.
     #[must_use]
     pub fn reconstructed(mut self, counted: bool, smoothing: f64) -> Self {
         for side in [&mut self.omega_left, &mut self.omega_right] {

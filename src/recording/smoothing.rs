@@ -4,6 +4,9 @@
 //! second differences of a curve that is straight between its knots: least squares of what the samples say and of the
 //! bends, in a band of five diagonals.
 
+/// An interval of so many usual ones is a gap.
+const LONG: f64 = 2.0;
+
 /// One equation of three neighbouring unknowns, the first of them, with its weight.
 struct Row {
     first: usize,
@@ -13,9 +16,10 @@ struct Row {
 }
 
 /// Values between which straight lines come close to the samples without bending much: sum (sample - line)^2 +
-/// `smoothing` h^4 sum (bend)^2, h the usual interval. A sample is the line's value at its time, or, where they are
-/// `means`, its mean from the middle of the interval before to the middle of the next (the ends are values all the same).
-/// Without smoothing they are met.
+/// `smoothing` h^3 times the integral of (bend)^2, h the usual interval (so the sum of squared second differences where all
+/// are alike). A sample is the line's value at its time, or, where they are `means`, its mean from the middle of the interval
+/// before to the middle of the next (but at the ends and beside intervals that are more than twice as long as usual, where
+/// nobody knows how long was counted). Without smoothing they are met.
 #[must_use]
 pub fn knots(time: &[f64], samples: &[f64], means: bool, smoothing: f64) -> Vec<f64> {
     let count = samples.len();
@@ -24,7 +28,7 @@ pub fn knots(time: &[f64], samples: &[f64], means: bool, smoothing: f64) -> Vec<
     }
     let interval = |row: usize| time[row + 1] - time[row];
     let mut intervals: Vec<f64> = (0..count - 1).map(interval).collect();
-    let (_, usual, _) = intervals.select_nth_unstable_by((count - 1) / 2, f64::total_cmp);
+    let (_, &mut usual, _) = intervals.select_nth_unstable_by((count - 1) / 2, f64::total_cmp);
     let bends = smoothing * usual.powi(3);
     let end = |row: usize| {
         let first = row.min(count - 3);
@@ -40,7 +44,7 @@ pub fn knots(time: &[f64], samples: &[f64], means: bool, smoothing: f64) -> Vec<
     let inner = (1..count - 1).flat_map(|row| {
         let (before, after) = (interval(row - 1), interval(row));
         let both = before + after;
-        let told = if means {
+        let told = if means && before.max(after) <= LONG * usual {
             // Of trapezia over half an interval on either side.
             [before / (4.0 * both), 0.75, after / (4.0 * both)]
         } else {
@@ -125,7 +129,8 @@ mod tests {
                     continue;
                 }
                 let (before, after) = (TIMES[row] - TIMES[row - 1], TIMES[row + 1] - TIMES[row]);
-                if means {
+                // 0.1 s is just not too long, but for the last bits.
+                if means && before.max(after) <= 0.1 {
                     left[(row, row)] = 0.75;
                     left[(row, row - 1)] = 0.25 * before / (before + after);
                     left[(row, row + 1)] = 0.25 * after / (before + after);

@@ -51,6 +51,15 @@ impl Member {
         }
     }
 
+    /// Its own odds are less by so much than when it was found; the rest stays as likely as it was.
+    pub fn lose(&mut self, odds: f64) {
+        for (other, own) in &mut self.rivals {
+            if *other == self.proposal.subject {
+                *own -= odds;
+            }
+        }
+    }
+
     /// A law that was ahead of a name has turned out to be behind by so much.
     pub fn outdo_law(&mut self, advantage: f64) {
         let subject = self.proposal.subject;

@@ -122,12 +122,14 @@ impl<'a> Path<'a> {
         }
         progress.step("what can be left out again")?;
         let ratio = self.on_all(1.0);
-        let before = self.members.clone();
+        let (before, knobs) = (self.members.clone(), self.stage.tuned.knobs.clone());
         prune(&mut self.stage, &mut self.members, &self.by, ratio);
-        if self.members.is_empty() && !before.is_empty() {
+        if self.members.is_empty() {
             let rivals = before.into_iter().flat_map(|member| member.rivals);
             let refused = rivals.map(|(subject, odds)| (subject, odds.min(0.0)));
             self.refused.extend(refused);
+        }
+        if self.stage.tuned.knobs != knobs {
             let Stage { given, tuned, .. } = self.stage;
             self.stage = look(given, tuned, &mut self.by, options, progress)?;
         }
@@ -247,10 +249,10 @@ impl<'a> Path<'a> {
         let all = self.members.iter().map(|m| &m.proposal);
         let all: Vec<_> = all.map(|p| (p.subject, p.knobs.clone())).collect();
         for (subject, knobs) in all {
-            // Two may be without a name.
+            // Two may be without a name, one of them with fewer terms than when it was found.
+            let has = |proposal: &Proposal| knobs.iter().all(|k| proposal.knobs.contains(k));
             let is = |proposal: &Proposal| {
-                proposal.subject == subject
-                    && (subject != Subject::Unknown || proposal.knobs == knobs)
+                proposal.subject == subject && (subject != Subject::Unknown || has(proposal))
             };
             let mut members = self.members.iter();
             let place = members.position(|member| is(&member.proposal));

@@ -47,13 +47,16 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
             Err(_) => index += 1,
         }
     }
-    trim_laws(stage, members, by, ratio);
+    // A part tells less of how sure they are.
+    if ratio == 1.0 {
+        trim_laws(stage, members, by);
+    }
     members.sort_by(|a, b| b.gain.total_cmp(&a.gain));
 }
 
 /// Takes terms out of laws that are less than so many standard errors from none. The likelihood takes segments for
 /// independent; what pulls some of them one way and others the other is worth less than it says.
-fn trim_laws(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
+fn trim_laws(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
     let mut index = 0;
     while index < members.len() {
         let law = &members[index].proposal;
@@ -70,8 +73,15 @@ fn trim_laws(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
             index += 1;
             continue;
         };
+        let lost = without.surprise - stage.tuned.surprise;
+        // So it is where the way without it gets lost.
+        if lost.is_nan() || lost >= SURELY * (NOTHING - term.log_prior()) {
+            index += 1;
+            continue;
+        }
         let member = &mut members[index];
-        member.gain -= ratio * (without.surprise - stage.tuned.surprise);
+        member.lose(lost + term.log_prior());
+        member.gain -= lost;
         member.proposal.without_term(place);
         if member.proposal.knobs.is_empty() {
             members.remove(index);

@@ -13,7 +13,7 @@ use crate::diagnosis::hypothesis::{Given, Wheels};
 use crate::fit::problem::Weighing;
 use std::sync::Arc;
 
-/// What is tried: of the quickest wave that samples tell 1/(1 + 16 s) stays, of one of four samples 1/(1 + 4 s).
+/// What is tried: of values' quickest wave 1/(1 + 16 s) stays, of one of four samples 1/(1 + 4 s).
 const SMOOTHINGS: [f64; 5] = [0.0, 0.1, 0.4, 1.6, 6.4];
 
 /// The re-tuned model with the wheels' speeds between samples such that the recordings are likeliest.
@@ -32,7 +32,7 @@ pub fn reconstructed<'a>(given: &Given<'a>, tuned: Tuned, by: &mut Weighing) -> 
                 let fitted = tune(&other, &tuned.knobs, &begin.solution, by);
                 (other, fitted)
             };
-            let Ok(fitted) = fitted else { break };
+            let Ok(fitted) = fitted else { continue };
             if fitted.surprise >= least {
                 break;
             }
