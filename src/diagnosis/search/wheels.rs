@@ -15,19 +15,22 @@ use std::sync::Arc;
 
 /// What is tried: of values' quickest wave 1/(1 + 16 s) stays, of one of four samples 1/(1 + 4 s).
 const SMOOTHINGS: [f64; 5] = [0.0, 0.1, 0.4, 1.6, 6.4];
+/// Log odds that smoothing has to outweigh: speeds that nobody counted are as they are told.
+const UNLIKELY: f64 = 3.0;
 
 /// The re-tuned model with the wheels' speeds between samples such that the recordings are likeliest.
 #[must_use]
 pub fn reconstructed<'a>(given: &Given<'a>, tuned: Tuned, by: &mut Weighing) -> (Given<'a>, Tuned) {
-    let mut best: Option<(Given, Tuned)> = None;
+    let mut best: Option<(Given, Tuned, f64)> = None;
     for counted in [false, true] {
         let mut least = f64::INFINITY;
         for smoothing in SMOOTHINGS {
+            let price = if smoothing > 0.0 { UNLIKELY } else { 0.0 };
             let as_it_is = !counted && smoothing == 0.0;
             let (other, fitted) = if as_it_is {
                 (given.clone(), Ok(tuned.clone()))
             } else {
-                let begin = best.as_ref().map_or(&tuned, |(_, tuned)| tuned);
+                let begin = best.as_ref().map_or(&tuned, |(_, tuned, _)| tuned);
                 let other = with_wheels(given, counted, smoothing);
                 let fitted = tune(&other, &tuned.knobs, &begin.solution, by);
                 (other, fitted)
@@ -37,12 +40,12 @@ pub fn reconstructed<'a>(given: &Given<'a>, tuned: Tuned, by: &mut Weighing) -> 
                 break;
             }
             least = fitted.surprise;
-            if best.as_ref().is_none_or(|(_, best)| least < best.surprise) {
-                best = Some((other, fitted));
+            if best.as_ref().is_none_or(|(.., best)| least + price < *best) {
+                best = Some((other, fitted, least + price));
             }
         }
     }
-    let Some((mut given, fitted)) = best else {
+    let Some((mut given, fitted, _)) = best else {
         return (given.clone(), tuned);
     };
     let Some(wheels) = &mut given.wheels else {
