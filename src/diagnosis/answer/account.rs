@@ -2,8 +2,9 @@
 
 use super::findings::likeliest_first;
 use crate::diagnosis::Options;
+use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::maps::Maps;
-use crate::diagnosis::hypothesis::{Given, Wheels};
+use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::diagnosis::outcome::Account;
 use crate::diagnosis::search::Searched;
 use crate::effects::Extent;

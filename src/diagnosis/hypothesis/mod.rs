@@ -8,6 +8,7 @@ pub mod maps;
 pub mod part;
 pub mod prepare;
 pub mod refitted;
+pub mod wheels;
 
 use crate::effects::ParameterName;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
@@ -22,6 +23,7 @@ use crate::vehicle::{Parameter, Specification};
 use candidate::{Candidates, Target};
 use maps::Maps;
 use nalgebra::DVector;
+use wheels::Wheels;
 
 /// Errors of the integration in a step, in units of the usual ones, where sensors scatter by these: over a segment they
 /// come to a few tenths of a millimetre and of a milliradian, and a fit takes two thirds of the time.
@@ -63,17 +65,6 @@ pub struct Given<'a> {
     pub wheels: Option<Wheels>,
     /// Errors of the integration in a step, in units of the usual ones.
     pub tolerance: f64,
-}
-
-/// What the wheels did between two samples of their speeds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wheels {
-    /// Whether samples are means over the time between them.
-    pub counted: bool,
-    /// How much they are smoothed, see [`crate::recording::Drive::reconstructed`].
-    pub smoothing: f64,
-    /// By how much log evidence the recordings are likelier so than with straight lines from sample to sample.
-    pub likelier: f64,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.

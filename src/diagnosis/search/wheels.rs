@@ -8,8 +8,9 @@
 //! trail by a part of an interval mix neighbouring samples, which smooths, and would be told as late for that alone.
 //! Both are therefore tried with more and more smoothing, as long as the recordings become likelier.
 
+use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::likelihood::{Tuned, tune, tune_with_noise};
-use crate::diagnosis::hypothesis::{Given, Wheels};
+use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::fit::problem::Weighing;
 use std::sync::Arc;
 
