@@ -43,9 +43,10 @@ impl Drive {
         [self.omega_left[row], self.omega_right[row]]
     }
 
-    /// The drive between whose samples is what they tell, smoothed so much (see [`knots`]): as means from the middle of
-    /// each interval between rows to the middle of the next where they were `counted`, as encoders do (unsmoothed,
-    /// the wheels' angle is kept so); as values at their times otherwise.
+    /// The drive between whose samples is what they tell: as means from the middle of each interval between rows to the
+    /// middle of the next where they were `counted`, as encoders do (unsmoothed, the wheels' angle is kept so); as
+    /// values at their times otherwise. `smoothing` is the weight of the squared second differences beside that of the
+    /// squared distances from the samples, for evenly spaced ones (Whittaker's smoother).
     #[must_use]
     pub fn reconstructed(mut self, counted: bool, smoothing: f64) -> Self {
         for side in [&mut self.omega_left, &mut self.omega_right] {
