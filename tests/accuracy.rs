@@ -8,9 +8,12 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use ugv_terrain::contact::{Regularisation, Resolution};
+use ugv_terrain::effects::ParameterName;
 use ugv_terrain::simulation::{Simulation, State};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Balance, BalanceError, Motion, Vehicle, VehicleModel, Wrench};
+use ugv_terrain::vehicle::{
+    Balance, BalanceError, Motion, Specification, Vehicle, VehicleModel, Wrench,
+};
 
 const DENSE: Resolution = Resolution {
     arc: 96,
@@ -222,6 +225,58 @@ fn a_lifting_wheel_finds_its_balance() {
         }
         previous = Some(cold.a_y);
     }
+}
+
+#[test]
+fn a_wheel_that_touches_down_on_cohesive_soil_finds_its_balance() {
+    // Wheels that dig in as they slip, on stiff clay, turning hard: at its first newtons a wheel pulls several times what it
+    // carries, and Newton's steps go to and fro between touching and lifted.
+    let soil = Terrain {
+        cohesion: 42_594.0,
+        friction_angle: 44.1068_f64.to_radians(),
+        cohesive_modulus: 5_638.0,
+        frictional_modulus: 2.786_5e6,
+        sinkage_exponent: 0.168_48,
+        shear_modulus: 0.007_905_3,
+    };
+    let mut specification = Specification::plain(Vehicle::tran2007(), soil);
+    let growth = ParameterName::find("slip_sinkage.exponent_growth").unwrap();
+    specification.effects.set(growth, 0.492_33).unwrap();
+    let model = VehicleModel::from_specification(&specification).unwrap();
+    let motion = Motion {
+        v_x: 0.335_604,
+        v_y: 0.041_859,
+        yaw_rate: -0.495_995,
+        omega_left: 8.479_9,
+        omega_right: -0.397_6,
+    };
+    let cold = wrench(&model, &motion);
+    let loads: f64 = cold.wheels.iter().map(|wheel| wheel.load).sum();
+    assert!((loads - 490.0 * 9.81).abs() < 1e-2, "{loads}");
+    // The same as led there from a motion that is easily balanced.
+    let mut warm = Balance::new(&model);
+    for step in 0..=1000 {
+        let share = f64::from(step) / 1000.0;
+        let on_the_way = Motion {
+            omega_left: 2.0 + (motion.omega_left - 2.0) * share,
+            ..motion
+        };
+        model.solve(&on_the_way, &mut warm).unwrap();
+    }
+    let mut led = cold.clone();
+    warm.wrench(&model, &motion, &mut led);
+    assert!(
+        (cold.a_x - led.a_x).abs() < 1e-3,
+        "{} {}",
+        cold.a_x,
+        led.a_x
+    );
+    assert!(
+        (cold.a_y - led.a_y).abs() < 1e-3,
+        "{} {}",
+        cold.a_y,
+        led.a_y
+    );
 }
 
 #[test]

@@ -56,6 +56,9 @@ const MAX_ITERATIONS: usize = 60;
 /// So many steps are taken whole, and then none shorter than this share.
 const UNDAMPED_ITERATIONS: usize = 6;
 const SHORTEST_DAMPING: f64 = 1e-9;
+/// Steps of accelerations that trail the forces at most, and how many times the mass they trail by at first.
+const MAX_TRAILING_STEPS: usize = 100;
+const TRAILING: f64 = 20.0;
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
 pub(super) const MAX_LOG_STEP: f64 = 0.7;
 /// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
@@ -106,7 +109,8 @@ impl VehicleModel {
         let mut last = [0.0; 2];
         for iteration in 0..MAX_ITERATIONS {
             self.evaluate(motion, prepared, balance, detail);
-            let step = self.acceleration_step(prepared, balance);
+            let (matrix, residual) = self.acceleration_system(prepared, balance);
+            let step = solve_2x2(matrix, residual);
             if !step.iter().all(|v| v.is_finite()) {
                 balance.reset();
                 return Err(BalanceError::NotFinite(*motion));
@@ -140,7 +144,64 @@ impl VehicleModel {
         }
         let outcome = balance.check_bogged(ENTRY_ANGLE_RANGE.1);
         balance.reset();
+        outcome.and_then(|()| self.settle(motion, prepared, balance))
+    }
+
+    /// Finds the balance where Newton's steps go to and fro: a wheel that touches down on cohesive soil pulls several
+    /// times what it carries, so that near its first newtons they lead away.
+    ///
+    /// Follows the accelerations as if they trailed the forces, with ever larger steps of that time (pseudo-transient
+    /// continuation, C. T. Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998)), the entry angles balanced in each.
+    fn settle(
+        &self,
+        motion: &Motion,
+        prepared: Option<&Prepared>,
+        balance: &mut Balance,
+    ) -> Result<(), BalanceError> {
+        let mass = self.mass(prepared);
+        let lightest = self.lightest_load(prepared);
+        let mut first = f64::NAN;
+        for _ in 0..MAX_TRAILING_STEPS {
+            for _ in 0..MAX_ITERATIONS {
+                self.evaluate(motion, prepared, balance, Detail::Full);
+                if balance.advance(lightest) < STEP_TOLERANCE {
+                    break;
+                }
+            }
+            let (mut matrix, residual) = self.acceleration_system(prepared, balance);
+            let step = solve_2x2(matrix, residual);
+            let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
+            let left = residual[0].hypot(residual[1]);
+            first = if first.is_nan() { left } else { first };
+            let trailing = mass * TRAILING * (left / first).min(1.0);
+            matrix[0][0] += trailing;
+            matrix[1][1] += trailing;
+            let step = if settled {
+                step
+            } else {
+                solve_2x2(matrix, residual)
+            };
+            if !step.iter().all(|v| v.is_finite()) {
+                balance.reset();
+                return Err(BalanceError::NotFinite(*motion));
+            }
+            balance.acceleration[0] += step[0];
+            balance.acceleration[1] += step[1];
+            balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
+            let longest = balance.advance(lightest);
+            if settled && longest < STEP_TOLERANCE {
+                balance.fade_light_wheels();
+                return balance.check_bogged(FRAC_PI_2);
+            }
+        }
+        let outcome = balance.check_bogged(ENTRY_ANGLE_RANGE.1);
+        balance.reset();
         outcome.and(Err(BalanceError::NotConverged(*motion)))
+    }
+
+    /// Mass of the vehicle with what it carries \[kg\].
+    fn mass(&self, prepared: Option<&Prepared>) -> f64 {
+        prepared.map_or(self.vehicle().mass, |at| at.chassis.mass)
     }
 
     /// Load \[N\] below which a wheel's forces fade in proportion to it, a thousandth of the
@@ -235,9 +296,13 @@ impl VehicleModel {
         self.contact().forces(simd, &local, entry, detail)
     }
 
-    /// Newton's step of a_X and a_Y, all entry angles following their loads.
-    fn acceleration_step(&self, prepared: Option<&Prepared>, balance: &Balance) -> [f64; 2] {
-        let mass = prepared.map_or(self.vehicle().mass, |at| at.chassis.mass);
+    /// Matrix and right side of Newton's step of a_X and a_Y, all entry angles following their loads.
+    fn acceleration_system(
+        &self,
+        prepared: Option<&Prepared>,
+        balance: &Balance,
+    ) -> ([[f64; 2]; 2], [f64; 2]) {
+        let mass = self.mass(prepared);
         let [a_x, a_y] = balance.acceleration;
         let mut residual = [-mass * a_x, -mass * a_y];
         let mut matrix = [[mass, 0.0], [0.0, mass]];
@@ -269,7 +334,7 @@ impl VehicleModel {
                 matrix[row][1] -= by_load[row] * load[2];
             }
         }
-        solve_2x2(matrix, residual)
+        (matrix, residual)
     }
 }
 
