@@ -19,9 +19,10 @@ pub struct Terrain {
     pub shear_modulus: f64,
 }
 
-/// Bounds of each soil parameter; the angle in degrees, as users write it.
+/// Bounds of each soil parameter; the angle in degrees, as users write it. Angles above 60 deg, which no soil has, would
+/// pull a wheel with more than 1.7 times its load: the load transfer of most vehicles has no balance with that.
 const COHESION: Bounds = Bounds::closed("cohesion", "Pa", 0.0, 1e8);
-const FRICTION_ANGLE: Bounds = Bounds::half_open("friction_angle_deg", "deg", 0.0, 90.0);
+const FRICTION_ANGLE: Bounds = Bounds::closed("friction_angle_deg", "deg", 0.0, 60.0);
 const COHESIVE_MODULUS: Bounds = Bounds::closed("cohesive_modulus", "N/m^(n+1)", -1e9, 1e12);
 const FRICTIONAL_MODULUS: Bounds = Bounds::closed("frictional_modulus", "N/m^(n+2)", 0.0, 1e12);
 const SINKAGE_EXPONENT: Bounds = Bounds::open_low("sinkage_exponent", "1", 0.0, 3.0);

@@ -142,14 +142,25 @@ impl Failure {
                 Some("name a place in a folder that is there and can be written".into())
             }
             Self::Simulation(SimulationError::Balance {
-                source: BalanceError::Bogged { .. },
+                source: BalanceError::Bogged { load, bearing, .. },
                 ..
-            }) => Some(
+            }) => Some(if bearing > load {
+                "let the wheels slip less there (brake or turn more gently), or take a soil with less cohesion or a larger \
+                 frictional_modulus; nothing was written".into()
+            } else {
                 "take a firmer terrain (a larger frictional_modulus), a lighter vehicle, or larger or \
                  wider wheels; nothing was written"
-                    .into(),
-            ),
-            Self::Simulation(SimulationError::Balance { .. } | SimulationError::StepTooSmall { .. }) => Some(
+                    .into()
+            }),
+            Self::Simulation(
+                SimulationError::StepTooSmall { suspect: Some(_), .. }
+                | SimulationError::TooStiff { suspect: Some(_), .. },
+            ) => Some("take a usual value for that parameter; nothing was written".into()),
+            Self::Simulation(
+                SimulationError::Balance { .. }
+                | SimulationError::StepTooSmall { .. }
+                | SimulationError::TooStiff { .. },
+            ) => Some(
                 "look for a jump or an outlier in the wheel speeds at that time; nothing was written".into(),
             ),
             _ => None,

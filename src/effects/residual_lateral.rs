@@ -13,16 +13,16 @@ effect! {
     equation "F_Y += m g (constant + direction s(V_Y) + sideways w + sideways_squared w|w| + turning q + turning_squared q|q| + speed_turning u q + slip p + north cos psi - east sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_R - omega_L) / 2 - Omega B) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x)",
     source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
     {
-        constant ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A steady push to the left";
-        direction ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the direction of the lateral speed, as dry friction (negative)";
-        sideways ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the lateral speed";
-        sideways_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the lateral speed";
-        turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the yaw rate";
-        turning_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the yaw rate";
-        speed_turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the speed times the yaw rate, as a centrifugal force";
-        slip ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the rims' difference in speed that does not turn the vehicle";
-        east ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A push towards the east";
-        north ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A push towards the north";
+        constant ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A steady push to the left";
+        direction ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the direction of the lateral speed, as dry friction (negative)";
+        sideways ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the lateral speed";
+        sideways_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the square of the lateral speed";
+        turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the yaw rate";
+        turning_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the square of the yaw rate";
+        speed_turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the speed times the yaw rate, as a centrifugal force";
+        slip ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the rims' difference in speed that does not turn the vehicle";
+        east ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the east";
+        north ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the north";
     }
 }
 

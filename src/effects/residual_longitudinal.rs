@@ -13,18 +13,18 @@ effect! {
     equation "F_X += m g (constant + direction s(V_X) + speed u + speed_squared u|u| + turning s(V_X)|q| + turning_squared s(V_X) q^2 + speed_turning u|q| + sideways_turning w q + slip p + slip_squared p|p| + east cos psi + north sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_L + omega_R) / 2 - V_X) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x)",
     source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
     {
-        constant ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A steady push ahead";
-        direction ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the direction of travel, as dry friction (negative)";
-        speed ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the speed";
-        speed_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the speed";
-        turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "In the direction of travel, with the yaw rate's size";
-        turning_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "In the direction of travel, with the square of the yaw rate";
-        speed_turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the speed times the yaw rate's size";
-        sideways_turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the lateral speed times the yaw rate, as an added mass";
-        slip ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the rims' mean speed over the ground";
-        slip_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the rims' mean speed over the ground";
-        east ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A push towards the east";
-        north ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A push towards the north";
+        constant ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A steady push ahead";
+        direction ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the direction of travel, as dry friction (negative)";
+        speed ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the speed";
+        speed_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the square of the speed";
+        turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "In the direction of travel, with the yaw rate's size";
+        turning_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "In the direction of travel, with the square of the yaw rate";
+        speed_turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the speed times the yaw rate's size";
+        sideways_turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the lateral speed times the yaw rate, as an added mass";
+        slip ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the rims' mean speed over the ground";
+        slip_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the square of the rims' mean speed over the ground";
+        east ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the east";
+        north ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the north";
     }
 }
 

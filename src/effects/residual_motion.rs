@@ -68,12 +68,18 @@ impl<S: Scalar> ResidualMotion<S> {
     }
 }
 
-/// Sum of features times coefficients.
+/// Share of the vehicle's weight (of m g B for a moment) that a law without a name is worth at most: outside the motion
+/// that it was fitted to, a force that grows with the speed would drive itself.
+const LARGEST_SHARE: f64 = 1.0;
+
+/// Sum of features times coefficients, within [`LARGEST_SHARE`].
 pub(super) fn weighted<S: Scalar, const N: usize>(coefficients: [S; N], features: [S; N]) -> S {
     let pairs = coefficients.into_iter().zip(features);
-    pairs.fold(S::constant(0.0), |sum, (coefficient, feature)| {
+    let sum = pairs.fold(S::constant(0.0), |sum, (coefficient, feature)| {
         sum + coefficient * feature
-    })
+    });
+    let (low, high) = (S::constant(-LARGEST_SHARE), S::constant(LARGEST_SHARE));
+    low.most(high.least(sum))
 }
 
 #[cfg(test)]
@@ -109,6 +115,14 @@ pub(super) mod tests {
             [at.ahead, at.aside, at.turn, at.slip, at.turn_slip],
             [0.61319, 0.08176, -0.09974, 0.12264, 0.01799],
         );
+    }
+
+    #[test]
+    fn no_law_is_worth_more_than_the_weight() {
+        let sum = |coefficients: [f64; 2]| weighted(coefficients, [10.0, 1.0]);
+        assert_eq!(sum([0.05, 0.25]), 0.75);
+        assert_eq!((sum([0.3, 0.0]), sum([-0.3, 0.0])), (1.0, -1.0));
+        assert!(sum([f64::NAN, 0.0]).is_nan());
     }
 
     #[test]

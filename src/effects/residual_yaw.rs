@@ -13,18 +13,18 @@ effect! {
     equation "M_Z += m g B (constant + speed u + speed_squared u|u| + direction s(Omega B) + turning q + turning_squared q|q| + speed_turning |u| q + sideways w + speed_sideways u w + slip p + east cos psi + north sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_R - omega_L) / 2 - Omega B) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x)",
     source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
     {
-        constant ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "A steady moment to the left";
-        speed ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the speed";
-        speed_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the speed";
-        direction ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the direction of the turn, as dry friction (negative)";
-        turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the yaw rate";
-        turning_squared ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the square of the yaw rate";
-        speed_turning ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the yaw rate times the speed's size";
-        sideways ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the lateral speed";
-        speed_sideways ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the speed times the lateral speed, as a wing's moment";
-        slip ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the rims' difference in speed that does not turn the vehicle";
-        east ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the cosine of the heading";
-        north ["1"] -1.0..1.0, off 0.0, normal(0.0, 0.05), "With the sine of the heading";
+        constant ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A steady moment to the left";
+        speed ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the speed";
+        speed_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the square of the speed";
+        direction ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the direction of the turn, as dry friction (negative)";
+        turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the yaw rate";
+        turning_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the square of the yaw rate";
+        speed_turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the yaw rate times the speed's size";
+        sideways ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the lateral speed";
+        speed_sideways ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the speed times the lateral speed, as a wing's moment";
+        slip ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the rims' difference in speed that does not turn the vehicle";
+        east ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the cosine of the heading";
+        north ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the sine of the heading";
     }
 }
 

@@ -13,7 +13,8 @@ effect! {
     /// the contact of angle L (theta_1, and with `elastic_rebound` theta_2 behind the axle besides; a Galerkin closure with the
     /// steady profile, whose mean over the contact is J L / 2) the equation is dJ/dt = 2/(s L) (V - abs(omega) J) with V = V_X, V_Y, Omega,
     /// r omega: exact in the steady state and for the mean displacement of a locked wheel, of first
-    /// order in between. Soil sheared beyond 10 K slides on without storing more.
+    /// order in between. Soil sheared beyond 10 K slides on without storing more. A scale below 0.01 counts as 0.01: the
+    /// displacement then follows within 0.4 ms at 5 rad/s.
     TransientShear: "transient_shear", Physics,
     lifts "velocities constant while a point of the rim is in contact",
     equation "dJ/dt = 2/(s L) (V - abs(omega) J), j as in (14) with J for V/abs(omega), L the angle of contact, theta_1 or theta_1 + theta_2; what is sheared beyond 10 K stores no more",
@@ -25,6 +26,10 @@ effect! {
 
 /// Displacement in units of K beyond which the shear is mobilised to 5e-5 and nothing is stored.
 pub const LONGEST: f64 = 10.0;
+
+/// Scale of the relaxation length that is followed at the shortest. At 0.01, 0.003 and 0.001 a drive of 3 s with a turn
+/// and a reversal ends within 0.2 mm; the cost grows with its inverse.
+const SHORTEST: f64 = 0.01;
 
 /// What the shear displacement of a wheel is made of; in the steady state the velocities over
 /// abs(omega).
@@ -53,7 +58,7 @@ impl<S: Scalar> TransientShear<S> {
         shear_modulus: S,
     ) -> Displacement<S> {
         let half_arc = arc.scale(0.5);
-        let scale = self.relaxation * half_arc;
+        let scale = self.relaxation.most(half_arc.like(SHORTEST)) * half_arc;
         let stored = displacement.forward - displacement.rim;
         let slip = drive.forward - drive.rim;
         // The mean displacement in units of the longest one, and the speed that slides past it.

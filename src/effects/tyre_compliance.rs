@@ -15,12 +15,16 @@ effect! {
     /// I = 2 times the integral of (1-u^2)^n from 1/2 to 1, the stress (3) over a flat arc, front and rear: the tyre sinks no
     /// deeper, and more load makes its contact longer. Where n is small the circle may be many million times as
     /// large as the wheel. z* is that of untouched soil without slip: `slip_sinkage` and ruts do not move it.
+    ///
+    /// The contact of a soft tyre on stiff clay is so large that the whole cohesion would hold it with several times its
+    /// load; no load transfer is in balance with that. Rubber adheres with about half of its pressure (its friction on
+    /// firm ground is 0.8 to 1.2, Wong, ch. 1): the cohesion under a tyre is p / 2 at most.
     TyreCompliance: "tyre_compliance", Physics,
     lifts "rigid wheels",
-    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), W what the normal stress carries",
+    equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), W what the normal stress carries; c = min(c, p / 2)",
     source "rigid limit: Wong, Theory of Ground Vehicles (2001), ch. 2, after Bekker (moderate sinkage, n up to about 1.3); the substitute circle: Schmid, J. Terramechanics 32 (1995)",
     {
-        pressure ["Pa"] 5000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; 2 MPa switches it off: the wheel is then rigid on any ground";
+        pressure ["Pa"] 15000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; 2 MPa switches it off: the wheel is then rigid on any ground";
     }
 }
 
@@ -34,6 +38,15 @@ impl<S: Scalar> TyreCompliance<S> {
         soil.modulus.raised(n.like(1.0) / order) * bracket.raised(twice / order)
     }
 
+    /// The soil as the tyre shears it.
+    pub fn sheared(&self, soil: Soil<S>) -> Soil<S> {
+        let adhesion = self.pressure.scale(ADHESION);
+        Soil {
+            cohesion: soil.cohesion.least(adhesion),
+            ..soil
+        }
+    }
+
     /// The deepest sinkage z* \[m\]: there the tyre is flat.
     pub fn flat_sinkage(&self, soil: &Soil<S>) -> S {
         let n = soil.exponent;
@@ -43,6 +56,9 @@ impl<S: Scalar> TyreCompliance<S> {
         plate * bekker.raised(n.like(2.0) / order)
     }
 }
+
+/// Share of a tyre's pressure with which it adheres to the ground.
+const ADHESION: f64 = 0.5;
 
 /// Terms of the series for I: each is less than a quarter of the one before.
 const TERMS: u32 = 20;
@@ -93,6 +109,16 @@ mod tests {
         }
         // 2 (2/3 - 11/24) = 5/12.
         assert!((support(1.0) - 5.0 / 12.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_soft_tyre_adheres_to_stiff_clay_with_half_its_pressure() {
+        let clay = Soil {
+            cohesion: 68_950.0,
+            ..SAND
+        };
+        let cohesion = |pressure| TyreCompliance { pressure }.sheared(clay).cohesion;
+        assert_eq!([20e3, 100e3, 200e3].map(cohesion), [10e3, 50e3, 68_950.0]);
     }
 
     #[test]

@@ -1,14 +1,12 @@
 //! The parameters of soil, vehicle and effects as the fit sees them: with scale and prior.
 //!
-//! The soil's priors span the mineral soils, from snow and soft sand to asphalt, of which J. Y.
-//! Wong, "Theory of Ground Vehicles" (2001), tables 2.3 and 2.4, and Table I of the paper are
-//! the firm middle. They are wide on purpose: they keep the fit away from nonsense where the
-//! data say nothing, and give way where the data say something. Effects bring their own.
+//! The soil's priors are those of [`USUAL_SOIL`]. They are wide on purpose: they keep the fit away from nonsense where
+//! the data say nothing, and give way where the data say something. Effects bring their own.
 
 use super::parameter::{Parameter, Prior, Scale};
 use crate::effects;
 use crate::spelling::nearest;
-use crate::vehicle::{self, Specification};
+use crate::vehicle::{self, Specification, USUAL_SOIL};
 use std::fmt;
 
 /// Prior and range of a parameter of soil or vehicle; the vehicle's are centred where the
@@ -22,10 +20,14 @@ struct Entry {
     range: (f64, f64),
 }
 
-const fn soil(name: &'static str, median: f64, deviation: f64, range: (f64, f64)) -> Entry {
+const fn soil(name: &'static str, usual: effects::Prior, range: (f64, f64)) -> Entry {
+    let (scale, median, deviation) = match usual {
+        effects::Prior::Normal { mean, deviation } => (Scale::Linear, mean, deviation),
+        effects::Prior::LogNormal { median, deviation } => (Scale::Log, median, deviation),
+    };
     Entry {
         name,
-        scale: Scale::Log,
+        scale,
         median: Some(median),
         deviation,
         range,
@@ -43,15 +45,12 @@ const fn body(name: &'static str, deviation: f64, range: (f64, f64)) -> Entry {
 }
 
 const ENTRIES: [Entry; 12] = [
-    soil("cohesion", 3e3, 1.5, (1.0, 1e6)),
-    Entry {
-        scale: Scale::Linear,
-        ..soil("friction_angle", 0.45, 0.2, (0.005, 1.0))
-    },
-    soil("cohesive_modulus", 1e4, 1.5, (1.0, 1e8)),
-    soil("frictional_modulus", 1.2e6, 1.2, (1e4, 1e9)),
-    soil("sinkage_exponent", 0.6, 0.6, (0.05, 2.0)),
-    soil("shear_modulus", 0.012, 0.8, (5e-4, 0.3)),
+    soil("cohesion", USUAL_SOIL[0], (1.0, 1e6)),
+    soil("friction_angle", USUAL_SOIL[1], (0.005, 1.0)),
+    soil("cohesive_modulus", USUAL_SOIL[2], (1.0, 1e8)),
+    soil("frictional_modulus", USUAL_SOIL[3], (1e4, 1e9)),
+    soil("sinkage_exponent", USUAL_SOIL[4], (0.05, 2.0)),
+    soil("shear_modulus", USUAL_SOIL[5], (5e-4, 0.3)),
     body("mass", 0.15, (1.0, 1e6)),
     body("yaw_inertia", 0.4, (0.1, 1e7)),
     body("wheel_radius", 0.05, (0.02, 3.0)),

@@ -209,7 +209,7 @@ mod tests {
             ),
             (
                 with("friction_angle_deg", "90"),
-                "friction_angle_deg = 90 deg is outside its range [0, 90) deg",
+                "friction_angle_deg = 90 deg is outside its range [0, 60] deg",
             ),
             (
                 with("cohesion", "{}"),

@@ -23,7 +23,7 @@ pub use snapshot::SnapshotError;
 pub use state::{State, WheelSpeeds};
 
 use crate::vehicle::{Balance, BalanceError, Motion, Trend, VehicleModel, Wrench};
-use crate::vehicle::{Differentiated, Directions, Prepared, Tracks};
+use crate::vehicle::{Differentiated, Directions, Prepared, Tracks, Unusual};
 use jacobian::Work;
 use left::LeftTracks;
 use nalgebra::{SMatrix, SVector};
@@ -96,6 +96,15 @@ pub enum SimulationError {
     StepTooSmall {
         /// Simulated time \[s\].
         time: f64,
+        /// The parameter farthest from its usual values, if one is outside of them.
+        suspect: Option<Unusual>,
+    },
+    /// The motion changes so fast that a second of driving takes too many steps ([`Simulation::limit_work`]).
+    TooStiff {
+        /// Simulated time \[s\].
+        time: f64,
+        /// The parameter farthest from its usual values, if one is outside of them.
+        suspect: Option<Unusual>,
     },
     /// More steps are needed than [`Simulation::limit_steps`] allows.
     StepBudget {
@@ -115,15 +124,32 @@ impl fmt::Display for SimulationError {
                 )
             }
             Self::NotFinite { what, value } => write!(f, "{what} = {value} is not finite"),
-            Self::StepTooSmall { time } => write!(
-                f,
-                "at {time} s the motion changes faster than the smallest step can follow"
-            ),
+            Self::StepTooSmall { time, suspect } => {
+                write!(
+                    f,
+                    "at {time} s the motion changes faster than the smallest step can follow"
+                )?;
+                doubt(f, suspect.as_ref())
+            }
+            Self::TooStiff { time, suspect } => {
+                write!(
+                    f,
+                    "at {time} s the motion changes so fast that one second of driving takes too many steps"
+                )?;
+                doubt(f, suspect.as_ref())
+            }
             Self::StepBudget { time } => write!(
                 f,
                 "at {time} s the number of steps that was set as a limit is used up"
             ),
         }
+    }
+}
+
+fn doubt(f: &mut fmt::Formatter<'_>, suspect: Option<&Unusual>) -> fmt::Result {
+    match suspect {
+        Some(suspect) => write!(f, "; the likely cause is {suspect}"),
+        None => Ok(()),
     }
 }
 

@@ -26,6 +26,10 @@ pub(crate) const LONGEST_CALL: f64 = 1e6;
 /// A shorter step means nothing any more \[s\], or one of less than this share of the time: it hardly moves the clock.
 const SMALLEST_STEP: f64 = 1e-12;
 const SMALLEST_SHARE: f64 = 16.0 * f64::EPSILON;
+/// Steps that a second of driving pays for, rejected ones counted; as many may be owed. A call's first step is free:
+/// short calls are the caller's choice. Of 300 drives drawn over vehicles of 20 to 3,000 kg, soils and effects the
+/// dearest second took 1,500.
+const STEPS_PER_SECOND: f64 = 10_000.0;
 /// Step control: safety factor, and limits of the change from one step to the next.
 const SAFETY: f64 = 0.85;
 const SHRINK: f64 = 0.2;
@@ -45,6 +49,10 @@ pub(super) struct Integrator {
     /// Steps that the Jacobian has served; `JACOBIAN_STEPS` where there is none.
     pub jacobian_age: u32,
     pub counters: Counters,
+    /// Steps that were taken beyond those that the driven time pays for ([`STEPS_PER_SECOND`]).
+    pub owed: f64,
+    /// Steps that a second of driving pays for.
+    pub steps_per_second: f64,
     /// Steps, rejected ones among them, after which to give up.
     pub most_steps: u64,
     /// Tolerated errors, in units of the usual ones.
@@ -73,6 +81,8 @@ impl Integrator {
             memory: MemoryJacobian::new(memory_count),
             jacobian_age: JACOBIAN_STEPS,
             counters: Counters::default(),
+            owed: 0.0,
+            steps_per_second: STEPS_PER_SECOND,
             most_steps: u64::MAX,
             tolerance: 1.0,
         }
@@ -127,6 +137,12 @@ impl Simulation {
         self.integrator.most_steps = most;
     }
 
+    /// Gives up with [`SimulationError::TooStiff`] once a second of driving takes more steps than this, rejected ones
+    /// counted: 10,000 unless it is set.
+    pub fn limit_work(&mut self, steps_per_second: f64) {
+        self.integrator.steps_per_second = steps_per_second;
+    }
+
     /// Tolerates errors in a step that are so many times the usual ones (some hundredths of a millimetre): for fits to
     /// sensors whose noise is a hundred times that.
     #[cfg(feature = "analysis")]
@@ -139,8 +155,8 @@ impl Simulation {
     /// Within the step the integrator takes as many steps of its own as the accuracy needs.
     ///
     /// # Errors
-    /// A step that is negative, not finite or longer than 1e6 s, or forces that do not exist (a bogged vehicle).
-    /// Then the simulation stands at the last point that it reached.
+    /// A step that is negative, not finite or longer than 1e6 s, forces that do not exist (a bogged vehicle), or a motion
+    /// that takes more than 10,000 steps for each second of driving ([`SimulationError::TooStiff`]). Then the simulation stands at the last point that it reached.
     pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
         self.step_with(seconds, |_, _| Ok(()))
     }
@@ -157,7 +173,18 @@ impl Simulation {
         }
         let (start, speeds) = (self.time, self.inputs);
         let mut done = 0.0;
+        // Of the first step.
+        self.integrator.owed -= 1.0;
         while done < seconds {
+            self.integrator.owed += 1.0;
+            if self.integrator.owed > self.integrator.steps_per_second {
+                // The next call starts afresh.
+                self.integrator.owed = 0.0;
+                return Err(SimulationError::TooStiff {
+                    time: self.time,
+                    suspect: self.model.most_unusual(),
+                });
+            }
             if self.integrator.counters.steps > self.integrator.most_steps {
                 return Err(SimulationError::StepBudget { time: self.time });
             }
@@ -189,6 +216,8 @@ impl Simulation {
             };
             if self.try_step(step, end_speeds, end_time)? {
                 done = reached;
+                let integrator = &mut self.integrator;
+                integrator.owed = (integrator.owed - step * integrator.steps_per_second).max(0.0);
                 self.time = end_time;
                 self.inputs = end_speeds;
                 visit(self, step)?;
@@ -261,7 +290,10 @@ impl Simulation {
         let done = integrator.counters.steps + integrator.counters.rejected;
         let smallest = SMALLEST_STEP.max(SMALLEST_SHARE * self.time.abs());
         if integrator.next_step < smallest {
-            let too_small = SimulationError::StepTooSmall { time: self.time };
+            let too_small = SimulationError::StepTooSmall {
+                time: self.time,
+                suspect: self.model.most_unusual(),
+            };
             return Err(attempt.err().unwrap_or(too_small));
         }
         if done > integrator.most_steps {

@@ -113,6 +113,7 @@ impl Simulation {
         self.trend.visit(visit);
         let integrator = &mut self.integrator;
         visit(&mut integrator.next_step);
+        visit(&mut integrator.owed);
         integrator.by_state.iter_mut().for_each(&mut *visit);
         integrator.by_input.iter_mut().for_each(&mut *visit);
         integrator.memory.visit(visit);

@@ -1,7 +1,7 @@
 //! The balance of all wheels: every wheel carries its load, the loads follow from the
 //! accelerations, and the accelerations from the wheels' forces.
 
-use super::newton::{BalanceError, ENTRY_ANGLE_RANGE, MAX_LOG_STEP};
+use super::newton::{ENTRY_ANGLE_RANGE, MAX_LOG_STEP};
 use super::trend::Trend;
 use super::{Motion, Prepared, Surroundings, VehicleModel, Wrench};
 use crate::contact::WheelForces;
@@ -193,15 +193,8 @@ impl Balance {
         self.lifted = lifted != 0.0;
     }
 
-    /// Refuses a balance in which a wheel's entry angle reaches `limit` \[rad\].
-    pub(super) fn check_bogged(&self, limit: f64) -> Result<(), BalanceError> {
-        let deepest = self.wheels.iter().position(|w| w.entry_angle >= limit);
-        match deepest {
-            Some(index) => Err(BalanceError::Bogged {
-                wheel: index + 1,
-                load: self.wheels[index].load,
-            }),
-            None => Ok(()),
-        }
+    /// The first wheel whose entry angle reaches `limit` \[rad\].
+    pub(super) fn sunk(&self, limit: f64) -> Option<usize> {
+        self.wheels.iter().position(|w| w.entry_angle >= limit)
     }
 }

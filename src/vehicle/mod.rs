@@ -10,6 +10,7 @@
 
 mod altered;
 mod balance;
+mod continuation;
 mod geometry;
 mod linear;
 mod loads;
@@ -17,6 +18,7 @@ mod model;
 mod newton;
 mod parameter;
 mod trend;
+mod unusual;
 mod wrench;
 
 pub(crate) use altered::{
@@ -32,6 +34,7 @@ pub use model::VehicleModel;
 pub use newton::BalanceError;
 pub use parameter::{Parameter, Specification, TerrainParameter, VehicleParameter};
 pub(crate) use trend::Trend;
+pub use unusual::{USUAL_SOIL, Unusual};
 pub use wrench::{WheelOutputs, Wrench};
 
 /// Velocities of the vehicle and speeds of its wheels: what the ground's forces depend on.

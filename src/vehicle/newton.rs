@@ -17,6 +17,8 @@ pub enum BalanceError {
         wheel: usize,
         /// Its load \[N\].
         load: f64,
+        /// What the soil bears at rest when the wheel stands in it to its axle \[N\], without effects.
+        bearing: f64,
     },
     /// A velocity or wheel speed is not finite, or too large for finite forces.
     NotFinite(Motion),
@@ -27,11 +29,27 @@ pub enum BalanceError {
 impl fmt::Display for BalanceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Bogged { wheel, load } => write!(
-                f,
-                "the vehicle is bogged: wheel {wheel} sinks to its axle under its load of {load:.0} N \
-                 (entry angle past 90 deg); the soil is too soft for this vehicle"
-            ),
+            Self::Bogged {
+                wheel,
+                load,
+                bearing,
+            } => {
+                write!(
+                    f,
+                    "the vehicle is bogged: wheel {wheel} sinks to its axle under its load of {load:.0} N; "
+                )?;
+                if bearing > load {
+                    write!(
+                        f,
+                        "the soil bears {bearing:.0} N at rest, but the shear under the slipping wheel drags it down"
+                    )
+                } else {
+                    write!(
+                        f,
+                        "the soil is too soft for this vehicle: it bears {bearing:.0} N even there"
+                    )
+                }
+            }
             Self::NotFinite(motion) => write!(f, "no finite forces at {motion:?}"),
             Self::NotConverged(motion) => {
                 write!(
@@ -47,7 +65,7 @@ impl std::error::Error for BalanceError {}
 
 /// Relative change of the entry angles, and change of the accelerations \[m/s^2\], below which
 /// Newton's method stops. It applies that last step too, so what remains is its square.
-const STEP_TOLERANCE: f64 = 1e-3;
+pub(super) const STEP_TOLERANCE: f64 = 1e-3;
 const ACCELERATION_TOLERANCE: f64 = 5e-3;
 /// The coarse rule is worth no smaller steps than this.
 const COARSE_STEP_TOLERANCE: f64 = 0.02;
@@ -56,9 +74,6 @@ const MAX_ITERATIONS: usize = 60;
 /// So many steps are taken whole, and then none shorter than this share.
 const UNDAMPED_ITERATIONS: usize = 6;
 const SHORTEST_DAMPING: f64 = 1e-9;
-/// Steps of accelerations that trail the forces at most, and how many times the mass they trail by at first.
-const MAX_TRAILING_STEPS: usize = 100;
-const TRAILING: f64 = 20.0;
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
 pub(super) const MAX_LOG_STEP: f64 = 0.7;
 /// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
@@ -105,11 +120,13 @@ impl VehicleModel {
         }
         let fresh = balance.wheels.iter().all(|wheel| wheel.entry_angle == 0.0);
         let mut detail = if fresh { Detail::Coarse } else { Detail::Full };
+        let guess = balance.acceleration;
         let mut damping = 1.0_f64;
         let mut last = [0.0; 2];
         for iteration in 0..MAX_ITERATIONS {
             self.evaluate(motion, prepared, balance, detail);
-            let (matrix, residual) = self.acceleration_system(prepared, balance);
+            let fading = self.lightest_load(prepared);
+            let (matrix, residual) = self.acceleration_system(prepared, balance, fading);
             let step = solve_2x2(matrix, residual);
             if !step.iter().all(|v| v.is_finite()) {
                 balance.reset();
@@ -137,70 +154,21 @@ impl VehicleModel {
                 Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
                 Detail::Full if settled && longest < STEP_TOLERANCE => {
                     balance.fade_light_wheels();
-                    return balance.check_bogged(FRAC_PI_2);
+                    let sunk = balance.sunk(FRAC_PI_2);
+                    return sunk.map_or(Ok(()), |k| Err(self.bogged(k, balance.wheels[k].load)));
                 }
                 _ => {}
             }
         }
-        let outcome = balance.check_bogged(ENTRY_ANGLE_RANGE.1);
-        balance.reset();
-        outcome.and_then(|()| self.settle(motion, prepared, balance))
-    }
-
-    /// Finds the balance where Newton's steps go to and fro: a wheel that touches down on cohesive soil pulls several
-    /// times what it carries, so that near its first newtons they lead away.
-    ///
-    /// Follows the accelerations as if they trailed the forces, with ever larger steps of that time (pseudo-transient
-    /// continuation, C. T. Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998)), the entry angles balanced in each.
-    fn settle(
-        &self,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
-        balance: &mut Balance,
-    ) -> Result<(), BalanceError> {
-        let mass = self.mass(prepared);
-        let lightest = self.lightest_load(prepared);
-        let mut first = f64::NAN;
-        for _ in 0..MAX_TRAILING_STEPS {
-            for _ in 0..MAX_ITERATIONS {
-                self.evaluate(motion, prepared, balance, Detail::Full);
-                if balance.advance(lightest) < STEP_TOLERANCE {
-                    break;
-                }
-            }
-            let (mut matrix, residual) = self.acceleration_system(prepared, balance);
-            let step = solve_2x2(matrix, residual);
-            let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
-            let left = residual[0].hypot(residual[1]);
-            first = if first.is_nan() { left } else { first };
-            let trailing = mass * TRAILING * (left / first).min(1.0);
-            matrix[0][0] += trailing;
-            matrix[1][1] += trailing;
-            let step = if settled {
-                step
-            } else {
-                solve_2x2(matrix, residual)
-            };
-            if !step.iter().all(|v| v.is_finite()) {
-                balance.reset();
-                return Err(BalanceError::NotFinite(*motion));
-            }
-            balance.acceleration[0] += step[0];
-            balance.acceleration[1] += step[1];
-            balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
-            let longest = balance.advance(lightest);
-            if settled && longest < STEP_TOLERANCE {
-                balance.fade_light_wheels();
-                return balance.check_bogged(FRAC_PI_2);
-            }
+        let found = self.find(motion, prepared, guess, balance);
+        if found.is_err() {
+            balance.reset();
         }
-        let outcome = balance.check_bogged(ENTRY_ANGLE_RANGE.1);
-        balance.reset();
-        outcome.and(Err(BalanceError::NotConverged(*motion)))
+        found
     }
 
     /// Mass of the vehicle with what it carries \[kg\].
-    fn mass(&self, prepared: Option<&Prepared>) -> f64 {
+    pub(super) fn mass(&self, prepared: Option<&Prepared>) -> f64 {
         prepared.map_or(self.vehicle().mass, |at| at.chassis.mass)
     }
 
@@ -223,7 +191,7 @@ impl VehicleModel {
     }
 
     /// Each wheel's load and its derivatives by a_X and a_Y; whether a wheel is lifted.
-    fn distribute(
+    pub(super) fn distribute(
         &self,
         prepared: Option<&Prepared>,
         acceleration: [f64; 2],
@@ -258,20 +226,31 @@ impl VehicleModel {
                 let guess = prepared.map_or(rigid, |at| at.reach(index, rigid));
                 wheel.entry_angle = guess.clamp(low, high);
             }
-            let forces = match prepared {
-                Some(prepared) => prepared.wheel(
-                    self.level(),
-                    self.contact(),
-                    index,
-                    wheel.entry_angle,
-                    detail,
-                ),
-                None => self.plain_wheel(simd, motion, index, wheel.entry_angle, detail),
-            };
-            let forces = forces.to_array();
-            balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
-            balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
+            self.evaluate_wheel(simd, motion, prepared, balance, index, detail);
         }
+    }
+
+    /// One wheel's forces and their slopes by its entry angle.
+    #[inline(always)]
+    pub(super) fn evaluate_wheel<V: Simd>(
+        &self,
+        simd: V,
+        motion: &Motion,
+        prepared: Option<&Prepared>,
+        balance: &mut Balance,
+        index: usize,
+        detail: Detail,
+    ) {
+        let entry_angle = balance.wheels[index].entry_angle;
+        let forces = match prepared {
+            Some(prepared) => {
+                prepared.wheel(self.level(), self.contact(), index, entry_angle, detail)
+            }
+            None => self.plain_wheel(simd, motion, index, entry_angle, detail),
+        };
+        let forces = forces.to_array();
+        balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
+        balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
     }
 
     /// One wheel's forces and their slopes by its entry angle, without effects.
@@ -297,10 +276,13 @@ impl VehicleModel {
     }
 
     /// Matrix and right side of Newton's step of a_X and a_Y, all entry angles following their loads.
-    fn acceleration_system(
+    ///
+    /// `fading` is the load \[N\] below which a wheel's forces are proportional to its load.
+    pub(super) fn acceleration_system(
         &self,
         prepared: Option<&Prepared>,
         balance: &Balance,
+        fading: f64,
     ) -> ([[f64; 2]; 2], [f64; 2]) {
         let mass = self.mass(prepared);
         let [a_x, a_y] = balance.acceleration;
@@ -323,8 +305,7 @@ impl VehicleModel {
             let missing = wheel.load - wheel.share * force.vertical;
             // A light wheel's forces fade with its load instead.
             let by_load = if wheel.share < 1.0 {
-                let lightest = self.lightest_load(prepared);
-                [force_x / lightest, force.lateral / lightest]
+                [force_x / fading, force.lateral / fading]
             } else {
                 by_vertical
             };

@@ -49,7 +49,7 @@ EFFECTS: dict[str, Effect] = {
     "multipass": _physics("memory", memory=(0, 0, 1), stiffness_ratio=(10, 1.5, 100)),
     "elastic_rebound": _physics("share", share=(0, 0, 1)),
     "stress_peak": _physics("a0 a1", a0=(0.5, 0.2, 0.6), a1=(0, 0, 0.4)),
-    "tyre_compliance": _physics("pressure", pressure=(2e6, 5000, 2e6)),
+    "tyre_compliance": _physics("pressure", pressure=(2e6, 15000, 2e6)),
     "shear_anisotropy": _physics("modulus_ratio strength_ratio", modulus_ratio=(1, 0.3, 3), strength_ratio=(1, 0.5, 2)),
     "transient_shear": _physics("relaxation", relaxation=(0, 0, 5)),
     "rate_dependent_soil": _physics("forward lateral", forward=(0, 0, 5000), lateral=(0, 0, 10000)),

@@ -67,6 +67,8 @@ def wheel_soil(e, left, east, north, time, distance, load, mean_load, motion, ru
         whole *= smooth_step(2.0 * (e[I.crust_breaking_speed] - slide) / e[I.crust_breaking_speed])
         k *= 1.0 + e[I.crust_strength] * whole
 
+    if e[I.tyre_compliance_pressure] < 2e6:  # rubber adheres with half its pressure at most
+        c = min(c, 0.5 * e[I.tyre_compliance_pressure])
     soil[0], soil[1], soil[2], soil[3], soil[4] = k, n, c, tan_phi, shear_k
     soil[5], soil[6], soil[7] = 0.0, 0.0, 0.0
     if e[I.multipass_memory] > 0.0 and rut > 1e-6:

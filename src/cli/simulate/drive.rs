@@ -140,8 +140,9 @@ fn stop(simulation: &mut Simulation, time: f64, is_row: bool) -> Result<Stop<'_>
 }
 
 fn at_recording_time(mut error: SimulationError, start: f64) -> SimulationError {
-    if let SimulationError::Balance { time, .. } | SimulationError::StepTooSmall { time } =
-        &mut error
+    if let SimulationError::Balance { time, .. }
+    | SimulationError::StepTooSmall { time, .. }
+    | SimulationError::TooStiff { time, .. } = &mut error
     {
         // Microseconds are enough for a message.
         *time = ((*time + start) * 1e6).round() / 1e6;

@@ -74,7 +74,9 @@ impl<S: Scalar> Chassis<S> {
                 .left_right_soil
                 .map_or(soil, |effect| effect.soil(&soil, left));
             let radius = radius * factor;
-            let flat = effects.tyre_compliance.map(|tyre| tyre.flat_sinkage(&soil));
+            let tyre = effects.tyre_compliance;
+            let flat = tyre.map(|tyre| tyre.flat_sinkage(&soil));
+            let soil = tyre.map_or(soil, |tyre| tyre.sheared(soil));
             let share = 1.0 / count as f64;
             ChassisWheel {
                 place: place(index),

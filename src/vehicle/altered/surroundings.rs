@@ -91,6 +91,7 @@ impl<S: Scalar> Chassis<S> {
             law.soil = change.soil(&law.soil, share);
             let tyre = self.effects.tyre_compliance.as_ref();
             law.flat = tyre.map(|tyre| tyre.flat_sinkage(&law.soil));
+            law.soil = tyre.map_or(law.soil, |tyre| tyre.sheared(law.soil));
         }
         law
     }
