@@ -58,7 +58,7 @@ fn dissipated(model: &VehicleModel, motion: &Motion, index: usize, entry: f64) -
     const NODES: (usize, usize) = (80, 20);
     let (vehicle, soil) = (model.vehicle(), model.terrain());
     let (radius, width) = (vehicle.wheel_radius, vehicle.wheel_width);
-    let side = if index % 2 == 0 { 1.0 } else { -1.0 };
+    let side = [1.0, -1.0][index % 2];
     let ahead = vehicle.row_positions[index / 2] - vehicle.com_offset;
     let forward = motion.v_x - motion.yaw_rate * side * vehicle.half_track;
     let lateral = motion.v_y + motion.yaw_rate * ahead;
