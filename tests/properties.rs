@@ -4,12 +4,16 @@ mod common;
 
 use common::{motions, paper_model, power_lost, speeds, starting_at, symmetric_model, wrench};
 use proptest::prelude::*;
+use std::f64::consts::FRAC_PI_2;
 use ugv_terrain::simulation::{Simulation, State};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::Motion;
+use ugv_terrain::vehicle::{Motion, Vehicle, VehicleModel, Wrench};
 
 /// Newton's method leaves some 1e-7 of a wheel's force of 1000 N.
 const FORCE_TOLERANCE: f64 = 1e-2;
+
+/// Regularisation of the slip's direction \[m/s\].
+const SLIP_SPEED: f64 = 1e-3;
 
 fn terrain() -> impl Strategy<Value = &'static str> {
     prop::sample::select(Terrain::PRESETS.to_vec())
@@ -22,8 +26,97 @@ fn motion() -> impl Strategy<Value = Motion> {
     motions(velocity.clone(), velocity, yaw_rate, speed)
 }
 
+/// Motions that the paper's equations cover as they stand: rolling wheels, also those that roll ahead of their rims.
+fn rolling() -> impl Strategy<Value = Motion> {
+    let sign = prop_oneof![Just(1.0), Just(-1.0)];
+    let (lateral, yaw_rate) = (
+        prop_oneof![-0.5..0.5, Just(0.0)],
+        prop_oneof![-0.5..0.5, Just(0.0)],
+    );
+    let share = || prop_oneof![0.9..1.1, 0.3..3.0];
+    (sign, 0.5..5.0, lateral, yaw_rate, share(), share()).prop_map(
+        |(sign, v_x, v_y, yaw_rate, left, right): (f64, f64, f64, f64, f64, f64)| {
+            let rolling = sign * v_x / Vehicle::tran2007().wheel_radius;
+            Motion {
+                v_x: sign * v_x,
+                v_y,
+                yaw_rate,
+                omega_left: rolling * left,
+                omega_right: rolling * right,
+            }
+        },
+    )
+}
+
 fn close(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * a.abs().max(1.0)
+}
+
+/// Power \[W\] that the soil takes up under wheel `index`, by (2), (3), (5), (6), (12), (14), (15) and a dense rule: the
+/// shear stress times the slip velocity, and the normal stress times the speed of compaction V_Xi sin(theta) (11).
+fn dissipated(model: &VehicleModel, motion: &Motion, index: usize, entry: f64) -> f64 {
+    const NODES: (usize, usize) = (80, 20);
+    let (vehicle, soil) = (model.vehicle(), model.terrain());
+    let (radius, width) = (vehicle.wheel_radius, vehicle.wheel_width);
+    let side = [1.0, -1.0][index % 2];
+    let ahead = vehicle.row_positions[index / 2] - vehicle.com_offset;
+    let forward = motion.v_x - motion.yaw_rate * side * vehicle.half_track;
+    let lateral = motion.v_y + motion.yaw_rate * ahead;
+    let omega = [motion.omega_left, motion.omega_right][index % 2];
+    // The wheel compacts on the side towards which it travels: seen from there it travels forward.
+    let sign = forward.signum();
+    let (forward, yaw_rate, rim) = (
+        sign * forward,
+        sign * motion.yaw_rate,
+        sign * radius * omega,
+    );
+    let modulus = soil.cohesive_modulus / width + soil.frictional_modulus;
+    let stress = |theta: f64| {
+        let height = theta.max(entry - theta).cos() - entry.cos();
+        modulus * (radius * height.max(0.0)).powf(soil.sinkage_exponent)
+    };
+    let mut power = 0.0;
+    for row in 0..NODES.1 {
+        let across = ((row as f64 + 0.5) / NODES.1 as f64 - 0.5) * width;
+        let forward = forward - yaw_rate * across;
+        // Where the stress has its peak, and where the tangential slip changes its sign.
+        let reversal = (rim / forward).clamp(entry.cos(), 1.0).acos();
+        let mut edges = [0.0, 0.5 * entry, reversal, entry];
+        edges.sort_by(f64::total_cmp);
+        for pair in edges.windows(2) {
+            for node in 0..NODES.0 {
+                // Nodes cluster at both ends, where powers of the sinkage are singular.
+                let angle = (node as f64 + 0.5) / NODES.0 as f64 * FRAC_PI_2;
+                let theta = pair[0] + (pair[1] - pair[0]) * angle.sin().powi(2);
+                let weight = (pair[1] - pair[0]) * (2.0 * angle).sin() * FRAC_PI_2 / NODES.0 as f64;
+                let rest = entry - theta;
+                let j_x = forward
+                    * (0.5 * rest + 0.25 * ((2.0 * entry).sin() - (2.0 * theta).sin()))
+                    - rim * (entry.sin() - theta.sin());
+                let j_y = lateral * rest + radius * yaw_rate * (theta.cos() - entry.cos());
+                let j_z = 0.25 * forward * ((2.0 * theta).cos() - (2.0 * entry).cos())
+                    - rim * (theta.cos() - entry.cos());
+                let displacement = (j_x.powi(2) + j_y.powi(2) + j_z.powi(2)).sqrt() / omega.abs();
+                let normal = stress(theta);
+                let strength = soil.cohesion + normal * soil.friction_angle.tan();
+                let shear = -strength * (-displacement / soil.shear_modulus).exp_m1();
+                let slip =
+                    (forward * theta.cos() - rim).hypot(lateral + radius * yaw_rate * theta.sin());
+                let lost =
+                    shear * slip * slip / slip.hypot(SLIP_SPEED) + normal * forward * theta.sin();
+                power += lost * weight * radius * width / NODES.1 as f64;
+            }
+        }
+    }
+    power
+}
+
+/// Power of the axles \[W\], and the rate of change of the kinetic energy \[W\].
+fn axle_power_and_rate(vehicle: &Vehicle, motion: &Motion, w: &Wrench) -> (f64, f64) {
+    let speeds = [motion.omega_left, motion.omega_right];
+    let axles = w.wheels.iter().zip(speeds.into_iter().cycle());
+    let driven: f64 = axles.map(|(wheel, omega)| wheel.drive_torque * omega).sum();
+    (driven, driven - power_lost(vehicle, motion, w))
 }
 
 proptest! {
@@ -97,6 +190,24 @@ proptest! {
         let power = power_lost(model.vehicle(), &motion, &wrench(&model, &motion));
         let speed = motion.to_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         prop_assert!(power >= -FORCE_TOLERANCE * speed, "{power} W");
+    }
+
+    #[test]
+    fn the_axles_power_moves_the_vehicle_or_is_lost_to_the_soil(terrain in terrain(), motion in rolling()) {
+        let model = paper_model(terrain);
+        let w = wrench(&model, &motion);
+        // The forces of a wheel about to lift are faded out.
+        prop_assume!(w.wheels.iter().all(|wheel| wheel.load > 1.0));
+        let entries = w.wheels.iter().map(|wheel| wheel.entry_angle);
+        let lost: Vec<f64> = entries
+            .enumerate()
+            .map(|(index, entry)| dissipated(&model, &motion, index, entry))
+            .collect();
+        prop_assert!(lost.iter().all(|power| *power >= 0.0), "{lost:?}");
+        let lost: f64 = lost.iter().sum();
+        let (driven, rate) = axle_power_and_rate(model.vehicle(), &motion, &w);
+        prop_assert!((driven - rate - lost).abs() < 1e-3 * lost, "{driven} W - {rate} W, {lost} W");
+        prop_assert!(driven > 0.0 || rate < 0.0, "{driven} W drive nothing, {rate} W");
     }
 
     #[test]
@@ -272,4 +383,40 @@ fn a_wheel_about_to_lift_has_a_mirror_image() {
         b.a_y
     );
     assert!(close(a.a_x, b.a_x, FORCE_TOLERANCE / 490.0));
+}
+
+/// Narrow wheels sink deep, and the vehicle travels faster than their rims: (13), at the lowest point, reads a negative
+/// slip where the entry of the contact drives. The axles supply all that the soil takes up.
+#[test]
+fn a_vehicle_that_overruns_its_rims_is_driven_by_its_axles() {
+    let vehicle = Vehicle {
+        wheel_width: 0.05,
+        ..Vehicle::tran2007()
+    };
+    let soil = Terrain {
+        shear_modulus: 0.003,
+        ..Terrain::preset("dry_sand").unwrap()
+    };
+    let mut simulation = Simulation::new(VehicleModel::new(vehicle.clone(), soil).unwrap());
+    simulation.set_wheel_speeds(speeds(4.0, 4.0)).unwrap();
+    simulation.step(20.0).unwrap();
+    let motion = Motion {
+        v_x: simulation.state().v_x,
+        omega_left: 4.0,
+        omega_right: 4.0,
+        ..Motion::default()
+    };
+    let w = wrench(simulation.model(), &motion);
+    assert!(w.a_x.abs() < 1e-6, "{} m/s^2: not steady", w.a_x);
+    let mut lost = 0.0;
+    for (index, wheel) in w.wheels.iter().enumerate() {
+        // V cos(theta) >= r omega at the entry would leave nothing that drives.
+        let bound = 1.0 - 1.0 / wheel.entry_angle.cos();
+        let slip = wheel.longitudinal_slip;
+        assert!(bound < slip && slip < -0.005, "{bound} < {slip}");
+        assert!(wheel.drive_torque > 0.0);
+        lost += dissipated(simulation.model(), &motion, index, wheel.entry_angle);
+    }
+    let (driven, _) = axle_power_and_rate(&vehicle, &motion, &w);
+    assert!((driven - lost).abs() < 1e-3 * lost, "{driven} W, {lost} W");
 }

@@ -132,6 +132,18 @@ pub(super) fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
         .unwrap_or("no message")
 }
 
+/// Refuses what can be no array: a slice in Rust has at most `isize::MAX` bytes.
+fn check_array<T>(pointer: *const T, count: usize) -> Outcome {
+    if pointer.is_null() || !pointer.is_aligned() {
+        return refuse("an array is a null pointer");
+    }
+    let bytes = count.checked_mul(size_of::<T>());
+    if bytes.is_none_or(|bytes| bytes > isize::MAX as usize) {
+        return refuse(format!("no array can hold {count} values"));
+    }
+    Ok(())
+}
+
 /// An array that C hands over to be read.
 ///
 /// # Safety
@@ -140,10 +152,8 @@ pub(super) unsafe fn read<'a, T>(pointer: *const T, count: usize) -> Outcome<&'a
     if count == 0 {
         return Ok(&[]);
     }
-    if pointer.is_null() || !pointer.is_aligned() {
-        return refuse("an array is a null pointer");
-    }
-    // SAFETY: not null and aligned; the caller promises the rest.
+    check_array(pointer, count)?;
+    // SAFETY: not null, aligned and no larger than memory can be; the caller promises the rest.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
@@ -155,10 +165,8 @@ pub(super) unsafe fn write<'a, T>(pointer: *mut T, count: usize) -> Outcome<&'a 
     if count == 0 {
         return Ok(&mut []);
     }
-    if pointer.is_null() || !pointer.is_aligned() {
-        return refuse("an array is a null pointer");
-    }
-    // SAFETY: not null and aligned; the caller promises the rest.
+    check_array(pointer, count)?;
+    // SAFETY: not null, aligned and no larger than memory can be; the caller promises the rest.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
@@ -380,6 +388,10 @@ mod tests {
             let values = [1.0, 2.0];
             assert_eq!(read(values.as_ptr(), 2).unwrap(), values);
             assert!(read(values.as_ptr().wrapping_byte_add(1), 1).is_err());
+            for count in [usize::MAX, isize::MAX as usize / 8 + 1] {
+                assert!(read(values.as_ptr(), count).is_err());
+                assert!(write(values.as_ptr().cast_mut(), count).is_err());
+            }
         }
     }
 }

@@ -70,10 +70,13 @@ pub(super) struct Core {
     pub simulation: Option<Simulation>,
 }
 
-/// Communication points may be off by rounding: by this share of the step, up to so much \[s\], and of the time.
+/// Communication points may be off by rounding: by this share of the step, up to so much \[s\].
 const TIME_ROUNDING: f64 = 1e-6;
-const MOST_ROUNDING: f64 = 1e-6;
-const TIME_RESOLUTION: f64 = 1e-12;
+const MAX_ROUNDING: f64 = 1e-6;
+/// They may also be off by this share of the time: an importer adds up or multiplies its steps in double precision.
+const TIME_RESOLUTION: f64 = 16.0 * f64::EPSILON;
+/// Up to this time \[s\], some 272 years, neighbouring numbers are no more than `MAX_ROUNDING` apart.
+const MAX_TIME: f64 = (1_u64 << 33) as f64;
 
 impl Instance {
     pub(super) fn new(logger: Logger, purpose: Purpose, configuration: Configuration) -> Self {
@@ -102,9 +105,7 @@ impl Instance {
     }
 
     pub(super) fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome {
-        if !start.is_finite() {
-            return refuse(format!("start time {start} is not finite"));
-        }
+        check_time("start time", start)?;
         let stop = stop.unwrap_or(f64::INFINITY);
         if stop.is_nan() || stop < start {
             return refuse(format!("stop time {stop} is not after start time {start}"));
@@ -172,9 +173,7 @@ impl Instance {
     }
 
     pub(super) fn set_time(&mut self, time: f64) -> Outcome {
-        if !time.is_finite() {
-            return refuse(format!("time {time} is not finite"));
-        }
+        check_time("time", time)?;
         self.core.time = time;
         self.core.pass_on_time()
     }
@@ -190,8 +189,15 @@ impl Instance {
                 "a communication step of {size} s is longer than {LONGEST_CALL} s"
             ));
         }
-        let rounding =
-            (TIME_ROUNDING * size).min(MOST_ROUNDING) + TIME_RESOLUTION * core.time.abs();
+        let resolution = TIME_RESOLUTION * core.time.abs();
+        if size < 2.0 * resolution {
+            return refuse(format!(
+                "a communication step of {size} s is too short at {} s, where double precision resolves steps from {} s on",
+                core.time,
+                2.0 * resolution
+            ));
+        }
+        let rounding = (TIME_ROUNDING * size).min(MAX_ROUNDING) + resolution;
         let on_time = (point - core.time).abs() <= rounding;
         if !on_time {
             let time = core.time;
@@ -203,6 +209,7 @@ impl Instance {
         if end > stop + rounding {
             return refuse(format!("a step to {end} s passes the stop time {stop} s"));
         }
+        check_time("the end of the step", end)?;
         let rates = std::mem::take(&mut core.rates);
         let simulation = core.simulation()?;
         let stepped = simulation
@@ -260,6 +267,20 @@ impl Instance {
             .set_state(State::from_array(array))
             .map_err(broken)
     }
+}
+
+/// Refuses a time at which steps cannot be told apart.
+fn check_time(what: &str, time: f64) -> Outcome {
+    if !time.is_finite() {
+        return refuse(format!("{what} {time} is not finite"));
+    }
+    if time.abs() > MAX_TIME {
+        return refuse(format!(
+            "{what} {time} s is beyond {MAX_TIME} s, where double precision resolves less than {MAX_ROUNDING} s; \
+             count the time from a later origin"
+        ));
+    }
+    Ok(())
 }
 
 /// Fills an array with one number for each state.

@@ -1,7 +1,12 @@
 //! Where an importer says the FMU's `resources` folder is.
 
 use percent_encoding::percent_decode_str;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+
+/// The largest file that is read: a profile of a million points.
+const MAX_BYTES: u64 = 64 << 20;
 
 /// Reads the resource location as importers write it: a `file:` URI with one to four
 /// slashes, percent-encoded or not, or a plain absolute path; with or without a slash at
@@ -66,12 +71,29 @@ fn strip_scheme(location: &str) -> Option<&str> {
 }
 
 /// The text of a file of the folder, `None` if there is no such file.
-pub(super) fn read(folder: &Path, name: &str) -> std::io::Result<Option<String>> {
-    match std::fs::read_to_string(folder.join(name)) {
-        Ok(text) => Ok(Some(text)),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error),
+///
+/// # Errors
+/// What is no regular file of up to [`MAX_BYTES`]: a pipe would block until somebody writes to it, a device need not end.
+pub(super) fn read(folder: &Path, name: &str) -> io::Result<Option<String>> {
+    let path = folder.join(name);
+    // Opening a pipe blocks already.
+    match fs::metadata(&path) {
+        Ok(metadata) if metadata.is_file() => {}
+        Ok(_) => return Err(io::Error::other("it is no regular file")),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error),
     }
+    let mut text = String::new();
+    // A file may report another length than it has: /proc does.
+    File::open(path)?
+        .take(MAX_BYTES + 1)
+        .read_to_string(&mut text)?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(io::Error::other(format!(
+            "it is larger than {MAX_BYTES} bytes"
+        )));
+    }
+    Ok(Some(text))
 }
 
 #[cfg(test)]
@@ -137,5 +159,44 @@ mod tests {
         ] {
             assert!(folder(location).is_err(), "{location}");
         }
+    }
+    #[test]
+    fn regular_files_of_bounded_size_are_read_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        fs::write(folder.join("small"), "{}").unwrap();
+        fs::create_dir(folder.join("folder")).unwrap();
+        for (name, size) in [("limit", MAX_BYTES), ("large", MAX_BYTES + 1)] {
+            let file = File::create(folder.join(name)).unwrap();
+            file.set_len(size).unwrap();
+        }
+        assert_eq!(read(folder, "small").unwrap().as_deref(), Some("{}"));
+        assert_eq!(read(folder, "absent").unwrap(), None);
+        assert!(read(folder, "limit").is_ok());
+        for (name, why) in [("folder", "no regular file"), ("large", "larger than")] {
+            let error = read(folder, name).unwrap_err().to_string();
+            assert!(error.contains(why), "{name}: {error}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_unopened() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        // Blocks until somebody opens the pipe: who does gets the file's text.
+        std::thread::spawn(move || fs::write(pipe, "{}"));
+        symlink("/dev/null", folder.path().join("device")).unwrap();
+        for name in ["pipe", "device"] {
+            let error = read(folder.path(), name).unwrap_err().to_string();
+            assert!(error.contains("no regular file"), "{name}: {error}");
+        }
+        fs::write(folder.path().join("small"), "{}").unwrap();
+        symlink("small", folder.path().join("link")).unwrap();
+        let linked = read(folder.path(), "link").unwrap();
+        assert_eq!(linked.as_deref(), Some("{}"));
     }
 }

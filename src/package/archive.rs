@@ -194,9 +194,17 @@ pub fn write_fmu<W: Write + Seek>(
         Standard::Fmi3 => model_description_3(configuration),
     };
     add("modelDescription.xml", description.as_bytes())?;
-    // FMI 3.0 has the icon beside the terminals alone.
-    if standard == Standard::Fmi2 {
-        add("model.png", ICON)?;
+    match standard {
+        Standard::Fmi2 => add("model.png", ICON)?,
+        // FMI 3.0 has the icon there alone. FMI 2.0 would gain nothing, and FMI Library 3 refuses the whole FMU for the
+        // file's version.
+        Standard::Fmi3 => {
+            add(
+                "terminalsAndIcons/terminalsAndIcons.xml",
+                TERMINALS.as_bytes(),
+            )?;
+            add("terminalsAndIcons/icon.png", ICON)?;
+        }
     }
     add(
         "documentation/index.html",
@@ -219,11 +227,6 @@ pub fn write_fmu<W: Write + Seek>(
     for (name, text) in configuration.to_resources() {
         add(&format!("resources/{name}"), text.as_bytes())?;
     }
-    add(
-        "terminalsAndIcons/terminalsAndIcons.xml",
-        TERMINALS.as_bytes(),
-    )?;
-    add("terminalsAndIcons/icon.png", ICON)?;
     let mut libraries: Vec<&(Platform, Vec<u8>)> = libraries.iter().collect();
     libraries.sort_by_key(|(platform, _)| *platform);
     for (platform, library) in libraries {
@@ -310,6 +313,10 @@ mod tests {
             "documentation/index.html",
         ] {
             assert!(archive.by_name(name).is_ok(), "{name}");
+        }
+        // What is of FMI 3.0 alone makes FMI Library 3 refuse an FMU of FMI 2.0.
+        for name in archive.file_names() {
+            assert!(!name.unwrap().starts_with("terminalsAndIcons"));
         }
     }
 

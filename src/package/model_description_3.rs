@@ -100,11 +100,9 @@ fn write_interfaces(xml: &mut Xml, configuration: &Configuration) -> io::Result<
 
 fn write_enumerations(xml: &mut Xml) -> io::Result<()> {
     for enumeration in enumerations() {
+        // Without a description: fmpy up to 0.3.22 reads no type that has one.
         xml.create_element("EnumerationType")
-            .with_attributes([
-                ("name", enumeration.name),
-                ("description", enumeration.description),
-            ])
+            .with_attribute(("name", enumeration.name))
             .write_inner_content(|xml| write_items(xml, enumeration))?;
     }
     Ok(())

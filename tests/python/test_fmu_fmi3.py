@@ -34,6 +34,7 @@ from fmu_support import (
     Failed,
     Instance,
     fmu,
+    fmu_path,
     model_exchange,
     resources,
     scratch,
@@ -207,6 +208,11 @@ class Description(unittest.TestCase):
         self.assertEqual(done.returncode, 0, said)
         self.assertEqual([line for line in said if not line.startswith("INFO")], [])
 
+    def test_types_have_no_description_which_older_fmpy_does_not_read(self) -> None:
+        description = etree.parse(str(fmi3().folder / "modelDescription.xml"))
+        types = description.findall("TypeDefinitions/*")
+        self.assertEqual([dict(t.attrib) for t in types], [{"name": "Terrain"}])
+
     def test_the_terminals_are_as_the_schema_wants_them(self) -> None:
         schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
         schema = etree.XMLSchema(file=str(schemas / "fmi3TerminalsAndIcons.xsd"))
@@ -221,6 +227,9 @@ class Description(unittest.TestCase):
         self.assertIn("documentation/index.html", names)
         self.assertIn("terminalsAndIcons/icon.png", names)
         self.assertNotIn("model.png", names)
+        names = zipfile.ZipFile(fmu_path()).namelist()
+        self.assertIn("model.png", names)
+        self.assertEqual([name for name in names if name.startswith("terminalsAndIcons")], [])
 
     def test_the_variables_are_those_of_fmi_2_and_the_time(self) -> None:
         names = [n for v in fmi3().variables if v != "time" for n in fmi3().scalars(v)]

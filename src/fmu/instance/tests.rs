@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::declaration::Quantity;
-use crate::fmu::test_instance::running;
+use crate::fmu::test_instance::{instance, running, with_effects};
 
 const DRIVING: [f64; State::COUNT] = [0.0, 0.0, 0.3, 1.1, 0.02, 0.1];
 const WINDOW: &str =
@@ -68,6 +68,74 @@ fn long_steps_skip_no_time() {
     let refused = instance.step(1000.0, 1_000.000_9).unwrap_err();
     assert!(matches!(refused, Failure::Refused(_)), "{refused:?}");
     instance.step(1000.0 + 5e-7, 1000.0).unwrap();
+}
+
+#[test]
+fn a_late_start_gives_the_same_drive() {
+    let drive = |start: f64| {
+        let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
+        instance.setup_experiment(start, None).unwrap();
+        instance.enter_initialization();
+        instance.exit_initialization().unwrap();
+        for step in 0..50 {
+            // Jumps, which the integrator follows by short steps.
+            let speed = if step % 10 < 5 { 8.0 } else { -3.0 };
+            let left = Quantity::Input(0);
+            instance.core.set_real(left, speed).unwrap();
+            let size = 0.02;
+            let point = start + f64::from(step) * size;
+            instance.step(point, size).unwrap();
+        }
+        let mut states = [0.0; State::COUNT];
+        instance.get_states(&mut states).unwrap();
+        states
+    };
+    // Seconds since 1970, and the latest.
+    for start in [1.7e9, -1.7e9, MAX_TIME - 10.0] {
+        assert_eq!(drive(start), drive(0.0), "{start}");
+    }
+}
+
+#[test]
+fn times_that_resolve_no_steps_are_refused_before_anything_is_taken() {
+    for interface in [Interface::CoSimulation, Interface::ModelExchange] {
+        let mut early = instance(interface, with_effects("{}"));
+        for start in [1e12, -1e12, f64::MAX, f64::NAN] {
+            let refused = early.setup_experiment(start, None).unwrap_err();
+            let Failure::Refused(why) = refused else {
+                panic!("{refused:?}")
+            };
+            assert!(why.starts_with("start time"), "{why}");
+        }
+        // A stop time is no point of the clock.
+        early.setup_experiment(MAX_TIME, Some(1e300)).unwrap();
+        assert_eq!(early.core.time, MAX_TIME);
+    }
+    let mut exchange = running(Interface::ModelExchange, "{}");
+    exchange.enter_continuous_time_mode().unwrap();
+    assert!(matches!(exchange.set_time(1e12), Err(Failure::Refused(_))));
+    assert_eq!(exchange.core.time, 0.0);
+    exchange.set_time(1.7e9).unwrap();
+}
+
+#[test]
+fn a_step_that_the_clock_cannot_resolve_is_refused() {
+    let start = 1.7e9;
+    let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
+    instance.setup_experiment(start, None).unwrap();
+    instance.enter_initialization();
+    instance.exit_initialization().unwrap();
+    // The clock moves in steps of 2.4e-7 s here.
+    for size in [1e-9, 1e-6] {
+        let refused = instance.step(start, size).unwrap_err();
+        assert!(matches!(refused, Failure::Refused(_)), "{refused:?}");
+    }
+    instance.step(start, 0.001).unwrap();
+    // A point that is half a step off is another one.
+    let refused = instance.step(start + 0.0015, 0.001).unwrap_err();
+    assert!(matches!(refused, Failure::Refused(_)), "{refused:?}");
+    instance.step(start + 0.001, 0.001).unwrap();
+    assert_eq!(instance.core.time, start + 0.001 + 0.001);
 }
 
 #[test]
