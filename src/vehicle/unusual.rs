@@ -15,7 +15,7 @@ pub struct Unusual {
     pub value: f64,
     /// Its unit.
     pub unit: &'static str,
-    /// Usual values: two standard deviations to both sides.
+    /// Usual values: three standard deviations to both sides.
     pub usual: [f64; 2],
 }
 
@@ -80,7 +80,7 @@ pub const USUAL_SOIL: [Prior; Terrain::COUNT] = [
 ];
 
 /// Standard deviations from the mean beyond which a value is unusual.
-const USUAL_DEVIATIONS: f64 = 2.0;
+const USUAL_DEVIATIONS: f64 = 3.0;
 
 /// How many deviations a value lies from the middle, and the usual values.
 fn rate(prior: Prior, value: f64) -> (f64, [f64; 2]) {
@@ -143,6 +143,8 @@ fn unusual(
             },
         )
     });
+    // Those that only shape an effect, as places do, make no drive stiff.
+    let effects = effects.filter(|(name, _)| name.declaration().1.switches);
     let effects = effects.map(|(name, value)| {
         let (_, declared) = name.declaration();
         let (far, usual) = rate(declared.prior, value);
@@ -180,7 +182,7 @@ mod tests {
         assert_eq!(found.name, "transient_shear.relaxation");
         assert_eq!(
             found.to_string(),
-            "transient_shear.relaxation = 1.0000e-4 (usual: 0.449 to 2.226)"
+            "transient_shear.relaxation = 1.0000e-4 (usual: 0.301 to 3.320)"
         );
         one.terrain.friction_angle = 6.0;
         assert_eq!(one.most_unusual().unwrap().name, "friction_angle");

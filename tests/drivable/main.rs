@@ -185,7 +185,10 @@ fn what_is_too_stiff_says_so_and_names_the_parameter() {
     let model = VehicleModel::new(Vehicle::tran2007(), soil).unwrap();
     let mut simulation = Simulation::new(model);
     simulation.limit_work(5.0);
-    let rates = WheelSpeeds { left: 3.0, right: -2.0 };
+    let rates = WheelSpeeds {
+        left: 3.0,
+        right: -2.0,
+    };
     simulation.set_wheel_accelerations(rates).unwrap();
     let error = simulation.step(6.0).unwrap_err();
     let SimulationError::TooStiff { time, suspect } = &error else {
