@@ -8,6 +8,8 @@ mod fit;
 #[path = "../common/formats.rs"]
 mod formats;
 mod inspect;
+#[path = "../common/libraries.rs"]
+mod libraries;
 mod package;
 mod refusals;
 mod score;
