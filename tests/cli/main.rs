@@ -5,6 +5,7 @@
 mod diagnose;
 mod effects;
 mod fit;
+mod foreign;
 #[path = "../common/formats.rs"]
 mod formats;
 mod inspect;
