@@ -43,6 +43,7 @@ pub mod contact;
 pub mod declaration;
 #[cfg(feature = "analysis")]
 pub mod diagnosis;
+pub mod display;
 pub mod effects;
 #[cfg(feature = "analysis")]
 pub mod fit;

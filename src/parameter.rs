@@ -1,5 +1,6 @@
 //! Ranges of physical parameters, and the error that a value outside of one gives.
 
+use crate::display::number;
 use std::fmt;
 
 /// The range that a parameter must lie in, with its name and unit.
@@ -84,7 +85,12 @@ impl fmt::Display for Bounds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let open = if self.low_included { '[' } else { '(' };
         let close = if self.high_included { ']' } else { ')' };
-        write!(f, "{open}{}, {}{close}", self.low, self.high)
+        write!(
+            f,
+            "{open}{}, {}{close}",
+            number(self.low),
+            number(self.high)
+        )
     }
 }
 
@@ -126,6 +132,7 @@ impl fmt::Display for ParameterError {
             range,
             why,
         } = self;
+        let value = number(*value);
         match *unit {
             "1" => write!(f, "{name} = {value} is outside its range {range}"),
             _ => write!(

@@ -5,29 +5,51 @@ use std::path::{Path, PathBuf};
 
 /// Each module with the modules that it may use.
 const EDGES: &[(&str, &[&str])] = &[
-    ("parameter", &[]),
+    ("display", &[]),
+    ("parameter", &["display"]),
     ("spelling", &[]),
     ("scalar", &[]),
     ("terrain", &["parameter"]),
-    ("effects", &["parameter", "scalar", "terrain"]),
+    ("effects", &["display", "parameter", "scalar", "terrain"]),
     ("contact", &["effects", "parameter", "scalar", "terrain"]),
     (
         "vehicle",
-        &["contact", "effects", "parameter", "scalar", "terrain"],
+        &[
+            "contact",
+            "display",
+            "effects",
+            "parameter",
+            "scalar",
+            "terrain",
+        ],
     ),
     ("simulation", &["parameter", "vehicle"]),
     (
         "json",
-        &["effects", "parameter", "spelling", "terrain", "vehicle"],
+        &[
+            "display",
+            "effects",
+            "parameter",
+            "spelling",
+            "terrain",
+            "vehicle",
+        ],
     ),
-    ("import", &["spelling"]),
-    ("recording", &["json", "spelling", "terrain", "vehicle"]),
-    ("identification", &["recording", "simulation", "vehicle"]),
+    ("import", &["display", "spelling"]),
+    (
+        "recording",
+        &["display", "json", "spelling", "terrain", "vehicle"],
+    ),
+    (
+        "identification",
+        &["display", "recording", "simulation", "vehicle"],
+    ),
     ("inspection", &["recording"]),
     (
         "report",
         &[
             "diagnosis",
+            "display",
             "effects",
             "fit",
             "inspection",
@@ -69,7 +91,10 @@ const EDGES: &[(&str, &[&str])] = &[
             "vehicle",
         ],
     ),
-    ("package", &["declaration", "effects", "simulation"]),
+    (
+        "package",
+        &["declaration", "display", "effects", "simulation"],
+    ),
     ("lib", &[]),
     ("main", &["cli"]),
 ];

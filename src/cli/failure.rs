@@ -5,6 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use ugv_terrain::diagnosis::DiagnosisError;
+use ugv_terrain::display::{visible, visible_line};
 use ugv_terrain::fit::FitError;
 use ugv_terrain::identification::IdentificationError;
 use ugv_terrain::import::ImportError;
@@ -73,7 +74,8 @@ impl Failure {
         }
     }
 
-    /// The error with all its causes on one line, and a remedy below where there is one.
+    /// The error with all its causes on one line, and a remedy below where there is one; what a terminal would obey is
+    /// escaped.
     pub fn report(&self) -> String {
         if let Self::Usage(error) = self {
             // It brings its own hints; without any argument it is the help.
@@ -83,7 +85,7 @@ impl Failure {
             } else {
                 ""
             };
-            return format!("{prefix}{text}");
+            return format!("{prefix}{}", visible(&text));
         }
         let mut message = self.to_string();
         let mut cause = self.source();
@@ -95,9 +97,12 @@ impl Failure {
             }
             cause = error.source();
         }
-        let message = message.replace('\n', " ");
+        let message = visible_line(&message);
         match self.hint() {
-            Some(hint) => format!("ugv: error: {message}\nugv: hint: {hint}\n"),
+            Some(hint) => format!(
+                "ugv: error: {message}\nugv: hint: {}\n",
+                visible_line(&hint)
+            ),
             None => format!("ugv: error: {message}\n"),
         }
     }

@@ -1,17 +1,18 @@
 //! `ugv import`: makes a recording of a robot's log.
 
-use super::output::{Output, write_stdout};
+use super::output::{Output, finish_all, print};
 use super::{Failure, tell};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
-use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use ugv_terrain::display::visible_line;
 use ugv_terrain::import::{
     self, Clock, Ending, Heading, Imported, Kind, Options, Pose, Survey, Wish,
 };
+use ugv_terrain::json::read_file;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -225,10 +226,11 @@ impl Files {
     fn write(mut self, imported: &Imported, input: &Path, survey: &Survey) -> Result<u64, Failure> {
         let written = imported.write_csv(&mut self.table);
         let rows = written.map_err(|source| self.table.failure(source))?;
-        self.table.finish()?;
+        let mut outputs = vec![self.table];
         if let Some(beside) = self.beside {
-            beside.write(imported.provenance(input, survey))?;
+            outputs.push(beside.filled(imported.provenance(input, survey))?);
         }
+        finish_all(outputs)?;
         Ok(rows)
     }
 }
@@ -236,7 +238,7 @@ impl Files {
 impl Beside {
     fn new(path: &Path) -> Result<Self, Failure> {
         let output = Output::to(Some(path))?;
-        let content = match fs::read_to_string(path) {
+        let content = match read_file(path) {
             Ok(text) => {
                 serde_json::from_str(text.trim_start_matches('\u{feff}')).map_err(|error| {
                     Failure::Argument {
@@ -257,7 +259,7 @@ impl Beside {
         Ok(Self { output, content })
     }
 
-    fn write(mut self, provenance: Value) -> Result<(), Failure> {
+    fn filled(mut self, provenance: Value) -> Result<Output, Failure> {
         let source = format!(
             "{} ({})",
             provenance["file"].as_str().unwrap_or_default(),
@@ -266,9 +268,7 @@ impl Beside {
         self.content.insert("source".into(), Value::String(source));
         self.content.insert("provenance".into(), provenance);
         let content = Value::Object(self.content);
-        let written = writeln!(self.output, "{content:#}");
-        written.map_err(|source| self.output.failure(source))?;
-        self.output.finish()
+        self.output.with(&format!("{content:#}\n"))
     }
 }
 
@@ -305,9 +305,15 @@ fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure>
     }
     let start = survey.logged().map_or(0, |[first, _]| first);
     let since = |time: i64| (time - start) as f64 * 1e-9;
-    let width = |length: fn(&import::Topic) -> usize| survey.topics.iter().map(length).max();
-    let name_width = width(|topic| topic.name.len()).unwrap_or(0).max(5);
-    let type_width = width(|topic| topic.message_type.len()).unwrap_or(0).max(4);
+    let width = |text: fn(&import::Topic) -> &str| {
+        let widths = survey
+            .topics
+            .iter()
+            .map(|topic| visible_line(text(topic)).chars().count());
+        widths.max().unwrap_or(0)
+    };
+    let name_width = width(|topic| &topic.name).max(5);
+    let type_width = width(|topic| &topic.message_type).max(4);
     let mut text = format!(
         "{:name_width$}  {:type_width$}  {:8}  {:>8}  {:>8}  {:>17}  serves as\n",
         "topic", "type", "encoding", "messages", "rate/Hz", "logged/s"
@@ -325,18 +331,18 @@ fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure>
         let _ = writeln!(
             text,
             "{:name_width$}  {:type_width$}  {:8}  {:>8}  {rate:>8}  {:>17}  {role}",
-            topic.name,
-            topic.message_type,
-            topic.encoding,
+            visible_line(&topic.name),
+            visible_line(&topic.message_type),
+            visible_line(&topic.encoding),
             topic.messages,
             format!("{first:.2} .. {last:.2}"),
         );
         if !topic.joints.is_empty() {
-            let joints: Vec<&str> = topic.joints.iter().map(String::as_str).collect();
+            let joints: Vec<_> = topic.joints.iter().map(|name| visible_line(name)).collect();
             let _ = writeln!(text, "{:name_width$}  joints: {}", "", joints.join(", "));
         }
     }
-    write_stdout(&text)?;
+    print(&text)?;
     if let Ending::Broken { offset, reason } = &survey.ending {
         tell(&format!(
             "warning: {} is damaged near byte {offset}: {reason}; the topics are those before",

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use std::str::FromStr;
+use ugv_terrain::parameter::{Bounds, ParameterError};
 use ugv_terrain::simulation::{State, WheelSpeeds};
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::vehicle::Vehicle;
@@ -12,39 +13,51 @@ const NO_SLIP: &str = "no-slip";
 /// A state that can be set.
 struct Key {
     name: &'static str,
+    bounds: Bounds,
     /// Whether `no-slip` sets it.
     velocity: bool,
     field: fn(&mut State) -> &mut f64,
 }
 
+/// Larger sizes are none of a ground vehicle's: `ugv inspect` takes none in a recording either.
+const fn within(name: &'static str, unit: &'static str, size: f64) -> Bounds {
+    Bounds::closed(name, unit, -size, size)
+}
+
 const KEYS: [Key; State::COUNT] = [
     Key {
         name: "x",
+        bounds: within("x", "m", 1e8),
         velocity: false,
         field: |state| &mut state.x,
     },
     Key {
         name: "y",
+        bounds: within("y", "m", 1e8),
         velocity: false,
         field: |state| &mut state.y,
     },
     Key {
         name: "heading",
+        bounds: within("heading", "rad", 1e5),
         velocity: false,
         field: |state| &mut state.heading,
     },
     Key {
         name: "v_x",
+        bounds: within("v_x", "m/s", 100.0),
         velocity: true,
         field: |state| &mut state.v_x,
     },
     Key {
         name: "v_y",
+        bounds: within("v_y", "m/s", 100.0),
         velocity: true,
         field: |state| &mut state.v_y,
     },
     Key {
         name: "yaw_rate",
+        bounds: within("yaw_rate", "rad/s", 35.0),
         velocity: true,
         field: |state| &mut state.yaw_rate,
     },
@@ -79,12 +92,23 @@ impl FromStr for Initial {
             ));
         };
         match value.parse() {
-            Ok(number) if f64::is_finite(number) => Ok(Self::Value(index, number)),
+            Ok(number) if f64::is_finite(number) => {
+                check(index, number).map_err(|error| error.to_string())?;
+                Ok(Self::Value(index, number))
+            }
             _ => Err(format!(
                 "found `{value}` for {name}, expected a finite number"
             )),
         }
     }
+}
+
+/// Refuses the value of an initial state, by its place in [`State`], that no ground vehicle has.
+///
+/// # Errors
+/// Names the state, the value, the unit and the range.
+pub fn check(index: usize, value: f64) -> Result<(), ParameterError> {
+    KEYS[index].bounds.check(value)
 }
 
 /// The state at the beginning: at rest at the origin but for what the arguments say.
@@ -107,6 +131,7 @@ pub fn initial_state(
             name,
             velocity,
             field,
+            ..
         } = &KEYS[index];
         if seen[index] {
             return Err(conflict(format!("--initial sets {name} twice")));
@@ -182,6 +207,14 @@ mod tests {
             (&["x=nan"], "found `nan` for x, expected a finite number"),
             (&["slip"], "found `slip`, expected KEY=VALUE or no-slip"),
             (&["x=1", "x=2"], "--initial sets x twice"),
+            (
+                &["v_x=1e150"],
+                "v_x = 1e150 m/s is outside its range [-100, 100] m/s",
+            ),
+            (
+                &["yaw_rate=-36"],
+                "yaw_rate = -36 rad/s is outside its range [-35, 35] rad/s",
+            ),
         ] {
             assert_eq!(state(words).unwrap_err(), expected);
         }

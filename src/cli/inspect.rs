@@ -1,8 +1,7 @@
 //! `ugv inspect`: what a recording is worth, before anything is fitted to it.
 
-use super::output::{Output, write_stdout};
+use super::output::{Output, finish_all, print};
 use super::{Failure, tell};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use ugv_terrain::inspection::inspect;
 use ugv_terrain::recording::read_recording;
@@ -62,11 +61,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         args.json.as_ref().map(|_| json(&recording, &inspection)),
         args.page.as_ref().map(|_| page(&recording, &inspection)),
     ];
-    for (mut file, text) in files.into_iter().zip(texts.into_iter().flatten()) {
-        file.write_all(text.as_bytes())
-            .map_err(|source| file.failure(source))?;
-        file.finish()?;
-    }
+    let filled = files.into_iter().zip(texts.iter().flatten());
+    let filled: Result<Vec<_>, _> = filled.map(|(file, text)| file.with(text)).collect();
+    finish_all(filled?)?;
     if args.quiet {
         return Ok(());
     }
@@ -81,5 +78,5 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         text.lines().for_each(tell);
         return Ok(());
     }
-    write_stdout(&text)
+    print(&text)
 }

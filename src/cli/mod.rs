@@ -24,6 +24,7 @@ pub use failure::Failure;
 
 use clap::{Parser, Subcommand};
 use output::write_stdout;
+use ugv_terrain::display::visible_line;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -94,5 +95,5 @@ pub fn run() -> Result<(), Failure> {
 fn tell(line: &str) {
     use std::io::Write;
     // A closed standard error is no reason to stop.
-    let _ = writeln!(std::io::stderr(), "ugv: {line}");
+    let _ = writeln!(std::io::stderr(), "ugv: {}", visible_line(line));
 }

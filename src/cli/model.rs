@@ -1,10 +1,9 @@
 //! The arguments that name a vehicle, a terrain and the effects besides the paper's physics.
 
 use super::{Failure, tell};
-use std::fs;
 use std::path::{Path, PathBuf};
 use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
-use ugv_terrain::json::{FittedTo, JsonError};
+use ugv_terrain::json::{FittedTo, JsonError, read_file};
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
@@ -182,7 +181,7 @@ pub fn load_terrain(name: &Path) -> Result<Terrain, Failure> {
 }
 
 fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, JsonError>) -> Result<T, Failure> {
-    let text = fs::read_to_string(path).map_err(|source| Failure::Read {
+    let text = read_file(path).map_err(|source| Failure::Read {
         path: path.into(),
         source,
     })?;

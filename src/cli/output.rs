@@ -4,7 +4,8 @@ use super::Failure;
 use std::fs;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{NamedTempFile, SpooledTempFile};
+use tempfile::{NamedTempFile, SpooledTempFile, TempPath};
+use ugv_terrain::display::visible;
 
 /// Bytes of output that are kept in memory; what is longer goes to a temporary file.
 const SPOOL_BYTES: usize = 64 << 20;
@@ -85,28 +86,154 @@ impl Output {
         }
     }
 
-    /// What goes wrong in writing, told with the target.
+    /// An error of writing, with the target's name instead of a temporary file's.
     pub fn failure(&self, source: io::Error) -> Failure {
         let target = match &self.target {
             Target::Stdout => "standard output".into(),
             Target::File(path) => path.display().to_string(),
         };
+        let source = without_path(source);
         Failure::Write { target, source }
+    }
+
+    /// Adds a text.
+    ///
+    /// # Errors
+    /// A disk that is full.
+    pub fn with(mut self, text: &str) -> Result<Self, Failure> {
+        let written = self.write_all(text.as_bytes());
+        written.map_err(|source| self.failure(source))?;
+        Ok(self)
     }
 
     /// Brings everything written so far to where it belongs, as a last step.
     ///
     /// # Errors
-    /// Whatever the file system refuses. A reader of standard output that has seen enough
-    /// is no error.
-    pub fn finish(mut self) -> Result<(), Failure> {
-        // Seeking writes what the buffer holds.
-        let done = self.spool.rewind().and_then(|()| match &self.target {
-            Target::Stdout => ignore_broken_pipe(copy(self.spool.get_mut(), io::stdout().lock())),
-            Target::File(path) => replace(self.spool.get_mut(), path),
-        });
-        done.map_err(|source| self.failure(source))
+    /// As [`finish_all`].
+    pub fn finish(self) -> Result<(), Failure> {
+        finish_all([self])
     }
+
+    /// Writes the content beside the file that it replaces; nothing for a stream.
+    fn stage(&mut self) -> io::Result<Option<Staged>> {
+        // Seeking writes what the buffer holds.
+        self.spool.rewind()?;
+        let Target::File(path) = &self.target else {
+            return Ok(None);
+        };
+        // A link stays a link: what it leads to is replaced.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+        let replaced = fs::metadata(&path).ok();
+        if !takes_a_file(replaced.as_ref()) {
+            return Ok(None);
+        }
+        let content = temporary_file(folder(&path))?;
+        let mut file = content.as_file();
+        copy(self.spool.get_mut(), &mut file)?;
+        if let Some(metadata) = replaced {
+            file.set_permissions(metadata.permissions())?;
+        }
+        // Otherwise a crash soon after the renaming may leave an empty file.
+        file.sync_all()?;
+        Ok(Some(Staged { path, content }))
+    }
+
+    /// Writes to what no file can take the place of: standard output, a device, a named pipe.
+    fn stream(&mut self) -> io::Result<()> {
+        let spool = self.spool.get_mut();
+        match &self.target {
+            Target::Stdout => ignore_broken_pipe(copy(spool, io::stdout().lock())),
+            Target::File(path) => copy(spool, fs::OpenOptions::new().write(true).open(path)?),
+        }
+    }
+}
+
+/// Brings several outputs to where they belong: all files or none, so that they always belong together.
+///
+/// Every file is first written beside its target. Only when all of them are on the disk are they renamed; where a
+/// rename fails, those before it are taken back.
+///
+/// # Errors
+/// Whatever the file system refuses. A reader of standard output that has seen enough is no error.
+pub fn finish_all(outputs: impl IntoIterator<Item = Output>) -> Result<(), Failure> {
+    let (mut streams, mut files) = (Vec::new(), Vec::new());
+    for mut output in outputs {
+        match output.stage() {
+            Ok(Some(staged)) => files.push((output, staged)),
+            Ok(None) => streams.push(output),
+            Err(source) => return Err(output.failure(source)),
+        }
+    }
+    for mut output in streams {
+        output.stream().map_err(|source| output.failure(source))?;
+    }
+    let (outputs, files): (Vec<_>, Vec<_>) = files.into_iter().unzip();
+    replace_all(files).map_err(|(place, source)| outputs[place].failure(source))
+}
+
+/// Content that is complete, beside the file that it is to replace.
+struct Staged {
+    path: PathBuf,
+    content: NamedTempFile,
+}
+
+/// A file that has been replaced, with what was there before.
+struct Replaced {
+    path: PathBuf,
+    before: Option<TempPath>,
+}
+
+impl Replaced {
+    fn undo(self) {
+        match self.before {
+            Some(before) => {
+                if let Err(error) = before.persist(&self.path) {
+                    // Better under a strange name than lost.
+                    let _ = error.path.keep();
+                }
+            }
+            None => {
+                let _ = fs::remove_file(&self.path);
+            }
+        }
+    }
+}
+
+/// Renames all files or none; the place of the first that cannot be, and why.
+fn replace_all(files: Vec<Staged>) -> Result<(), (usize, io::Error)> {
+    let is_set = files.len() > 1;
+    let mut done: Vec<Replaced> = Vec::new();
+    for (place, Staged { path, content }) in files.into_iter().enumerate() {
+        // One rename alone succeeds or changes nothing.
+        let before = if is_set { second_name(&path) } else { Ok(None) };
+        let renamed = before.and_then(|before| {
+            content.persist(&path)?;
+            Ok(before)
+        });
+        match renamed {
+            Ok(before) => done.push(Replaced { path, before }),
+            Err(error) => {
+                done.into_iter().rev().for_each(Replaced::undo);
+                return Err((place, error));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A second name for a file, if it is there; a copy where the file system has no such names.
+fn second_name(path: &Path) -> io::Result<Option<TempPath>> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let link = |name: &Path| match fs::hard_link(path, name) {
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+            fs::copy(path, name).map(drop)
+        }
+        other => other,
+    };
+    let named = temporary().make_in(folder(path), link)?;
+    Ok(Some(named.into_temp_path()))
 }
 
 impl Write for Output {
@@ -119,13 +246,15 @@ impl Write for Output {
     }
 }
 
-/// Prints a text.
+/// Prints data.
 pub fn write_stdout(text: &str) -> Result<(), Failure> {
-    let mut output = Output::to(None)?;
-    output
-        .write_all(text.as_bytes())
-        .map_err(|source| output.failure(source))?;
-    output.finish()
+    Output::to(None)?.with(text)?.finish()
+}
+
+/// Prints a text for people, with visible escapes for what a terminal would obey. Line ends stay, so a foreign text
+/// within a line goes through [`ugv_terrain::display::visible_line`] first.
+pub fn print(text: &str) -> Result<(), Failure> {
+    write_stdout(&visible(text))
 }
 
 fn check_place(path: &Path) -> io::Result<()> {
@@ -180,35 +309,61 @@ fn ignore_broken_pipe(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// Writes beside the file and renames, so that at no moment half a file stands there.
-fn replace(spool: &mut SpooledTempFile, path: &Path) -> io::Result<()> {
-    // A link stays a link: what it leads to is replaced.
-    let existing = fs::canonicalize(path).ok();
-    let path = existing.as_deref().unwrap_or(path);
-    let replaced = fs::metadata(path).ok();
-    if !takes_a_file(replaced.as_ref()) {
-        // Nothing can be renamed over a device or a named pipe.
-        return copy(spool, fs::OpenOptions::new().write(true).open(path)?);
-    }
-    let mut beside = temporary_file(folder(path))?;
-    copy(spool, &mut beside)?;
-    if let Some(metadata) = replaced {
-        beside.as_file().set_permissions(metadata.permissions())?;
-    }
-    beside.persist(path)?;
-    Ok(())
-}
-
 /// A temporary file with the permissions of any new file, not only the owner's.
 fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".ugv-");
+    let mut builder = temporary();
     #[cfg(unix)]
     builder.permissions(<fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
-    builder.tempfile_in(folder).map_err(|error| {
-        // The system's words without the temporary name, which nobody knows.
-        let told = error.to_string();
-        let words = told.rsplit_once(" at path ");
-        io::Error::new(error.kind(), words.map_or(&*told, |(words, _)| words))
-    })
+    builder.tempfile_in(folder)
+}
+
+fn temporary() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".ugv-");
+    builder
+}
+
+/// The system's words without the path of a temporary file, which nobody knows.
+fn without_path(error: io::Error) -> io::Error {
+    let text = error.to_string();
+    match text.rsplit_once(" at path ") {
+        Some((words, _)) => io::Error::new(error.kind(), words),
+        None => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn staged(path: &Path, text: &str) -> Staged {
+        let mut output = Output::to(Some(path)).unwrap().with(text).unwrap();
+        output.stage().unwrap().unwrap()
+    }
+
+    #[test]
+    fn a_set_that_cannot_be_renamed_as_a_whole_is_taken_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let [old, new, blocked] = ["old", "new", "blocked"].map(|name| folder.path().join(name));
+        fs::write(&old, "before").unwrap();
+        let set = || vec![staged(&old, "1"), staged(&new, "2"), staged(&blocked, "3")];
+        let names = || {
+            let entries = fs::read_dir(folder.path()).unwrap();
+            let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+            names.sort();
+            names
+        };
+        let files = set();
+        // Nothing is renamed over a folder.
+        fs::create_dir(&blocked).unwrap();
+        let (place, _) = replace_all(files).unwrap_err();
+        assert_eq!(place, 2);
+        assert_eq!(fs::read_to_string(&old).unwrap(), "before");
+        assert_eq!(names(), ["blocked", "old"]);
+        fs::remove_dir(&blocked).unwrap();
+        replace_all(set()).unwrap();
+        let texts = [&old, &new, &blocked].map(|path| fs::read_to_string(path).unwrap());
+        assert_eq!(texts, ["1", "2", "3"]);
+        assert_eq!(names(), ["blocked", "new", "old"]);
+    }
 }

@@ -3,8 +3,8 @@
 use super::model::{ModelArgs, load_terrain};
 use super::output::Output;
 use super::{Failure, tell};
-use std::fs;
-use std::io::{Cursor, Write};
+use std::fs::File;
+use std::io::{self, BufReader, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use ugv_terrain::declaration::Configuration;
 use ugv_terrain::package::{MergeError, PackageError, Platform, Standard, merge_fmus, write_fmu};
@@ -113,7 +113,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn merge(args: &Args) -> Result<(), Failure> {
     let mut parts = Vec::new();
     for path in &args.merge {
-        parts.push((path.display().to_string(), Cursor::new(read(path)?)));
+        let file = File::open(path).map_err(|source| unread(path, source))?;
+        parts.push((path.display().to_string(), BufReader::new(file)));
     }
     let path = args.output.as_deref().unwrap_or(Path::new("ugv.fmu"));
     // One of the parts may be replaced by all of them.
@@ -137,7 +138,9 @@ fn merge(args: &Args) -> Result<(), Failure> {
 
 fn remedy(error: &MergeError) -> &'static str {
     match error {
-        MergeError::Read { .. } => "name FMUs that `ugv package` wrote",
+        MergeError::Read { .. } | MergeError::Refused { .. } => {
+            "name FMUs that `ugv package` wrote"
+        }
         MergeError::Differs { entry, .. } if entry.starts_with("binaries/") => {
             "build each platform once, and merge FMUs of one source only"
         }
@@ -244,9 +247,27 @@ fn built_library() -> Result<PathBuf, Failure> {
         })
 }
 
+/// Larger files are no shared library of an FMU \[MB\].
+const LARGEST: u64 = 256;
+
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    fs::read(path).map_err(|source| Failure::Read {
-        path: path.into(),
-        source,
-    })
+    let mut bytes = Vec::new();
+    let opened = File::open(path);
+    let read = opened.and_then(|file| file.take((LARGEST << 20) + 1).read_to_end(&mut bytes));
+    match read {
+        Ok(length) if length as u64 > LARGEST << 20 => {
+            let reason = format!("it is larger than {LARGEST} MB, the limit for a shared library");
+            Err(unread(
+                path,
+                io::Error::new(io::ErrorKind::FileTooLarge, reason),
+            ))
+        }
+        Ok(_) => Ok(bytes),
+        Err(source) => Err(unread(path, source)),
+    }
+}
+
+fn unread(path: &Path, source: io::Error) -> Failure {
+    let path = path.into();
+    Failure::Read { path, source }
 }

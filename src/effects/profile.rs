@@ -1,5 +1,6 @@
 //! Slopes along a drive.
 
+use crate::display::number;
 use crate::scalar::Scalar;
 use std::fmt;
 
@@ -73,8 +74,16 @@ impl fmt::Display for ProfileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty => write!(f, "a slope profile needs at least one point"),
-            Self::Order(at) => write!(f, "the profile's points must increase, but not so at {at}"),
-            Self::Slope(slope) => write!(f, "a slope of {slope} rad is outside -0.3..0.3 rad"),
+            Self::Order(at) => write!(
+                f,
+                "the profile's points must increase, but not so at {}",
+                number(*at)
+            ),
+            Self::Slope(slope) => write!(
+                f,
+                "a slope of {} rad is outside -0.3..0.3 rad",
+                number(*slope)
+            ),
             Self::Count(found, expected) => {
                 write!(
                     f,

@@ -1,6 +1,7 @@
 //! A part of a drive, outside of which effects are off.
 
 use super::{Boundary, CATALOGUE, Effects, Kind, SlopeProfile, TerrainChange};
+use crate::display::number;
 use std::fmt;
 
 /// Effects that act for a while only, or somewhere only.
@@ -83,9 +84,12 @@ impl fmt::Display for WindowError {
                 "{effect} changes what sensors report, which has no window: leave it out"
             ),
             Self::Order(start, end) => {
+                let (start, end) = (number(*start), number(*end));
                 write!(f, "the start, {start} s, must come before the end, {end} s")
             }
-            Self::Radius(radius) => write!(f, "the radius, {radius} m, must be above 0 m"),
+            Self::Radius(radius) => {
+                write!(f, "the radius, {} m, must be above 0 m", number(*radius))
+            }
             Self::NotFinite(number) => write!(f, "{number} is not finite"),
         }
     }

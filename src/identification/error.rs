@@ -1,5 +1,6 @@
 //! Why a recording cannot be judged.
 
+use crate::display::number;
 use crate::recording::Channel;
 use std::fmt;
 
@@ -81,7 +82,7 @@ impl fmt::Display for IdentificationError {
                 "{recording}: too short to be fitted on one half and judged on the other"
             ),
             Self::Setting { what, value, range } => {
-                write!(f, "{what} = {value}: it must be {range}")
+                write!(f, "{what} = {}: it must be {range}", number(*value))
             }
         }
     }

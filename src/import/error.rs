@@ -2,6 +2,7 @@
 
 use super::message::Kind;
 use super::wire::DecodeError;
+use crate::display;
 use std::error::Error;
 use std::fmt;
 use std::io;
@@ -172,6 +173,6 @@ impl Error for ImportError {
 fn listed(texts: &[String]) -> String {
     match texts {
         [] => "none".into(),
-        texts => texts.join(", "),
+        texts => display::listed(texts, ", "),
     }
 }

@@ -207,8 +207,21 @@ fn read_profile(place: &str, value: &Value) -> Result<SlopeProfile, JsonError> {
             let x = numbers(&value["x"]).ok_or_else(wrong)?;
             let y = numbers(&value["y"]).ok_or_else(wrong)?;
             let mut slopes = Vec::new();
-            for row in value["slopes"].as_array().ok_or_else(wrong)? {
-                for pair in row.as_array().ok_or_else(wrong)? {
+            for (index, row) in (value["slopes"].as_array().ok_or_else(wrong)?)
+                .iter()
+                .enumerate()
+            {
+                let pairs = row.as_array().ok_or_else(wrong)?;
+                // Rows of other lengths could still have as many slopes in all as the grid has corners.
+                if pairs.len() != y.len() {
+                    let place = format!("{place}.slopes[{index}]");
+                    let expected = format!(
+                        "{} pairs [slope_east, slope_north], one for each y",
+                        y.len()
+                    );
+                    return Err(JsonError::wrong_type(place, row, expected));
+                }
+                for pair in pairs {
                     let pair = numbers(pair).ok_or_else(wrong)?;
                     slopes.push(<[f64; 2]>::try_from(pair).map_err(|_| wrong())?);
                 }
@@ -328,6 +341,16 @@ mod tests {
             (
                 r#"{"grade": {"profile": {"over": "time", "points": [[1, 0.1, 0], [1, 0, 0]]}}}"#,
                 "grade.profile: the profile's points must increase, but not so at 1",
+            ),
+            (
+                r#"{"grade": {"profile": {"over": "place", "x": [0, 1], "y": [0, 1], "slopes":
+                    [[[0, 0]], [[0, 0], [0, 0], [0, 0]]]}}}"#,
+                "grade.profile.slopes[0]: found an array of 1 values, expected 2 pairs [slope_east, slope_north], one for each y",
+            ),
+            (
+                r#"{"grade": {"profile": {"over": "place", "x": [0, 1], "y": [0], "slopes":
+                    [[[0, 0]]]}}}"#,
+                "grade.profile: found 1 slopes for the 2 corners of the grid",
             ),
         ] {
             assert_eq!(error(text), expected);

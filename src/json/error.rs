@@ -1,5 +1,6 @@
 //! What can be wrong with a vehicle's or a terrain's JSON.
 
+use crate::display::{listed, shortened};
 use crate::effects::{ProfileError, WindowError};
 use crate::parameter::ParameterError;
 use serde_json::Value;
@@ -101,7 +102,7 @@ fn describe(value: &Value) -> String {
         Value::Null => "null".into(),
         Value::Bool(truth) => format!("the truth value {truth}"),
         Value::Number(number) => format!("the number {number}"),
-        Value::String(text) => format!("the text {text:?}"),
+        Value::String(text) => format!("the text \"{}\"", shortened(text)),
         Value::Array(items) => format!("an array of {} values", items.len()),
         Value::Object(_) => "an object".into(),
     }
@@ -146,16 +147,17 @@ impl fmt::Display for JsonError {
             } => write!(f, "the {what} has no key `{key}`, expected {expected}"),
             Self::UnknownKey { what, key, nearest } => write!(
                 f,
-                "the {what} has an unknown key `{key}`; the nearest known one is `{nearest}`"
+                "the {what} has an unknown key `{}`; the nearest known one is `{nearest}`",
+                shortened(key)
             ),
             Self::SeveralTerrains { names } => {
                 write!(
                     f,
                     "found several terrains ({}), expected one",
-                    names.join(", ")
+                    listed(names, ", ")
                 )
             }
-            Self::InTerrain { name, source } => write!(f, "{name}: {source}"),
+            Self::InTerrain { name, source } => write!(f, "{}: {source}", shortened(name)),
             Self::Profile { place, source } => write!(f, "{place}: {source}"),
             Self::UnknownEffect {
                 place,
@@ -163,7 +165,8 @@ impl fmt::Display for JsonError {
                 nearest,
             } => write!(
                 f,
-                "{place}: no effect is called `{name}`; the nearest is `{nearest}`"
+                "{place}: no effect is called `{}`; the nearest is `{nearest}`",
+                shortened(name)
             ),
             Self::Either(place, [one, other]) => write!(
                 f,

@@ -6,6 +6,7 @@
 
 mod effects;
 mod error;
+mod file;
 mod object;
 mod specification;
 mod terrain;
@@ -15,5 +16,6 @@ mod window;
 
 pub use effects::EFFECTS_FORMAT;
 pub use error::JsonError;
+pub use file::read_file;
 pub(crate) use object::parse;
 pub use specification::{FittedTo, MODEL_FORMAT};

@@ -1,5 +1,6 @@
 //! JSON in which no key comes twice: of two values for one key, which one is meant?
 
+use crate::display::shortened;
 use serde_core::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 use std::fmt;
@@ -58,6 +59,7 @@ impl<'de> Visitor<'de> for Any {
         let mut map = Map::new();
         while let Some((key, Unique(value))) = entries.next_entry::<String, Unique>()? {
             if map.contains_key(&key) {
+                let key = shortened(&key);
                 return Err(A::Error::custom(format!("the key \"{key}\" comes twice")));
             }
             map.insert(key, value);

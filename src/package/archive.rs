@@ -1,5 +1,6 @@
 //! The FMU's archive.
 
+use super::library::Target;
 use super::{MODEL_IDENTIFIER, documentation, model_description, model_description_3};
 use crate::declaration::{Configuration, MARK};
 use std::fmt;
@@ -27,6 +28,8 @@ pub enum Standard {
     /// FMI 3.0.
     Fmi3,
 }
+
+const STANDARDS: [Standard; 2] = [Standard::Fmi2, Standard::Fmi3];
 
 /// A platform that an FMU can hold a shared library for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,34 +64,58 @@ impl Platform {
         }
     }
 
-    /// The names of its folders under `binaries/`: FMI 3.0 has one for each processor, the libraries of macOS may be for both.
-    fn folders(self, standard: Standard) -> &'static [&'static str] {
+    /// Its folders under `binaries/`, and what the libraries there are for: FMI 3.0 has one for each processor, and the
+    /// libraries of macOS may be for both.
+    fn folders(self, standard: Standard) -> &'static [(&'static str, &'static [Target])] {
         match (standard, self) {
-            (Standard::Fmi2, Self::Linux64) => &["linux64"],
-            (Standard::Fmi2, Self::Win64) => &["win64"],
-            (Standard::Fmi2, Self::Darwin64) => &["darwin64"],
-            (_, Self::Aarch64Linux) => &["aarch64-linux"],
-            (Standard::Fmi3, Self::Linux64) => &["x86_64-linux"],
-            (Standard::Fmi3, Self::Win64) => &["x86_64-windows"],
-            (Standard::Fmi3, Self::Darwin64) => &["aarch64-darwin", "x86_64-darwin"],
+            (Standard::Fmi2, Self::Linux64) => &[("linux64", &[Target::LinuxX86])],
+            (Standard::Fmi2, Self::Win64) => &[("win64", &[Target::WindowsX86])],
+            (Standard::Fmi2, Self::Darwin64) => &[("darwin64", &[Target::MacArm, Target::MacX86])],
+            (_, Self::Aarch64Linux) => &[("aarch64-linux", &[Target::LinuxArm])],
+            (Standard::Fmi3, Self::Linux64) => &[("x86_64-linux", &[Target::LinuxX86])],
+            (Standard::Fmi3, Self::Win64) => &[("x86_64-windows", &[Target::WindowsX86])],
+            (Standard::Fmi3, Self::Darwin64) => &[
+                ("aarch64-darwin", &[Target::MacArm]),
+                ("x86_64-darwin", &[Target::MacX86]),
+            ],
         }
     }
 
-    /// Whether binaries for it lie in a folder of this name in either standard.
-    pub(super) fn has_folder(self, name: &str) -> bool {
-        [Standard::Fmi2, Standard::Fmi3]
-            .into_iter()
-            .any(|standard| self.folders(standard).contains(&name))
+    /// The folders that a library goes to: of macOS' those of the processors that it is for. None where it is for
+    /// another platform.
+    fn folders_of(self, standard: Standard, library: &[u8]) -> impl Iterator<Item = &'static str> {
+        let found = Target::of(library);
+        let folders = self.folders(standard).iter();
+        let fits = move |targets: &[Target]| found.iter().any(|target| targets.contains(target));
+        folders
+            .filter(move |(_, targets)| fits(targets))
+            .map(|(folder, _)| *folder)
     }
 
-    /// The folders that a library goes to: of macOS' those of the processors that it is for.
-    fn folders_of(self, standard: Standard, library: &[u8]) -> &'static [&'static str] {
-        let all = self.folders(standard);
-        match (all.len(), library.get(..8)) {
-            (2, Some([0xcf, 0xfa, 0xed, 0xfe, 0x0c, ..])) => &all[..1],
-            (2, Some([0xcf, 0xfa, 0xed, 0xfe, 0x07, ..])) => &all[1..],
-            _ => all,
-        }
+    /// The platform whose library has this path in an archive of either standard.
+    pub(super) fn of_path(path: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|platform| {
+            let folders = STANDARDS
+                .iter()
+                .flat_map(|standard| platform.folders(*standard));
+            folders
+                .into_iter()
+                .any(|(folder, _)| platform.path(folder) == path)
+        })
+    }
+
+    /// Whether a library is what its path in an archive says.
+    pub(super) fn belongs(self, path: &str, library: &[u8]) -> bool {
+        let of = |standard: &Standard| self.folders_of(*standard, library);
+        STANDARDS
+            .iter()
+            .flat_map(of)
+            .any(|folder| self.path(folder) == path)
+    }
+
+    /// The path of a library in an archive.
+    fn path(self, folder: &str) -> String {
+        format!("binaries/{folder}/{MODEL_IDENTIFIER}.{}", self.extension())
     }
 
     fn extension(self) -> &'static str {
@@ -96,21 +123,6 @@ impl Platform {
             Self::Linux64 | Self::Aarch64Linux => "so",
             Self::Win64 => "dll",
             Self::Darwin64 => "dylib",
-        }
-    }
-
-    /// Whether bytes begin like a shared library of this platform: the format's magic, and
-    /// in ELF the machine's number.
-    fn recognises(self, library: &[u8]) -> bool {
-        let elf =
-            |machine: u8| library.starts_with(b"\x7fELF") && library.get(18) == Some(&machine);
-        match self {
-            Self::Linux64 => elf(62),
-            Self::Aarch64Linux => elf(183),
-            Self::Win64 => library.starts_with(b"MZ"),
-            Self::Darwin64 => {
-                library.starts_with(b"\xcf\xfa\xed\xfe") || library.starts_with(b"\xca\xfe\xba\xbe")
-            }
         }
     }
 }
@@ -180,7 +192,7 @@ pub fn write_fmu<W: Write + Seek>(
     libraries: &[(Platform, Vec<u8>)],
 ) -> Result<(), PackageError> {
     for (platform, library) in libraries {
-        if !platform.recognises(library) {
+        if platform.folders_of(standard, library).next().is_none() {
             return Err(PackageError::WrongPlatform(*platform));
         }
         if !contains(library, MARK.as_bytes()) {
@@ -230,12 +242,8 @@ pub fn write_fmu<W: Write + Seek>(
     let mut libraries: Vec<&(Platform, Vec<u8>)> = libraries.iter().collect();
     libraries.sort_by_key(|(platform, _)| *platform);
     for (platform, library) in libraries {
-        let extension = platform.extension();
         for folder in platform.folders_of(standard, library) {
-            add(
-                &format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}"),
-                library,
-            )?;
+            add(&platform.path(folder), library)?;
         }
     }
     zip.finish()?;
@@ -273,14 +281,11 @@ fn contains(haystack: &[u8], needle: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::package::library::minimal;
     use std::io::{Cursor, Read};
 
     fn library() -> Vec<u8> {
-        let mut library = b"\x7fELF".to_vec();
-        library.resize(64, 0);
-        library[18] = 62;
-        library.extend(MARK.as_bytes());
-        library
+        [minimal::elf(62), MARK.into()].concat()
     }
 
     fn packed(libraries: &[(Platform, Vec<u8>)]) -> Result<Vec<u8>, PackageError> {
@@ -322,8 +327,8 @@ mod tests {
 
     #[test]
     fn libraries_of_macos_are_found_on_the_processors_that_they_are_for() {
-        let folders = |magic: &[u8]| {
-            let library = [magic, MARK.as_bytes()].concat();
+        let folders = |library: Vec<u8>| {
+            let library = [library, MARK.into()].concat();
             let libraries = [(Platform::Darwin64, library)];
             let mut bytes = Cursor::new(Vec::new());
             let configuration = Configuration::default();
@@ -334,9 +339,10 @@ mod tests {
                 archive.index_for_name(&binary).is_some()
             })
         };
-        assert_eq!(folders(b"\xca\xfe\xba\xbe"), [true, true]);
-        assert_eq!(folders(b"\xcf\xfa\xed\xfe\x07\0\0\x01"), [true, false]);
-        assert_eq!(folders(b"\xcf\xfa\xed\xfe\x0c\0\0\x01"), [false, true]);
+        let (x86, arm) = (0x0100_0007, 0x0100_000c);
+        assert_eq!(folders(minimal::universal(&[x86, arm])), [true, true]);
+        assert_eq!(folders(minimal::mach_o(x86)), [true, false]);
+        assert_eq!(folders(minimal::mach_o(arm)), [false, true]);
     }
 
     #[test]

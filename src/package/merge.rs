@@ -1,9 +1,11 @@
 //! Brings the shared libraries of several FMUs of one model into one file.
 
 use super::archive::{Platform, add};
+use crate::display::shortened;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read, Seek, Write};
+use zip::result::ZipError;
 use zip::{ZipArchive, ZipWriter};
 
 const BINARIES: &str = "binaries/";
@@ -17,6 +19,15 @@ pub enum MergeError {
         file: String,
         /// What is wrong with it.
         source: io::Error,
+    },
+    /// A file that no FMU of this crate has: it would leave the archive, or is no library of its platform.
+    Refused {
+        /// What the archive is called.
+        file: String,
+        /// The path in the archive.
+        entry: String,
+        /// What is wrong with it.
+        reason: String,
     },
     /// A file that two FMUs have with different content.
     Differs {
@@ -44,6 +55,15 @@ impl fmt::Display for MergeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read { file, source } => write!(f, "{file} is no FMU that can be read: {source}"),
+            Self::Refused {
+                file,
+                entry,
+                reason,
+            } => write!(
+                f,
+                "{file}: the entry `{}` is refused: {reason}",
+                shortened(entry)
+            ),
             Self::Differs {
                 entry,
                 first,
@@ -79,9 +99,16 @@ struct Part<'n> {
 
 impl<'n> Part<'n> {
     fn read(name: &'n str, source: impl Read + Seek) -> Result<Self, MergeError> {
-        let files = files(source).map_err(|source| MergeError::Read {
-            file: name.into(),
-            source,
+        let files = files(source).map_err(|fault| match fault {
+            Fault::Archive(source) => MergeError::Read {
+                file: name.into(),
+                source,
+            },
+            Fault::Entry(entry, reason) => MergeError::Refused {
+                file: name.into(),
+                entry,
+                reason,
+            },
         })?;
         let (binaries, model) = files
             .into_iter()
@@ -118,32 +145,97 @@ impl<'n> Part<'n> {
     }
 }
 
-fn files(source: impl Read + Seek) -> io::Result<Files> {
-    let mut archive = ZipArchive::new(source).map_err(io::Error::other)?;
+/// What is wrong with an archive.
+enum Fault {
+    Archive(io::Error),
+    /// An entry, and why it is refused.
+    Entry(String, String),
+}
+
+impl From<io::Error> for Fault {
+    fn from(error: io::Error) -> Self {
+        Self::Archive(error)
+    }
+}
+
+impl From<ZipError> for Fault {
+    fn from(error: ZipError) -> Self {
+        Self::Archive(io::Error::other(error))
+    }
+}
+
+/// More than any FMU of this crate takes unpacked \[MB\].
+const LARGEST: u64 = 256;
+
+fn files(source: impl Read + Seek) -> Result<Files, Fault> {
+    let mut archive = ZipArchive::new(source)?;
     let mut files = Files::new();
+    let mut total = 0_u64;
     for index in 0..archive.len() {
-        let mut entry = archive.by_index(index).map_err(io::Error::other)?;
+        let mut entry = archive.by_index(index)?;
+        let path = entry.name()?.into_owned();
+        let refused = |reason: String| Fault::Entry(path.clone(), reason);
+        check_name(&path).map_err(|reason| refused(reason.into()))?;
+        if !is_plain(entry.unix_mode()) {
+            return Err(refused("it is a link or a device".into()));
+        }
         if entry.is_dir() {
             continue;
         }
-        let path = entry.name().map_err(io::Error::other)?.into_owned();
+        let size = entry.size();
+        total = total.saturating_add(size);
+        if total > LARGEST << 20 {
+            return Err(refused(format!(
+                "with it the archive unpacks to over {LARGEST} MB"
+            )));
+        }
+        // Memory grows with what comes, and one byte more shows an entry that is longer than it says.
         let mut content = Vec::new();
-        entry.read_to_end(&mut content)?;
+        let read = entry.by_ref().take(size + 1).read_to_end(&mut content);
+        read.map_err(|error| refused(format!("it does not unpack: {error}")))?;
+        if content.len() as u64 != size {
+            return Err(refused(format!(
+                "it does not unpack to the {size} bytes that it declares"
+            )));
+        }
+        if path.starts_with(BINARIES) {
+            let platform = Platform::of_path(&path)
+                .ok_or_else(|| refused("it is no library that `ugv package` adds".into()))?;
+            if !platform.belongs(&path, &content) {
+                let name = platform.name();
+                let reason =
+                    format!("it is no 64-bit shared library for {name}, or for another processor");
+                return Err(refused(reason));
+            }
+        }
+        drop(entry);
         files.push((path, content));
     }
     if !files.iter().any(|(path, _)| path == "modelDescription.xml") {
-        return Err(io::Error::other("it has no modelDescription.xml"));
+        return Err(io::Error::other("it has no modelDescription.xml").into());
     }
     Ok(files)
 }
 
-/// The place of a binary: platforms in their order, whatever else comes after them.
-fn place(path: &str) -> usize {
-    let folder = path[BINARIES.len()..].split('/').next();
-    Platform::ALL
-        .iter()
-        .position(|platform| folder.is_some_and(|folder| platform.has_folder(folder)))
-        .unwrap_or(Platform::ALL.len())
+/// Refuses a name that leads out of the folder into which some system unpacks it.
+fn check_name(path: &str) -> Result<(), &'static str> {
+    let path = path.strip_suffix('/').unwrap_or(path);
+    if path.contains(char::is_control) {
+        return Err("its name has control characters");
+    }
+    // Drives and streams of Windows, and its separator.
+    if path.contains(['\\', ':']) {
+        return Err("its name has a backslash or a colon");
+    }
+    if path.split('/').any(|part| matches!(part, "" | "." | "..")) {
+        return Err("its name leads out of the archive");
+    }
+    Ok(())
+}
+
+/// Whether an entry is a file or folder by the kind in its mode (`sys/stat.h`), where it has one.
+fn is_plain(mode: Option<u32>) -> bool {
+    mode.is_none_or(|mode| matches!(mode & 0o170_000, 0 | 0o100_000 | 0o040_000))
 }
 
 /// Writes one FMU with the binaries of all parts, each a name for messages and an archive. All else
@@ -163,13 +255,13 @@ pub fn merge_fmus<W: Write + Seek, R: Read + Seek>(
     for (name, source) in names.iter().zip(sources) {
         parts.push(Part::read(name, source)?);
     }
-    let mut binaries: BTreeMap<(usize, &str), (&str, &[u8])> = BTreeMap::new();
+    let mut binaries = BTreeMap::new();
     for part in &parts {
         parts[0].same_model(part)?;
         for (path, content) in &part.binaries {
             let known = binaries
-                .entry((place(path), path))
-                .or_insert((part.name, content));
+                .entry((Platform::of_path(path), path.as_str()))
+                .or_insert((part.name, content.as_slice()));
             if known.1 != content {
                 return Err(MergeError::Differs {
                     entry: path.clone(),
@@ -204,25 +296,18 @@ mod tests {
     use super::*;
     use crate::declaration::{Configuration, MARK};
     use crate::package::Standard;
+    use crate::package::library::minimal;
     use crate::package::write_fmu;
     use std::io::Cursor;
 
     fn library(platform: Platform) -> (Platform, Vec<u8>) {
-        let mut library = vec![0; 64];
-        match platform {
-            Platform::Win64 => library[..2].copy_from_slice(b"MZ"),
-            Platform::Darwin64 => library[..4].copy_from_slice(b"\xcf\xfa\xed\xfe"),
-            Platform::Linux64 | Platform::Aarch64Linux => {
-                library[..4].copy_from_slice(b"\x7fELF");
-                library[18] = if platform == Platform::Linux64 {
-                    62
-                } else {
-                    183
-                };
-            }
-        }
-        library.extend(MARK.as_bytes());
-        (platform, library)
+        let library = match platform {
+            Platform::Linux64 => minimal::elf(62),
+            Platform::Aarch64Linux => minimal::elf(183),
+            Platform::Win64 => minimal::pe(0x8664),
+            Platform::Darwin64 => minimal::universal(&[0x0100_0007, 0x0100_000c]),
+        };
+        (platform, [library, MARK.into()].concat())
     }
 
     fn packed(configuration: &Configuration, libraries: &[(Platform, Vec<u8>)]) -> Vec<u8> {

@@ -3,6 +3,7 @@
 
 mod archive;
 mod documentation;
+mod library;
 mod merge;
 mod model_description;
 mod model_description_3;

@@ -1,6 +1,7 @@
 //! What makes samples no series in time.
 
 use super::{Channel, Recording, Series};
+use crate::display::number;
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -54,8 +55,10 @@ impl fmt::Display for SeriesFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Lengths { times, values } => write!(f, "{times} times for {values} values"),
-            Self::Time(time) => write!(f, "{time} s is no time after the one before"),
-            Self::Value { time, value } => write!(f, "{value} at {time} s is not finite"),
+            Self::Time(time) => write!(f, "{} s is no time after the one before", number(*time)),
+            Self::Value { time, value } => {
+                write!(f, "{value} at {} s is not finite", number(*time))
+            }
         }
     }
 }

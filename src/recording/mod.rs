@@ -25,7 +25,7 @@ pub use about::About;
 pub use channel::Channel;
 pub use course::Course;
 #[cfg(feature = "analysis")]
-pub use csv::{Cell, CsvError, read_drive, read_poses};
+pub use csv::{Cell, CsvError, read_bytes, read_drive, read_poses};
 pub use cumulated::{Cumulated, Grid, longest_interval, stretches};
 pub use drive::{Drive, fill_gaps};
 pub use fault::{RecordingFault, SameName, SeriesFault, different_names};

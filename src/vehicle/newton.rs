@@ -3,6 +3,7 @@
 use super::altered::Prepared;
 use super::{Balance, Motion, Surroundings, VehicleModel};
 use crate::contact::{Detail, WheelForces, WheelMotion};
+use crate::display::rounded;
 use crate::scalar::Dual;
 use fearless_simd::{Simd, dispatch};
 use std::f64::consts::FRAC_PI_2;
@@ -50,14 +51,36 @@ impl fmt::Display for BalanceError {
                     )
                 }
             }
-            Self::NotFinite(motion) => write!(f, "no finite forces at {motion:?}"),
+            Self::NotFinite(motion) => write!(f, "no finite forces at {}", Words(motion)),
             Self::NotConverged(motion) => {
                 write!(
                     f,
-                    "loads and accelerations did not settle at {motion:?}; on very cohesive soil a light wheel has no steady contact"
+                    "the balance of loads and accelerations was not found at {}; the ground may hold the wheels so firmly that the vehicle tips",
+                    Words(motion)
                 )
             }
         }
+    }
+}
+
+/// A motion for people.
+struct Words<'a>(&'a Motion);
+
+impl fmt::Display for Words<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Motion {
+            v_x,
+            v_y,
+            yaw_rate,
+            omega_left,
+            omega_right,
+        } = self.0;
+        let [v_x, v_y, yaw_rate, left, right] =
+            [v_x, v_y, yaw_rate, omega_left, omega_right].map(|value| rounded(*value, 4));
+        write!(
+            f,
+            "v_x {v_x} m/s, v_y {v_y} m/s, yaw rate {yaw_rate} rad/s, wheels {left} and {right} rad/s"
+        )
     }
 }
 
@@ -327,4 +350,24 @@ pub(super) fn solve_2x2(matrix: [[f64; 2]; 2], rhs: [f64; 2]) -> [f64; 2] {
         (rhs[0] * d - b * rhs[1]) / determinant,
         (a * rhs[1] - c * rhs[0]) / determinant,
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_motion_is_named_in_words_with_units() {
+        let motion = Motion {
+            v_x: 1.200_004,
+            v_y: -1e-9,
+            yaw_rate: 0.1,
+            omega_left: 4.0,
+            omega_right: 1e300,
+        };
+        assert_eq!(
+            BalanceError::NotFinite(motion).to_string(),
+            "no finite forces at v_x 1.2 m/s, v_y 0 m/s, yaw rate 0.1 rad/s, wheels 4 and 1e300 rad/s"
+        );
+    }
 }

@@ -351,7 +351,8 @@ fn a_full_disk_loses_nothing() {
         .assert()
         .code(1)
         .stderr(contains(full));
-    assert_eq!(bench.read("diagnosis/model.json"), before[1]);
+    // The others would be of another diagnosis than this one.
+    assert!(!bench.path("diagnosis/model.json").exists());
 }
 
 #[test]
@@ -481,4 +482,49 @@ fn models_with_laws_and_patches_drive_are_scored_and_packaged() {
         assert_ne!(plain.as_ref(), Some(&motion), "{effects}");
         plain.get_or_insert(motion);
     }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn on_a_full_disk_the_files_of_before_stay_as_a_set() {
+    let bench = Bench::new();
+    bench.write("short.csv", drive(2.0));
+    bench.write("shorter.csv", drive(1.0));
+    bench.stdout("diagnose short.csv --out out");
+    bench.write("out/notes.txt", "mine");
+    let texts = || FILES.map(|name| bench.read(&format!("out/{name}")));
+    let before = texts();
+    // Files may have so many kilobytes: the page has more, the two before it have less.
+    let limited = "trap '' XFSZ; ulimit -f 4; exec \"$0\" diagnose shorter.csv --out out";
+    let mut command = Command::new("bash");
+    command
+        .current_dir(bench.path(""))
+        .args(["-c", limited, UGV]);
+    let output = command.output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.contains("ugv: error: cannot write out/report.html: "),
+        "{message}"
+    );
+    assert!(message.contains("File too large"), "{message}");
+    assert!(
+        !message.contains(".ugv-") && !message.contains(".tmp"),
+        "{message}"
+    );
+    assert_eq!(texts(), before);
+    let all = ["diagnosis.json", "model.json", "notes.txt", "report.html"];
+    assert_eq!(left(&bench, "out"), all);
+    // The summary is not lost.
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("too short") && !text.contains("written to"),
+        "{text}"
+    );
+    // With room all are new, and what is the user's stays.
+    bench.stdout("diagnose shorter.csv --out out");
+    let after = texts();
+    // Too little to diagnose leaves the model as it was given.
+    assert!([0, 2].into_iter().all(|file| after[file] != before[file]));
+    assert_eq!(left(&bench, "out"), all);
 }

@@ -5,9 +5,12 @@
 mod diagnose;
 mod effects;
 mod fit;
+mod foreign;
 #[path = "../common/formats.rs"]
 mod formats;
 mod inspect;
+#[path = "../common/libraries.rs"]
+mod libraries;
 mod package;
 mod refusals;
 mod score;

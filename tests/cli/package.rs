@@ -1,24 +1,25 @@
 //! `ugv package` with libraries for several platforms, and what it merges.
 
 use super::*;
+use crate::libraries::{elf, pe};
 use predicates::prelude::*;
 use predicates::str::contains;
+use std::io::{Cursor, Write};
 use ugv_terrain::declaration::MARK;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
 
 impl Bench {
     /// Writes what passes for a library of a platform.
-    fn library(&self, name: &str, magic: &[u8], machine: u8) {
-        let mut library = magic.to_vec();
-        library.resize(64, 0);
-        library[18] = machine;
-        self.write(name, [&library, MARK.as_bytes()].concat());
+    fn library(&self, name: &str, header: Vec<u8>) {
+        self.write(name, [&header, MARK.as_bytes()].concat());
     }
 
     fn packaged(arguments: &str) -> Self {
         let bench = Self::new();
-        bench.library("ugv.so", b"\x7fELF", 62);
-        bench.library("arm.so", b"\x7fELF", 183);
-        bench.library("ugv.dll", b"MZ", 0);
+        bench.library("ugv.so", elf(62));
+        bench.library("arm.so", elf(183));
+        bench.library("ugv.dll", pe(0x8664));
         for (platform, file) in [
             ("linux64", "ugv.so"),
             ("aarch64-linux", "arm.so"),
@@ -63,7 +64,7 @@ fn merged_fmus_are_what_packaging_at_once_gives() {
 #[test]
 fn a_link_to_an_fmu_stays_a_link() {
     let bench = Bench::new();
-    bench.library("ugv.so", b"\x7fELF", 62);
+    bench.library("ugv.so", elf(62));
     bench.write("real.fmu", "old");
     std::os::unix::fs::symlink("real.fmu", bench.path("link.fmu")).unwrap();
     let package = "package --library linux64=ugv.so --output link.fmu";
@@ -76,7 +77,7 @@ fn a_link_to_an_fmu_stays_a_link() {
 #[test]
 fn an_fmu_for_co_simulation_alone_says_why() {
     let bench = Bench::new();
-    bench.library("ugv.so", b"\x7fELF", 62);
+    bench.library("ugv.so", elf(62));
     let drag = r#""drag": {"coefficient": 9}"#;
     for (effects, why) in [
         (
@@ -126,7 +127,8 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
     bench.write("rubbish.fmu", "rubbish");
     // The same variables, built from another version.
     let older = MARK.rsplit_once(' ').unwrap().0;
-    bench.write("old.dll", format!("MZ{}{older} 0.0.0\n", "\0".repeat(62)));
+    let older = format!("{older} 0.0.0\n");
+    bench.write("old.dll", [pe(0x8664), older.into()].concat());
     let whole = bench.bytes("win64.fmu");
     bench.write("cut.fmu", &whole[..whole.len() / 2]);
     bench.write("merged.fmu", "precious");
@@ -183,4 +185,111 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
         .stderr(contains("cannot write nowhere/ugv.fmu: ").and(contains(
             "\nugv: hint: name a place in a folder that is there and can be written\n",
         )));
+}
+
+/// An archive with one more entry than an FMU has.
+fn with_entry(fmu: &[u8], add: impl FnOnce(&mut ZipWriter<Cursor<Vec<u8>>>)) -> Vec<u8> {
+    let mut zip = ZipWriter::new_append(Cursor::new(fmu.to_vec())).unwrap();
+    add(&mut zip);
+    zip.finish().unwrap().into_inner()
+}
+
+fn with_file(fmu: &[u8], name: &str, content: &[u8]) -> Vec<u8> {
+    with_entry(fmu, |zip| {
+        zip.start_file(name, SimpleFileOptions::default()).unwrap();
+        zip.write_all(content).unwrap();
+    })
+}
+
+/// Lets the last entry declare another size unpacked, in both of its headers.
+fn declaring(mut fmu: Vec<u8>, size: u32) -> Vec<u8> {
+    for (signature, at) in [(b"PK\x01\x02", 24), (b"PK\x03\x04", 22)] {
+        let last = fmu
+            .windows(4)
+            .rposition(|bytes| bytes == signature)
+            .unwrap();
+        fmu[last + at..last + at + 4].copy_from_slice(&size.to_le_bytes());
+    }
+    fmu
+}
+
+#[test]
+fn entries_that_lead_out_of_an_fmu_or_are_no_libraries_are_refused() {
+    let bench = Bench::packaged("package --library win64=ugv.dll");
+    let whole = bench.bytes("linux64.fmu");
+    let file = |name: &str| with_file(&whole, name, b"text");
+    let library =
+        |folder: &str, content: &[u8]| with_file(&whole, &format!("binaries/{folder}"), content);
+    let link = with_entry(&whole, |zip| {
+        zip.add_symlink(
+            "resources/link",
+            "/etc/passwd",
+            SimpleFileOptions::default(),
+        )
+        .unwrap();
+    });
+    for (fmu, entry, reason) in [
+        (file("../evil.sh"), "../evil.sh", "leads out of the archive"),
+        (
+            file("resources/../../evil"),
+            "resources/../../evil",
+            "leads out",
+        ),
+        (file("/etc/cron.d/evil"), "/etc/cron.d/evil", "leads out"),
+        (file("resources//evil"), "resources//evil", "leads out"),
+        (file("C:/evil.dll"), "C:/evil.dll", "a backslash or a colon"),
+        (
+            file("resources\\evil"),
+            "resources\\evil",
+            "a backslash or a colon",
+        ),
+        (
+            file("a\u{1b}[2Jb\nugv: c"),
+            "a\\u{1b}[2Jb\\nugv: c",
+            "control characters",
+        ),
+        (link, "resources/link", "a link or a device"),
+        (
+            library("win64/ugv.dll", b"#!/bin/sh"),
+            "binaries/win64/ugv.dll",
+            "no 64-bit shared library for win64",
+        ),
+        (
+            library("win64/ugv.dll", &elf(62)),
+            "binaries/win64/ugv.dll",
+            "no 64-bit shared library for win64",
+        ),
+        (
+            library("aarch64-linux/ugv.so", &elf(62)),
+            "binaries/aarch64-linux/ugv.so",
+            "for another processor",
+        ),
+        (
+            library("win32/ugv.dll", &pe(0x014c)),
+            "binaries/win32/ugv.dll",
+            "no library that `ugv package` adds",
+        ),
+        (
+            library("win64/other.dll", &pe(0x8664)),
+            "binaries/win64/other.dll",
+            "no library that `ugv package` adds",
+        ),
+        (
+            declaring(file("resources/big"), u32::MAX - 1),
+            "resources/big",
+            "the archive unpacks to over 256 MB",
+        ),
+        (
+            declaring(file("resources/big"), 3),
+            "resources/big",
+            "it does not unpack: ",
+        ),
+    ] {
+        bench.write("evil.fmu", fmu);
+        let message = bench.fails("package --merge win64.fmu evil.fmu --output merged.fmu", 2);
+        let start = format!("ugv: error: evil.fmu: the entry `{entry}` is refused: ");
+        assert!(message.starts_with(&start), "{message}");
+        assert!(message.contains(reason), "{message}");
+        assert!(!bench.path("merged.fmu").exists(), "{entry}");
+    }
 }

@@ -4,15 +4,15 @@ mod folder;
 mod progress;
 
 use super::nominal::{NominalArgs, fitted_to};
-use super::output::{Output, write_stdout};
+use super::output::{Output, finish_all, print};
 use super::{Failure, tell};
 use folder::Folder;
 use progress::Bar;
-use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
+use ugv_terrain::display::visible_line;
 use ugv_terrain::report::diagnosis::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -112,10 +112,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let written = write(outputs, texts);
     if !args.quiet {
         // Where the disk is full, too: what took minutes to find is not lost.
-        write_stdout(&text(&diagnosis))?;
+        print(&text(&diagnosis))?;
         if written.is_ok() {
-            let (folder, files) = (args.out.display(), files.join(", "));
-            write_stdout(&format!("written to {folder}: {files}\n"))?;
+            let (folder, files) = (args.out.display().to_string(), files.join(", "));
+            print(&format!("written to {}: {files}\n", visible_line(&folder)))?;
         }
     }
     written
@@ -128,14 +128,11 @@ fn seconds(text: &str) -> Result<Duration, String> {
     limit.ok_or_else(|| "not a number of seconds above 0; give 300, say".into())
 }
 
-/// Writes every text that can be written; the first failure.
+/// Writes all texts or none: the files of a folder belong together.
 fn write(outputs: Vec<Output>, texts: [String; 3]) -> Result<(), Failure> {
-    let one = |(mut output, text): (Output, String)| {
-        output
-            .write_all(text.as_bytes())
-            .map_err(|source| output.failure(source))?;
-        output.finish()
-    };
-    let each: Vec<_> = outputs.into_iter().zip(texts).map(one).collect();
-    each.into_iter().collect()
+    let filled = outputs
+        .into_iter()
+        .zip(texts)
+        .map(|(output, text)| output.with(&text));
+    finish_all(filled.collect::<Result<Vec<_>, _>>()?)
 }

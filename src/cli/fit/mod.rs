@@ -6,11 +6,10 @@ mod report;
 mod summary;
 
 use super::nominal::{NominalArgs, fitted_to};
-use super::output::Output;
+use super::output::{Output, finish_all, print};
 use super::{Failure, tell};
 use names::{Wanted, print_names};
 use progress::Progress;
-use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -153,33 +152,24 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     progress.finish();
     let mut files = [&args.output, &args.report].into_iter().flatten();
     let to_stdout = files.any(|path| path.as_os_str() == "-");
-    let written = [
-        write(output, || {
-            model.to_json_fitted(&fitted_to(&recordings, !args.half))
-        }),
-        write(report, || {
-            report::to_json(&fitted, &model, &recordings, &options)
-        }),
+    let model_text = || model.to_json_fitted(&fitted_to(&recordings, !args.half));
+    let report_text = || report::to_json(&fitted, &model, &recordings, &options);
+    let filled = [
+        output.map(|output| output.with(&model_text())),
+        report.map(|report| report.with(&report_text())),
     ];
+    let filled: Result<Vec<_>, _> = filled.into_iter().flatten().collect();
+    let written = filled.and_then(finish_all);
     if !args.quiet {
         // Where the disk is full, too: what took minutes to find is not lost.
         let text = summary::text(&fitted, &recordings, started.elapsed().as_secs_f64());
         if to_stdout {
             text.lines().for_each(super::tell);
         } else {
-            super::output::write_stdout(&text)?;
+            print(&text)?;
         }
     }
-    written.into_iter().collect()
-}
-
-fn write(output: Option<Output>, text: impl Fn() -> String) -> Result<(), Failure> {
-    let Some(mut output) = output else {
-        return Ok(());
-    };
-    let written = output.write_all(text().as_bytes());
-    written.map_err(|source| output.failure(source))?;
-    output.finish()
+    written
 }
 
 /// The name of a parameter; that of a recording's sensor without the recording, where there is but one.

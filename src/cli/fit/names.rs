@@ -1,7 +1,7 @@
 //! The names of parameters, as arguments.
 
 use crate::cli::Failure;
-use crate::cli::output::write_stdout;
+use crate::cli::output::print;
 use std::fmt::Write;
 use ugv_terrain::fit::catalogue::{self, DEFAULT_FREE};
 use ugv_terrain::fit::sensor::SensorParameter;
@@ -95,5 +95,5 @@ pub fn print_names(nominal: &Specification) -> Result<(), Failure> {
             parameter.unit
         );
     }
-    write_stdout(&text)
+    print(&text)
 }

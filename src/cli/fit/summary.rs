@@ -2,6 +2,7 @@
 
 use super::short_name;
 use std::fmt::Write;
+use ugv_terrain::display::visible_line;
 use ugv_terrain::fit::starts::Starts;
 use ugv_terrain::fit::{Estimate, Fit};
 use ugv_terrain::recording::Recording;
@@ -24,18 +25,20 @@ pub fn text(fitted: &Fit, recordings: &[Recording], elapsed: f64) -> String {
         starts(&mut text, found, fitted, recordings);
     }
     for warning in warnings(fitted) {
-        let _ = writeln!(text, "  - {warning}");
+        let _ = writeln!(text, "  - {}", visible_line(&warning));
     }
     text
 }
 
 fn parameters(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
-    let name =
-        |estimate: &Estimate| short_name(&estimate.parameter.name, fitted, recordings).to_owned();
+    let name = |estimate: &Estimate| {
+        let name = short_name(&estimate.parameter.name, fitted, recordings);
+        visible_line(name).into_owned()
+    };
     let width = fitted
         .estimates
         .iter()
-        .map(|e| name(e).len())
+        .map(|e| name(e).chars().count())
         .max()
         .unwrap_or(0)
         .max(9);
@@ -68,7 +71,11 @@ fn noise(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
     let mut last = 0;
     for estimate in &fitted.noise {
         if recordings.len() > 1 && (estimate.recording != last || estimate == &fitted.noise[0]) {
-            let _ = writeln!(text, "{}", recordings[estimate.recording].name);
+            let _ = writeln!(
+                text,
+                "{}",
+                visible_line(&recordings[estimate.recording].name)
+            );
             last = estimate.recording;
         }
         let (name, unit) = estimate.group.describe();
@@ -106,7 +113,7 @@ fn starts(text: &mut String, found: &Starts, fitted: &Fit, recordings: &[Recordi
             .map(|(estimate, value)| {
                 let (factor, unit) = shown(estimate.parameter.unit);
                 let name = short_name(&estimate.parameter.name, fitted, recordings);
-                format!("{name} {} {unit}", digits(value * factor))
+                format!("{} {} {unit}", visible_line(name), digits(value * factor))
             });
         let verdict = if other.ruled_out() {
             "the data rule it out"

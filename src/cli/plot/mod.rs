@@ -7,6 +7,7 @@ pub use trace::{Sample, Trace};
 
 use panel::{Panel, SCALE, Series};
 use plotters::prelude::*;
+use ugv_terrain::display::visible_line;
 
 /// Size of the picture and of the strip with its title, in pixels.
 const SIZE: (u32, u32) = (1240, 940);
@@ -44,7 +45,11 @@ fn draw_on(area: &panel::Area, trace: &Trace, terrain: &str) -> panel::Drawn {
     area.fill(&WHITE)?;
     let (header, body) = area.split_vertically(TITLE_HEIGHT * SCALE);
     let unit = SCALE as i32;
-    let title = format!("{} s on {terrain}", panel::short(&trace.duration()));
+    let title = format!(
+        "{} s on {}",
+        panel::short(&trace.duration()),
+        visible_line(terrain)
+    );
     panel::text(
         &header,
         &title,

@@ -8,13 +8,12 @@ mod table;
 use super::model::{
     check_piecewise, load_effects, load_fitted, load_terrain, load_vehicle, without_sensors,
 };
-use super::output::{Output, write_stdout};
+use super::output::{Output, print};
 use super::progress::Progress;
 use super::{Failure, tell};
 use contest::{Contest, Outcome, pool};
 use entries::Entry;
 use rayon::prelude::*;
-use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -143,14 +142,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .as_deref()
         .is_none_or(|path| path.as_os_str() != "-")
     {
-        write_stdout(&table::render(args.horizon, &outcomes, pooled.as_ref()))?;
+        print(&table::render(args.horizon, &outcomes, pooled.as_ref()))?;
     }
-    if let Some(mut output) = json {
+    if let Some(output) = json {
         let text = json::render(args.horizon, args.spacing, &outcomes, pooled.as_ref());
-        output
-            .write_all(text.as_bytes())
-            .map_err(|source| output.failure(source))?;
-        output.finish()?;
+        output.with(&text)?.finish()?;
     }
     Ok(())
 }

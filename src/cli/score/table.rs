@@ -2,6 +2,7 @@
 
 use super::contest::{Outcome, Pooled, Scores};
 use std::fmt::Write;
+use ugv_terrain::display::visible_line;
 use ugv_terrain::identification::{Estimate, Latency};
 
 /// Widths of the column of names and of the others.
@@ -26,6 +27,7 @@ pub fn render(horizon: f64, outcomes: &[Outcome], pooled: Option<&Vec<Pooled>>) 
             rows(&mut text, model.name, &model.scores, model.failed);
         }
         for (model, recording) in lost(outcomes) {
+            let recording = visible_line(recording);
             let _ = writeln!(text, "  {model:NAME$} no prediction of {recording}");
         }
         text.push('\n');
@@ -52,7 +54,7 @@ fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
         text,
         "{}: {} windows of {horizon} s (left out: {} standing, {} with gaps); \
          {} fitted, {} judged, {} counted",
-        contest.name,
+        visible_line(&contest.name),
         set.windows.len(),
         set.rejected.standing,
         set.rejected.gaps,
@@ -81,7 +83,12 @@ fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
         }
     }
     for (entry, result) in contest.entries.iter().zip(&outcome.results) {
-        let _ = write!(text, "  {}: {}", entry.name, entry.description);
+        let _ = write!(
+            text,
+            "  {}: {}",
+            entry.name,
+            visible_line(&entry.description)
+        );
         for p in &entry.parameters {
             let bounds = interval(&p.estimate, 4);
             let _ = write!(

@@ -7,13 +7,12 @@ mod table;
 
 use super::initial::{Initial, initial_state};
 use super::model::{ModelArgs, names};
-use super::output::Output;
+use super::output::{Output, finish_all};
 use super::plot::{self, Trace};
 use super::{Failure, tell};
 pub use drive::Stop;
 use drive::{Schedule, drive};
-use input::read_file;
-pub use input::{doubts, filled, read_input};
+pub use input::{doubts, filled, read_file, read_input};
 use progress::Progress;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -142,14 +141,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     progress.finish();
     let elapsed = summary.started.elapsed();
 
-    if let (Some(trace), Some(mut picture)) = (&trace, picture) {
+    let mut outputs = vec![table];
+    if let (Some(trace), Some(picture)) = (&trace, picture) {
         let svg = plot::draw(trace, &args.model.ground()).map_err(Failure::Plot)?;
-        picture
-            .write_all(svg.as_bytes())
-            .map_err(|source| picture.failure(source))?;
-        picture.finish()?;
+        outputs.push(picture.with(&svg)?);
     }
-    table.finish()?;
+    finish_all(outputs)?;
     if !args.quiet {
         summary.tell(&recording, effects.as_deref(), elapsed.as_secs_f64());
     }

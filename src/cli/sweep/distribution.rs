@@ -2,6 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::str::FromStr;
+use ugv_terrain::display;
 
 const FORMS: &str = "uniform:LOW,HIGH, log-uniform:LOW,HIGH, normal:MEAN,SD[,LOW,HIGH], \
                      log-normal:MEDIAN,FACTOR[,LOW,HIGH], list:A,B,... or grid:LOW,HIGH,COUNT";
@@ -129,7 +130,8 @@ fn number(text: &str) -> Result<f64, String> {
 fn grid(low: f64, high: f64, count: f64) -> Result<Vec<f64>, String> {
     if !(2.0..=MOST_VALUES).contains(&count) || count.fract() != 0.0 {
         return Err(format!(
-            "a grid of {count} values: expected a whole number of 2 or more, at most {MOST_VALUES:.0e}"
+            "a grid of {} values: expected a whole number of 2 or more, at most {MOST_VALUES:.0e}",
+            display::number(count)
         ));
     }
     let share = |index: u32| f64::from(index) / (count - 1.0);
@@ -156,13 +158,15 @@ fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
     if range.0 >= range.1 {
         let (low, high) = range;
         return Err(format!(
-            "the low end {low} is not below the high end {high}"
+            "the low end {} is not below the high end {}",
+            display::number(low),
+            display::number(high)
         ));
     }
     if is_log && range.0 <= 0.0 {
         return Err(format!(
             "{} has no logarithm: expected numbers above 0",
-            range.0
+            display::number(range.0)
         ));
     }
     let shape = match shape {
@@ -170,8 +174,10 @@ fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
         Some((median, factor)) if is_log => {
             if median <= 0.0 || factor <= 1.0 {
                 return Err(format!(
-                    "log-normal:{median},{factor}: expected a median above 0, and a factor above 1 \
-                     (two thirds of the values lie between median / factor and median * factor)"
+                    "log-normal:{},{}: expected a median above 0, and a factor above 1 \
+                     (two thirds of the values lie between median / factor and median * factor)",
+                    display::number(median),
+                    display::number(factor)
                 ));
             }
             Shape::Normal {
@@ -181,7 +187,8 @@ fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
         }
         Some((_, deviation)) if deviation <= 0.0 => {
             return Err(format!(
-                "a standard deviation of {deviation} is not above 0"
+                "a standard deviation of {} is not above 0",
+                display::number(deviation)
             ));
         }
         Some((mean, deviation)) => Shape::Normal { mean, deviation },

@@ -2,9 +2,12 @@
 
 use super::distribution::{Values, Varied};
 use crate::cli::Failure;
-use std::fs;
+use crate::cli::simulate::read_file;
+use std::collections::HashSet;
 use std::io::{self, Write};
 use std::path::Path;
+use ugv_terrain::display::shortened;
+use ugv_terrain::recording::read_bytes;
 
 /// Column that numbers the rows.
 const INDEX: &str = "index";
@@ -81,9 +84,12 @@ impl Samples {
     /// # Errors
     /// A file that cannot be read, with the line and column of what is wrong.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let text = fs::read_to_string(path).map_err(|source| Failure::Read {
-            path: path.into(),
-            source,
+        let text = String::from_utf8(read_file(path, read_bytes)?).map_err(|error| {
+            let source = io::Error::new(io::ErrorKind::InvalidData, error.utf8_error());
+            Failure::Read {
+                path: path.into(),
+                source,
+            }
         })?;
         // A record is said to begin before the second half of a CR LF.
         let text = text.replace("\r\n", "\n");
@@ -109,7 +115,7 @@ impl Samples {
             };
             for (column, cell) in record.iter().enumerate() {
                 let expected = |what: &str| {
-                    let name = &header[column];
+                    let (name, cell) = (shortened(&header[column]), shortened(cell));
                     let line = line_from(&text, start);
                     wrong(format!(
                         ", line {line}, {name}: found `{cell}`, expected {what}"
@@ -169,13 +175,10 @@ fn line_from(text: &str, start: usize) -> usize {
 }
 
 fn check_unique(names: &[String], place: &str) -> Result<(), Failure> {
-    let twice = names
-        .iter()
-        .enumerate()
-        .find(|(at, name)| names[..*at].contains(name));
-    match twice {
-        Some((_, name)) => Err(Failure::Argument {
-            reason: format!("{place} names {name} twice"),
+    let mut known = HashSet::new();
+    match names.iter().find(|name| !known.insert(*name)) {
+        Some(name) => Err(Failure::Argument {
+            reason: format!("{place} names {} twice", shortened(name)),
             hint: None,
         }),
         None => Ok(()),

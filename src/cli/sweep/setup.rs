@@ -3,9 +3,10 @@
 
 use super::samples::{Sample, Samples};
 use crate::cli::Failure;
-use crate::cli::initial::{Initial, initial_state};
+use crate::cli::initial::{Initial, check, initial_state};
 use std::path::Path;
 use ugv_terrain::declaration::{Causality, Configuration, Kind, Quantity, variables};
+use ugv_terrain::display::shortened;
 use ugv_terrain::parameter::ParameterError;
 use ugv_terrain::recording::Drive;
 use ugv_terrain::simulation::State;
@@ -86,6 +87,9 @@ impl<'a> Setup<'a> {
         let mut configuration = self.base.clone();
         for (column, value) in self.columns.iter().zip(&sample.values) {
             Configuration::check_parameter(*column, *value)?;
+            if let Quantity::Initial(index) = column {
+                check(*index, *value)?;
+            }
             configuration.set_parameter(*column, *value);
         }
         VehicleModel::from_specification(&configuration.specification())
@@ -103,7 +107,10 @@ fn quantity(base: &Configuration, name: &str) -> Result<Quantity, Failure> {
     }
     let meant = nearest(name, known.iter().map(|variable| variable.name.as_str()));
     Err(Failure::Argument {
-        reason: format!("`{name}` is no parameter of the FMU of this model"),
+        reason: format!(
+            "`{}` is no parameter of the FMU of this model",
+            shortened(name)
+        ),
         hint: Some(format!(
             "the nearest is {}; README.md lists soil.*, vehicle.* and initial.*, `ugv effects` the \
              effects.*, of which those that remember must be on in --effects or --model",

@@ -1,14 +1,11 @@
 //! MCAP, through the format's own crate.
 
-use super::{BLOCK, Channel, Ending, Input, Progress, Visit};
+use super::{BLOCK, Channel, Ending, Input, LONGEST_NAME, Progress, Visit};
 use crate::import::ImportError;
 use mcap::McapError;
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::HashMap;
-
-/// A record or chunk larger than this is a damaged length, not a message \[bytes\].
-const LARGEST_RECORD: usize = 1 << 30;
 
 /// Log times later than this, of 2116, are damage; differences of times stay within 64 bits \[ns\].
 const LATEST: u64 = i64::MAX as u64 / 2;
@@ -22,7 +19,7 @@ pub(super) fn read(
     // A chunk is checked before its messages are shown.
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(LARGEST_RECORD);
+        .with_record_length_limit(input.largest() as usize);
     let mut reader = LinearReader::new_with_options(options);
     let mut channels = Channels::default();
     while let Some(event) = reader.next_event() {
@@ -97,6 +94,8 @@ impl Channels {
         mut fields: Fields<'d>,
     ) -> Option<Option<(u16, u64, &'d [u8])>> {
         match opcode {
+            // No record has this number, but what a crash left unwritten is full of it.
+            0 => return None,
             op::SCHEMA => {
                 let (id, name) = (fields.u16()?, fields.text()?);
                 self.schemas.insert(id, name);
@@ -145,7 +144,8 @@ impl Fields<'_> {
     }
 
     fn text(&mut self) -> Option<String> {
-        let length = self.u32()? as usize;
+        let length = self.u32().map(|length| length as usize);
+        let length = length.filter(|length| *length <= LONGEST_NAME)?;
         let (text, rest) = self.0.split_at_checked(length)?;
         self.0 = rest;
         String::from_utf8(text.to_vec()).ok()

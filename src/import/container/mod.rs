@@ -61,6 +61,14 @@ pub type Progress<'p> = dyn FnMut(u64, u64) + 'p;
 /// Bytes that are asked of the file at once.
 const BLOCK: usize = 1 << 18;
 
+/// Recorders write chunks of some megabytes, at most some messages' worth \[bytes\]; more is a damaged length.
+const LARGEST_CHUNK: u64 = 1 << 30;
+/// Messages pack to more than this share, and what a small file says of its size is damage or a trap.
+const TIGHTEST: u64 = 32;
+const SMALL: u64 = 64 << 20;
+/// Longer names of topics and types are damage \[bytes\].
+const LONGEST_NAME: usize = 4096;
+
 /// How other files begin, what they are, and what to do about them.
 const OTHERS: [(&[u8], &str, &str); 5] = [
     (
@@ -115,6 +123,11 @@ impl<'a> Input<'a> {
             place: 0,
             length: metadata.len(),
         })
+    }
+
+    /// The largest record or chunk, packed or unpacked, that a file of this length holds \[bytes\].
+    fn largest(&self) -> u64 {
+        (TIGHTEST * self.length).clamp(SMALL, LARGEST_CHUNK)
     }
 
     /// Bytes from here to the end.
@@ -194,5 +207,95 @@ pub(super) fn read(
     match container {
         Container::Mcap => mcap::read(input, progress, visit),
         Container::Ros1Bag => ros1::read(input, progress, visit),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The ending of a file of these bytes, and the memory that reading takes at most.
+    fn ending(bytes: &[u8]) -> (String, u64) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("drive");
+        std::fs::write(&path, bytes).unwrap();
+        let mut reason = String::new();
+        let used = allocation_counter::measure(|| {
+            let kind = container(&path).unwrap();
+            let ending = read(&path, kind, &mut |_, _| {}, &mut |_, _, _| Ok(())).unwrap();
+            reason = format!("{ending:?}");
+        });
+        (reason, used.bytes_max)
+    }
+
+    fn behind_its_length(bytes: &[u8]) -> Vec<u8> {
+        [&(bytes.len() as u32).to_le_bytes(), bytes].concat()
+    }
+
+    /// A file with one chunk that says it unpacks to so many bytes; it has four.
+    fn mcap_of(size: u64) -> Vec<u8> {
+        // A frame of zstd with a raw block.
+        let packed = b"\x28\xb5\x2f\xfd\x20\x04\x21\0\0data";
+        let chunk = [
+            &[0; 16],
+            &size.to_le_bytes()[..],
+            &[0; 4],
+            &behind_its_length(b"zstd"),
+            &(packed.len() as u64).to_le_bytes(),
+            packed,
+        ]
+        .concat();
+        let length = (chunk.len() as u64).to_le_bytes();
+        [
+            ::mcap::MAGIC,
+            b"\x01\x08\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+            b"\x06",
+            &length,
+            &chunk,
+        ]
+        .concat()
+    }
+
+    fn ros1_of(size: u32) -> Vec<u8> {
+        let fields = [
+            behind_its_length(b"op=\x05"),
+            behind_its_length(b"compression=bz2"),
+            behind_its_length(&[b"size=", &size.to_le_bytes()[..]].concat()),
+        ];
+        let header = behind_its_length(&fields.concat());
+        [ros1::MAGIC, &header, &behind_its_length(b"BZh9")].concat()
+    }
+
+    #[test]
+    fn a_small_file_that_claims_a_gigabyte_takes_no_gigabyte() {
+        for size in [1000, SMALL, SMALL + 1, 1 << 30] {
+            for bytes in [mcap_of(size), ros1_of(size as u32)] {
+                let (reason, memory) = ending(&bytes);
+                assert!(reason.starts_with("Broken"), "{reason}");
+                assert!(memory < 2 * SMALL, "{size}: {memory}");
+            }
+        }
+        let (reason, _) = ending(&ros1_of(1 << 30));
+        assert!(
+            reason.contains("unpacks to 1073741824 bytes is larger"),
+            "{reason}"
+        );
+    }
+
+    #[test]
+    fn names_of_topics_are_no_longer_than_names_are() {
+        let topic = [b"topic=", &[b'a'; 5000][..]].concat();
+        let fields = [
+            behind_its_length(b"op=\x07"),
+            behind_its_length(b"conn=\0\0\0\0"),
+            behind_its_length(&topic),
+        ];
+        let header = behind_its_length(&fields.concat());
+        let data = behind_its_length(&behind_its_length(b"type=std_msgs/String"));
+        let (reason, _) = ending(&[ros1::MAGIC, &header, &data].concat());
+        assert!(
+            reason.contains("the field `topic` of a record has 5000 bytes"),
+            "{reason}"
+        );
     }
 }

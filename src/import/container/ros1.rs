@@ -5,7 +5,8 @@
 //! The crate `rosbag` maps the file into memory and panics where a bag was cut off or never
 //! closed, which is why it is not used.
 
-use super::{Channel, Ending, Input, Progress, Visit};
+use super::{Channel, Ending, Input, LONGEST_NAME, Progress, Visit};
+use crate::display::shortened;
 use crate::import::ImportError;
 use std::collections::HashMap;
 use std::io::{self, Read};
@@ -103,7 +104,12 @@ impl Bag {
                 Ok(())
             }
             op::CHUNK => {
-                let mut rest = unpack(&fields, &buffers.data, &mut buffers.unpacked)?;
+                let mut rest = unpack(
+                    &fields,
+                    input.largest(),
+                    &buffers.data,
+                    &mut buffers.unpacked,
+                )?;
                 while !rest.is_empty() {
                     let header = cut(&mut rest)?;
                     let data = cut(&mut rest)?;
@@ -178,19 +184,17 @@ fn cut<'a>(rest: &mut &'a [u8]) -> Result<&'a [u8], Stop> {
     Ok(bytes)
 }
 
-/// Recorders write chunks of some hundred kilobytes, at most some messages' worth \[bytes\].
-const LARGEST_CHUNK: u64 = 1 << 30;
-
 /// The content of a chunk.
 fn unpack<'a>(
     fields: &Fields,
+    largest: u64,
     packed: &'a [u8],
     unpacked: &'a mut Vec<u8>,
 ) -> Result<&'a [u8], Stop> {
     let size = u64::from(fields.u32("size")?);
-    if size > LARGEST_CHUNK {
+    if size > largest {
         return broken(format!(
-            "a chunk of {size} bytes is larger than any recorder writes"
+            "a chunk that unpacks to {size} bytes is larger than any recorder writes in such a file"
         ));
     }
     let compression = fields.text("compression")?;
@@ -203,7 +207,10 @@ fn unpack<'a>(
         "none" => return Ok(packed),
         "bz2" => all(&mut bzip2::read::BzDecoder::new(packed)),
         "lz4" => lz4::Decoder::new(packed).and_then(|mut decoder| all(&mut decoder)),
-        other => return broken(format!("chunks compressed with `{other}` cannot be read")),
+        other => {
+            let other = shortened(other);
+            return broken(format!("chunks compressed with `{other}` cannot be read"));
+        }
     };
     match done {
         Ok(length) if length as u64 == size => Ok(unpacked),
@@ -249,6 +256,12 @@ impl<'a> Fields<'a> {
 
     fn text(&self, name: &str) -> Result<String, Stop> {
         let value = self.get(name)?;
+        if value.len() > LONGEST_NAME {
+            return broken(format!(
+                "the field `{name}` of a record has {} bytes",
+                value.len()
+            ));
+        }
         Ok(String::from_utf8_lossy(value).into_owned())
     }
 }

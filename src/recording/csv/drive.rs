@@ -3,6 +3,7 @@
 use super::RUN;
 use super::error::{CsvError, malformed};
 use super::table::{Column, Header, Row, quoted, read_bytes, read_table};
+use crate::display::number;
 use crate::recording::{Drive, fill_gaps};
 use std::io::Read;
 
@@ -22,8 +23,8 @@ const COLUMNS: [Column; 4] = [
     },
 ];
 
-/// Longer intervals are none of a drive's \[s\], and a simulation refuses them.
-const LONGEST: f64 = 1e6;
+/// Longer intervals are none of a drive's \[s\]: nobody holds a wheel speed, or changes it steadily, for a day.
+const LONGEST: f64 = 86_400.0;
 /// No wheel is faster \[rad/s\]; differences of such speeds are finite.
 const FASTEST: f64 = 1e6;
 
@@ -84,16 +85,17 @@ impl Rows {
         if let Some(&before) = self.time.last()
             && time <= before
         {
-            let expected = format!("a time later than {before} s");
-            return Err(malformed(row.cell(TIME), format!("{time}"), expected));
+            let expected = format!("a time later than {} s", number(before));
+            return Err(malformed(row.cell(TIME), number(time), expected));
         }
         if let Some(&before) = self.time.last()
             && time - before > LONGEST
         {
             let expected = format!(
-                "a time within {LONGEST:e} s of the one before, {before} s (does the clock count milliseconds or less?)"
+                "a time within {LONGEST} s of the one before, {} s (does the clock count milliseconds or less?)",
+                number(before)
             );
-            return Err(malformed(row.cell(TIME), format!("{time}"), expected));
+            return Err(malformed(row.cell(TIME), number(time), expected));
         }
         self.time.push(time);
         self.omega_left.push(speed(row, OMEGA_LEFT)?);

@@ -1,5 +1,6 @@
 //! What can be wrong with a recording's CSV, and where.
 
+use crate::display::{listed, shortened};
 use crate::spelling::nearest;
 use std::fmt;
 use std::io;
@@ -25,7 +26,7 @@ impl fmt::Display for Cell {
             self.file, self.line, self.column
         )?;
         match &self.name {
-            Some(name) => write!(f, " ({name})"),
+            Some(name) => write!(f, " ({})", shortened(name)),
             None => Ok(()),
         }
     }
@@ -40,6 +41,13 @@ pub enum CsvError {
         file: String,
         /// Why.
         source: io::Error,
+    },
+    /// A line too long for any table.
+    LongLine {
+        /// Name of the file.
+        file: String,
+        /// The line, from 1.
+        line: usize,
     },
     /// The header lacks a column.
     MissingColumn {
@@ -67,6 +75,10 @@ impl fmt::Display for CsvError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read { file, .. } => write!(f, "cannot read {file}"),
+            Self::LongLine { file, line } => write!(
+                f,
+                "{file}: line {line}: found more than 1 MB without a line end, expected a table (is it another kind of file?)"
+            ),
             Self::MissingColumn {
                 cell,
                 missing,
@@ -76,7 +88,7 @@ impl fmt::Display for CsvError {
                 write!(
                     f,
                     "{cell}: found no column `{missing}` among `{}`",
-                    found.join("`, `")
+                    listed(found, "`, `")
                 )?;
                 write!(f, ", expected a header with {}", required.join(", "))?;
                 match remedy(missing, required, found) {
@@ -110,10 +122,11 @@ fn remedy(missing: &str, required: &[&str], found: &[String]) -> Option<String> 
         names.filter(|name| !required.contains(name))
     };
     if let Some(meant) = others().find(|name| plain(name) == missing) {
+        let meant = shortened(meant);
         return Some(format!("name the column `{missing}` instead of `{meant}`"));
     }
     let near = nearest(missing, others())?;
-    Some(format!("the nearest is `{near}`"))
+    Some(format!("the nearest is `{}`", shortened(near)))
 }
 
 /// A column's name in small letters, without a unit in brackets.

@@ -12,6 +12,7 @@ pub(super) use error::malformed;
 pub use error::{Cell, CsvError};
 pub use poses::read_poses;
 pub(super) use samples::{RawRun, Sample, Samples, read_samples};
+pub use table::read_bytes;
 
 /// Marks separate drives, each with its own clock.
 const RUN: &str = "run";

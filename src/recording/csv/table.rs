@@ -1,6 +1,7 @@
 //! Rows of cells under a header, with the place of each for messages.
 
 use super::error::{Cell, CsvError, malformed, plain};
+use crate::display::shortened;
 use csv::{ByteRecord, ReaderBuilder};
 use std::io::Read;
 
@@ -14,18 +15,40 @@ pub struct Column {
     pub is_required: bool,
 }
 
-/// Reads all of an input. `file` names it in errors.
+/// A table has no longer lines \[bytes\]; what has is another kind of file.
+const LONGEST_LINE: usize = 1 << 20;
+
+/// Reads all of an input, but stops at a line that no table has: another kind of file costs little. `file` names it in
+/// errors.
 ///
 /// # Errors
-/// An input that cannot be read.
+/// An input that cannot be read, and a megabyte without a line end.
 pub fn read_bytes(file: &str, mut input: impl Read) -> Result<Vec<u8>, CsvError> {
     let mut bytes = Vec::new();
-    let read = input.read_to_end(&mut bytes);
-    read.map_err(|source| CsvError::Read {
-        file: file.into(),
-        source,
-    })?;
-    Ok(bytes)
+    let mut line = 1;
+    loop {
+        let start = bytes.len();
+        let read = input
+            .by_ref()
+            .take(LONGEST_LINE as u64)
+            .read_to_end(&mut bytes);
+        let read = read.map_err(|source| CsvError::Read {
+            file: file.into(),
+            source,
+        })?;
+        if read < LONGEST_LINE {
+            return Ok(bytes);
+        }
+        match line_ends(&bytes[start..]) {
+            0 => {
+                return Err(CsvError::LongLine {
+                    file: file.into(),
+                    line,
+                });
+            }
+            ends => line += ends,
+        }
+    }
 }
 
 /// Reads a text row by row; the header of the table comes back. `file` names it in errors.
@@ -153,7 +176,7 @@ fn required(columns: &[Column]) -> Vec<&'static str> {
 
 /// A cell's bytes for a message.
 pub fn quoted(bytes: &[u8]) -> String {
-    format!("`{}`", String::from_utf8_lossy(bytes))
+    format!("`{}`", shortened(&String::from_utf8_lossy(bytes)))
 }
 
 /// Where each column stands.

@@ -2,6 +2,7 @@
 
 use super::agreement::{compare, cumulated};
 use super::note;
+use crate::display::number;
 use crate::recording::csv::{Samples, malformed};
 use crate::recording::{Channel, CsvError, Note, NoteKind};
 
@@ -48,7 +49,7 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
         let fits = |unit: &(&str, f64)| RATES.contains(&(1.0 / (median * unit.1)));
         UNITS.into_iter().find(fits).filter(|_| median > LONGEST)
     };
-    let evidence = format!("the median interval is {median}");
+    let evidence = format!("the median interval is {}", number(median));
     let (unit, evidence) = match (turning, by_rate()) {
         (Some(Turning::Seconds), _) => return Ok(None),
         (Some(Turning::Unit(name, size)), _) => {

@@ -1,6 +1,7 @@
 //! Values that cannot be.
 
 use super::note;
+use crate::display::number;
 use crate::recording::csv::{Sample, Samples, malformed};
 use crate::recording::{Channel, CsvError, Note, NoteKind};
 use std::f64::consts::TAU;
@@ -153,7 +154,7 @@ pub fn check(samples: &Samples) -> Result<(), CsvError> {
                 _ => "",
             };
             let expected = format!("a value within {bound} {}{units}", channel.unit());
-            let found = format!("{}", sample.value);
+            let found = number(sample.value);
             return Err(malformed(
                 samples.cell(sample.line, channel),
                 found,

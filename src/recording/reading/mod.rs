@@ -12,10 +12,12 @@ mod units;
 
 pub use error::RecordingError;
 
-use super::csv::{Samples, read_samples};
+use super::csv::{Samples, read_bytes, read_samples};
 use super::{About, Channel, CsvError, Note, NoteKind, Recording, Run, Series};
+use crate::display::shortened;
+use crate::json;
 use crate::vehicle::Vehicle;
-use std::fs;
+use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -36,10 +38,11 @@ pub fn read_recording_of(
     vehicle: Option<&Vehicle>,
 ) -> Result<Recording, RecordingError> {
     let file = path.display().to_string();
-    let bytes = fs::read(path).map_err(|source| CsvError::Read {
+    let opened = File::open(path).map_err(|source| CsvError::Read {
         file: file.clone(),
         source,
     })?;
+    let bytes = read_bytes(&file, opened)?;
     let about = read_about(&path.with_extension("json"))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     Ok(parse_recording(&file, &name, &bytes, about, vehicle)?)
@@ -47,7 +50,7 @@ pub fn read_recording_of(
 
 fn read_about(path: &Path) -> Result<About, RecordingError> {
     let file = || path.display().to_string();
-    match fs::read_to_string(path) {
+    match json::read_file(path) {
         Ok(text) => About::from_json(&text).map_err(|source| RecordingError::About {
             file: file(),
             source,
@@ -137,7 +140,8 @@ fn words(samples: &Samples) -> Vec<Note> {
 fn misnamed(samples: &Samples) -> Vec<Note> {
     let of = |(channel, name): &(Channel, String)| {
         let text = format!(
-            "there is none, but a column `{name}`, which is not read; name it `{}`",
+            "there is none, but a column `{}`, which is not read; name it `{}`",
+            shortened(name),
             channel.name()
         );
         note(NoteKind::Suspicion, Some(*channel), (1, 1), text)

@@ -1,6 +1,7 @@
 //! Times that repeat or run backwards, channel by channel.
 
 use super::note;
+use crate::display::number;
 use crate::recording::csv::{Sample, Samples, malformed};
 use crate::recording::{Channel, CsvError, Note, NoteKind};
 
@@ -27,13 +28,9 @@ pub fn settle(samples: &mut Samples) -> Result<Vec<Note>, CsvError> {
             reorder(found, &mut late).map_err(|[latest, sample]| {
                 let expected = format!(
                     "a time later than {} s (other runs need other values in a column `run`)",
-                    latest.time
+                    number(latest.time)
                 );
-                malformed(
-                    places.time_cell(sample.line),
-                    format!("{}", sample.time),
-                    expected,
-                )
+                malformed(places.time_cell(sample.line), number(sample.time), expected)
             })?;
             thin(found, &mut repeated);
         }
@@ -42,7 +39,8 @@ pub fn settle(samples: &mut Samples) -> Result<Vec<Note>, CsvError> {
         {
             let found = format!(
                 "{} s for the second time with another value, as in {} places",
-                sample.time, repeated.conflicts
+                number(sample.time),
+                repeated.conflicts
             );
             let expected = "a clock that tells samples apart";
             return Err(malformed(places.time_cell(sample.line), found, expected));

@@ -1,4 +1,5 @@
 use super::*;
+use std::fs;
 
 fn read(text: &str) -> Result<Recording, CsvError> {
     parse_recording(

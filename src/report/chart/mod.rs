@@ -9,6 +9,7 @@ pub use bars::{Bar, Bars, Tint};
 pub use mark::Mark;
 
 use super::number::digits;
+use crate::display::visible;
 use frame::{Frame, SIZE};
 use std::fmt::Write;
 use std::ops::RangeInclusive;
@@ -252,10 +253,11 @@ impl Frame {
     }
 }
 
-/// A text within HTML.
+/// A text within HTML or SVG, with visible escapes for characters that these forbid or that turn text round.
 #[must_use]
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
+    visible(text)
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")

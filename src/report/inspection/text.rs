@@ -1,6 +1,7 @@
 //! As text, to be read in ten seconds.
 
 use super::{noise, remark, seconds, title};
+use crate::display::visible_line;
 use crate::inspection::{Inspection, Quality};
 use crate::recording::Recording;
 use crate::report::number::digits;
@@ -16,7 +17,7 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
         } else {
             "note"
         };
-        let _ = writeln!(text, "{kind}: {note}");
+        let _ = writeln!(text, "{kind}: {}", visible_line(&note.to_string()));
     }
     let rows = inspection.channels.iter().map(|report| {
         let timing = report.timing;
@@ -94,7 +95,11 @@ fn headline(recording: &Recording, inspection: &Inspection) -> String {
         1 => "1 run".into(),
         count => format!("{count} runs"),
     };
-    let mut text = format!("{}: {runs}, {:.1} s", recording.name, motion.duration);
+    let mut text = format!(
+        "{}: {runs}, {:.1} s",
+        visible_line(&recording.name),
+        motion.duration
+    );
     if let Some(distance) = motion.distance {
         let _ = write!(text, ", {distance:.1} m");
     }

@@ -88,7 +88,7 @@ fn faults_are_located_and_explained() {
         ),
         (
             of("0,1,2\n2000000,1,2\n"),
-            "drive.csv: line 3, column 1 (time): found 2000000, expected a time within 1e6 s of the one before, 0 s \
+            "drive.csv: line 3, column 1 (time): found 2000000, expected a time within 86400 s of the one before, 0 s \
              (does the clock count milliseconds or less?)",
         ),
         (
