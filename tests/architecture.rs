@@ -1,4 +1,4 @@
-//! The layers: which module may use which, sizes of files, and where unsafe code may be.
+//! The layers: which module may use which, and where unsafe code may be.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -101,9 +101,6 @@ const EDGES: &[(&str, &[&str])] = &[
 
 /// Parts of the diagnosis: each may use those before it, and what is beside them (`outcome`, `error`, `progress`).
 const PARTS: &[&str] = &["hypothesis", "screening", "search", "answer", "manoeuvre"];
-
-/// Files are to be read in one go.
-const LONGEST_FILE: usize = 400;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
@@ -214,17 +211,5 @@ fn only_the_c_interface_is_unsafe() {
                 path.display()
             );
         }
-    }
-}
-
-#[test]
-fn files_stay_readable() {
-    for (path, _, text) in all() {
-        let lines = text.lines().count();
-        assert!(
-            lines <= LONGEST_FILE,
-            "src/{}: {lines} lines",
-            path.display()
-        );
     }
 }

@@ -192,7 +192,7 @@ fn a_drive_is_differentiated_by_every_effect() {
         for parameter in effect.parameters.iter().filter(|p| p.switches) {
             let value = match (effect.name, parameter.name) {
                 ("terrain_change" | "left_right_soil" | "shear_anisotropy", _) => 1.3,
-                ("tyre_compliance", _) => 12e3,
+                ("tyre_compliance", _) => 18e3,
                 ("wheel_radius", _) => 0.97,
                 ("stress_peak", "a0") => 0.42,
                 ("drag" | "rate_dependent_soil", _) => 40.0,
