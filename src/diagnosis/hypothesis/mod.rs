@@ -8,10 +8,12 @@ pub mod maps;
 pub mod part;
 pub mod prepare;
 pub mod refitted;
+pub mod thin;
 pub mod wheels;
 
 use crate::effects::ParameterName;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
+use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
 use crate::fit::problem::{Point, Problem, Weighing};
@@ -65,6 +67,8 @@ pub struct Given<'a> {
     pub wheels: Option<Wheels>,
     /// Errors of the integration in a step, in units of the usual ones.
     pub tolerance: f64,
+    /// When all that is computed with it has to end.
+    pub deadline: Deadline<'a>,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.
@@ -90,9 +94,20 @@ impl Solution {
 }
 
 impl<'a> Given<'a> {
+    /// Everything at hand, nothing cut yet, and no deadline.
+    #[must_use]
+    #[cfg(test)]
+    pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
+        Self::until(nominal, recordings, Deadline::NEVER)
+    }
+
     /// Everything at hand, nothing cut yet.
     #[must_use]
-    pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
+    pub fn until(
+        nominal: &Specification,
+        recordings: &'a [Recording],
+        deadline: Deadline<'a>,
+    ) -> Self {
         let maps = Maps::of(recordings);
         let found = DEFAULT_FREE.iter().filter_map(|name| find(name).ok());
         let nominal = &hitched(nominal);
@@ -108,6 +123,7 @@ impl<'a> Given<'a> {
             stiffening: 1.0,
             tolerance: 1.0,
             wheels: None,
+            deadline,
         }
     }
 
@@ -215,7 +231,7 @@ impl<'a> Given<'a> {
 
     /// The predictor whose free parameters are the soil's and these knobs of the model.
     #[must_use]
-    pub fn predictor(&self, knobs: &[usize]) -> ExactPredictor {
+    pub fn predictor(&self, knobs: &[usize]) -> ExactPredictor<'a> {
         let model = self.model_knobs(knobs);
         let turned = model
             .iter()
@@ -228,6 +244,7 @@ impl<'a> Given<'a> {
         ExactPredictor::new(self.nominal.clone(), free)
             .with_coarse_derivatives()
             .with_tolerance(self.tolerance)
+            .with_deadline(self.deadline)
     }
 
     /// Integrates no more finely than the sensors of all recordings can tell; `by` has their noise.
@@ -247,9 +264,9 @@ impl<'a> Given<'a> {
     #[must_use]
     pub fn problem<'p>(
         &self,
-        predictor: &'p ExactPredictor,
+        predictor: &'p ExactPredictor<'p>,
         knobs: &[usize],
-    ) -> Problem<'p, ExactPredictor> {
+    ) -> Problem<'p, ExactPredictor<'p>> {
         let model = self.model_knobs(knobs);
         let mut parameters = self.soil_parameters();
         let soil = parameters.len();
