@@ -148,6 +148,7 @@ pub fn insufficient(
     options: &Options,
     error: &DiagnosisError,
 ) -> Diagnosis {
+    let out_of_time = *error == DiagnosisError::OutOfTime;
     let why = error.to_string();
     let mut rest = why.chars();
     let first: String = rest
@@ -161,12 +162,13 @@ pub fn insufficient(
     };
     Diagnosis {
         verdict: Verdict::InsufficientData,
-        insufficient: Some(match error {
-            DiagnosisError::OutOfTime => Insufficient::TimeUp,
-            _ => Insufficient::TooLittle,
+        insufficient: Some(if out_of_time {
+            Insufficient::TimeUp
+        } else {
+            Insufficient::TooLittle
         }),
         statement: format!("{first}{}.", rest.as_str()),
-        cautions: Vec::new(),
+        cautions: out_of_time.then_some(Caution::TimeUp).into_iter().collect(),
         recordings: recordings.iter().map(|r| r.name.clone()).collect(),
         findings: Vec::new(),
         leading: None,
@@ -255,7 +257,7 @@ fn statement(diagnosis: &Diagnosis) -> String {
 fn undecided(diagnosis: &Diagnosis) -> String {
     match diagnosis.insufficient {
         Some(Insufficient::TimeUp) => {
-            "Time was up before every candidate had been tried: nothing was found by then, and nothing can be ruled out."
+            "Time was up before every candidate had been tried: nothing was found by then, and nothing can be ruled out. Give it more time (--within)."
                 .into()
         }
         Some(Insufficient::Undecided) => {

@@ -78,7 +78,7 @@ impl fmt::Display for DiagnosisError {
             Self::NotFinite => f.write_str("the diagnosis' numbers are not finite"),
             Self::Stopped => f.write_str("the diagnosis was stopped"),
             Self::OutOfTime => f.write_str(
-                "time was up before the recordings could be compared with any candidate; give more time, or less to diagnose",
+                "time was up before the recordings could be compared with any candidate; give more time (--within), or fewer recordings",
             ),
             Self::Recording(fault) => fault.fmt(f),
             Self::SegmentLength(length) => segment_length(*length, f),

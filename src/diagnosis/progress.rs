@@ -240,4 +240,5 @@ impl Watch for Progress<'_> {
 }
 
 #[cfg(test)]
+#[path = "progress_tests.rs"]
 mod tests;

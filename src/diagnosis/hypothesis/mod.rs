@@ -3,6 +3,7 @@
 pub mod block;
 pub mod candidate;
 pub mod held_out;
+mod hitch;
 pub mod likelihood;
 pub mod maps;
 pub mod part;
@@ -11,7 +12,6 @@ pub mod refitted;
 pub mod thin;
 pub mod wheels;
 
-use crate::effects::ParameterName;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
 use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
@@ -23,6 +23,7 @@ use crate::parameter::ParameterError;
 use crate::recording::Recording;
 use crate::vehicle::{Parameter, Specification};
 use candidate::{Candidates, Target};
+use hitch::hitched;
 use maps::Maps;
 use nalgebra::DVector;
 use wheels::Wheels;
@@ -357,21 +358,6 @@ impl<'a> Given<'a> {
     }
 }
 
-/// The model, the hitch of a drawbar that is off at the rear of the vehicle.
-fn hitched(nominal: &Specification) -> Specification {
-    let mut hitched = nominal.clone();
-    let vehicle = &nominal.vehicle;
-    let last = vehicle.row_positions.iter().copied().reduce(f64::min);
-    let rear = vehicle.wheel_radius - last.unwrap_or(0.0);
-    let place = ParameterName::find("drawbar.hitch_behind");
-    if let Some(place) = place.filter(|place| !nominal.effects.is_on(place.effect()))
-        && hitched.effects.set(place, rear).is_err()
-    {
-        return nominal.clone();
-    }
-    hitched
-}
-
 /// What an unknown of a problem is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
@@ -379,31 +365,4 @@ pub enum What {
     Soil(usize),
     /// A knob.
     Knob(usize),
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::terrain::Terrain;
-    use crate::vehicle::Vehicle;
-
-    #[test]
-    fn a_drawbar_is_expected_at_the_rear_and_fitted_around_it() {
-        let hitch = ParameterName::find("drawbar.hitch_behind").unwrap();
-        let mut vehicle = Vehicle::tran2007();
-        vehicle.row_positions = vec![2.0, 0.5, -1.6];
-        let rear = 1.6 + vehicle.wheel_radius;
-        let mut nominal = Specification::plain(vehicle, Terrain::preset("dry_sand").unwrap());
-        let expected = |nominal: &Specification| {
-            let given = Given::new(nominal, &[]);
-            let mut knobs = given.candidates.knobs.iter();
-            let knob = knobs.find(|k| k.target == Target::Model(Parameter::Effect(hitch)));
-            let knob = knob.map(|k| (k.parameter.prior.median, k.typical));
-            (given.nominal.effects.get(hitch), knob)
-        };
-        assert_eq!(expected(&nominal), (rear, Some((rear, rear))));
-        // A drawbar that is given stays where it is.
-        nominal.effects = nominal.effects.with("drawbar.force", 50.0).unwrap();
-        assert_eq!(expected(&nominal), (1.0, None));
-    }
 }

@@ -2,7 +2,7 @@
 //!
 //! What a diagnosis costs is counted in passes: predictions of all segments with derivatives by the soil. A few segments
 //! are predicted first, which tells what a pass costs on this machine. Where even a diagnosis that finds nothing has no
-//! time on all segments, some are taken, spread evenly.
+//! time on all segments, as many are taken as an answer has time for, spread evenly.
 
 use super::Given;
 use super::prepare::seconds;
@@ -18,6 +18,8 @@ pub const FIRST_LOOK: u32 = 20;
 const ANSWER: u32 = 30;
 /// Passes without which hardly any diagnosis ends (the same drive: 364).
 const LEAST: u32 = 200;
+/// Passes with which most diagnoses end.
+const WHOLE: u32 = 400;
 /// Fewer segments than this are no recording to diagnose.
 const FEWEST: usize = 4;
 
@@ -48,8 +50,13 @@ pub fn thin(given: &mut Given, progress: &Progress) -> Result<Option<[f64; 2]>, 
     progress.in_time(given.deadline)?;
     let each = took.as_secs_f64() / probed.len() as f64;
     let left = limit.saturating_sub(progress.elapsed()).as_secs_f64();
-    let allowed = (left / (each * f64::from(LEAST))) as usize;
-    let kept = allowed.clamp(FEWEST.min(count), count);
+    let allowed = |passes: u32| (left / (each * f64::from(passes))) as usize;
+    let kept = if allowed(LEAST) >= count {
+        count
+    } else {
+        // Part of the recordings with an answer says more than all of them without.
+        allowed(WHOLE).max(FEWEST.min(count))
+    };
     progress.measured(took.mul_f64(kept as f64 / probed.len() as f64));
     progress.reserve(progress.passes(ANSWER));
     if kept == count {

@@ -1,8 +1,16 @@
 //! What the verdict claims, and how sure it is.
 
 use super::words::{list, name};
-use crate::diagnosis::{Diagnosis, Finding, Insufficient, Subject, Verdict, phrase};
+use crate::diagnosis::{Caution, Diagnosis, Finding, Insufficient, Subject, Verdict, phrase};
 use crate::report::number::percent;
+
+/// What limits the verdict, but for what the headline says.
+pub fn cautions(diagnosis: &Diagnosis) -> impl Iterator<Item = String> {
+    let said = diagnosis.insufficient == Some(Insufficient::TimeUp);
+    let cautions = diagnosis.cautions.iter();
+    let unsaid = cautions.filter(move |caution| !said || **caution != Caution::TimeUp);
+    unsaid.map(Caution::text)
+}
 
 /// The verdict in plain words.
 pub fn headline(diagnosis: &Diagnosis) -> String {

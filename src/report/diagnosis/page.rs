@@ -48,8 +48,8 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let mut html = format!("<section class=\"verdict {class}\">");
     html += &paragraph(&claim::headline(diagnosis));
     html += &paragraph(&diagnosis.statement);
-    for caution in &diagnosis.cautions {
-        html += &format!("<p class=\"caution\">{}</p>\n", escape(&caution.text()));
+    for caution in claim::cautions(diagnosis) {
+        html += &format!("<p class=\"caution\">{}</p>\n", escape(&caution));
     }
     let fact = |label: &str, text: String| (label.to_owned(), text);
     let mut facts = vec![fact("How sure", claim::sureness(diagnosis))];

@@ -20,8 +20,8 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     if !diagnosis.statement.is_empty() {
         lines.0 += &wrapped(&diagnosis.statement, 0);
     }
-    for caution in &diagnosis.cautions {
-        lines.add("caution", &caution.text());
+    for caution in claim::cautions(diagnosis) {
+        lines.add("caution", &caution);
     }
     lines.add("sure", &claim::sureness(diagnosis));
     for finding in diagnosis.findings.iter().take(MOST) {

@@ -44,9 +44,9 @@ fn an_answer_comes_in_time() {
     let mut unhurried = unhurried.unwrap();
     assert!(unhurried.cautions.is_empty());
     unhurried.account.steps.clone_from(&whole.account.steps);
-    assert_eq!(format!("{unhurried:?}"), format!("{whole:?}"));
+    assert!(format!("{unhurried:?}") == format!("{whole:?}"));
     let mut last = None;
-    for share in [0, 2, 10, 40, 120, 250, 500, 800] {
+    for share in [0, 20, 300, 600] {
         let limit = all / 1000 * share;
         let (answer, took) = within(&recordings, &nominal, Some(limit));
         assert!(took <= limit + limit / 10 + 2000, "{took} of {limit}");
@@ -73,7 +73,7 @@ fn an_answer_comes_in_time() {
 fn work_ends_soon_after_somebody_wants_it_to() {
     let recordings = [driven(&on("sandy_loam"), "spiral")];
     let (ticks, stop) = (AtomicU32::new(0), AtomicBool::new(false));
-    for until in [0, 100, 3000, 20_000, 80_000] {
+    for until in [0, 100, 3000, 20_000, 40_000] {
         ticks.store(0, Ordering::Relaxed);
         stop.store(false, Ordering::Relaxed);
         let clock = || {
@@ -85,7 +85,7 @@ fn work_ends_soon_after_somebody_wants_it_to() {
         // A limit that is far off has the clock asked.
         let progress = progress.within(TICK * u32::MAX);
         let found = diagnose(&recordings, &on("dry_sand"), &Options::default(), &progress);
-        assert_eq!(found.unwrap_err(), DiagnosisError::Stopped);
+        assert_eq!(found.err(), Some(DiagnosisError::Stopped));
         let after = ticks.load(Ordering::Relaxed) - until;
         assert!(after < 2000, "{after} after {until}");
     }
