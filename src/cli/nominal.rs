@@ -74,6 +74,14 @@ impl Named {
         Ok(recordings)
     }
 
+    /// Whether nobody named a vehicle: neither an argument nor a recording.
+    pub fn lacks_vehicle(&self, recordings: &[Recording]) -> bool {
+        let mut recordings = recordings.iter();
+        self.model.is_none()
+            && self.vehicle.is_none()
+            && recordings.all(|recording| recording.about.vehicle.is_none())
+    }
+
     /// What is named, or stands beside the recordings, or else the paper's.
     pub fn nominal(self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
         let mut nominal = match self.model {

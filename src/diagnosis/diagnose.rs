@@ -1,34 +1,27 @@
 //! From recordings to a diagnosis.
 
 use super::answer::account::{account, doubts, read};
-use super::answer::ambiguity::groups;
 use super::answer::augmented::model;
+use super::answer::candidates::{candidates, empty, others};
 use super::answer::errors::compare;
 use super::answer::findings::findings;
 use super::answer::traces::traces;
-use super::answer::verdict::{Odds, judge};
+use super::answer::verdict::judge;
 use super::hypothesis::Given;
 use super::hypothesis::likelihood::Tuned;
 use super::hypothesis::prepare::{prepare, seconds};
 use super::manoeuvre::next;
-use super::outcome::{Account, Candidate, Diagnosis, Subject, Verdict};
-use super::screening::screen::{Projection, one_degree};
+use super::outcome::{
+    Account, Candidate, Diagnosis, Finding, HeldOut, Insufficient, Subject, Verdict,
+};
 use super::search::{Searched, search};
-use super::{DiagnosisError, Options, Progress};
-use crate::effects::CATALOGUE;
+use super::{Caution, DiagnosisError, Options, Progress};
 use crate::fit::Estimate;
 use crate::fit::error::LENGTHS;
 use crate::fit::parameter::NORMAL_95;
 use crate::fit::segment::Signal;
 use crate::recording::{Recording, different_names};
 use crate::vehicle::Specification;
-
-/// Power with which the smallest detectable effect is seen: 90 % quantile of the normal
-/// distribution.
-const POWER: f64 = 1.28;
-
-/// What an answer says of itself where a time limit cut it off.
-const CUT_OFF: &str = "Time was up before everything had been tried: there may be more that is missing, and probabilities are of what had been fitted by then. Give it more time to be sure.";
 
 /// Locates the mismatch between recordings and a model, says what physics was left out, and models it.
 ///
@@ -55,8 +48,8 @@ const CUT_OFF: &str = "Time was up before everything had been tried: there may b
 /// ```
 ///
 /// # Errors
-/// That it was stopped ([`Progress::stopped_by`]; with [`Progress::within`] it gives the answer that it has). Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
-/// when a drive began. Of [`DiagnosisError::AtRest`] and [`DiagnosisError::TooShort`] [`insufficient`] makes an answer.
+/// That it was stopped ([`Progress::stopped_by`]). Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
+/// when a drive began; a time limit ([`Progress::within`]) too short for a first look. Of [`DiagnosisError::AtRest`], [`DiagnosisError::TooShort`] and [`DiagnosisError::OutOfTime`] [`insufficient`] makes an answer.
 pub fn diagnose(
     recordings: &[Recording],
     nominal: &Specification,
@@ -86,14 +79,21 @@ pub fn diagnose(
             });
         }
     }
-    let mut given = Given::new(nominal, recordings);
-    let (cut, by) = prepare(&mut given, options)?;
+    let deadline = progress.answer_deadline();
+    let mut given = Given::until(nominal, recordings, deadline);
+    progress.in_time(deadline)?;
+    let (prepared, by) = prepare(&mut given, options, progress)?;
     let mut searched = search(&given, by, options, progress)?;
     progress.step("holding out what was found")?;
-    let mut held = compare(&searched);
+    let in_time = |held: Option<HeldOut>| held.filter(|_| !deadline.is_over());
+    let mut held = in_time(compare(&searched));
     if held.is_some_and(|held| held.gain.0 < -held.gain.1) {
         searched.withdraw();
-        held = compare(&searched);
+        held = in_time(compare(&searched));
+    }
+    let mut cautions = Vec::new();
+    if held.is_none() && deadline.is_over() {
+        cautions.push(Caution::NotHeldOut);
     }
     progress.step("judging")?;
     let mut candidates = candidates(&searched)?;
@@ -102,7 +102,7 @@ pub fn diagnose(
     let seen = 1.0 - hidden.len() as f64 / candidates.len().max(1) as f64;
     let judgement = judge(&searched, seen);
     progress.step("what to drive next")?;
-    let next = next(&searched, &judgement, &hidden, options);
+    let next = next(&searched, &judgement, &hidden, options).filter(|_| !deadline.is_over());
     progress.step("reporting")?;
     for (candidate, _) in &mut candidates {
         candidate.probability = judgement.odds.of(candidate.subject);
@@ -112,9 +112,17 @@ pub fn diagnose(
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let found = findings(&searched, &judgement.findings);
     let model = model(&searched, nominal)?;
+    if let Some([used, of]) = prepared.part {
+        cautions.insert(0, Caution::Part { used, of });
+    }
+    if progress.was_late() {
+        cautions.insert(0, Caution::TimeUp);
+    }
     let mut diagnosis = Diagnosis {
         verdict: judgement.verdict,
+        insufficient: judgement.insufficient,
         statement: String::new(),
+        cautions,
         recordings: given.names.clone(),
         findings: found,
         leading: judgement.leading,
@@ -123,19 +131,11 @@ pub fn diagnose(
         soil: soil(&searched),
         next,
         runs: traces(&searched),
-        account: account(
-            &searched,
-            options,
-            cut.at_rest + cut.unusable,
-            seconds(&given),
-        ),
+        account: account(&searched, options, prepared.left_out, seconds(&given)),
         nominal: nominal.clone(),
         model,
     };
     diagnosis.statement = statement(&diagnosis);
-    if progress.was_late() {
-        diagnosis.account.notes.insert(0, CUT_OFF.into());
-    }
     diagnosis.account.steps = progress.seconds();
     Ok(diagnosis)
 }
@@ -146,9 +146,10 @@ pub fn insufficient(
     recordings: &[Recording],
     nominal: &Specification,
     options: &Options,
-    why: &DiagnosisError,
+    error: &DiagnosisError,
 ) -> Diagnosis {
-    let why = why.to_string();
+    let out_of_time = *error == DiagnosisError::OutOfTime;
+    let why = error.to_string();
     let mut rest = why.chars();
     let first: String = rest
         .next()
@@ -161,7 +162,13 @@ pub fn insufficient(
     };
     Diagnosis {
         verdict: Verdict::InsufficientData,
+        insufficient: Some(if out_of_time {
+            Insufficient::TimeUp
+        } else {
+            Insufficient::TooLittle
+        }),
         statement: format!("{first}{}.", rest.as_str()),
+        cautions: out_of_time.then_some(Caution::TimeUp).into_iter().collect(),
         recordings: recordings.iter().map(|r| r.name.clone()).collect(),
         findings: Vec::new(),
         leading: None,
@@ -188,88 +195,6 @@ pub fn insufficient(
         nominal: nominal.clone(),
         model: nominal.clone(),
     }
-}
-
-/// Every screened candidate, and whether it would have been seen at a plausible size.
-fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
-    let looked = &searched.first;
-    let projection = Projection::over_all(&looked.system, &[]).ok_or(DiagnosisError::NotFinite)?;
-    let alike = groups(&projection, &looked.screened);
-    let one = |(screened, alike): (&super::search::proposal::Screened, Vec<(Subject, f64)>)| {
-        let mut knobs = searched.given.candidates.of(screened.subject);
-        // The one that the numbers are of: recordings may tell nothing of the others.
-        let knob = knobs.find(|knob| !looked.system.unknowns(*knob).is_empty());
-        let knob = &searched.given.candidates.knobs[knob?];
-        let (projected, score) = (&screened.projected, &screened.score);
-        let information = projected.matrix[(0, 0)] / score.scatter;
-        let needed = looked.threshold.sqrt() + POWER;
-        let smallest = needed / information.max(0.0).sqrt();
-        let off = knob.parameter.prior_coordinate();
-        let value = |step: f64| {
-            let (low, high) = knob.parameter.bounds();
-            if step.is_finite() && (low..=high).contains(&(off + step)) {
-                knob.parameter.value(off + step)
-            } else {
-                f64::INFINITY
-            }
-        };
-        // Away from off, to the side that is possible.
-        let upward = (value(smallest) - knob.parameter.value(off)).abs();
-        let downward = (value(-smallest) - knob.parameter.value(off)).abs();
-        let degrees = projected.unknowns.len();
-        let gain = searched.gains.iter().find(|(s, _)| *s == screened.subject);
-        let candidate = Candidate {
-            absorbed: score.absorbed,
-            significance: (one_degree(score.chi_square, degrees) / looked.threshold).sqrt(),
-            smallest_detectable: upward.min(downward),
-            parameter: knob.name,
-            unit: knob.parameter.unit,
-            estimate: knob.parameter.value(off + score.step[0]),
-            interval: knob
-                .parameter
-                .interval(off + score.step[0], NORMAL_95 * score.deviation[0])
-                .into(),
-            held_out_gain: gain.map(|(_, gain)| *gain),
-            alike,
-            ..empty(screened.subject)
-        };
-        Some((candidate, smallest < knob.parameter.prior.deviation))
-    };
-    let pairs = looked.screened.iter().zip(alike);
-    Ok(pairs.filter_map(one).collect())
-}
-
-fn empty(subject: Subject) -> Candidate {
-    Candidate {
-        subject,
-        probability: 0.0,
-        absorbed: f64::NAN,
-        significance: f64::NAN,
-        smallest_detectable: f64::NAN,
-        parameter: "",
-        unit: "",
-        estimate: f64::NAN,
-        interval: [f64::NAN; 2],
-        held_out_gain: None,
-        alike: Vec::new(),
-    }
-}
-
-/// What was not screened but has a probability: nothing, unknown, a change of terrain.
-fn others(odds: &Odds, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
-    let change = CATALOGUE
-        .iter()
-        .position(|e| e.name == super::hypothesis::candidate::TERRAIN_CHANGE)
-        .filter(|effect| !nominal.effects.is_on(*effect));
-    let mut subjects = vec![Subject::Nothing, Subject::Unknown];
-    subjects.extend(change.map(Subject::Effect));
-    subjects.retain(|subject| !screened.iter().any(|c| c.subject == *subject));
-    let each = subjects.into_iter();
-    each.map(|subject| Candidate {
-        probability: odds.of(subject),
-        ..empty(subject)
-    })
-    .collect()
 }
 
 /// The soil before and after.
@@ -308,10 +233,7 @@ fn statement(diagnosis: &Diagnosis) -> String {
             "The model with its soil re-tuned explains these recordings: nothing is missing that they could show."
                 .into()
         }
-        Verdict::InsufficientData => {
-            "These recordings tell too little: most effects of a plausible size would not have been seen."
-                .into()
-        }
+        Verdict::InsufficientData => undecided(diagnosis),
         Verdict::MissingPhysics => format!("The model leaves out {told}."),
         Verdict::Sensor => format!("The recording is at fault, not the model: {told}."),
         Verdict::Ambiguous => {
@@ -319,8 +241,9 @@ fn statement(diagnosis: &Diagnosis) -> String {
                 let others = finding.ambiguous_with.iter();
                 std::iter::once(&finding.subject).chain(others).map(|s| s.name()).collect()
             });
+            let best = if is_likeliest(leading, diagnosis) { "Best" } else { "As fitted" };
             format!(
-                "Something is missing: {}; these recordings do not tell them apart. Best: {told}.",
+                "Something is missing: {}; these recordings do not tell them apart. {best}: {told}.",
                 names.join(" or ")
             )
         }
@@ -328,6 +251,41 @@ fn statement(diagnosis: &Diagnosis) -> String {
             format!("Something is missing that the catalogue does not have: {told}.")
         }
     }
+}
+
+/// Why nothing can be said.
+fn undecided(diagnosis: &Diagnosis) -> String {
+    match diagnosis.insufficient {
+        Some(Insufficient::TimeUp) => {
+            "Time was up before every candidate had been tried: nothing was found by then, and nothing can be ruled out. Give it more time (--within)."
+                .into()
+        }
+        Some(Insufficient::Undecided) => {
+            let percent = |one: &Candidate| {
+                let name = one.subject.name().replace('_', " ");
+                format!("{name} {:.0} %", 100.0 * one.probability)
+            };
+            let first: Vec<String> = diagnosis.candidates.iter().take(3).map(percent).collect();
+            format!(
+                "These recordings do not decide whether something is missing: {}.",
+                first.join(", ")
+            )
+        }
+        _ => "These recordings tell too little: most effects of a plausible size would not have been seen."
+            .into(),
+    }
+}
+
+/// Whether a finding is likelier than the others of its set.
+fn is_likeliest(finding: Option<&Finding>, diagnosis: &Diagnosis) -> bool {
+    finding.is_some_and(|finding| {
+        let others = &finding.ambiguous_with;
+        let mut others = diagnosis
+            .candidates
+            .iter()
+            .filter(|c| others.contains(&c.subject));
+        others.all(|other| other.probability <= finding.probability)
+    })
 }
 
 #[cfg(test)]

@@ -38,6 +38,9 @@ pub enum DiagnosisError {
     NotFinite,
     /// Somebody wanted it to end: see [`Progress::stopped_by`](super::Progress::stopped_by).
     Stopped,
+    /// The time limit was met before there was anything to judge: see
+    /// [`Progress::within`](super::Progress::within).
+    OutOfTime,
     /// Samples that are no series in time.
     Recording(RecordingFault),
     /// A length of segments \[s\] that is none, or too short or too long.
@@ -74,6 +77,9 @@ impl fmt::Display for DiagnosisError {
             ),
             Self::NotFinite => f.write_str("the diagnosis' numbers are not finite"),
             Self::Stopped => f.write_str("the diagnosis was stopped"),
+            Self::OutOfTime => f.write_str(
+                "time was up before the recordings could be compared with any candidate; give more time (--within), or fewer recordings",
+            ),
             Self::Recording(fault) => fault.fmt(f),
             Self::SegmentLength(length) => segment_length(*length, f),
             Self::DependsOnBeginning => f.write_str(DEPENDS_ON_BEGINNING),

@@ -1,6 +1,7 @@
 //! What physics did the model leave out?
 
 mod answer;
+mod caution;
 mod diagnose;
 mod error;
 mod hypothesis;
@@ -11,11 +12,12 @@ mod screening;
 mod search;
 
 pub use answer::words::phrase;
+pub use caution::Caution;
 pub use diagnose::{diagnose, insufficient};
 pub use error::DiagnosisError;
 pub use outcome::{
-    Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre,
-    Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
+    Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
+    Manoeuvre, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
 };
 pub use progress::Progress;
 

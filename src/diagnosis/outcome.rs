@@ -1,5 +1,6 @@
 //! What a diagnosis found: plain data for reports, nothing computed here.
 
+use super::Caution;
 use crate::effects::{CATALOGUE, Kind};
 use crate::fit::{Estimate, NoiseEstimate};
 use crate::vehicle::Specification;
@@ -17,7 +18,7 @@ pub enum Verdict {
     Ambiguous,
     /// Something is missing that the catalogue does not have.
     UnknownPhysics,
-    /// Too little was recorded to say anything.
+    /// Nothing can be said; [`Diagnosis::insufficient`] has the reason.
     InsufficientData,
 }
 
@@ -32,6 +33,29 @@ impl Verdict {
             Self::Ambiguous => "ambiguous",
             Self::UnknownPhysics => "unknown_physics",
             Self::InsufficientData => "insufficient_data",
+        }
+    }
+}
+
+/// Why there is no verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Insufficient {
+    /// Too little was recorded.
+    TooLittle,
+    /// Time was up before every candidate had been tried.
+    TimeUp,
+    /// Neither that something is missing nor that nothing is missing is likely enough.
+    Undecided,
+}
+
+impl Insufficient {
+    /// The name in `diagnosis.json`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::TooLittle => "too_little",
+            Self::TimeUp => "time_up",
+            Self::Undecided => "undecided",
         }
     }
 }
@@ -330,8 +354,12 @@ pub struct Account {
 pub struct Diagnosis {
     /// All in all.
     pub verdict: Verdict,
+    /// Why there is no verdict, where there is none.
+    pub insufficient: Option<Insufficient>,
     /// The verdict in one or two plain sentences.
     pub statement: String,
+    /// What limits the verdict: time that was up, a vehicle that was assumed.
+    pub cautions: Vec<Caution>,
     /// Names of the recordings.
     pub recordings: Vec<String>,
     /// What is missing, in the order of what each explains beside the others; first what has no name where that is the

@@ -1,5 +1,6 @@
 //! Trajectories with exact derivatives.
 
+use super::deadline::Deadline;
 use super::predictor::{PredictionError, Predictor, Request, Trajectory};
 use crate::parameter::ParameterError;
 use crate::recording::Drive;
@@ -15,7 +16,7 @@ const LEAST_STEPS: u64 = 1000;
 
 /// Predicts by [`Simulation`], and by [`SensitiveSimulation`] where derivatives are wanted.
 #[derive(Debug, Clone)]
-pub struct ExactPredictor {
+pub struct ExactPredictor<'d> {
     nominal: Specification,
     free: Vec<Parameter>,
     /// Besides, derivatives are wanted by these as they act within each of the request's gates.
@@ -23,9 +24,10 @@ pub struct ExactPredictor {
     coarse: bool,
     /// Errors of the integration, in units of the usual ones.
     tolerance: f64,
+    deadline: Deadline<'d>,
 }
 
-impl ExactPredictor {
+impl<'d> ExactPredictor<'d> {
     /// A model with free parameters.
     #[must_use]
     pub fn new(nominal: Specification, free: Vec<Parameter>) -> Self {
@@ -35,7 +37,15 @@ impl ExactPredictor {
             gated: Vec::new(),
             coarse: false,
             tolerance: 1.0,
+            deadline: Deadline::NEVER,
         }
+    }
+
+    /// With an end to all predictions.
+    #[must_use]
+    pub fn with_deadline(mut self, deadline: Deadline<'d>) -> Self {
+        self.deadline = deadline;
+        self
     }
 
     /// With derivatives by further parameters, which keep their values, as they act within each
@@ -73,7 +83,7 @@ impl ExactPredictor {
     }
 }
 
-impl Predictor for ExactPredictor {
+impl Predictor for ExactPredictor<'_> {
     fn parameters(&self) -> usize {
         self.free.len()
     }
@@ -82,12 +92,20 @@ impl Predictor for ExactPredictor {
         Ok(Self {
             coarse: self.coarse,
             tolerance: self.tolerance,
+            deadline: self.deadline,
             ..Self::new(self.with(parameters)?, Vec::new())
         })
     }
 
+    fn deadline(&self) -> Deadline<'_> {
+        self.deadline
+    }
+
     fn predict(&self, request: &Request, out: &mut Trajectory) -> Result<(), PredictionError> {
         out.clear();
+        if self.deadline.is_over() {
+            return Err(PredictionError::OutOfTime);
+        }
         let Some(&begin) = request.times.first() else {
             return Ok(());
         };
@@ -104,7 +122,7 @@ impl Predictor for ExactPredictor {
             simulation.limit_steps(most);
             simulation.tolerate(self.tolerance);
             simulation.restart(request.clock + begin, *request.start)?;
-            drive(&mut simulation, request, out)?;
+            drive(&mut simulation, request, self.deadline, out)?;
         } else {
             let model = VehicleModel::from_specification(&specification)?;
             let mut simulation = Simulation::new(model);
@@ -112,7 +130,7 @@ impl Predictor for ExactPredictor {
             simulation.tolerate(self.tolerance);
             simulation.set_state(*request.start)?;
             simulation.set_time(request.clock + begin)?;
-            drive(&mut simulation, request, out)?;
+            drive(&mut simulation, request, self.deadline, out)?;
         }
         Ok(())
     }
@@ -207,8 +225,9 @@ const ROUNDING: f64 = 1e-9;
 fn drive<D: Driven>(
     simulation: &mut D,
     request: &Request,
+    deadline: Deadline,
     out: &mut Trajectory,
-) -> Result<(), SimulationError> {
+) -> Result<(), PredictionError> {
     let Some((&begin, later)) = request.times.split_first() else {
         return Ok(());
     };
@@ -233,6 +252,9 @@ fn drive<D: Driven>(
         .last()
         .map_or(now, |time| time + request.wheel_latency);
     while now < end {
+        if deadline.is_over() {
+            return Err(PredictionError::OutOfTime);
+        }
         let next_row = drive.time.get(row).copied().unwrap_or(f64::INFINITY);
         let next_gate = gate.unwrap_or(f64::INFINITY);
         let next = next_row.min(next_gate).min(end);

@@ -1,5 +1,6 @@
 //! A linearised problem: nothing is predicted any more.
 
+use super::deadline::Deadline;
 use super::normal::{Normal, START};
 use super::problem::{Tables, Weighing};
 use super::segment::Segment;
@@ -18,6 +19,8 @@ pub struct Linearised<'a> {
     pub precision: DVector<f64>,
     /// Pull of each unknown's prior.
     pub pull: DVector<f64>,
+    /// When work on it has to end.
+    pub deadline: Deadline<'a>,
 }
 
 impl Linearised<'_> {

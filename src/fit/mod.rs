@@ -14,6 +14,7 @@
 
 pub mod bounded;
 pub mod catalogue;
+pub mod deadline;
 mod descent;
 pub mod error;
 pub mod estimate;

@@ -32,7 +32,7 @@ const FIRST_STEP: f64 = 0.6;
 const LAST_STEP: f64 = 0.06;
 
 /// Estimates the noise of every channel of every recording anew; returns the largest change of
-/// a standard deviation or correlation time, as a logarithm.
+/// a standard deviation or correlation time, as a logarithm. At the deadline channels keep what they have.
 pub fn update(problem: &Linearised, tables: &[Tables], by: &mut Weighing) -> f64 {
     let mut largest: f64 = 0.0;
     let mut plain = with_outliers_only(by);
@@ -46,7 +46,7 @@ pub fn update(problem: &Linearised, tables: &[Tables], by: &mut Weighing) -> f64
                 recording,
                 group,
             };
-            if part.members().next().is_none() {
+            if part.members().next().is_none() || problem.deadline.is_over() {
                 continue;
             }
             let old = by.noise[recording][group as usize];
@@ -166,6 +166,9 @@ impl Part<'_, '_> {
             let direction = DIRECTIONS[next];
             next = (next + 1) % DIRECTIONS.len();
             failed += 1;
+            if self.problem.deadline.is_over() {
+                break;
+            }
             for sign in [1.0, -1.0] {
                 let trial: [f64; 3] = std::array::from_fn(|k| best[k] + sign * step * direction[k]);
                 let inside = trial[0].min(trial[1]) > (SMALLEST * guess).ln()

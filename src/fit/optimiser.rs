@@ -4,7 +4,7 @@
 //! A step is also cut where it would carry a parameter too far at once, in units of its prior:
 //! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
 //! Steps stay within bounds as [`step_within`] tells. Where it would end, segments that stand out have their starts
-//! looked for anew (see [`super::restart`]).
+//! looked for anew (see [`super::restart`]). A search ends at the predictor's deadline with the best point so far.
 
 use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal};
@@ -196,6 +196,9 @@ pub fn minimise_from<P: Predictor>(
         let step = propose(problem, &here, damping, reach);
         let enough = if rounded { NEARLY } else { 1.0 } * stop.gain;
         let little = step.as_ref().is_some_and(|s| s.expected_gain < enough);
+        if problem.predictor().deadline().is_over() {
+            break (false, step.map_or(0.0, |step| step.expected_gain));
+        }
         if (ended || little) && here.age > 0 {
             // Only derivatives of this point tell whether it is the end.
             here = renewed(here, &mut sure);

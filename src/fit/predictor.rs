@@ -1,5 +1,6 @@
 //! What the fit asks of a model: trajectories with derivatives.
 
+use super::deadline::Deadline;
 use crate::parameter::ParameterError;
 use crate::recording::Drive;
 use crate::simulation::{SimulationError, State};
@@ -71,10 +72,15 @@ pub trait Predictor: Send + Sync {
     where
         Self: Sized;
 
+    /// When predictions have to end, and with them the fits that ask for them.
+    fn deadline(&self) -> Deadline<'_> {
+        Deadline::NEVER
+    }
+
     /// States, rates and, where asked for, derivatives at the request's times.
     ///
     /// # Errors
-    /// Parameters out of range, and drives that the vehicle cannot follow with them.
+    /// Parameters out of range, drives that the vehicle cannot follow with them, and the deadline.
     fn predict(&self, request: &Request, out: &mut Trajectory) -> Result<(), PredictionError>;
 }
 
@@ -85,6 +91,8 @@ pub enum PredictionError {
     Parameter(ParameterError),
     /// A drive that ends early.
     Simulation(SimulationError),
+    /// The deadline has passed: see [`Predictor::deadline`].
+    OutOfTime,
 }
 
 impl fmt::Display for PredictionError {
@@ -92,6 +100,7 @@ impl fmt::Display for PredictionError {
         match self {
             Self::Parameter(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
+            Self::OutOfTime => f.write_str("time was up"),
         }
     }
 }
@@ -101,6 +110,7 @@ impl std::error::Error for PredictionError {
         match self {
             Self::Parameter(error) => Some(error),
             Self::Simulation(error) => Some(error),
+            Self::OutOfTime => None,
         }
     }
 }

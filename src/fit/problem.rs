@@ -325,6 +325,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
             places: recordings.map(|recording| self.places(recording)).collect(),
             precision,
             pull,
+            deadline: self.predictor.deadline(),
         }
     }
 

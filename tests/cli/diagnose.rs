@@ -252,8 +252,23 @@ fn the_vehicle_is_that_of_the_recording() {
     bench.stdout("diagnose a.csv --vehicle v.json");
     assert_eq!(mass(), 490.0);
     fs::remove_file(bench.path("a.json")).unwrap();
+    let cautions = || -> Value {
+        let said: Value = serde_json::from_str(&bench.read("diagnosis/diagnosis.json")).unwrap();
+        said["cautions"].clone()
+    };
+    assert_eq!(cautions(), Value::Array(Vec::new()));
     let note = contains("no vehicle is told beside the recordings; taking the paper's");
-    bench.ugv("diagnose a.csv").assert().success().stderr(note);
+    bench
+        .ugv("diagnose a.csv --within none")
+        .assert()
+        .success()
+        .stderr(note)
+        .stdout(contains("caution      No vehicle was named"));
+    assert_eq!(cautions()[0]["kind"], "assumed_vehicle");
+    // In the verdict's box.
+    let page = bench.read("diagnosis/report.html");
+    let verdict = page.split("</section>").next().unwrap();
+    assert!(verdict.contains("490 kg on 8 wheels"), "{verdict}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 mod answers;
 mod coverage;
+mod deadline;
 mod derivatives;
 mod differences;
 mod recovery;

@@ -9,7 +9,7 @@ use sample::{VERDICTS, sample};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use ugv_terrain::diagnosis::{Diagnosis, Subject, Verdict};
+use ugv_terrain::diagnosis::{Caution, Diagnosis, Insufficient, Subject, Verdict};
 use ugv_terrain::report::diagnosis::{json, page, text};
 
 fn parsed(diagnosis: &Diagnosis) -> Value {
@@ -290,4 +290,67 @@ fn of_many_runs_the_worst_are_plotted() {
     );
     assert!(page.contains("<h3>drive3 run 5</h3>"), "it has a place");
     assert!(page.contains("the worst; 2 more are not"));
+}
+
+#[test]
+fn cautions_stand_beside_the_verdict() {
+    let mut diagnosis = sample(Verdict::MissingPhysics);
+    diagnosis.cautions = vec![
+        Caution::TimeUp,
+        Caution::Part {
+            used: 72.0,
+            of: 600.0,
+        },
+        Caution::assumed(&diagnosis.nominal.vehicle),
+    ];
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (text, page) = (text(&diagnosis), page(&diagnosis));
+    // Before anything else about the finding, and in the verdict's box.
+    let top = words(text.split("\nsure").next().unwrap());
+    let verdict = page.split("</section>").next().unwrap();
+    for told in [
+        "Time was up before everything had been tried",
+        "72 s of 600 s",
+        "490 kg on 8 wheels",
+    ] {
+        assert!(top.contains(told), "{text}");
+        assert!(verdict.contains(told), "{verdict}");
+    }
+    let all = parsed(&diagnosis);
+    let kinds = ["time_up", "part_of_recordings", "assumed_vehicle"];
+    let cautions = all["cautions"].as_array().unwrap();
+    assert!(
+        cautions
+            .iter()
+            .map(|one| one["kind"].as_str().unwrap())
+            .eq(kinds)
+    );
+    assert_eq!(
+        parsed(&sample(Verdict::MissingPhysics))["cautions"],
+        Value::Array(Vec::new())
+    );
+}
+
+#[test]
+fn the_headline_says_why_there_is_no_verdict() {
+    let mut diagnosis = sample(Verdict::InsufficientData);
+    for (why, headline) in [
+        (
+            Insufficient::TooLittle,
+            "These recordings are too little to tell.",
+        ),
+        (
+            Insufficient::TimeUp,
+            "Time was up before there was a verdict.",
+        ),
+        (
+            Insufficient::Undecided,
+            "These recordings do not decide whether something is missing.",
+        ),
+    ] {
+        diagnosis.insufficient = Some(why);
+        let text = text(&diagnosis);
+        assert!(text.starts_with(headline), "{text}");
+        assert_eq!(parsed(&diagnosis)["insufficient"], why.name());
+    }
 }

@@ -2,8 +2,8 @@
 //! values that are none, long series, several runs.
 
 use ugv_terrain::diagnosis::{
-    Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre,
-    Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
+    Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
+    Manoeuvre, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
 };
 use ugv_terrain::effects::{CATALOGUE, Effects};
 use ugv_terrain::fit::{
@@ -64,7 +64,9 @@ pub fn sample(verdict: Verdict) -> Diagnosis {
     };
     Diagnosis {
         verdict,
+        insufficient: (verdict == Verdict::InsufficientData).then_some(Insufficient::TooLittle),
         statement: statement.into(),
+        cautions: Vec::new(),
         recordings,
         candidates: candidates(verdict, &findings),
         leading: (!findings.is_empty()).then_some(0),

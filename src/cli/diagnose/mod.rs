@@ -11,8 +11,9 @@ use progress::Bar;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
-use ugv_terrain::diagnosis::{DiagnosisError, Options, Progress, diagnose, insufficient};
+use ugv_terrain::diagnosis::{Caution, DiagnosisError, Options, Progress, diagnose, insufficient};
 use ugv_terrain::display::visible_line;
+use ugv_terrain::recording::{Recording, Run};
 use ugv_terrain::report::diagnosis::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -27,7 +28,8 @@ Input:   recordings with a header time,omega_left,omega_right and any of x,y,hea
          most.
 Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the soil re-tuned, with what was
          found; `ugv simulate`, `score` and `package` take it), DIR/report.html, and a summary.
-         The same seed gives the same answer, whatever the number of threads (but for --within).";
+         The same seed gives the same answer, whatever the number of threads, unless a time limit is
+         met: then a caution says so.";
 
 /// Tell what physics the model left out, where, and how sure that is.
 #[derive(clap::Args)]
@@ -57,22 +59,41 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
 
-    /// Answer within about so many seconds with what has been found by then; what was not tried is told [default: no
-    /// limit]
-    #[arg(long, value_name = "S", value_parser = seconds)]
-    within: Option<Duration>,
+    /// Answer within so many seconds (and 10 % or 2 s more) with what has been found by then; cautions say what time did
+    /// not allow. `none`: no limit [default: 600 s and three times the length of the recordings]
+    #[arg(long, value_name = "S|none", value_parser = limit)]
+    within: Option<Limit>,
 
     /// Neither summary nor progress
     #[arg(long, short)]
     quiet: bool,
 }
 
+/// A time limit where none was named \[s\], and how many times the length of the recordings it is besides.
+const DEFAULT: f64 = 600.0;
+const DEFAULT_PER_SECOND: f64 = 3.0;
+
+/// How long it may take.
+#[derive(Debug, Clone, Copy)]
+enum Limit {
+    None,
+    Within(Duration),
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let bar = Bar::new(args.quiet);
+    let show = |step| bar.show(step);
+    let mut progress = Progress::new(&show);
     let named = args.nominal.load()?;
     let recordings = named.read(&args.recordings)?;
+    progress = match args.within.unwrap_or_else(|| default_limit(&recordings)) {
+        Limit::None => progress,
+        Limit::Within(limit) => progress.within(limit),
+    };
     for recording in &recordings {
         recording.warnings().for_each(|warning| tell(&warning));
     }
+    let assumed = named.lacks_vehicle(&recordings);
     let nominal = named.nominal(&recordings, args.quiet)?;
     let options = Options {
         seed: args.seed,
@@ -88,22 +109,26 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let read = || args.recordings.iter().chain(&read);
     let outputs = files.map(|name| Output::of(Some(&args.out.join(name)), read()));
     let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let bar = Bar::new(args.quiet);
-    let show = |step| bar.show(step);
-    let mut progress = Progress::new(&show);
-    if let Some(limit) = args.within {
-        progress = progress.within(limit);
-    }
     let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
     bar.finish();
     let mut to = fitted_to(&recordings, true);
-    let diagnosis = match found {
-        Err(error @ (DiagnosisError::AtRest { .. } | DiagnosisError::TooShort { .. })) => {
+    let mut diagnosis = match found {
+        Err(
+            error @ (DiagnosisError::AtRest { .. }
+            | DiagnosisError::TooShort { .. }
+            | DiagnosisError::OutOfTime),
+        ) => {
             to.clear();
-            insufficient(&recordings, &nominal, &options, &error)
+            let mut diagnosis = insufficient(&recordings, &nominal, &options, &error);
+            diagnosis.account.steps = progress.seconds();
+            diagnosis
         }
         other => other.map_err(Failure::Diagnosis)?,
     };
+    if assumed {
+        let caution = Caution::assumed(&nominal.vehicle);
+        diagnosis.cautions.push(caution);
+    }
     let texts = [
         json(&diagnosis),
         diagnosis.model.to_json_fitted(&to),
@@ -122,10 +147,22 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// A time limit.
-fn seconds(text: &str) -> Result<Duration, String> {
+fn limit(text: &str) -> Result<Limit, String> {
+    if text == "none" {
+        return Ok(Limit::None);
+    }
     let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0);
     let limit = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    limit.ok_or_else(|| "not a number of seconds above 0; give 300, say".into())
+    limit
+        .map(Limit::Within)
+        .ok_or_else(|| "not a number of seconds above 0; give 300, say, or none".into())
+}
+
+/// Long recordings take longer.
+fn default_limit(recordings: &[Recording]) -> Limit {
+    let runs = recordings.iter().flat_map(|recording| &recording.runs);
+    let seconds = DEFAULT + DEFAULT_PER_SECOND * runs.map(Run::duration).sum::<f64>();
+    Duration::try_from_secs_f64(seconds).map_or(Limit::None, Limit::Within)
 }
 
 /// Writes all texts or none: the files of a folder belong together.

@@ -83,7 +83,8 @@ fn fitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Row> {
 
 /// Of the model as it is given. `None` where it cannot drive.
 fn nominal(given: &Given, by: &Weighing) -> Option<Row> {
-    let predictor = ExactPredictor::new(given.nominal.clone(), Vec::new());
+    let predictor =
+        ExactPredictor::new(given.nominal.clone(), Vec::new()).with_deadline(given.deadline);
     let none = vec![Vec::new(); given.recordings.len()];
     let mut problem = Problem::new(&predictor, Vec::new(), given.names.clone(), none);
     problem.segments.clone_from(&given.segments);

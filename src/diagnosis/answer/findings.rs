@@ -99,7 +99,7 @@ fn named(
     let mut finding = Finding {
         subject: judged.subject,
         probability: judged.probability,
-        ambiguous_with: judged.set.clone(),
+        ambiguous_with: judged.set.iter().map(|(subject, _)| *subject).collect(),
         evidence: member.gain,
         rivals: likeliest_first(&member.rivals),
         parameters,

@@ -3,8 +3,10 @@
 pub mod account;
 pub mod ambiguity;
 pub mod augmented;
+pub mod candidates;
 pub mod errors;
 pub mod findings;
+pub mod odds;
 pub mod traces;
 pub mod verdict;
 pub mod words;

@@ -8,19 +8,11 @@
 //! an effect whose fit lost its way may be behind it. The temperature was set on the third judged
 //! set of the proof, the other numbers on development cases from another simulator (see the docs).
 
-use super::findings::likeliest_first;
+use super::odds::{DOUBT, Odds, mean};
+use crate::diagnosis::outcome::{Insufficient, Subject, Verdict};
+use crate::diagnosis::search::proposal::Kind;
 use crate::diagnosis::search::{Member, NOTHING, Searched};
-use crate::diagnosis::{Subject, Verdict};
 
-/// Share of the probability that stays with "unknown" whatever the evidence: now and then something
-/// outside the catalogue looks exactly like something inside.
-const DOUBT: f64 = 0.03;
-/// Softens log Bayes factors: so much where nothing is likeliest, so much where something is, by `CLEAR` or more, and
-/// so many roots of the largest besides.
-const SILENT: f64 = 0.75;
-const TEMPERATURE: f64 = 2.0;
-const CLEAR: f64 = 3.0;
-const PER_ROOT: f64 = 0.02;
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;
 const MOST_DOUBT: f64 = 0.5;
@@ -42,76 +34,6 @@ const WORTH_TELLING: f64 = 0.05;
 /// tell too little.
 const ENOUGH: f64 = 0.3;
 
-/// Softens differences of log odds where the largest are these.
-fn temperature(top: f64) -> f64 {
-    let clear = ((top - NOTHING) / CLEAR).clamp(0.0, 1.0);
-    SILENT + (TEMPERATURE - SILENT) * clear + PER_ROOT * top.max(0.0).sqrt()
-}
-
-/// Probabilities of subjects; they sum to 1.
-#[derive(Debug, Clone)]
-pub struct Odds(pub Vec<(Subject, f64)>);
-
-impl Odds {
-    fn new(weighed: &[(Subject, f64)], nothing: f64) -> Self {
-        let mut all = vec![(Subject::Nothing, nothing)];
-        all.extend_from_slice(weighed);
-        let logs = likeliest_first(&all);
-        let top = logs[0].1;
-        let temperature = temperature(top);
-        let weight = |log: f64| ((log - top) / temperature).exp();
-        let sum: f64 = logs.iter().map(|(_, log)| weight(*log)).sum();
-        let share = |(subject, log): &(Subject, f64)| (*subject, weight(*log) / sum);
-        Self(logs.iter().map(share).collect()).with(Subject::Unknown, DOUBT)
-    }
-
-    /// Probability of a subject.
-    #[must_use]
-    pub fn of(&self, subject: Subject) -> f64 {
-        let found = self.0.iter().find(|(other, _)| *other == subject);
-        found.map_or(0.0, |(_, share)| *share)
-    }
-
-    /// Probability that it is physics.
-    fn physics(&self) -> f64 {
-        let is = |subject: Subject| !subject.is_sensor() && subject != Subject::Nothing;
-        self.0
-            .iter()
-            .filter(|(s, _)| is(*s))
-            .map(|(_, share)| share)
-            .sum()
-    }
-
-    /// With a part of what one subject has given to others in equal parts.
-    fn shared(mut self, from: Subject, part: f64, among: &[Subject]) -> Self {
-        let Some(own) = self.0.iter_mut().find(|(other, _)| *other == from) else {
-            return self;
-        };
-        let given = if among.is_empty() { 0.0 } else { part * own.1 };
-        own.1 -= given;
-        for subject in among {
-            let each = given / among.len() as f64;
-            match self.0.iter_mut().find(|(other, _)| other == subject) {
-                Some((_, share)) => *share += each,
-                None => self.0.push((*subject, each)),
-            }
-        }
-        self
-    }
-
-    /// With a share of all given to a subject.
-    fn with(mut self, subject: Subject, share: f64) -> Self {
-        for (_, other) in &mut self.0 {
-            *other *= 1.0 - share;
-        }
-        match self.0.iter_mut().find(|(other, _)| *other == subject) {
-            Some((_, own)) => *own += share,
-            None => self.0.push((subject, share)),
-        }
-        self
-    }
-}
-
 /// A member with the probabilities of what may stand in its place.
 #[derive(Debug, Clone)]
 pub struct Judged {
@@ -123,8 +45,10 @@ pub struct Judged {
     pub probability: f64,
     /// Probability that it is physics, whatever its name.
     pub physics: f64,
-    /// Others that may stand in its place, likeliest first.
-    pub set: Vec<Subject>,
+    /// Others that may stand in its place with their probabilities, likeliest first.
+    pub set: Vec<(Subject, f64)>,
+    /// Probability that nothing is there in its place.
+    pub nothing: f64,
 }
 
 /// Everything judged.
@@ -132,6 +56,8 @@ pub struct Judged {
 pub struct Judgement {
     /// All in all.
     pub verdict: Verdict,
+    /// Why there is no verdict, if so.
+    pub insufficient: Option<Insufficient>,
     /// What was found, in that order; first what has no name where that is the most.
     pub findings: Vec<Judged>,
     /// Place of the one that the verdict is about.
@@ -140,70 +66,137 @@ pub struct Judgement {
     pub odds: Odds,
 }
 
+/// What a verdict rests on.
+#[derive(Debug)]
+pub struct Evidence<'s> {
+    /// What was found.
+    pub members: &'s [Member],
+    /// Log odds of what was fitted and not taken.
+    pub refused: &'s [(Subject, f64)],
+    /// Log evidence of a wrench that comes and goes, left over beside what was found.
+    pub left: f64,
+    /// Log evidence of all that was found together.
+    pub explained: f64,
+    /// The candidates that are physics.
+    pub physics: Vec<Subject>,
+    /// Share of the candidates that these recordings would have shown at a plausible size.
+    pub seen: f64,
+    /// Whether some data could be held out.
+    pub tested: bool,
+    /// Whether there was time to fit every candidate.
+    pub tried: bool,
+}
+
 /// Judges what a search found. `seen` is the share of candidates that these recordings would have
 /// shown at a plausible size.
 #[must_use]
 pub fn judge(searched: &Searched, seen: f64) -> Judgement {
-    let members = &searched.members;
-    let left = searched.last.wandering.map_or(0.0, |w| w.evidence);
-    let something = 1.0 / (1.0 + (-(left - SOMETHING) / LEFT_SOFTNESS).exp());
-    let explained = searched.retuned.surprise - searched.augmented.surprise;
-    let doubt = doubt(members, explained, left.max(0.0) * something);
-    let physics: Vec<Subject> = searched.given.candidates.subjects.clone();
-    let physics: Vec<Subject> = physics.into_iter().filter(|s| !s.is_sensor()).collect();
-    let odds = |member: &Member| {
-        let odds = Odds::new(&member.rivals, NOTHING);
-        match member.proposal.subject {
-            Subject::Unknown => odds.shared(Subject::Unknown, MISSED, &physics),
-            subject if subject.is_sensor() => odds,
-            _ => odds.with(Subject::Unknown, doubt),
-        }
-    };
-    let judged = members.iter().enumerate();
-    let judged = judged.map(|(index, member)| judge_member(index, member, odds(member)));
-    let mut findings: Vec<Judged> = judged.collect();
-    let local = members.iter().all(|member| {
-        matches!(
-            member.proposal.kind(),
-            crate::diagnosis::search::proposal::Kind::Local
-        )
-    });
-    let main =
-        members.is_empty() || left > MAIN * explained || (local && left > 0.5 * MAIN * explained);
-    let mut odds = mean(members.iter().map(|m| (odds(m), m.gain.max(0.0))))
-        .unwrap_or_else(|| Odds::new(&searched.refused, NOTHING));
-    let something_unknown = something * (1.0 - MISSED);
-    if main {
-        let whole = odds.with(Subject::Unknown, something);
-        odds = whole.shared(Subject::Unknown, MISSED * something, &physics);
+    let subjects = searched.given.candidates.subjects.iter().copied();
+    Evidence {
+        members: &searched.members,
+        refused: &searched.refused,
+        left: searched.last.wandering.map_or(0.0, |w| w.evidence),
+        explained: searched.retuned.surprise - searched.augmented.surprise,
+        physics: subjects.filter(|s| !s.is_sensor()).collect(),
+        seen,
+        tested: searched.tested,
+        tried: searched.tried,
     }
-    if something > 0.5 && searched.tested {
-        findings.push(Judged {
-            member: None,
-            subject: Subject::Unknown,
-            probability: something_unknown,
-            physics: something,
-            set: Vec::new(),
-        });
+    .judged()
+}
+
+impl Evidence<'_> {
+    /// The verdict, with the probabilities that it agrees with: what it claims is likelier than that nothing is missing.
+    #[must_use]
+    pub fn judged(&self) -> Judgement {
+        let Self {
+            members,
+            left,
+            explained,
+            physics,
+            ..
+        } = self;
+        let something = 1.0 / (1.0 + (-(left - SOMETHING) / LEFT_SOFTNESS).exp());
+        let doubt = doubt(members, *explained, left.max(0.0) * something);
+        let odds = |member: &Member| {
+            let odds = Odds::new(&member.rivals, NOTHING);
+            match member.proposal.subject {
+                Subject::Unknown => odds.shared(Subject::Unknown, MISSED, physics),
+                subject if subject.is_sensor() => odds,
+                _ => odds.with(Subject::Unknown, doubt),
+            }
+        };
+        let judged = members.iter().enumerate();
+        let judged = judged.map(|(index, member)| judge_member(index, member, odds(member)));
+        let mut findings: Vec<Judged> = judged.collect();
+        let is_local = |member: &Member| member.proposal.kind() == Kind::Local;
+        let local = members.iter().all(is_local);
+        let main = members.is_empty()
+            || *left > MAIN * explained
+            || (local && *left > 0.5 * MAIN * explained);
+        let each: Vec<(Odds, f64)> = members.iter().map(|m| (odds(m), m.gain.max(0.0))).collect();
+        let mut odds = mean(&each).unwrap_or_else(|| Odds::new(self.refused, NOTHING));
+        let something_unknown = something * (1.0 - MISSED);
         if main {
-            findings.rotate_right(1);
+            let whole = odds.with(Subject::Unknown, something);
+            odds = whole.shared(Subject::Unknown, MISSED * something, physics);
+        }
+        // Without a name is what the names were tried for.
+        if something > 0.5 && self.tested && self.tried {
+            findings.push(Judged {
+                member: None,
+                subject: Subject::Unknown,
+                probability: something_unknown,
+                physics: something,
+                set: Vec::new(),
+                nothing: if main {
+                    odds.of(Subject::Nothing)
+                } else {
+                    1.0 - something
+                },
+            });
+            if main {
+                findings.rotate_right(1);
+            }
+        }
+        let leading = leading(&findings).filter(|place| findings[*place].is_likely(&odds));
+        let insufficient = match leading {
+            Some(_) => None,
+            None => self.insufficient(&findings, &odds),
+        };
+        let verdict = match (leading, insufficient) {
+            (Some(place), _) => findings[place].verdict(),
+            (None, Some(_)) => Verdict::InsufficientData,
+            (None, None) => Verdict::NothingMissing,
+        };
+        if leading.is_none() {
+            // Nothing in the model stands for it.
+            findings.retain(|one| one.member.is_some());
+        }
+        if insufficient.is_some_and(|why| why != Insufficient::Undecided) {
+            // Not everything was asked, so nothing is likelier than the other.
+            odds = Odds(vec![(Subject::Nothing, 0.5), (Subject::Unknown, 0.5)]);
+        }
+        Judgement {
+            verdict,
+            insufficient,
+            findings,
+            leading,
+            odds,
         }
     }
-    let leading = leading(&findings);
-    let verdict = match leading.map(|place| &findings[place]) {
-        None if seen < ENOUGH || !searched.tested => Verdict::InsufficientData,
-        None => Verdict::NothingMissing,
-        Some(one) => one.verdict(),
-    };
-    if verdict == Verdict::InsufficientData {
-        // Nothing was asked, so nothing is likelier than the other.
-        odds = Odds(vec![(Subject::Nothing, 0.5), (Subject::Unknown, 0.5)]);
-    }
-    Judgement {
-        verdict,
-        findings,
-        leading,
-        odds,
+
+    /// Where nothing is claimed: why it cannot be said that nothing is missing.
+    fn insufficient(&self, findings: &[Judged], odds: &Odds) -> Option<Insufficient> {
+        if findings.is_empty() && (self.seen < ENOUGH || !self.tested) {
+            Some(Insufficient::TooLittle)
+        } else if findings.is_empty() && !self.tried {
+            Some(Insufficient::TimeUp)
+        } else if findings.is_empty() && odds.of(Subject::Nothing) >= SURE {
+            None
+        } else {
+            Some(Insufficient::Undecided)
+        }
     }
 }
 
@@ -218,12 +211,26 @@ fn leading(findings: &[Judged]) -> Option<usize> {
 impl Judged {
     /// What is said where nothing else was found.
     fn verdict(&self) -> Verdict {
+        let is_likeliest = self.set.iter().all(|(_, share)| *share <= self.probability);
         match self.subject {
-            Subject::Unknown => Verdict::UnknownPhysics,
+            Subject::Unknown if is_likeliest => Verdict::UnknownPhysics,
             _ if !self.set.is_empty() => Verdict::Ambiguous,
             subject if subject.is_sensor() => Verdict::Sensor,
             _ => Verdict::MissingPhysics,
         }
+    }
+
+    /// Whether what would be claimed is likelier than that nothing is there, in its place and all in all.
+    fn is_likely(&self, odds: &Odds) -> bool {
+        let others = self
+            .set
+            .iter()
+            .filter(|_| self.verdict() == Verdict::Ambiguous);
+        let others: Vec<&(Subject, f64)> = others.collect();
+        let here: f64 = others.iter().map(|(_, share)| share).sum();
+        let all: f64 = others.iter().map(|(subject, _)| odds.of(*subject)).sum();
+        self.probability + here > self.nothing
+            && odds.of(self.subject) + all > odds.of(Subject::Nothing)
     }
 }
 
@@ -272,11 +279,12 @@ fn judge_member(index: usize, member: &Member, odds: Odds) -> Judged {
         probability,
         physics: odds.physics(),
         set,
+        nothing: odds.of(Subject::Nothing),
     }
 }
 
 /// Those that may stand in the place of a name of this probability, of all but "nothing".
-fn joining(probability: f64, nothing: f64, others: &[(Subject, f64)]) -> Vec<Subject> {
+fn joining(probability: f64, nothing: f64, others: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
     let wanted = SET * (1.0 - nothing - DOUBT);
     let mut held = probability;
     let mut set = Vec::new();
@@ -285,31 +293,13 @@ fn joining(probability: f64, nothing: f64, others: &[(Subject, f64)]) -> Vec<Sub
             break;
         }
         held += share;
-        set.push(*other);
+        set.push((*other, *share));
     }
     set
 }
 
-/// Of several findings, each weighed by its evidence: what explains little is a small part of what was missing.
-fn mean(each: impl Iterator<Item = (Odds, f64)>) -> Option<Odds> {
-    let all: Vec<(Odds, f64)> = each.collect();
-    let total: f64 = all.iter().map(|(_, gain)| gain).sum();
-    let mut sum: Vec<(Subject, f64)> = Vec::new();
-    for (odds, gain) in &all {
-        let weight = if total > 0.0 {
-            gain / total
-        } else {
-            1.0 / all.len() as f64
-        };
-        for (subject, share) in &odds.0 {
-            match sum.iter_mut().find(|(other, _)| other == subject) {
-                Some((_, total)) => *total += weight * share,
-                None => sum.push((*subject, weight * share)),
-            }
-        }
-    }
-    (!sum.is_empty()).then_some(Odds(sum))
-}
+#[cfg(test)]
+mod properties;
 
 #[cfg(test)]
 mod tests {
@@ -317,29 +307,14 @@ mod tests {
     use crate::effects::CATALOGUE;
 
     #[test]
-    fn probabilities_sum_to_one_and_follow_the_evidence() {
-        let (a, b) = (Subject::Effect(0), Subject::Effect(1));
-        let odds = Odds::new(&[(a, 20.0), (b, 4.0), (a, 3.0)], NOTHING);
-        let sum: f64 = odds.0.iter().map(|(_, share)| share).sum();
-        assert!((sum - 1.0).abs() < 1e-12);
-        assert!(odds.of(a) > 0.95 && odds.of(b) < odds.of(a));
-        assert!((odds.of(Subject::Unknown) - DOUBT).abs() < 1e-12);
-        // The same lead says less where more is at stake.
-        let ahead = |top: f64| Odds::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
-        assert!(ahead(20.0) > ahead(200.0) && ahead(200.0) > ahead(2000.0));
-        assert!(ahead(2000.0) > 0.5);
-        let shared = odds.with(Subject::Unknown, 0.5);
-        let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
-        assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
-        let nothing = Odds::new(&[], NOTHING).of(Subject::Nothing);
-        assert!((nothing - (1.0 - DOUBT)).abs() < 1e-12);
-    }
-
-    #[test]
     fn a_set_holds_what_has_evidence() {
         let (a, b) = (Subject::Effect(0), Subject::Effect(1));
         // Two names hold all but the doubt that always is.
         let others = [(a, 0.451), (b, 0.01), (Subject::Unknown, 0.0)];
+        let joining = |probability, nothing, others: &[(Subject, f64)]| -> Vec<Subject> {
+            let set = joining(probability, nothing, others).into_iter();
+            set.map(|(subject, _)| subject).collect()
+        };
         assert_eq!(joining(0.478, 0.02, &others), [a]);
         // What is not there takes no place among names.
         assert_eq!(joining(0.6, 0.3, &[(a, 0.07), (b, 0.04)]), [a]);
@@ -365,6 +340,7 @@ mod tests {
             probability,
             physics: probability,
             set: Vec::new(),
+            nothing: 0.0,
         };
         let verdict = |findings: &[Judged]| findings[leading(findings).unwrap()].verdict();
         let (late, drag) = (one(sensor, 0.97), one(Subject::Effect(0), 0.9));

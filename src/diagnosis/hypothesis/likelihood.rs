@@ -191,7 +191,8 @@ pub fn tune_with_noise(
         let outcome = minimise_from(&problem, &mut point, tables, by, stop);
         let change = follow(&problem, &point, &outcome.tables, by);
         tables = outcome.tables;
-        if outcome.converged && outcome.gain < STILL && change < STILL_NOISE {
+        let still = outcome.converged && outcome.gain < STILL && change < STILL_NOISE;
+        if still || given.deadline.is_over() {
             break;
         }
         stop = NEXT;
@@ -268,9 +269,9 @@ fn evidence<P: Predictor>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::Options;
     use crate::diagnosis::hypothesis::prepare::prepare;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::{Options, Progress};
     use crate::fit::restart::outlying_restarted;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
@@ -281,7 +282,8 @@ mod tests {
         let truth = Specification::plain(Vehicle::tran2007(), soil);
         let recordings = [driven(&truth, "pivots")];
         let mut given = Given::new(&truth, &recordings);
-        let (_, mut by) = prepare(&mut given, &Options::default()).unwrap();
+        let progress = Progress::new(&|_: &'static str| {});
+        let (_, mut by) = prepare(&mut given, &Options::default(), &progress).unwrap();
         let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
         check(&given, &by, &tuned);
     }

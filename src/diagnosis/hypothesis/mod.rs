@@ -3,15 +3,17 @@
 pub mod block;
 pub mod candidate;
 pub mod held_out;
+mod hitch;
 pub mod likelihood;
 pub mod maps;
 pub mod part;
 pub mod prepare;
 pub mod refitted;
+pub mod thin;
 pub mod wheels;
 
-use crate::effects::ParameterName;
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
+use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
 use crate::fit::problem::{Point, Problem, Weighing};
@@ -21,6 +23,7 @@ use crate::parameter::ParameterError;
 use crate::recording::Recording;
 use crate::vehicle::{Parameter, Specification};
 use candidate::{Candidates, Target};
+use hitch::hitched;
 use maps::Maps;
 use nalgebra::DVector;
 use wheels::Wheels;
@@ -65,6 +68,8 @@ pub struct Given<'a> {
     pub wheels: Option<Wheels>,
     /// Errors of the integration in a step, in units of the usual ones.
     pub tolerance: f64,
+    /// When all that is computed with it has to end.
+    pub deadline: Deadline<'a>,
 }
 
 /// Values of everything: a point that every hypothesis can begin from.
@@ -90,9 +95,20 @@ impl Solution {
 }
 
 impl<'a> Given<'a> {
+    /// Everything at hand, nothing cut yet, and no deadline.
+    #[must_use]
+    #[cfg(test)]
+    pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
+        Self::until(nominal, recordings, Deadline::NEVER)
+    }
+
     /// Everything at hand, nothing cut yet.
     #[must_use]
-    pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
+    pub fn until(
+        nominal: &Specification,
+        recordings: &'a [Recording],
+        deadline: Deadline<'a>,
+    ) -> Self {
         let maps = Maps::of(recordings);
         let found = DEFAULT_FREE.iter().filter_map(|name| find(name).ok());
         let nominal = &hitched(nominal);
@@ -108,6 +124,7 @@ impl<'a> Given<'a> {
             stiffening: 1.0,
             tolerance: 1.0,
             wheels: None,
+            deadline,
         }
     }
 
@@ -215,7 +232,7 @@ impl<'a> Given<'a> {
 
     /// The predictor whose free parameters are the soil's and these knobs of the model.
     #[must_use]
-    pub fn predictor(&self, knobs: &[usize]) -> ExactPredictor {
+    pub fn predictor(&self, knobs: &[usize]) -> ExactPredictor<'a> {
         let model = self.model_knobs(knobs);
         let turned = model
             .iter()
@@ -228,6 +245,7 @@ impl<'a> Given<'a> {
         ExactPredictor::new(self.nominal.clone(), free)
             .with_coarse_derivatives()
             .with_tolerance(self.tolerance)
+            .with_deadline(self.deadline)
     }
 
     /// Integrates no more finely than the sensors of all recordings can tell; `by` has their noise.
@@ -247,9 +265,9 @@ impl<'a> Given<'a> {
     #[must_use]
     pub fn problem<'p>(
         &self,
-        predictor: &'p ExactPredictor,
+        predictor: &'p ExactPredictor<'p>,
         knobs: &[usize],
-    ) -> Problem<'p, ExactPredictor> {
+    ) -> Problem<'p, ExactPredictor<'p>> {
         let model = self.model_knobs(knobs);
         let mut parameters = self.soil_parameters();
         let soil = parameters.len();
@@ -340,21 +358,6 @@ impl<'a> Given<'a> {
     }
 }
 
-/// The model, the hitch of a drawbar that is off at the rear of the vehicle.
-fn hitched(nominal: &Specification) -> Specification {
-    let mut hitched = nominal.clone();
-    let vehicle = &nominal.vehicle;
-    let last = vehicle.row_positions.iter().copied().reduce(f64::min);
-    let rear = vehicle.wheel_radius - last.unwrap_or(0.0);
-    let place = ParameterName::find("drawbar.hitch_behind");
-    if let Some(place) = place.filter(|place| !nominal.effects.is_on(place.effect()))
-        && hitched.effects.set(place, rear).is_err()
-    {
-        return nominal.clone();
-    }
-    hitched
-}
-
 /// What an unknown of a problem is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
@@ -362,31 +365,4 @@ pub enum What {
     Soil(usize),
     /// A knob.
     Knob(usize),
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::terrain::Terrain;
-    use crate::vehicle::Vehicle;
-
-    #[test]
-    fn a_drawbar_is_expected_at_the_rear_and_fitted_around_it() {
-        let hitch = ParameterName::find("drawbar.hitch_behind").unwrap();
-        let mut vehicle = Vehicle::tran2007();
-        vehicle.row_positions = vec![2.0, 0.5, -1.6];
-        let rear = 1.6 + vehicle.wheel_radius;
-        let mut nominal = Specification::plain(vehicle, Terrain::preset("dry_sand").unwrap());
-        let expected = |nominal: &Specification| {
-            let given = Given::new(nominal, &[]);
-            let mut knobs = given.candidates.knobs.iter();
-            let knob = knobs.find(|k| k.target == Target::Model(Parameter::Effect(hitch)));
-            let knob = knob.map(|k| (k.parameter.prior.median, k.typical));
-            (given.nominal.effects.get(hitch), knob)
-        };
-        assert_eq!(expected(&nominal), (rear, Some((rear, rear))));
-        // A drawbar that is given stays where it is.
-        nominal.effects = nominal.effects.with("drawbar.force", 50.0).unwrap();
-        assert_eq!(expected(&nominal), (1.0, None));
-    }
 }

@@ -2,10 +2,11 @@
 
 use super::Given;
 use super::held_out::SMALLEST_FOLD;
-use crate::diagnosis::{DiagnosisError, Options};
+use super::thin::thin;
+use crate::diagnosis::{DiagnosisError, Options, Progress};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::{Tables, Weighing};
-use crate::fit::segment::{Cut, cut};
+use crate::fit::segment::cut;
 use crate::fit::sensor::SensorValues;
 use crate::fit::weighing::first_weighing;
 use crate::recording::{Channel, Recording};
@@ -22,11 +23,24 @@ const LONG_ENOUGH: f64 = 5.0;
 const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1024.0;
 
-/// Cuts, leaves out what cannot be driven, and weighs all samples alike.
+/// What was cut.
+#[derive(Debug)]
+pub struct Prepared {
+    /// Seconds left out: at rest, without data, or what the model cannot drive.
+    pub left_out: f64,
+    /// Seconds that a time limit allows, and of how many; `None` where it allows all.
+    pub part: Option<[f64; 2]>,
+}
+
+/// Cuts, takes what a time limit allows, leaves out what cannot be driven, and weighs all samples alike.
 ///
 /// # Errors
-/// Recordings that tell nothing.
-pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), DiagnosisError> {
+/// Recordings that tell nothing, no time.
+pub fn prepare(
+    given: &mut Given,
+    options: &Options,
+    progress: &Progress,
+) -> Result<(Prepared, Weighing), DiagnosisError> {
     // Samples go to the segment in which they were true. A pose that is told too early would lie
     // before its segment's start; one told too late does no harm.
     let late = given
@@ -55,7 +69,10 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
             moved: reach(given.recordings),
         });
     }
+    let part = thin(given, progress)?;
+    driven = seconds(given);
     let tried = stiffened(given, 0.5 * driven);
+    progress.in_time(given.deadline)?;
     let mut failed = None;
     let mut kept = Vec::new();
     for (segment, tried) in std::mem::take(&mut given.segments).into_iter().zip(tried) {
@@ -78,7 +95,11 @@ pub fn prepare(given: &mut Given, options: &Options) -> Result<(Cut, Weighing), 
         _ => {
             let predictor = given.predictor(&[]);
             let weighing = first_weighing(&given.problem(&predictor, &[]));
-            Ok((found, weighing))
+            let prepared = Prepared {
+                left_out: found.at_rest + found.unusable,
+                part,
+            };
+            Ok((prepared, weighing))
         }
     }
 }
@@ -177,7 +198,8 @@ mod tests {
         let stretches = |seconds| {
             let recordings = [first(&whole, seconds)];
             let mut given = Given::new(&model, &recordings);
-            prepare(&mut given, &Options::default())?;
+            let progress = Progress::new(&|_: &'static str| {});
+            prepare(&mut given, &Options::default(), &progress)?;
             Ok(given.segments)
         };
         // Two of 7.5 s would leave nothing to learn from.
@@ -201,12 +223,15 @@ mod tests {
         soft.terrain.frictional_modulus /= 7.0;
         let mut given = Given::new(&soft, &recordings);
         let as_known = [[0.0; SensorParameter::ALL.len()]];
-        given.segments = cut(&recordings, &as_known, Options::default().segment).segments;
+        let found = cut(&recordings, &as_known, Options::default().segment);
+        let left_out = found.at_rest + found.unusable;
+        given.segments = found.segments;
         let (lost, all) = (failed(&given, &drive(&given)), seconds(&given));
         assert!(lost > 0.0 && lost < 0.5 * all, "{lost} s of {all} s");
-        let (left_out, _) = prepare(&mut given, &Options::default()).unwrap();
+        let progress = Progress::new(&|_: &'static str| {});
+        let (prepared, _) = prepare(&mut given, &Options::default(), &progress).unwrap();
         assert!((seconds(&given) - all).abs() < 1e-9);
-        assert_eq!(left_out.unusable, 0.0);
+        assert_eq!(prepared.left_out, left_out);
         assert_eq!(given.stiffening, STIFFER);
     }
 }

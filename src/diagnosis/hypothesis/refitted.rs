@@ -57,14 +57,14 @@ pub fn refitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
 /// Some of a problem's segments.
 struct Part<'p> {
     indices: Vec<usize>,
-    problem: Problem<'p, ExactPredictor>,
+    problem: Problem<'p, ExactPredictor<'p>>,
     point: Point,
     by: Weighing,
 }
 
 impl<'p> Part<'p> {
     fn new(
-        problem: &Problem<'p, ExactPredictor>,
+        problem: &Problem<'p, ExactPredictor<'p>>,
         point: &Point,
         by: &Weighing,
         indices: Vec<usize>,

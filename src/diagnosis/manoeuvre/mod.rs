@@ -67,7 +67,7 @@ struct Question {
 impl Question {
     /// Which of the first finding's set it is.
     fn between(searched: &Searched, first: &Judged) -> Option<Self> {
-        let rival = *first.set.first()?;
+        let (rival, _) = *first.set.first()?;
         let member = searched.members.get(first.member?)?;
         let candidates = &searched.given.candidates;
         let rivals: Vec<usize> = match rival {

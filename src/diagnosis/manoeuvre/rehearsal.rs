@@ -7,6 +7,7 @@ use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::{System, linearise};
 use crate::effects::{CATALOGUE, ParameterName};
+use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
 use crate::fit::problem::Weighing;
@@ -72,7 +73,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         heading,
         ..State::default()
     };
-    let rehearsals = drive_all(&model, start, &reach);
+    let rehearsals = drive_all(&model, start, &reach, given.deadline);
     let sampling = sampling(&given.recordings[template]);
     let recordings: Vec<Recording> = rehearsals
         .iter()
@@ -95,6 +96,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         stiffening: 1.0,
         tolerance: given.tolerance,
         wheels: None,
+        deadline: given.deadline,
     };
     let off = given.begin().knobs.swap_remove(template);
     let at = Solution {
@@ -121,16 +123,21 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
 }
 
 /// Drives all manoeuvres; those that the model cannot drive are not among them.
-fn drive_all(model: &Specification, start: State, reach: &Reach) -> Vec<Rehearsal> {
+fn drive_all(
+    model: &Specification,
+    start: State,
+    reach: &Reach,
+    deadline: Deadline,
+) -> Vec<Rehearsal> {
     let turn = |forward, turn| {
-        let one = drive(model, start, steady(forward, turn)).ok()?;
+        let one = drive(model, start, steady(forward, turn), deadline).ok()?;
         let last = &one.states[one.states.len() - (STEADY / STEP) as usize..];
         let mean = last.iter().map(|state| state[5]).sum::<f64>() / last.len() as f64;
         (mean.abs() > SLOWEST).then_some(mean.abs())
     };
     let all: Vec<Option<Rehearsal>> = courses(reach, turn)
         .into_par_iter()
-        .map(|course| drive(model, start, course).ok())
+        .map(|course| drive(model, start, course, deadline).ok())
         .collect();
     all.into_iter()
         .flatten()
@@ -201,6 +208,7 @@ fn drive(
     model: &Specification,
     start: State,
     course: Course,
+    deadline: Deadline,
 ) -> Result<Rehearsal, PredictionError> {
     let drive = course.drive(model.vehicle.wheel_radius);
     let mut driven = Trajectory::default();
@@ -215,7 +223,9 @@ fn drive(
         gates: &[],
         derivatives: false,
     };
-    ExactPredictor::new(model.clone(), Vec::new()).predict(&request, &mut driven)?;
+    ExactPredictor::new(model.clone(), Vec::new())
+        .with_deadline(deadline)
+        .predict(&request, &mut driven)?;
     Ok(Rehearsal {
         course,
         states: driven.states,
@@ -285,7 +295,7 @@ pub mod tests {
 
     /// All manoeuvres on a soil.
     pub fn all(model: &Specification) -> Vec<Rehearsal> {
-        drive_all(model, State::default(), &reach(model))
+        drive_all(model, State::default(), &reach(model), Deadline::NEVER)
     }
 
     /// A recording of a straight drive east, from a GPS receiver with a heading at 10 Hz.

@@ -51,7 +51,12 @@ pub fn law(given: &Given, system: &System, nuisance: &[usize], seed: u64) -> Opt
             draw
         })
         .collect();
-    let again = |draw: &Vec<usize>| select(system, nuisance, draw, &knobs, chosen.len());
+    let again = |draw: &Vec<usize>| {
+        if given.deadline.is_over() {
+            return None;
+        }
+        select(system, nuisance, draw, &knobs, chosen.len())
+    };
     let again: Vec<_> = draws.par_iter().map(again).collect();
     let chosen_again = |knob: &usize| {
         let found = again.iter().flatten().filter(|(set, _)| set.contains(knob));

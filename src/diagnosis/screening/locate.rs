@@ -235,6 +235,7 @@ fn each<T: Send>(
                 columns: one.columns.clone(),
                 unknowns: unknowns.collect(),
             },
+            deadline: given.deadline,
         };
         work(one, &scan)
     };

@@ -70,6 +70,7 @@ pub fn update(
         pull: basis
             .tr_mul(&system.pull)
             .resize_vertically(kept.len() + extra, 0.0),
+        deadline: given.deadline,
     };
     let combined: Vec<Tables> = known
         .iter()

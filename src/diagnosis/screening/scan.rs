@@ -4,6 +4,7 @@ use super::gates::{Chain, Gate};
 use super::locate::{Extent, Stretch};
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
+use crate::fit::deadline::Deadline;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -63,6 +64,8 @@ pub struct Scan<'a> {
     pub settled: &'a DVector<f64>,
     /// The candidate.
     pub gated: Gated,
+    /// When the scan has to end; one that was ended finds nothing.
+    pub deadline: Deadline<'a>,
 }
 
 /// The best set so far, and how many were looked at.
@@ -196,6 +199,9 @@ impl Scan<'_> {
         let mut best = Best::default();
         for chain in chains {
             for (from, begin) in chain.gates.iter().enumerate() {
+                if self.deadline.is_over() {
+                    return None;
+                }
                 let mut sums = self.nothing();
                 for (to, gate) in chain.gates.iter().enumerate().skip(from) {
                     let length = gate.end - begin.start;
@@ -292,6 +298,9 @@ impl Scan<'_> {
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Extent, Score, f64)> {
         let mut best = Best::default();
         for disc in discs {
+            if self.deadline.is_over() {
+                return None;
+            }
             self.offer_disc(&mut best, chains, *disc);
         }
         let mut share = FIRST_MOVE;
@@ -334,6 +343,9 @@ impl Scan<'_> {
             let gates = chains.iter().flat_map(|chain| &chain.gates);
             let mut places: Vec<f64> = gates.filter_map(Gate::place).map(along).collect();
             places.sort_by(f64::total_cmp);
+            if self.deadline.is_over() {
+                return None;
+            }
             for k in 1..POSITIONS {
                 let Some(&position) = places.get(k * places.len() / POSITIONS) else {
                     continue;

@@ -7,6 +7,7 @@
 
 use crate::diagnosis::hypothesis::candidate::{Knob, Target, is_law};
 use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::observation::{Residuals, observe, observe_gated};
 use crate::fit::predictor::PredictionError;
@@ -126,9 +127,9 @@ pub fn sensitivities(given: &Given, layout: &Layout, at: &Solution) -> Vec<Optio
 }
 
 /// The models of a recording.
-struct RecordingModel {
-    predictor: ExactPredictor,
-    secants: Vec<Option<Secant>>,
+struct RecordingModel<'a> {
+    predictor: ExactPredictor<'a>,
+    secants: Vec<Option<Secant<'a>>>,
     sensors: SensorValues,
     /// Derivatives of values by coordinates: soil, then knobs.
     slopes: Vec<f64>,
@@ -136,15 +137,15 @@ struct RecordingModel {
 }
 
 /// A model in which an effect is on, and how far that is in its coordinate.
-struct Secant {
+struct Secant<'a> {
     knob: usize,
-    predictor: ExactPredictor,
+    predictor: ExactPredictor<'a>,
     step: f64,
 }
 
-impl RecordingModel {
+impl<'a> RecordingModel<'a> {
     fn new(
-        given: &Given,
+        given: &Given<'a>,
         layout: &Layout,
         at: &Solution,
         recording: usize,
@@ -160,7 +161,7 @@ impl RecordingModel {
         let coordinates = &at.knobs[recording];
         let secant = |place: &usize| {
             let knob = &given.candidates.knobs[*place];
-            secant(knob, *place, &here, coordinates[*place])
+            secant(knob, *place, &here, coordinates[*place], given.deadline)
         };
         let mut sensors = [0.0; SENSORS];
         for (knob, coordinate) in given.candidates.knobs.iter().zip(coordinates) {
@@ -180,7 +181,8 @@ impl RecordingModel {
             predictor: ExactPredictor::new(here, throughout)
                 .with_gated(gated)
                 .with_coarse_derivatives()
-                .with_tolerance(given.tolerance),
+                .with_tolerance(given.tolerance)
+                .with_deadline(given.deadline),
         })
     }
 
@@ -279,7 +281,13 @@ impl RecordingModel {
     }
 }
 
-fn secant(knob: &Knob, place: usize, here: &Specification, at: f64) -> Option<Secant> {
+fn secant<'a>(
+    knob: &Knob,
+    place: usize,
+    here: &Specification,
+    at: f64,
+    deadline: Deadline<'a>,
+) -> Option<Secant<'a>> {
     let Target::Model(parameter) = knob.target else {
         return None;
     };
@@ -288,7 +296,7 @@ fn secant(knob: &Knob, place: usize, here: &Specification, at: f64) -> Option<Se
     parameter.set(&mut on, value).ok()?;
     Some(Secant {
         knob: place,
-        predictor: ExactPredictor::new(on, Vec::new()),
+        predictor: ExactPredictor::new(on, Vec::new()).with_deadline(deadline),
         step: knob.parameter.coordinate(value) - at,
     })
 }

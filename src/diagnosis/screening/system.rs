@@ -47,7 +47,7 @@ pub struct SegmentSystem {
     pub edges: Vec<f64>,
 }
 
-/// The normal equations of all segments.
+/// The normal equations of all segments; of some where the deadline has passed.
 #[must_use]
 pub fn linearise(
     given: &Given,
@@ -69,7 +69,7 @@ pub fn linearise(
     });
     let point = given.point(&problem, &knobs, at);
     let one = |(index, table): (usize, &Option<SegmentTable>)| {
-        let table = table.as_ref()?;
+        let table = table.as_ref().filter(|_| !given.deadline.is_over())?;
         segment(given, layout, index, table, &at.starts[index], by)
     };
     let segments: Vec<Option<SegmentSystem>> = tables.par_iter().enumerate().map(one).collect();

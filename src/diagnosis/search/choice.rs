@@ -2,7 +2,8 @@
 
 use super::naming::Named;
 use super::proposal::Kind;
-use super::stage::{GOOD_PART, Stage};
+use super::stage::Stage;
+use super::trial::GOOD_PART;
 use super::{NOTHING, TAKE};
 
 /// What is taken first where several things are worth it.

@@ -52,6 +52,10 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
     let Some(winner) = places.min_by(|a, b| totals[*a].total_cmp(&totals[*b])) else {
         return;
     };
+    if close[winner].given.deadline.is_over() {
+        // Fits that were ended early do not compare.
+        return;
+    }
     let odds = close[winner].odds();
     for (place, named) in close.iter_mut().enumerate() {
         let behind = totals[place] - totals[winner];

@@ -17,6 +17,7 @@ pub mod proposal;
 pub mod prune;
 pub mod scout;
 pub mod stage;
+pub mod trial;
 pub mod view;
 pub mod wheels;
 
@@ -25,14 +26,16 @@ use crate::diagnosis::hypothesis::likelihood::{
 };
 use crate::diagnosis::hypothesis::{Given, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
+use crate::fit::optimiser::Stop;
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Weighing;
 use choice::held_out_gain;
 pub use member::Member;
 use naming::Named;
 use path::Path;
-use stage::{Looked, Stage, look, try_all};
+use stage::{Looked, Stage, look};
 use std::sync::Arc;
+use trial::try_all;
 use wheels::reconstructed;
 
 /// Where the search ended.
@@ -56,6 +59,8 @@ pub struct Searched<'a> {
     pub gains: Vec<(Subject, (f64, f64))>,
     /// Whether there is enough to hold some of it out; without that nothing is named.
     pub tested: bool,
+    /// Whether there was time to fit everything that may be missing.
+    pub tried: bool,
     /// Under the re-tuned model.
     pub first: Arc<Looked>,
     /// With everything found.
@@ -89,23 +94,28 @@ pub const NOTHING: f64 = 4.5;
 const STUCK: f64 = 5.0;
 const AGAIN: usize = 2;
 
-/// Searches.
+/// Searches. From the first look on there is an answer: where the search has to end, it ends with what was found.
 ///
 /// # Errors
-/// A model that cannot even begin, numbers that are not finite.
+/// A model that cannot even begin, numbers that are not finite, no time for a first look.
 pub fn search<'a>(
     given: &Given<'a>,
     mut by: Weighing,
     options: &Options,
-    progress: &Progress,
+    progress: &'a Progress,
 ) -> Result<Searched<'a>, DiagnosisError> {
     progress.step("re-tuning the soil")?;
     let begin = given.begin();
-    let undrivable = DiagnosisError::Undrivable;
+    let undrivable = |error| progress.failure(error);
     let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
-    let (mut given, retuned) = reconstructed(given, retuned, &mut by);
+    progress.in_time(given.deadline)?;
+    let (mut given, retuned) = reconstructed(given, retuned, &mut by, progress);
+    progress.in_time(given.deadline)?;
     given.tolerate(&by);
     let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
+    stage.given.deadline = progress.search_deadline();
+    // To fall back on where there is no time to fit it under the noise at the end.
+    let known = progress.limit().map(|_| stage.tuned.clone());
     progress.step("naming")?;
     let mut fitted = try_all(&stage, &by, progress)?;
     for _ in 0..AGAIN {
@@ -115,7 +125,10 @@ pub fn search<'a>(
         let Some(better) = unstuck(&stage, &fitted, &by) else {
             break;
         };
-        stage = look(given.clone(), better, &mut by, options, progress)?;
+        match look(stage.given.clone(), better, &mut by, options, progress) {
+            Err(DiagnosisError::OutOfTime) => break,
+            looked => stage = looked?,
+        }
         progress.step("naming")?;
         fitted = try_all(&stage, &by, progress)?;
     }
@@ -126,13 +139,21 @@ pub fn search<'a>(
     let gains = fitted.iter().filter_map(gain).collect();
     let path = Path::new(stage, by).explored(fitted, options, progress)?;
     let Path {
-        stage,
+        mut stage,
         by,
         members,
         refused,
         ..
     } = path;
-    let retuned = tune_again(&given, &baseline, &stage.tuned.solution, &by).map_err(undrivable)?;
+    let tried = !progress.was_late();
+    stage.given.deadline = given.deadline;
+    let again = tune_again(&given, &baseline, &stage.tuned.solution, &by);
+    let retuned = match (again, known) {
+        (Err(PredictionError::OutOfTime), Some(known)) => {
+            tune_on(&given, &known, &by, Stop::after(0, 0.0).without_renewals())
+        }
+        (again, _) => again.map_err(undrivable)?,
+    };
     Ok(Searched {
         given,
         by,
@@ -143,6 +164,7 @@ pub fn search<'a>(
         refused,
         gains,
         tested,
+        tried,
         first,
         last: stage.looked,
     })
@@ -214,7 +236,7 @@ mod tests {
         // As well as it can be: nothing to begin again for.
         assert!(unstuck(&stage, std::slice::from_ref(&beside), &by).is_none());
         // Stuck where it began.
-        let still = crate::fit::optimiser::Stop::after(0, 0.0);
+        let still = Stop::after(0, 0.0);
         stage.tuned = tune_until(&given, &[], &given.begin(), &by, still).unwrap();
         assert!(stage.tuned.surprise > beside.tuned.surprise + STUCK);
         let found = unstuck(&stage, std::slice::from_ref(&beside), &by).unwrap();

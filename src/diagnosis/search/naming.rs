@@ -51,6 +51,16 @@ impl Named<'_> {
     pub fn odds(&self) -> f64 {
         self.gain + self.proposal.log_prior()
     }
+
+    /// One that was not finished: nothing can be named by it, and it is no likelier than the likeliest that was.
+    #[must_use]
+    pub fn behind(self, likeliest: f64) -> Self {
+        Self {
+            gain: self.gain.min(likeliest - self.proposal.log_prior()),
+            scores: None,
+            ..self
+        }
+    }
 }
 
 /// A proposal whose fit beside what is on has begun.
@@ -109,12 +119,10 @@ impl<'a> Sketch<'a> {
         self.odds() + self.tuned.promised
     }
 
-    /// As it stands, which nothing can be named by: a rival of what is likeliest, as likely as it promises and no likelier
-    /// than that.
-    pub fn unfinished(self, likeliest: f64) -> Named<'a> {
-        let odds = self.promise().min(likeliest);
+    /// As it stands, as likely as it promises.
+    pub fn unfinished(self) -> Named<'a> {
         Named {
-            gain: odds - self.proposal.log_prior(),
+            gain: self.promise() - self.proposal.log_prior(),
             proposal: self.proposal,
             given: self.given,
             tuned: self.tuned,

@@ -9,7 +9,8 @@ use super::edges::settle_under_own_noise;
 use super::naming::Named;
 use super::proposal::{Kind, Proposal};
 use super::prune::{prune, without};
-use super::stage::{Stage, look, try_all};
+use super::stage::{Stage, look_again};
+use super::trial::try_all;
 use super::{Member, NOTHING};
 use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::likelihood::{HELD, Tuned, tune, tune_on, tune_with_noise};
@@ -67,7 +68,7 @@ impl<'a> Path<'a> {
         mut self,
         fitted: Vec<Named<'a>>,
         options: &Options,
-        progress: &Progress,
+        progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
         let firsts = [Prefer::Nothing, Prefer::Names].map(|p| choose(&fitted, &self.stage, p));
         let throughout = |named: &&Named| named.proposal.kind() != Kind::Local;
@@ -103,7 +104,7 @@ impl<'a> Path<'a> {
         mut fitted: Vec<Named<'a>>,
         prefer: Prefer,
         options: &Options,
-        progress: &Progress,
+        progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
         while self.members.len() < self.rounds() {
             let Some(mut best) = choose(&fitted, &self.stage, prefer).cloned() else {
@@ -117,7 +118,7 @@ impl<'a> Path<'a> {
                 rivals: self.rivals(&fitted),
             });
             let (placed, tuned) = self.narrowed(best.given, best.tuned);
-            self.stage = look(placed, tuned, &mut self.by, options, progress)?;
+            self.stage = self.looked_at(placed, tuned, options, progress)?;
             fitted = self.what_else(progress)?;
         }
         progress.step("what can be left out again")?;
@@ -130,10 +131,22 @@ impl<'a> Path<'a> {
             self.refused.extend(refused);
         }
         if self.stage.tuned.knobs != knobs {
-            let Stage { given, tuned, .. } = self.stage;
-            self.stage = look(given, tuned, &mut self.by, options, progress)?;
+            let Stage { given, tuned, .. } = self.stage.clone();
+            self.stage = self.looked_at(given, tuned, options, progress)?;
         }
         Ok(self)
+    }
+
+    /// A hypothesis with what is seen beside it.
+    fn looked_at(
+        &mut self,
+        given: Given<'a>,
+        tuned: Tuned,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Stage<'a>, DiagnosisError> {
+        let before = &self.stage.looked;
+        look_again(before, given, tuned, &mut self.by, options, progress)
     }
 
     /// How many things may be found. Of what is found on a part, all of it has a word as well.
@@ -162,7 +175,7 @@ impl<'a> Path<'a> {
     }
 
     /// Fits what may be missing beside what was found; nothing where no more may be found, or time is up.
-    fn what_else(&mut self, progress: &Progress) -> Result<Vec<Named<'a>>, DiagnosisError> {
+    fn what_else(&mut self, progress: &'a Progress) -> Result<Vec<Named<'a>>, DiagnosisError> {
         if self.members.len() >= self.rounds() || progress.is_late() {
             return Ok(Vec::new());
         }
@@ -180,6 +193,10 @@ impl<'a> Path<'a> {
         let Reach::Narrowing(part) = &self.reach else {
             return (given, tuned);
         };
+        if given.deadline.is_over() {
+            self.reach = Reach::Whole;
+            return (given, tuned);
+        }
         let (some, by) = (part.given(&given), part.weighing(&self.by));
         let begin = part.solution(&tuned.solution);
         let Ok(narrow) = tune(&some, &tuned.knobs, &begin, &by) else {
@@ -193,7 +210,11 @@ impl<'a> Path<'a> {
 
     /// Goes on with all of the recordings where it was on a part of them. What they cannot be driven with is
     /// dropped, but for what was found on all.
-    fn widened(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
+    fn widened(
+        mut self,
+        options: &Options,
+        progress: &'a Progress,
+    ) -> Result<Self, DiagnosisError> {
         let Reach::Narrowed(part, whole) = std::mem::replace(&mut self.reach, Reach::Whole) else {
             return Ok(self);
         };
@@ -217,35 +238,47 @@ impl<'a> Path<'a> {
                 (first, tuned)
             }
         };
-        self.stage = look(given, tuned, &mut self.by, options, progress)?;
+        self.stage = self.looked_at(given, tuned, options, progress)?;
         let fitted = self.what_else(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
     /// The noise that the last finding was judged by was that of the model without it: everything is looked at once
     /// more under what is left now, which tells what else there is and what can be left out.
-    fn settled(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
+    fn settled(
+        mut self,
+        options: &Options,
+        progress: &'a Progress,
+    ) -> Result<Self, DiagnosisError> {
         if self.members.is_empty() || progress.is_late() {
             return Ok(self);
         }
         progress.step("noise")?;
-        let Stage { given, tuned, .. } = self.stage;
+        let Stage { given, tuned, .. } = self.stage.clone();
         let mut own = self.by.clone();
-        let tuned = match tune_with_noise(&given, &tuned.knobs, &tuned.solution, &mut own) {
+        let settled = tune_with_noise(&given, &tuned.knobs, &tuned.solution, &mut own);
+        if progress.is_late() {
+            return Ok(self);
+        }
+        let tuned = match settled {
             Ok(settled) => {
                 self.by = own;
                 settled
             }
             Err(_) => tuned,
         };
-        self.stage = look(given, tuned, &mut self.by, options, progress)?;
+        self.stage = self.looked_at(given, tuned, options, progress)?;
         let fitted = self.what_else(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
     /// What was found first was named while the rest was missing. Where something else came close to it, both are
     /// fitted once more with the rest inside: how far they are apart then counts, and what is ahead then is taken.
-    fn exchanged(mut self, options: &Options, progress: &Progress) -> Result<Self, DiagnosisError> {
+    fn exchanged(
+        mut self,
+        options: &Options,
+        progress: &'a Progress,
+    ) -> Result<Self, DiagnosisError> {
         let all = self.members.iter().map(|m| &m.proposal);
         let all: Vec<_> = all.map(|p| (p.subject, p.knobs.clone())).collect();
         for (subject, knobs) in all {
@@ -270,6 +303,9 @@ impl<'a> Path<'a> {
             let proposals = &mut path.stage.proposals;
             proposals.retain(|proposal| close.contains(&proposal.subject));
             let fitted = try_all(&path.stage, &path.by, progress)?;
+            if progress.is_late() {
+                break;
+            }
             match choose(&fitted, &path.stage, Prefer::Nothing) {
                 Some(best) if is(&best.proposal) => {
                     let rivals = path.rivals(&fitted);
@@ -278,7 +314,7 @@ impl<'a> Path<'a> {
                 Some(_) => {
                     let other = path.walk(fitted, Prefer::Nothing, options, progress)?;
                     let advantage = other.advantage(&self);
-                    if advantage > 0.0 {
+                    if advantage > 0.0 && !progress.is_late() {
                         self = other;
                     }
                 }
@@ -294,7 +330,7 @@ impl<'a> Path<'a> {
         &self,
         law: usize,
         options: &Options,
-        progress: &Progress,
+        progress: &'a Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
         let Some(mut path) = self.opened(law, options, progress)? else {
             return Ok(None);
@@ -313,13 +349,13 @@ impl<'a> Path<'a> {
         &self,
         index: usize,
         options: &Options,
-        progress: &Progress,
+        progress: &'a Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
         let mut path = self.clone();
         let gone = path.members.remove(index).proposal;
         let (given, tuned) = without(&path.stage, &gone, &path.by);
         let Ok(tuned) = tuned else { return Ok(None) };
-        path.stage = look(given, tuned, &mut path.by, options, progress)?;
+        path.stage = path.looked_at(given, tuned, options, progress)?;
         Ok(Some(path))
     }
 
@@ -327,7 +363,8 @@ impl<'a> Path<'a> {
     fn or(self, mut named: Self) -> Self {
         let advantage = named.advantage(&self);
         let advantage = named.on_all(advantage);
-        if advantage < 0.0 {
+        // Fits that were ended early do not compare.
+        if advantage < 0.0 || self.stage.given.deadline.is_over() {
             return self;
         }
         for member in &mut named.members {

@@ -1,7 +1,8 @@
 //! What can be left out again.
 
 use super::proposal::{Kind, Proposal};
-use super::stage::{CLOSE, Stage};
+use super::stage::Stage;
+use super::trial::CLOSE;
 use super::{Member, NOTHING};
 use crate::diagnosis::hypothesis::likelihood::{Tuned, scattered, tune};
 use crate::diagnosis::hypothesis::{Given, What};
@@ -15,8 +16,12 @@ const SURELY: f64 = 3.0;
 const SURE_TERM: f64 = 2.0;
 
 /// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
-/// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to.
+/// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to. Where time
+/// is up, what was not yet looked at stays.
 pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
+    if stage.given.deadline.is_over() {
+        return;
+    }
     let mut index = 0;
     while index < members.len() {
         let gone = &members[index].proposal;
@@ -32,6 +37,10 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
             continue;
         }
         let (given, without) = without(stage, gone, by);
+        if given.deadline.is_over() {
+            // A fit that was ended early understates what the rest explains.
+            break;
+        }
         match without {
             Ok(without) if without.surprise - stage.tuned.surprise < price => {
                 members.remove(index);
@@ -73,6 +82,9 @@ fn trim_laws(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
             index += 1;
             continue;
         };
+        if given.deadline.is_over() {
+            break;
+        }
         let lost = without.surprise - stage.tuned.surprise;
         // So it is where the way without it gets lost.
         if lost.is_nan() || lost >= SURELY * (NOTHING - term.log_prior()) {

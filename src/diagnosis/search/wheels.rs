@@ -8,20 +8,30 @@
 //! trail by a part of an interval mix neighbouring samples, which smooths, and would be told as late for that alone.
 //! Both are therefore tried with more and more smoothing, as long as the recordings become likelier.
 
+use crate::diagnosis::Progress;
 use crate::diagnosis::hypothesis::Given;
 use crate::diagnosis::hypothesis::likelihood::{Tuned, tune, tune_with_noise};
+use crate::diagnosis::hypothesis::thin::FIRST_LOOK;
 use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::fit::problem::Weighing;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// What is tried: of values' quickest wave 1/(1 + 16 s) stays, of one of four samples 1/(1 + 4 s).
 const SMOOTHINGS: [f64; 5] = [0.0, 0.1, 0.4, 1.6, 6.4];
 /// Log odds that smoothing has to outweigh: speeds that nobody counted are as they are told.
 const UNLIKELY: f64 = 3.0;
 
-/// The re-tuned model with the wheels' speeds between samples such that the recordings are likeliest.
+/// The re-tuned model with the wheels' speeds between samples such that the recordings are likeliest. Where time is short,
+/// what was tried by then.
 #[must_use]
-pub fn reconstructed<'a>(given: &Given<'a>, tuned: Tuned, by: &mut Weighing) -> (Given<'a>, Tuned) {
+pub fn reconstructed<'a>(
+    given: &Given<'a>,
+    tuned: Tuned,
+    by: &mut Weighing,
+    progress: &Progress,
+) -> (Given<'a>, Tuned) {
+    let mut took = Duration::ZERO;
     let mut best: Option<(Given, Tuned, f64)> = None;
     for counted in [false, true] {
         let mut least = f64::INFINITY;
@@ -31,9 +41,14 @@ pub fn reconstructed<'a>(given: &Given<'a>, tuned: Tuned, by: &mut Weighing) -> 
             let (other, fitted) = if as_it_is {
                 (given.clone(), Ok(tuned.clone()))
             } else {
+                if progress.lacks(took + progress.passes(FIRST_LOOK)) {
+                    break;
+                }
+                let before = progress.elapsed();
                 let begin = best.as_ref().map_or(&tuned, |(_, tuned, _)| tuned);
                 let other = with_wheels(given, counted, smoothing);
                 let fitted = tune(&other, &tuned.knobs, &begin.solution, by);
+                took = progress.elapsed().saturating_sub(before);
                 (other, fitted)
             };
             let Ok(fitted) = fitted else { continue };
@@ -149,9 +164,10 @@ mod tests {
         let likelier = |recording: Recording| {
             let recordings = [recording];
             let mut given = Given::new(&model, &recordings);
-            let (_, mut by) = prepare(&mut given, &Options::default()).unwrap();
+            let progress = Progress::new(&|_: &'static str| {});
+            let (_, mut by) = prepare(&mut given, &Options::default(), &progress).unwrap();
             let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-            let (found, again) = reconstructed(&given, tuned.clone(), &mut by);
+            let (found, again) = reconstructed(&given, tuned.clone(), &mut by, &progress);
             assert_eq!(
                 found.wheels.is_some(),
                 found.segments[0].drive != given.segments[0].drive

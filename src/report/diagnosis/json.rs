@@ -4,7 +4,8 @@
 
 use super::words;
 use crate::diagnosis::{
-    Candidate, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject, Term,
+    Candidate, Caution, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval, Manoeuvre,
+    Quantity, Subject, Term,
 };
 use crate::fit::{Estimate, NoiseEstimate};
 use serde_json::{Map, Value, json as object};
@@ -17,7 +18,9 @@ pub fn json(diagnosis: &Diagnosis) -> String {
     let all = object!({
         "format": "ugv-diagnosis/1",
         "verdict": diagnosis.verdict.name(),
+        "insufficient": diagnosis.insufficient.map(Insufficient::name),
         "statement": diagnosis.statement,
+        "cautions": diagnosis.cautions.iter().map(caution).collect::<Vec<_>>(),
         "recordings": diagnosis.recordings,
         "findings": diagnosis.findings.iter().map(|f| finding(f, diagnosis)).collect::<Vec<_>>(),
         "candidates": diagnosis.candidates.iter().map(candidate).collect::<Vec<_>>(),
@@ -42,6 +45,10 @@ pub fn json(diagnosis: &Diagnosis) -> String {
     });
     // Values of this kind always have a text.
     serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+}
+
+fn caution(caution: &Caution) -> Value {
+    object!({ "kind": caution.name(), "text": caution.text() })
 }
 
 fn kind(subject: Subject) -> Option<&'static str> {

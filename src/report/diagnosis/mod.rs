@@ -1,5 +1,6 @@
 //! What `ugv diagnose` found, as text, JSON and a page.
 
+mod claim;
 mod json;
 mod law;
 mod page;

@@ -1,6 +1,6 @@
 //! As a page with plots.
 
-use super::{law, plots, tables, words};
+use super::{claim, law, plots, tables, words};
 use crate::diagnosis::{Diagnosis, Finding, Subject, Verdict, phrase};
 use crate::effects::CATALOGUE;
 use crate::report::chart::escape;
@@ -46,10 +46,13 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         Verdict::InsufficientData => "open",
     };
     let mut html = format!("<section class=\"verdict {class}\">");
-    html += &paragraph(&words::headline(diagnosis));
+    html += &paragraph(&claim::headline(diagnosis));
     html += &paragraph(&diagnosis.statement);
+    for caution in claim::cautions(diagnosis) {
+        html += &format!("<p class=\"caution\">{}</p>\n", escape(&caution));
+    }
     let fact = |label: &str, text: String| (label.to_owned(), text);
-    let mut facts = vec![fact("How sure", words::sureness(diagnosis))];
+    let mut facts = vec![fact("How sure", claim::sureness(diagnosis))];
     for finding in &diagnosis.findings {
         let label = if diagnosis.findings.len() > 1 {
             words::title(finding, diagnosis)
@@ -106,8 +109,13 @@ fn size(finding: &Finding, diagnosis: &Diagnosis) -> String {
 }
 
 fn details(finding: &Finding, diagnosis: &Diagnosis) -> String {
+    let found = if finding.probability < 0.5 {
+        "Perhaps"
+    } else {
+        "Found"
+    };
     let mut html = format!(
-        "<h2>Found: {}, {}</h2>\n",
+        "<h2>{found}: {}, {}</h2>\n",
         escape(&phrase(finding.subject)),
         percent(finding.probability)
     );

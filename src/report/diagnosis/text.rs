@@ -1,6 +1,6 @@
 //! As text, to be read in ten seconds.
 
-use super::{law, words};
+use super::{claim, law, words};
 use crate::diagnosis::{Diagnosis, Finding, Verdict};
 use crate::report::number::digits;
 
@@ -16,11 +16,14 @@ const MOST_SIZES: usize = 8;
 /// A finished diagnosis in some lines.
 #[must_use]
 pub fn text(diagnosis: &Diagnosis) -> String {
-    let mut lines = Lines(wrapped(&format!("{}.", words::headline(diagnosis)), 0));
+    let mut lines = Lines(wrapped(&format!("{}.", claim::headline(diagnosis)), 0));
     if !diagnosis.statement.is_empty() {
         lines.0 += &wrapped(&diagnosis.statement, 0);
     }
-    lines.add("sure", &words::sureness(diagnosis));
+    for caution in claim::cautions(diagnosis) {
+        lines.add("caution", &caution);
+    }
+    lines.add("sure", &claim::sureness(diagnosis));
     for finding in diagnosis.findings.iter().take(MOST) {
         tell(&mut lines, finding, diagnosis);
     }

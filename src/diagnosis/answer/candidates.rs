@@ -1,0 +1,104 @@
+//! Everything that was asked about, in numbers.
+
+use super::ambiguity::groups;
+use super::odds::Odds;
+use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
+use crate::diagnosis::screening::screen::{Projection, one_degree};
+use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::proposal::Screened;
+use crate::diagnosis::{Candidate, DiagnosisError, Subject};
+use crate::effects::CATALOGUE;
+use crate::fit::parameter::NORMAL_95;
+use crate::vehicle::Specification;
+
+/// Power with which the smallest detectable effect is seen: 90 % quantile of the normal
+/// distribution.
+const POWER: f64 = 1.28;
+
+/// Every screened candidate, and whether it would have been seen at a plausible size.
+///
+/// # Errors
+/// Numbers that are not finite.
+pub fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
+    let looked = &searched.first;
+    let projection = Projection::over_all(&looked.system, &[]).ok_or(DiagnosisError::NotFinite)?;
+    let alike = groups(&projection, &looked.screened);
+    let one = |(screened, alike): (&Screened, Vec<(Subject, f64)>)| {
+        let mut knobs = searched.given.candidates.of(screened.subject);
+        // The one that the numbers are of: recordings may tell nothing of the others.
+        let knob = knobs.find(|knob| !looked.system.unknowns(*knob).is_empty());
+        let knob = &searched.given.candidates.knobs[knob?];
+        let (projected, score) = (&screened.projected, &screened.score);
+        let information = projected.matrix[(0, 0)] / score.scatter;
+        let needed = looked.threshold.sqrt() + POWER;
+        let smallest = needed / information.max(0.0).sqrt();
+        let off = knob.parameter.prior_coordinate();
+        let value = |step: f64| {
+            let (low, high) = knob.parameter.bounds();
+            if step.is_finite() && (low..=high).contains(&(off + step)) {
+                knob.parameter.value(off + step)
+            } else {
+                f64::INFINITY
+            }
+        };
+        // Away from off, to the side that is possible.
+        let upward = (value(smallest) - knob.parameter.value(off)).abs();
+        let downward = (value(-smallest) - knob.parameter.value(off)).abs();
+        let degrees = projected.unknowns.len();
+        let gain = searched.gains.iter().find(|(s, _)| *s == screened.subject);
+        let candidate = Candidate {
+            absorbed: score.absorbed,
+            significance: (one_degree(score.chi_square, degrees) / looked.threshold).sqrt(),
+            smallest_detectable: upward.min(downward),
+            parameter: knob.name,
+            unit: knob.parameter.unit,
+            estimate: knob.parameter.value(off + score.step[0]),
+            interval: knob
+                .parameter
+                .interval(off + score.step[0], NORMAL_95 * score.deviation[0])
+                .into(),
+            held_out_gain: gain.map(|(_, gain)| *gain),
+            alike,
+            ..empty(screened.subject)
+        };
+        Some((candidate, smallest < knob.parameter.prior.deviation))
+    };
+    let pairs = looked.screened.iter().zip(alike);
+    Ok(pairs.filter_map(one).collect())
+}
+
+/// A subject that nothing is known of.
+#[must_use]
+pub fn empty(subject: Subject) -> Candidate {
+    Candidate {
+        subject,
+        probability: 0.0,
+        absorbed: f64::NAN,
+        significance: f64::NAN,
+        smallest_detectable: f64::NAN,
+        parameter: "",
+        unit: "",
+        estimate: f64::NAN,
+        interval: [f64::NAN; 2],
+        held_out_gain: None,
+        alike: Vec::new(),
+    }
+}
+
+/// What was not screened but has a probability: nothing, unknown, a change of terrain.
+#[must_use]
+pub fn others(odds: &Odds, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
+    let change = CATALOGUE
+        .iter()
+        .position(|e| e.name == TERRAIN_CHANGE)
+        .filter(|effect| !nominal.effects.is_on(*effect));
+    let mut subjects = vec![Subject::Nothing, Subject::Unknown];
+    subjects.extend(change.map(Subject::Effect));
+    subjects.retain(|subject| !screened.iter().any(|c| c.subject == *subject));
+    let each = subjects.into_iter();
+    each.map(|subject| Candidate {
+        probability: odds.of(subject),
+        ..empty(subject)
+    })
+    .collect()
+}

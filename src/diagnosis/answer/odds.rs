@@ -1,0 +1,149 @@
+//! Probabilities of what may be missing, from log odds.
+
+use super::findings::likeliest_first;
+use crate::diagnosis::Subject;
+use crate::diagnosis::search::NOTHING;
+
+/// Share of the probability that stays with "unknown" whatever the evidence: now and then something
+/// outside the catalogue looks exactly like something inside.
+pub const DOUBT: f64 = 0.03;
+/// Softens log Bayes factors: so much where nothing is likeliest, so much where something is, by `CLEAR` or more, and
+/// so many roots of the largest besides.
+const SILENT: f64 = 0.75;
+const TEMPERATURE: f64 = 2.0;
+const CLEAR: f64 = 3.0;
+const PER_ROOT: f64 = 0.02;
+
+/// Softens differences of log odds where the largest are these.
+fn temperature(top: f64) -> f64 {
+    let clear = ((top - NOTHING) / CLEAR).clamp(0.0, 1.0);
+    SILENT + (TEMPERATURE - SILENT) * clear + PER_ROOT * top.max(0.0).sqrt()
+}
+
+/// Probabilities of subjects; they sum to 1.
+#[derive(Debug, Clone)]
+pub struct Odds(pub Vec<(Subject, f64)>);
+
+impl Odds {
+    /// From log odds of subjects, and those of nothing.
+    #[must_use]
+    pub fn new(weighed: &[(Subject, f64)], nothing: f64) -> Self {
+        let mut all = vec![(Subject::Nothing, nothing)];
+        all.extend_from_slice(weighed);
+        let logs = likeliest_first(&all);
+        let top = logs[0].1;
+        let temperature = temperature(top);
+        let weight = |log: f64| ((log - top) / temperature).exp();
+        let sum: f64 = logs.iter().map(|(_, log)| weight(*log)).sum();
+        let share = |(subject, log): &(Subject, f64)| (*subject, weight(*log) / sum);
+        Self(logs.iter().map(share).collect()).with(Subject::Unknown, DOUBT)
+    }
+
+    /// Probability of a subject.
+    #[must_use]
+    pub fn of(&self, subject: Subject) -> f64 {
+        let found = self.0.iter().find(|(other, _)| *other == subject);
+        found.map_or(0.0, |(_, share)| *share)
+    }
+
+    /// Probability that it is physics.
+    #[must_use]
+    pub fn physics(&self) -> f64 {
+        let is = |subject: Subject| !subject.is_sensor() && subject != Subject::Nothing;
+        self.0
+            .iter()
+            .filter(|(s, _)| is(*s))
+            .map(|(_, share)| share)
+            .sum()
+    }
+
+    /// With a part of what one subject has given to others in equal parts.
+    #[must_use]
+    pub fn shared(mut self, from: Subject, part: f64, among: &[Subject]) -> Self {
+        let Some(own) = self.0.iter_mut().find(|(other, _)| *other == from) else {
+            return self;
+        };
+        let given = if among.is_empty() { 0.0 } else { part * own.1 };
+        own.1 -= given;
+        for subject in among {
+            let each = given / among.len() as f64;
+            match self.0.iter_mut().find(|(other, _)| other == subject) {
+                Some((_, share)) => *share += each,
+                None => self.0.push((*subject, each)),
+            }
+        }
+        self
+    }
+
+    /// With a share of all given to a subject.
+    #[must_use]
+    pub fn with(mut self, subject: Subject, share: f64) -> Self {
+        for (_, other) in &mut self.0 {
+            *other *= 1.0 - share;
+        }
+        match self.0.iter_mut().find(|(other, _)| *other == subject) {
+            Some((_, own)) => *own += share,
+            None => self.0.push((subject, share)),
+        }
+        self
+    }
+}
+
+/// Of several findings, each weighed by its evidence: what explains little is a small part of what was missing. That
+/// nothing is missing takes all of them to be wrong.
+#[must_use]
+pub fn mean(each: &[(Odds, f64)]) -> Option<Odds> {
+    let total: f64 = each.iter().map(|(_, gain)| gain).sum();
+    let mut sum: Vec<(Subject, f64)> = Vec::new();
+    for (odds, gain) in each {
+        let weight = if total > 0.0 {
+            gain / total
+        } else {
+            1.0 / each.len() as f64
+        };
+        for (subject, share) in &odds.0 {
+            match sum.iter_mut().find(|(other, _)| other == subject) {
+                Some((_, total)) => *total += weight * share,
+                None => sum.push((*subject, weight * share)),
+            }
+        }
+    }
+    if each.len() > 1 {
+        let all_wrong: f64 = each
+            .iter()
+            .map(|(odds, _)| odds.of(Subject::Nothing))
+            .product();
+        let nothing = Odds(sum.clone()).of(Subject::Nothing);
+        for (subject, share) in &mut sum {
+            *share = match subject {
+                Subject::Nothing => all_wrong,
+                _ => *share * ((1.0 - all_wrong) / (1.0 - nothing)),
+            };
+        }
+    }
+    (!sum.is_empty()).then_some(Odds(sum))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_sum_to_one_and_follow_the_evidence() {
+        let (a, b) = (Subject::Effect(0), Subject::Effect(1));
+        let odds = Odds::new(&[(a, 20.0), (b, 4.0), (a, 3.0)], NOTHING);
+        let sum: f64 = odds.0.iter().map(|(_, share)| share).sum();
+        assert!((sum - 1.0).abs() < 1e-12);
+        assert!(odds.of(a) > 0.95 && odds.of(b) < odds.of(a));
+        assert!((odds.of(Subject::Unknown) - DOUBT).abs() < 1e-12);
+        // The same lead says less where more is at stake.
+        let ahead = |top: f64| Odds::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
+        assert!(ahead(20.0) > ahead(200.0) && ahead(200.0) > ahead(2000.0));
+        assert!(ahead(2000.0) > 0.5);
+        let shared = odds.with(Subject::Unknown, 0.5);
+        let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
+        assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
+        let nothing = Odds::new(&[], NOTHING).of(Subject::Nothing);
+        assert!((nothing - (1.0 - DOUBT)).abs() < 1e-12);
+    }
+}

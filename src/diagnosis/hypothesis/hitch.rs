@@ -1,0 +1,49 @@
+//! Where a drawbar is hitched that is off.
+
+use crate::effects::ParameterName;
+use crate::vehicle::Specification;
+
+/// The model, the hitch of a drawbar that is off at the rear of the vehicle.
+#[must_use]
+pub fn hitched(nominal: &Specification) -> Specification {
+    let mut hitched = nominal.clone();
+    let vehicle = &nominal.vehicle;
+    let last = vehicle.row_positions.iter().copied().reduce(f64::min);
+    let rear = vehicle.wheel_radius - last.unwrap_or(0.0);
+    let place = ParameterName::find("drawbar.hitch_behind");
+    if let Some(place) = place.filter(|place| !nominal.effects.is_on(place.effect()))
+        && hitched.effects.set(place, rear).is_err()
+    {
+        return nominal.clone();
+    }
+    hitched
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Given;
+    use super::super::candidate::Target;
+    use super::*;
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Parameter, Vehicle};
+
+    #[test]
+    fn a_drawbar_is_expected_at_the_rear_and_fitted_around_it() {
+        let hitch = ParameterName::find("drawbar.hitch_behind").unwrap();
+        let mut vehicle = Vehicle::tran2007();
+        vehicle.row_positions = vec![2.0, 0.5, -1.6];
+        let rear = 1.6 + vehicle.wheel_radius;
+        let mut nominal = Specification::plain(vehicle, Terrain::preset("dry_sand").unwrap());
+        let expected = |nominal: &Specification| {
+            let given = Given::new(nominal, &[]);
+            let mut knobs = given.candidates.knobs.iter();
+            let knob = knobs.find(|k| k.target == Target::Model(Parameter::Effect(hitch)));
+            let knob = knob.map(|k| (k.parameter.prior.median, k.typical));
+            (given.nominal.effects.get(hitch), knob)
+        };
+        assert_eq!(expected(&nominal), (rear, Some((rear, rear))));
+        // A drawbar that is given stays where it is.
+        nominal.effects = nominal.effects.with("drawbar.force", 50.0).unwrap();
+        assert_eq!(expected(&nominal), (1.0, None));
+    }
+}
