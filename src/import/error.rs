@@ -147,13 +147,17 @@ impl fmt::Display for ImportError {
             Self::NoWheelSpeeds { topics } => write!(
                 f,
                 "no topic has wheel speeds (sensor_msgs/JointState); the file has {}",
-                listed(topics)
+                listed(topics.join(", "))
             ),
             Self::Joints {
                 topic,
                 reason,
                 found,
-            } => write!(f, "{topic}: {reason}; its joints are {}", listed(found)),
+            } => write!(
+                f,
+                "{topic}: {reason}; its joints are {}",
+                listed(display::listed(found, ", "))
+            ),
             Self::Missing { reason, .. } => reason.fmt(f),
         }
     }
@@ -170,9 +174,10 @@ impl Error for ImportError {
 }
 
 /// Texts one after the other.
-fn listed(texts: &[String]) -> String {
-    match texts {
-        [] => "none".into(),
-        texts => display::listed(texts, ", "),
+fn listed(texts: String) -> String {
+    if texts.is_empty() {
+        "none".into()
+    } else {
+        texts
     }
 }

@@ -66,8 +66,8 @@ const LARGEST_CHUNK: u64 = 1 << 30;
 /// Messages pack to more than this share, and what a small file says of its size is damage or a trap.
 const TIGHTEST: u64 = 32;
 const SMALL: u64 = 64 << 20;
-/// Longer names of topics and types are damage \[bytes\].
-const LONGEST_NAME: usize = 4096;
+/// Longer names of topics and types are damage \[bytes\]: those of ROS have 255.
+const LONGEST_NAME: usize = 1024;
 
 /// How other files begin, what they are, and what to do about them.
 const OTHERS: [(&[u8], &str, &str); 5] = [
