@@ -80,6 +80,7 @@ pub fn diagnose(
         }
     }
     let deadline = progress.answer_deadline();
+    progress.in_time(deadline)?;
     let mut given = Given::until(nominal, recordings, deadline);
     progress.in_time(deadline)?;
     let (prepared, by) = prepare(&mut given, options, progress)?;

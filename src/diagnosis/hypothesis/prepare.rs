@@ -159,7 +159,7 @@ fn reach(recordings: &[Recording]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::fit::segment::Segment;
@@ -169,7 +169,7 @@ mod tests {
     use crate::vehicle::{Specification, Vehicle};
 
     /// The first seconds of a recording.
-    fn first(recording: &Recording, seconds: f64) -> Recording {
+    pub fn first(recording: &Recording, seconds: f64) -> Recording {
         let shortened = |run: &Run| {
             let mut short = Run::new("");
             for channel in Channel::ALL {
