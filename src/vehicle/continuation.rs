@@ -51,6 +51,7 @@ impl VehicleModel {
     /// Finds the balance from the acceleration \[m/s^2\] of a guess.
     ///
     /// # Algorithm
+    /// 0. Where the soil does not even bear the standing vehicle to its axles, the vehicle is bogged.
     /// 1. The acceleration trails the forces from the guess on until both agree ([`VehicleModel::trail`]): where there
     ///    are several balances it stays with the nearest stable one.
     /// 2. Where it does not arrive: no acceleration, and the fading load is the mean load.
@@ -69,6 +70,12 @@ impl VehicleModel {
         balance: &mut Balance,
     ) -> Result<(), BalanceError> {
         balance.reset();
+        let wheels = balance.wheels.len();
+        let weight = self.weight(prepared);
+        if self.bearing() * (wheels as f64) < weight {
+            // Not even the standing vehicle is carried.
+            return Err(self.bogged(0, weight / wheels as f64));
+        }
         let last = self.lightest_load(prepared);
         balance.acceleration = guess;
         if self.trail(motion, prepared, balance, last) {
@@ -77,7 +84,7 @@ impl VehicleModel {
             return outcome;
         }
         balance.reset();
-        let mut fading = self.weight(prepared) / balance.wheels.len() as f64;
+        let mut fading = weight / wheels as f64;
         let mut factor = FIRST_FACTOR;
         let mut settled = balance.clone();
         for _ in 0..MAX_STAGES {
@@ -122,6 +129,15 @@ impl VehicleModel {
 
     /// The error of a wheel that cannot carry its load.
     pub(super) fn bogged(&self, index: usize, load: f64) -> BalanceError {
+        BalanceError::Bogged {
+            wheel: index + 1,
+            load,
+            bearing: self.bearing(),
+        }
+    }
+
+    /// What the soil bears at rest under a wheel that stands in it to its axle \[N\], without effects.
+    fn bearing(&self) -> f64 {
         let rest = WheelMotion {
             forward: 0.0,
             lateral: 0.0,
@@ -129,11 +145,7 @@ impl VehicleModel {
             angular_speed: 0.0,
         };
         let axle = dispatch!(self.level(), simd => self.contact().forces(simd, &rest, FRAC_PI_2, Detail::Full));
-        BalanceError::Bogged {
-            wheel: index + 1,
-            load,
-            bearing: axle.vertical,
-        }
+        axle.vertical
     }
 
     /// Newton's method on the accelerations at one fading load.
