@@ -17,8 +17,8 @@ effect! {
     /// large as the wheel. z* is that of untouched soil without slip: `slip_sinkage` and ruts do not move it.
     ///
     /// The contact of a soft tyre on stiff clay is so large that the whole cohesion would hold it with several times its
-    /// load; no load transfer is in balance with that. Rubber adheres with about half of its pressure (its friction on
-    /// firm ground is 0.8 to 1.2, Wong, ch. 1): the cohesion under a tyre is p / 2 at most.
+    /// load; no load transfer is in balance with that. Our own bound, set by no measurement:
+    /// the cohesion under a tyre is p / 2 at most.
     TyreCompliance: "tyre_compliance", Physics,
     lifts "rigid wheels",
     equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), W what the normal stress carries; c = min(c, p / 2)",
