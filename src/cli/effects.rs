@@ -5,7 +5,7 @@ use super::{Failure, tell};
 use clap::builder::PossibleValuesParser;
 use std::fmt::Write;
 use ugv_terrain::effects::{
-    CATALOGUE, Declaration, Effects, Kind, ParameterDeclaration, ParameterName, Prior,
+    CATALOGUE, Declaration, EffectKind, Effects, ParameterDeclaration, ParameterName, Prior,
 };
 
 const EXAMPLES: &str = "\
@@ -60,8 +60,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn list() -> String {
     let mut text = String::new();
     for (kind, title) in [
-        (Kind::Physics, "Physics: how the vehicle moves"),
-        (Kind::Measurement, "Measurement: what sensors report of it"),
+        (EffectKind::Physics, "Physics: how the vehicle moves"),
+        (
+            EffectKind::Measurement,
+            "Measurement: what sensors report of it",
+        ),
     ] {
         let _ = writeln!(text, "{title}\n");
         for effect in CATALOGUE.iter().filter(|effect| effect.kind == kind) {

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use ugv_terrain::display::visible_line;
 use ugv_terrain::import::{
-    self, Clock, Ending, Heading, Imported, Kind, Options, Pose, Survey, Wish,
+    self, Clock, Ending, Heading, Imported, MessageKind, Options, Pose, Survey, Wish,
 };
 use ugv_terrain::json::read_file;
 
@@ -56,7 +56,7 @@ pub struct Args {
 
     /// Topics by what they serve as: any of joints, odometry, imu, fix; `none` leaves one out
     #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
-    topics: Vec<(Kind, Wish)>,
+    topics: Vec<(MessageKind, Wish)>,
 
     /// Joints of the left wheels [default: by their names]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -122,11 +122,13 @@ enum Time {
     Log,
 }
 
-fn topic(text: &str) -> Result<(Kind, Wish), String> {
-    let names = Kind::ALL.map(Kind::name).join(", ");
+fn topic(text: &str) -> Result<(MessageKind, Wish), String> {
+    let names = MessageKind::ALL.map(MessageKind::name).join(", ");
     let expected = format!("expected KIND=TOPIC with a KIND of {names}");
     let (kind, topic) = text.split_once('=').ok_or(expected.as_str())?;
-    let kind = Kind::ALL.into_iter().find(|known| known.name() == kind);
+    let kind = MessageKind::ALL
+        .into_iter()
+        .find(|known| known.name() == kind);
     let wish = match topic {
         "" => return Err(expected),
         "none" => Wish::Without,
@@ -297,7 +299,7 @@ fn summarise(imported: &Imported, rows: u64) {
 /// Prints the topics; a star marks those that would serve.
 fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure> {
     let mut serving = Vec::new();
-    for kind in Kind::ALL {
+    for kind in MessageKind::ALL {
         let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
         let choice =
             import::choose(survey, kind, wish, &options.wheels).map_err(Failure::Import)?;

@@ -2,7 +2,7 @@
 
 use super::{Failure, tell};
 use std::path::{Path, PathBuf};
-use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects};
 use ugv_terrain::json::{FittedTo, JsonError, read_file};
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
@@ -59,7 +59,7 @@ impl ModelArgs {
                     "note: the effects of {} take the place of those in {} ({})",
                     path.display(),
                     model.display(),
-                    names(effects, Kind::Physics).unwrap_or("all of them off".into())
+                    names(effects, EffectKind::Physics).unwrap_or("all of them off".into())
                 ));
             }
             *effects = own;
@@ -87,7 +87,7 @@ impl ModelArgs {
 
 /// Says that what is of the sensors moves nothing.
 pub fn tell_of_sensors(effects: &Effects) {
-    if let Some(names) = names(effects, Kind::Measurement) {
+    if let Some(names) = names(effects, EffectKind::Measurement) {
         let change = if names.contains(',') {
             "change"
         } else {
@@ -102,7 +102,10 @@ pub fn tell_of_sensors(effects: &Effects) {
 /// Leaves out what is of the sensors, and says so: a fit has numbers of its own for it.
 pub fn without_sensors(effects: &mut Effects) -> Result<(), Failure> {
     tell_of_sensors(effects);
-    for effect in CATALOGUE.iter().filter(|e| e.kind == Kind::Measurement) {
+    for effect in CATALOGUE
+        .iter()
+        .filter(|e| e.kind == EffectKind::Measurement)
+    {
         for parameter in effect.parameters {
             let name = format!("{}.{}", effect.name, parameter.name);
             *effects = effects
@@ -115,7 +118,7 @@ pub fn without_sensors(effects: &mut Effects) -> Result<(), Failure> {
 }
 
 /// The effects of a kind that are on, if any is.
-pub fn names(effects: &Effects, kind: Kind) -> Option<String> {
+pub fn names(effects: &Effects, kind: EffectKind) -> Option<String> {
     let names: Vec<&str> = effects.on(kind).map(|effect| effect.name).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }

@@ -33,7 +33,7 @@ pub struct NominalArgs {
 }
 
 /// What the arguments name.
-pub struct Named {
+pub struct NominalModel {
     model: Option<Specification>,
     vehicle: Option<Vehicle>,
     terrain: Option<Terrain>,
@@ -42,8 +42,8 @@ pub struct Named {
 
 impl NominalArgs {
     /// Reads the files that the arguments name.
-    pub fn load(&self) -> Result<Named, Failure> {
-        Ok(Named {
+    pub fn load(&self) -> Result<NominalModel, Failure> {
+        Ok(NominalModel {
             model: self.model.as_deref().map(load_model).transpose()?,
             vehicle: self.vehicle.as_deref().map(load_vehicle).transpose()?,
             terrain: self.terrain.as_deref().map(load_terrain).transpose()?,
@@ -59,7 +59,7 @@ impl NominalArgs {
     }
 }
 
-impl Named {
+impl NominalModel {
     /// Reads recordings, with what stands beside them; no two of one name. Units of wheel speeds are seen by the vehicle that
     /// is named here where none stands beside them.
     pub fn read(&self, paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {

@@ -28,7 +28,7 @@ impl<S: Scalar> AlteredPatch<S> {
         let exit = -(self.rebound * entry);
         // Not behind the lowest point: there the soil that springs back would push harder than what it took to compact it.
         let lowest = self.rebound / self.rebound.offset(1.0);
-        let middle = exit + (entry - exit) * self.peak.most(lowest);
+        let middle = exit + (entry - exit) * self.peak.max(lowest);
         Arc {
             exit,
             middle,

@@ -106,7 +106,7 @@ impl<S: Scalar> AlteredPatch<S> {
         let rut = law.multipass.map(|effect| {
             let deepest = pressed.rounded_abs(SHALLOWEST_RUT);
             let rut = effect.rut(deepest);
-            let secant = deepest.raised(soil.exponent.offset(-1.0));
+            let secant = deepest.powf(soil.exponent.offset(-1.0));
             RutLine {
                 ground: rut.ground,
                 elastic: rut.elastic,
@@ -182,7 +182,7 @@ impl<S: Scalar> AlteredPatch<S> {
             let straight = task == 0;
             let graded = straight;
             for pair in ends.windows(2) {
-                let (start, end) = (pair[0].most(arc.exit), pair[1].least(arc.entry));
+                let (start, end) = (pair[0].max(arc.exit), pair[1].min(arc.entry));
                 if end.value() - start.value() <= SHORTEST_PIECE * entry.value() {
                     continue;
                 }

@@ -1,7 +1,7 @@
 //! The effects' parameters as variables of the FMU.
 
 use super::{Attributes, Causality, Configuration, FIRST_ROW, Kind, Quantity, Variable, units};
-use crate::effects::{Boundary, CATALOGUE, Kind as EffectKind, ParameterName};
+use crate::effects::{Boundary, CATALOGUE, EffectKind, ParameterName};
 use std::sync::LazyLock;
 
 /// Value references of effects begin here, each effect having room for 16.

@@ -7,8 +7,8 @@ use super::answer::errors::compare;
 use super::answer::findings::findings;
 use super::answer::traces::traces;
 use super::answer::verdict::judge;
-use super::hypothesis::Given;
-use super::hypothesis::likelihood::Tuned;
+use super::hypothesis::Problem;
+use super::hypothesis::likelihood::FittedHypothesis;
 use super::hypothesis::prepare::{prepare, seconds};
 use super::manoeuvre::next;
 use super::outcome::{
@@ -81,10 +81,10 @@ pub fn diagnose(
     }
     let deadline = progress.answer_deadline();
     progress.in_time(deadline)?;
-    let mut given = Given::until(nominal, recordings, deadline);
+    let mut problem = Problem::until(nominal, recordings, deadline);
     progress.in_time(deadline)?;
-    let (prepared, by) = prepare(&mut given, options, progress)?;
-    let mut searched = search(&given, by, options, progress)?;
+    let (prepared, by) = prepare(&mut problem, options, progress)?;
+    let mut searched = search(&problem, by, options, progress)?;
     progress.step("holding out what was found")?;
     let in_time = |held: Option<HeldOut>| held.filter(|_| !deadline.is_over());
     let mut held = in_time(compare(&searched));
@@ -124,7 +124,7 @@ pub fn diagnose(
         insufficient: judgement.insufficient,
         statement: String::new(),
         cautions,
-        recordings: given.names.clone(),
+        recordings: problem.names.clone(),
         findings: found,
         leading: judgement.leading,
         candidates,
@@ -132,7 +132,7 @@ pub fn diagnose(
         soil: soil(&searched),
         next,
         runs: traces(&searched),
-        account: account(&searched, options, prepared.left_out, seconds(&given)),
+        account: account(&searched, options, prepared.left_out, seconds(&problem)),
         nominal: nominal.clone(),
         model,
     };
@@ -200,26 +200,26 @@ pub fn insufficient(
 
 /// The soil before and after.
 fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
-    let given = &searched.given;
-    let parameters = given.soil_parameters();
-    let estimate = |tuned: &Tuned, k: usize| {
+    let problem = &searched.problem;
+    let parameters = problem.soil_parameters();
+    let estimate = |fit: &FittedHypothesis, k: usize| {
         let parameter = &parameters[k];
-        let at = tuned.solution.soil[k];
-        let deviation = tuned.covariance[(k, k)].max(0.0).sqrt();
+        let at = fit.solution.soil[k];
+        let deviation = fit.covariance[(k, k)].max(0.0).sqrt();
         let (low, high) = parameter.interval(at, NORMAL_95 * deviation);
         Estimate {
             parameter: parameter.clone(),
-            nominal: given.soil[k].get(&given.nominal),
+            nominal: problem.soil[k].get(&problem.nominal),
             value: parameter.value(at),
             low,
             high,
-            told: deviation / parameter.prior.deviation,
+            posterior_prior_ratio: deviation / parameter.prior.deviation,
         }
     };
     let each = 0..parameters.len();
     each.map(|k| {
         (
-            estimate(&searched.retuned, k),
+            estimate(&searched.refitted, k),
             estimate(&searched.augmented, k),
         )
     })

@@ -1,7 +1,7 @@
 //! What a diagnosis found: plain data for reports, nothing computed here.
 
 use super::Caution;
-use crate::effects::{CATALOGUE, Kind};
+use crate::effects::{CATALOGUE, EffectKind};
 use crate::fit::{Estimate, NoiseEstimate};
 use crate::vehicle::Specification;
 
@@ -85,7 +85,7 @@ impl Subject {
     /// Whether it is a matter of the sensors.
     #[must_use]
     pub fn is_sensor(self) -> bool {
-        matches!(self, Self::Effect(index) if CATALOGUE[index].kind == Kind::Measurement)
+        matches!(self, Self::Effect(index) if CATALOGUE[index].kind == EffectKind::Measurement)
     }
 }
 
@@ -251,7 +251,7 @@ pub struct HeldOut {
     /// The model as given; NaN where it cannot drive.
     pub nominal: Errors,
     /// The soil re-tuned.
-    pub retuned: Errors,
+    pub refitted: Errors,
     /// With what was found.
     pub augmented: Errors,
     /// How much better with what was found than re-tuned: log score per sample, and standard error.

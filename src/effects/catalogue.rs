@@ -1,6 +1,6 @@
 //! All effects, and which of them are on.
 
-use super::{Boundary, Declaration, Kind, ParameterDeclaration, SlopeProfile, Window};
+use super::{Boundary, Declaration, EffectKind, ParameterDeclaration, SlopeProfile, Window};
 use super::{
     Bulldozing, ComShift, Drag, Drawbar, ElasticRebound, Grade, HeadingOffset, Latency,
     LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ResidualLateral,
@@ -228,7 +228,7 @@ impl Effects {
     }
 
     /// The effects of this kind that are on.
-    pub fn on(&self, kind: Kind) -> impl Iterator<Item = &'static Declaration> {
+    pub fn on(&self, kind: EffectKind) -> impl Iterator<Item = &'static Declaration> {
         let numbered = CATALOGUE.iter().enumerate();
         numbered
             .filter(move |(effect, declaration)| declaration.kind == kind && self.is_on(*effect))
@@ -266,7 +266,7 @@ impl Effects {
     /// model's.)
     #[must_use]
     pub fn is_paper(&self) -> bool {
-        self.on(Kind::Physics).next().is_none()
+        self.on(EffectKind::Physics).next().is_none()
     }
 
     /// Whether an effect of the catalogue, where it is on, makes the vehicle or its ground remember:

@@ -5,7 +5,7 @@ use crate::parameter::{Bounds, ParameterError};
 
 /// Physics of the vehicle and the ground, or a property of the measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum EffectKind {
     /// Changes how the vehicle moves.
     Physics,
     /// Changes what the sensors report; never to be blamed on the soil.
@@ -78,7 +78,7 @@ pub struct Declaration {
     /// Name in files and in the diagnosis.
     pub name: &'static str,
     /// Physics or measurement.
-    pub kind: Kind,
+    pub kind: EffectKind,
     /// The paper's assumption that it lifts.
     pub lifts: &'static str,
     /// Its equation.
@@ -113,7 +113,7 @@ macro_rules! effect {
             /// What is declared of it.
             pub const DECLARATION: $crate::effects::Declaration = $crate::effects::Declaration {
                 name: $key,
-                kind: $crate::effects::Kind::$kind,
+                kind: $crate::effects::EffectKind::$kind,
                 lifts: $lifts,
                 equation: $equation,
                 source: $source,

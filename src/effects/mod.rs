@@ -39,7 +39,7 @@ mod yaw_rate_bias;
 pub use bulldozing::Bulldozing;
 pub use catalogue::{ActiveEffects, CATALOGUE, Effects, PARAMETER_COUNT, ParameterName};
 pub use com_shift::ComShift;
-pub use declaration::{Declaration, Kind, ParameterDeclaration, Prior};
+pub use declaration::{Declaration, EffectKind, ParameterDeclaration, Prior};
 pub use drag::Drag;
 pub use drawbar::Drawbar;
 pub use elastic_rebound::ElasticRebound;

@@ -37,7 +37,7 @@ impl SlopeProfile {
     /// The shortest way \[m\] from where the slope begins to change otherwise to the next such place; `None` where there is
     /// no such way.
     #[must_use]
-    pub fn grain(&self) -> Option<f64> {
+    pub fn min_feature_length(&self) -> Option<f64> {
         let axes: [&[f64]; 2] = match self {
             Self::Time(_) => [&[], &[]],
             Self::Distance(points) => [&points.at, &[]],

@@ -79,7 +79,7 @@ pub(super) fn weighted<S: Scalar, const N: usize>(coefficients: [S; N], features
         sum + coefficient * feature
     });
     let (low, high) = (S::constant(-LARGEST_SHARE), S::constant(LARGEST_SHARE));
-    low.most(high.least(sum))
+    low.max(high.min(sum))
 }
 
 #[cfg(test)]

@@ -74,7 +74,7 @@ impl<S: Scalar> SlipSinkage<S> {
         let growth = self.sinkage_growth * slip;
         let deeper = growth.offset(1.0) / growth.scale(-0.5).offset(1.0);
         Soil {
-            modulus: soil.modulus / deeper.raised(soil.exponent),
+            modulus: soil.modulus / deeper.powf(soil.exponent),
             exponent: soil.exponent + self.exponent_growth * slip,
             ..*soil
         }

@@ -58,7 +58,7 @@ impl<S: Scalar> TransientShear<S> {
         shear_modulus: S,
     ) -> Displacement<S> {
         let half_arc = arc.scale(0.5);
-        let scale = self.relaxation.most(half_arc.like(SHORTEST)) * half_arc;
+        let scale = self.relaxation.max(half_arc.like(SHORTEST)) * half_arc;
         let stored = displacement.forward - displacement.rim;
         let slip = drive.forward - drive.rim;
         // The mean displacement in units of the longest one, and the speed that slides past it.

@@ -35,14 +35,14 @@ impl<S: Scalar> TyreCompliance<S> {
         let twice = n.scale(2.0);
         let order = twice.offset(1.0);
         let bracket = load.scale(3.0) / (n.like(3.0) - n) / width / radius.scale(2.0).sqrt();
-        soil.modulus.raised(n.like(1.0) / order) * bracket.raised(twice / order)
+        soil.modulus.powf(n.like(1.0) / order) * bracket.powf(twice / order)
     }
 
     /// The soil as the tyre shears it.
     pub fn sheared(&self, soil: Soil<S>) -> Soil<S> {
         let adhesion = self.pressure.scale(ADHESION);
         Soil {
-            cohesion: soil.cohesion.least(adhesion),
+            cohesion: soil.cohesion.min(adhesion),
             ..soil
         }
     }
@@ -51,9 +51,9 @@ impl<S: Scalar> TyreCompliance<S> {
     pub fn flat_sinkage(&self, soil: &Soil<S>) -> S {
         let n = soil.exponent;
         let order = n.scale(2.0).offset(1.0);
-        let plate = (self.pressure / soil.modulus).raised(n.like(1.0) / n);
+        let plate = (self.pressure / soil.modulus).powf(n.like(1.0) / n);
         let bekker = (n.like(3.0) - n) / support(n).scale(3.0);
-        plate * bekker.raised(n.like(2.0) / order)
+        plate * bekker.powf(n.like(2.0) / order)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A part of a drive, outside of which effects are off.
 
-use super::{Boundary, CATALOGUE, Effects, Kind, SlopeProfile, TerrainChange};
+use super::{Boundary, CATALOGUE, EffectKind, Effects, SlopeProfile, TerrainChange};
 use crate::display::number;
 use std::fmt;
 
@@ -46,7 +46,9 @@ impl Effects {
         let window = self.window.as_ref();
         let seconds = window.is_some_and(|w| matches!(w.extent, Extent::Time { .. }));
         let name = TerrainChange::<f64>::DECLARATION.name;
-        let changes = self.on(Kind::Physics).any(|effect| effect.name == name);
+        let changes = self
+            .on(EffectKind::Physics)
+            .any(|effect| effect.name == name);
         slopes || seconds || (changes && self.boundary != Boundary::Place)
     }
 }
@@ -109,7 +111,7 @@ impl Window {
         for effect in &self.effects {
             let declaration = CATALOGUE.get(*effect);
             let declaration = declaration.ok_or(WindowError::Unknown(*effect))?;
-            if declaration.kind == Kind::Measurement {
+            if declaration.kind == EffectKind::Measurement {
                 return Err(WindowError::Sensor(declaration.name));
             }
             if !effects.is_on(*effect) {
@@ -145,7 +147,7 @@ impl Extent {
 
     /// The length \[m\] of what lies in the way; `None` where that is nothing.
     #[must_use]
-    pub const fn grain(&self) -> Option<f64> {
+    pub const fn min_feature_length(&self) -> Option<f64> {
         match *self {
             Self::Time { .. } => None,
             Self::Place { radius, .. } => Some(radius),

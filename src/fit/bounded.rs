@@ -1,6 +1,6 @@
 //! Steps of a linearised problem within bounds.
 
-use super::parameter::Parameter;
+use super::parameter::FreeParameter;
 use nalgebra::{DMatrix, DVector};
 
 /// Rounds at most, for each number.
@@ -8,9 +8,9 @@ const ROUNDS: usize = 4;
 
 /// How far down (at most 0) and up (at least 0) each coordinate may go.
 #[must_use]
-pub fn room(parameters: &[Parameter], coordinates: &DVector<f64>) -> Vec<(f64, f64)> {
+pub fn room(parameters: &[FreeParameter], coordinates: &DVector<f64>) -> Vec<(f64, f64)> {
     let pairs = parameters.iter().zip(coordinates.iter());
-    let room = |(parameter, at): (&Parameter, &f64)| {
+    let room = |(parameter, at): (&FreeParameter, &f64)| {
         let (low, high) = parameter.bounds();
         ((low - at).min(0.0), (high - at).max(0.0))
     };

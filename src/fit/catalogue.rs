@@ -3,7 +3,7 @@
 //! The soil's priors are those of [`USUAL_SOIL`]. They are wide on purpose: they keep the fit away from nonsense where
 //! the data say nothing, and give way where the data say something. Effects bring their own.
 
-use super::parameter::{Parameter, Prior, Scale};
+use super::parameter::{FreeParameter, Prior, Scale};
 use crate::effects;
 use crate::spelling::nearest;
 use crate::vehicle::{self, Specification, USUAL_SOIL};
@@ -91,15 +91,15 @@ impl std::error::Error for UnknownParameter {}
 
 /// All parameters that can be fitted. Sensors' are not among them: they are each recording's
 /// own, see [`super::sensor`].
-pub fn all() -> impl Iterator<Item = vehicle::Parameter> {
-    vehicle::Parameter::all().filter(|parameter| parameter.is_physics())
+pub fn all() -> impl Iterator<Item = vehicle::ModelParameter> {
+    vehicle::ModelParameter::all().filter(|parameter| parameter.is_physics())
 }
 
 /// The parameter of a name, with or without `terrain.` or `vehicle.` before it.
 ///
 /// # Errors
 /// A name that no parameter has, with the nearest one.
-pub fn find(name: &str) -> Result<vehicle::Parameter, UnknownParameter> {
+pub fn find(name: &str) -> Result<vehicle::ModelParameter, UnknownParameter> {
     let own = ["terrain.", "vehicle."];
     let short = own
         .iter()
@@ -108,7 +108,7 @@ pub fn find(name: &str) -> Result<vehicle::Parameter, UnknownParameter> {
     all()
         .find(|parameter| parameter.name() == short)
         .ok_or_else(|| {
-            let names: Vec<String> = all().map(vehicle::Parameter::name).collect();
+            let names: Vec<String> = all().map(vehicle::ModelParameter::name).collect();
             let nearest = nearest(short, names.iter().map(String::as_str));
             UnknownParameter {
                 name: name.into(),
@@ -119,14 +119,14 @@ pub fn find(name: &str) -> Result<vehicle::Parameter, UnknownParameter> {
 
 /// Scale, prior and range of a parameter.
 #[must_use]
-pub fn describe(parameter: vehicle::Parameter, nominal: &Specification) -> Parameter {
+pub fn describe(parameter: vehicle::ModelParameter, nominal: &Specification) -> FreeParameter {
     let name = parameter.name();
-    if let vehicle::Parameter::Effect(effect) = parameter {
+    if let vehicle::ModelParameter::Effect(effect) = parameter {
         return describe_effect(name, effect.declaration().1);
     }
     let entry = ENTRIES.iter().find(|entry| entry.name == name);
     let entry = entry.expect("a test looks up every parameter");
-    Parameter {
+    FreeParameter {
         name,
         unit: parameter.unit(),
         scale: entry.scale,
@@ -145,7 +145,7 @@ pub fn describe(parameter: vehicle::Parameter, nominal: &Specification) -> Param
 
 /// An effect that works by a factor has a logarithmic scale, which does not reach "off": the
 /// scale ends far below anything that matters.
-fn describe_effect(name: String, declared: &effects::ParameterDeclaration) -> Parameter {
+fn describe_effect(name: String, declared: &effects::ParameterDeclaration) -> FreeParameter {
     const FAR: f64 = 5.0;
     let (scale, median, deviation, low) = match declared.prior {
         effects::Prior::Normal { mean, deviation } => {
@@ -156,7 +156,7 @@ fn describe_effect(name: String, declared: &effects::ParameterDeclaration) -> Pa
             (Scale::Log, median, deviation, declared.low.max(least))
         }
     };
-    Parameter {
+    FreeParameter {
         name,
         unit: declared.unit,
         scale,

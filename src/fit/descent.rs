@@ -1,11 +1,11 @@
 //! Ways down from a start, past answers that are known.
 
+use super::noise_model::reweigh;
 use super::normal::Eliminated;
-use super::optimiser::{Outcome, Stop, minimise, normals};
+use super::optimiser::{Minimum, Stop, minimise, normals};
 use super::predictor::Predictor;
-use super::problem::{Point, Problem, Tables, Weighing};
+use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::robust;
-use super::weighing::reweigh;
 use nalgebra::{DMatrix, DVector};
 
 /// Answers are the same where no parameter differs by more of its standard deviations.
@@ -37,9 +37,9 @@ pub(super) enum Descent {
 /// Down to a minimum: motion and weights in turns, the noise held. `None` where the model
 /// cannot drive.
 pub(super) fn descend<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     point: Point,
-    by: &Weighing,
+    by: &NoiseModel,
     robust: bool,
 ) -> Option<Answer> {
     match descend_past(&[], problem, point, by, robust)? {
@@ -52,9 +52,9 @@ pub(super) fn descend<P: Predictor>(
 /// way to one.
 pub(super) fn descend_past<P: Predictor>(
     known: &[Answer],
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     mut point: Point,
-    by: &Weighing,
+    by: &NoiseModel,
     robust: bool,
 ) -> Option<Descent> {
     let mut by = by.clone();
@@ -102,11 +102,11 @@ pub(super) fn descend_past<P: Predictor>(
 /// promises, so that no better answer beside it is passed over. In a narrow valley that is seen long before steps along
 /// its floor have come there.
 fn falls_to<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     here: &Point,
-    outcome: &Outcome,
+    outcome: &Minimum,
     answer: &Answer,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> bool {
     let cost = |share: f64| {
         let between = |from: f64, to: f64| from + share * (to - from);
@@ -120,8 +120,8 @@ fn falls_to<P: Predictor>(
         let residuals = problem.evaluate_unless_one_fails(&point, false)?;
         Some(problem.cost(&residuals, &point, by))
     };
-    let promised = outcome.cost - outcome.promised;
-    let Some(end) = cost(1.0).filter(|end| *end <= promised) else {
+    let predicted_reduction = outcome.cost - outcome.predicted_reduction;
+    let Some(end) = cost(1.0).filter(|end| *end <= predicted_reduction) else {
         return false;
     };
     let mut last = outcome.cost;
@@ -156,10 +156,10 @@ pub(super) fn group(mut answers: Vec<Answer>) -> Vec<Answer> {
 
 /// Standard deviations of the parameters.
 fn deviations<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Option<DVector<f64>> {
     let mut matrix = DMatrix::from_diagonal(&problem.prior(&point.coordinates).0);
     for normal in normals(problem, tables, point, by) {

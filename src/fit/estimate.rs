@@ -3,15 +3,15 @@
 use super::error::{FitError, LENGTHS, SHORTEST};
 use super::identifiability::{Limit, limits};
 use super::noise_estimate;
+use super::noise_model::{NoiseEstimate, first_noise_model, noise_estimates, reweigh};
 use super::optimiser::{Stop, minimise};
-use super::parameter::Parameter;
+use super::parameter::FreeParameter;
 use super::predictor::Predictor;
-use super::problem::{Point, Problem, Tables, Weighing};
+use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::segment::{Cut, cut};
 use super::sensor::{SensorParameter, SensorValues, free_sensors};
 use super::starts::{Starts, beginning, search};
 use super::uncertainty::{Uncertainty, uncertainty};
-use super::weighing::{NoiseEstimate, first_weighing, noise_estimates, reweigh};
 use crate::recording::{Recording, different_names};
 
 /// What to fit, and how.
@@ -54,7 +54,7 @@ pub enum Stage {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// What it is.
-    pub parameter: Parameter,
+    pub parameter: FreeParameter,
     /// Where the fit began.
     pub nominal: f64,
     /// The fitted value.
@@ -64,7 +64,7 @@ pub struct Estimate {
     /// Upper end of the 90 % interval.
     pub high: f64,
     /// Standard deviation of the coordinate over the prior's.
-    pub told: f64,
+    pub posterior_prior_ratio: f64,
 }
 
 /// A finished fit.
@@ -123,7 +123,7 @@ const LATER: f64 = 0.03;
 /// number of parameters or values than the predictor has.
 pub fn fit<P: Predictor>(
     predictor: &P,
-    model: Vec<Parameter>,
+    model: Vec<FreeParameter>,
     nominal: &[f64],
     recordings: &[Recording],
     options: &Options,
@@ -148,7 +148,7 @@ pub fn fit<P: Predictor>(
         .map(|recording| free_sensors(recording, &options.sensors))
         .collect::<Result<_, _>>()?;
     let names = recordings.iter().map(|r| r.name.clone()).collect();
-    let mut problem = Problem::new(predictor, model, names, sensors);
+    let mut problem = ShootingProblem::new(predictor, model, names, sensors);
     let begin = beginning(&problem, nominal, recordings);
     let left_out = take_segments(&mut problem, recordings, &begin, options)?;
     let mut state = State {
@@ -156,7 +156,7 @@ pub fn fit<P: Predictor>(
             starts: problem.measured_starts(),
             coordinates: begin.clone(),
         },
-        by: first_weighing(&problem),
+        by: first_noise_model(&problem),
         left_out,
     };
     let mut turned = turns(&mut problem, recordings, options, &mut state, progress)?;
@@ -176,7 +176,7 @@ pub fn fit<P: Predictor>(
         starts = Some(found);
     }
     let point = &state.point;
-    let estimate = |(k, parameter): (usize, &Parameter)| {
+    let estimate = |(k, parameter): (usize, &FreeParameter)| {
         let (low, high) = parameter.interval(point.coordinates[k], doubt.half_width(k));
         Estimate {
             parameter: parameter.clone(),
@@ -184,7 +184,7 @@ pub fn fit<P: Predictor>(
             value: parameter.value(point.coordinates[k]),
             low,
             high,
-            told: doubt.deviation(k) / parameter.prior.deviation,
+            posterior_prior_ratio: doubt.deviation(k) / parameter.prior.deviation,
         }
     };
     let coordinates = point.coordinates.as_slice();
@@ -218,7 +218,7 @@ pub fn fit<P: Predictor>(
 /// Where the fit stands.
 struct State {
     point: Point,
-    by: Weighing,
+    by: NoiseModel,
     left_out: LeftOut,
 }
 
@@ -238,7 +238,7 @@ struct Turned {
 
 /// Motion, noise and weights in turns.
 fn turns<P: Predictor>(
-    problem: &mut Problem<P>,
+    problem: &mut ShootingProblem<P>,
     recordings: &[Recording],
     options: &Options,
     state: &mut State,
@@ -273,7 +273,7 @@ fn turns<P: Predictor>(
     Err(FitError::NotFinite)
 }
 
-fn seconds<P: Predictor>(problem: &Problem<P>) -> f64 {
+fn seconds<P: Predictor>(problem: &ShootingProblem<P>) -> f64 {
     problem.segments.iter().map(|s| s.end - s.start).sum()
 }
 
@@ -281,7 +281,7 @@ fn seconds<P: Predictor>(problem: &Problem<P>) -> f64 {
 /// start read off a late pose may slide in a way that no soil bears. They come back with the
 /// next cut.
 fn leave_out_undrivable<P: Predictor>(
-    problem: &mut Problem<P>,
+    problem: &mut ShootingProblem<P>,
     state: &mut State,
 ) -> Result<(), FitError> {
     let driven = problem.evaluate_each(&state.point, true);
@@ -302,7 +302,7 @@ fn leave_out_undrivable<P: Predictor>(
     Ok(())
 }
 
-fn latencies<P: Predictor>(problem: &Problem<P>, state: &State) -> Vec<f64> {
+fn latencies<P: Predictor>(problem: &ShootingProblem<P>, state: &State) -> Vec<f64> {
     let late = |recording| {
         let values = problem.sensor_values(recording, &state.point.coordinates);
         values[SensorParameter::PoseLatency.index()]
@@ -318,7 +318,7 @@ fn is_later(now: &[f64], cut_for: &[f64]) -> bool {
 
 /// Cuts anew; segments that are still there keep their starts.
 fn recut<P: Predictor>(
-    problem: &mut Problem<P>,
+    problem: &mut ShootingProblem<P>,
     recordings: &[Recording],
     options: &Options,
     state: &mut State,
@@ -336,15 +336,15 @@ fn recut<P: Predictor>(
     };
     state.point.starts = problem.segments.iter().map(start).collect();
     let noise = std::mem::take(&mut state.by.noise);
-    state.by = Weighing {
+    state.by = NoiseModel {
         noise,
-        ..first_weighing(problem)
+        ..first_noise_model(problem)
     };
     Ok(())
 }
 
 fn take_segments<P: Predictor>(
-    problem: &mut Problem<P>,
+    problem: &mut ShootingProblem<P>,
     recordings: &[Recording],
     coordinates: &nalgebra::DVector<f64>,
     options: &Options,
@@ -375,7 +375,7 @@ fn take_segments<P: Predictor>(
 }
 
 fn doubts<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     turned: &Turned,
     state: &State,
     robust: bool,

@@ -7,7 +7,7 @@ use crate::recording::Drive;
 use crate::simulation::{
     Derivatives, LastStep, SensitiveSimulation, Simulation, SimulationError, State, WheelSpeeds,
 };
-use crate::vehicle::{Parameter, Specification, VehicleModel};
+use crate::vehicle::{ModelParameter, Specification, VehicleModel};
 
 /// Steps for each second of a drive, and in all, after which a model counts as one that cannot be driven:
 /// less than a hundred are common.
@@ -18,9 +18,9 @@ const LEAST_STEPS: u64 = 1000;
 #[derive(Debug, Clone)]
 pub struct ExactPredictor<'d> {
     nominal: Specification,
-    free: Vec<Parameter>,
+    free: Vec<ModelParameter>,
     /// Besides, derivatives are wanted by these as they act within each of the request's gates.
-    gated: Vec<Parameter>,
+    binned: Vec<ModelParameter>,
     coarse: bool,
     /// Errors of the integration, in units of the usual ones.
     tolerance: f64,
@@ -30,11 +30,11 @@ pub struct ExactPredictor<'d> {
 impl<'d> ExactPredictor<'d> {
     /// A model with free parameters.
     #[must_use]
-    pub fn new(nominal: Specification, free: Vec<Parameter>) -> Self {
+    pub fn new(nominal: Specification, free: Vec<ModelParameter>) -> Self {
         Self {
             nominal,
             free,
-            gated: Vec::new(),
+            binned: Vec::new(),
             coarse: false,
             tolerance: 1.0,
             deadline: Deadline::NEVER,
@@ -51,8 +51,8 @@ impl<'d> ExactPredictor<'d> {
     /// With derivatives by further parameters, which keep their values, as they act within each
     /// of a request's gates.
     #[must_use]
-    pub fn with_gated(mut self, gated: Vec<Parameter>) -> Self {
-        self.gated = gated;
+    pub fn with_binned(mut self, binned: Vec<ModelParameter>) -> Self {
+        self.binned = binned;
         self
     }
 
@@ -113,9 +113,13 @@ impl Predictor for ExactPredictor<'_> {
         let seconds = request.times.last().map_or(0.0, |end| end - begin);
         let most = LEAST_STEPS + (MOST_STEPS * seconds) as u64;
         if request.derivatives {
-            let gates = request.gates.len() + 1;
-            let mut simulation =
-                SensitiveSimulation::with_gates(&specification, &self.free, &self.gated, gates)?;
+            let time_bins = request.time_bins.len() + 1;
+            let mut simulation = SensitiveSimulation::with_time_bins(
+                &specification,
+                &self.free,
+                &self.binned,
+                time_bins,
+            )?;
             if self.coarse {
                 simulation = simulation.with_coarse_derivatives();
             }
@@ -213,7 +217,7 @@ impl Driven for SensitiveSimulation {
     }
 
     fn open_gate(&mut self) {
-        self.next_gate();
+        self.next_time_bin();
     }
 }
 
@@ -232,11 +236,11 @@ fn drive<D: Driven>(
         return Ok(());
     };
     let drive = request.drive;
-    let mut gates = request
-        .gates
+    let mut time_bins = request
+        .time_bins
         .iter()
-        .map(|gate| gate + request.wheel_latency);
-    let mut gate = gates.next();
+        .map(|time_bin| time_bin + request.wheel_latency);
+    let mut time_bin = time_bins.next();
     let mut now = begin + request.wheel_latency;
     let mut row = drive.time.partition_point(|time| *time <= now);
     let (speeds, rates) = wheels(drive, row, now);
@@ -256,8 +260,8 @@ fn drive<D: Driven>(
             return Err(PredictionError::OutOfTime);
         }
         let next_row = drive.time.get(row).copied().unwrap_or(f64::INFINITY);
-        let next_gate = gate.unwrap_or(f64::INFINITY);
-        let next = next_row.min(next_gate).min(end);
+        let next_time_bin = time_bin.unwrap_or(f64::INFINITY);
+        let next = next_row.min(next_time_bin).min(end);
         // Since then: sums of steps on a clock that began in 1970 would round off more than the last sample's place.
         let mut reached = 0.0;
         simulation.advance((next - now).max(0.0), |step| {
@@ -270,9 +274,9 @@ fn drive<D: Driven>(
             }
         })?;
         now = next;
-        if next_gate <= next {
+        if next_time_bin <= next {
             simulation.open_gate();
-            gate = gates.next();
+            time_bin = time_bins.next();
         }
         if next_row <= next {
             row += 1;

@@ -1,6 +1,6 @@
 //! What the data cannot tell, in words.
 
-use super::parameter::Parameter;
+use super::parameter::FreeParameter;
 use super::uncertainty::Uncertainty;
 use nalgebra::DMatrix;
 use std::fmt;
@@ -107,7 +107,7 @@ impl fmt::Display for Limit {
 /// What the data leave open at a fitted point; the first `model` parameters are the model's.
 #[must_use]
 pub fn limits(
-    parameters: &[Parameter],
+    parameters: &[FreeParameter],
     model: usize,
     coordinates: &[f64],
     uncertainty: &Uncertainty,
@@ -151,7 +151,7 @@ pub fn limits(
 /// Directions in the model's parameters, each in units of its prior, by how far the data
 /// narrow them: eigenvectors of the posterior covariance. Told only where some are not told.
 fn combinations(
-    parameters: &[Parameter],
+    parameters: &[FreeParameter],
     model: usize,
     uncertainty: &Uncertainty,
 ) -> Option<Limit> {

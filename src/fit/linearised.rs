@@ -2,7 +2,7 @@
 
 use super::deadline::Deadline;
 use super::normal::{Normal, START};
-use super::problem::{Tables, Weighing};
+use super::problem::{NoiseModel, Tables};
 use super::segment::Segment;
 use nalgebra::DVector;
 
@@ -26,7 +26,7 @@ pub struct Linearised<'a> {
 impl Linearised<'_> {
     /// Normal equations of a segment, its start's prior among them.
     #[must_use]
-    pub fn normal(&self, index: usize, tables: &Tables, by: &Weighing) -> Normal {
+    pub fn normal(&self, index: usize, tables: &Tables, by: &NoiseModel) -> Normal {
         let segment = self.segments[index];
         let places = &self.places[segment.recording];
         let mut normal = Normal::zeros(self.precision.len());
@@ -66,7 +66,7 @@ pub(super) fn add_segment(
     index: usize,
     places: &[usize],
     tables: &Tables,
-    by: &Weighing,
+    by: &NoiseModel,
 ) {
     for (channel, samples) in segment.samples.iter().enumerate() {
         let mut table = tables.channels[channel].clone();

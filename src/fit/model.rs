@@ -4,7 +4,7 @@ use super::estimate::{Fit, Options, Stage, fit};
 use super::exact::ExactPredictor;
 use super::{FitError, catalogue};
 use crate::recording::Recording;
-use crate::vehicle::{Parameter, Specification};
+use crate::vehicle::{ModelParameter, Specification};
 
 /// A model and how it was found.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ pub struct Fitted {
 /// anywhere.
 pub fn fit_model(
     nominal: &Specification,
-    free: &[Parameter],
+    free: &[ModelParameter],
     recordings: &[Recording],
     options: &Options,
     progress: &(dyn Fn(Stage) + Sync),
@@ -51,7 +51,7 @@ pub fn fit_model(
     if nominal.effects.depend_on_beginning() {
         return Err(FitError::DependsOnBeginning);
     }
-    let twice = |(place, parameter): (usize, &Parameter)| {
+    let twice = |(place, parameter): (usize, &ModelParameter)| {
         let again = free[..place].contains(parameter);
         again.then(|| parameter.name())
     };
@@ -89,10 +89,10 @@ mod tests {
     fn what_cannot_be_fitted_is_refused() {
         let soil = Terrain::preset("sandy_loam").unwrap();
         let nominal = Specification::plain(Vehicle::tran2007(), soil);
-        let cohesion = Parameter::Terrain(TerrainParameter::Cohesion);
+        let cohesion = ModelParameter::Terrain(TerrainParameter::Cohesion);
         let options = Options::default();
         let fitted = |nominal: &Specification,
-                      free: &[Parameter],
+                      free: &[ModelParameter],
                       recordings: &[Recording],
                       options: &Options| {
             fit_model(nominal, free, recordings, options, &|_| ()).map(|_| ())

@@ -12,7 +12,7 @@
 use super::linearised::Linearised;
 use super::noise::ChannelNoise;
 use super::normal::{Eliminated, Normal};
-use super::problem::{Tables, Weighing};
+use super::problem::{NoiseModel, Tables};
 use super::segment::NoiseGroup;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ const LAST_STEP: f64 = 0.06;
 
 /// Estimates the noise of every channel of every recording anew; returns the largest change of
 /// a standard deviation or correlation time, as a logarithm. At the deadline channels keep what they have.
-pub fn update(problem: &Linearised, tables: &[Tables], by: &mut Weighing) -> f64 {
+pub fn update(problem: &Linearised, tables: &[Tables], by: &mut NoiseModel) -> f64 {
     let mut largest: f64 = 0.0;
     let mut plain = with_outliers_only(by);
     let mut others = Others::new(problem, tables, &plain);
@@ -70,7 +70,7 @@ pub fn update(problem: &Linearised, tables: &[Tables], by: &mut Weighing) -> f64
 struct Others(Vec<Option<Eliminated>>);
 
 impl Others {
-    fn new(problem: &Linearised, tables: &[Tables], by: &Weighing) -> Self {
+    fn new(problem: &Linearised, tables: &[Tables], by: &NoiseModel) -> Self {
         let count = if problem.places.len() > 1 {
             problem.segments.len()
         } else {
@@ -81,7 +81,13 @@ impl Others {
     }
 
     /// After the noise of a recording has changed.
-    fn renew(&mut self, recording: usize, problem: &Linearised, tables: &[Tables], by: &Weighing) {
+    fn renew(
+        &mut self,
+        recording: usize,
+        problem: &Linearised,
+        tables: &[Tables],
+        by: &NoiseModel,
+    ) {
         let segments = self.0.par_iter_mut().enumerate();
         segments
             .filter(|(index, _)| problem.segments[*index].recording == recording)
@@ -92,7 +98,7 @@ impl Others {
 fn eliminated(
     problem: &Linearised,
     tables: &[Tables],
-    by: &Weighing,
+    by: &NoiseModel,
     index: usize,
 ) -> Option<Eliminated> {
     Eliminated::new(&problem.normal(index, &tables[index], by), 0.0)
@@ -100,7 +106,7 @@ fn eliminated(
 
 /// Outliers keep their small weights, everything else counts alike: weights that follow from one
 /// split into white and coloured noise would hold the search at that split.
-fn with_outliers_only(by: &Weighing) -> Weighing {
+fn with_outliers_only(by: &NoiseModel) -> NoiseModel {
     let mut plain = by.clone();
     for weight in plain.weights.iter_mut().flatten().flatten() {
         if *weight > OUTLIER {
@@ -141,7 +147,7 @@ impl Part<'_, '_> {
     }
 
     /// Compass search in the three logarithms.
-    fn search(&self, by: &Weighing) -> ChannelNoise {
+    fn search(&self, by: &NoiseModel) -> ChannelNoise {
         let rest = Rest::new(self, by);
         let guess = self.group.first_guess();
         let mut best = to_logarithms(&by.noise[self.recording][self.group as usize]);
@@ -190,7 +196,7 @@ impl Part<'_, '_> {
     }
 
     /// Minus twice the log likelihood with other noise in the group.
-    fn objective(&self, rest: &Rest, noise: &ChannelNoise, by: &Weighing) -> f64 {
+    fn objective(&self, rest: &Rest, noise: &ChannelNoise, by: &NoiseModel) -> f64 {
         let one = |(index, normal): &(usize, Normal)| {
             let mut normal = normal.clone();
             let log_determinant = self.add(*index, noise, by, true, &mut normal);
@@ -224,7 +230,7 @@ impl Part<'_, '_> {
         &self,
         index: usize,
         noise: &ChannelNoise,
-        by: &Weighing,
+        by: &NoiseModel,
         ours: bool,
         normal: &mut Normal,
     ) -> f64 {
@@ -262,7 +268,7 @@ struct Rest {
 }
 
 impl Rest {
-    fn new(part: &Part, by: &Weighing) -> Self {
+    fn new(part: &Part, by: &NoiseModel) -> Self {
         let problem = part.problem;
         let members: Vec<usize> = part.members().collect();
         let without = |&index: &usize| {

@@ -56,7 +56,7 @@ pub fn observe(
 }
 
 /// As [`observe`], with the derivatives by gated parameters after those by the parameters; see
-/// [`Request::gates`].
+/// [`Request::time_bins`].
 ///
 /// # Errors
 /// As [`Predictor::predict`].
@@ -67,7 +67,7 @@ pub fn observe_gated(
     parameters: &[f64],
     sensors: &SensorValues,
     derivatives: bool,
-    gates: &[f64],
+    time_bins: &[f64],
 ) -> Result<Vec<Residuals>, PredictionError> {
     let times = times(segment, sensors);
     let mut trajectory = Trajectory::default();
@@ -79,7 +79,7 @@ pub fn observe_gated(
         drive: &segment.drive,
         wheel_latency: sensors[SensorParameter::WheelLatency.index()],
         times: &times,
-        gates,
+        time_bins,
         derivatives,
     };
     predictor.predict(&request, &mut trajectory)?;

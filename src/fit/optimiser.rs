@@ -9,7 +9,7 @@
 use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal};
 use super::predictor::{PredictionError, Predictor};
-use super::problem::{Point, Problem, Tables, Weighing};
+use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::restart::{moved, outlying_excess, outlying_restarted};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -22,9 +22,9 @@ pub struct Stop {
     /// The cost, a chi-square, need not fall by more than this any further.
     pub gain: f64,
     /// A cost that is not likely to come down to this is not worth going on with.
-    pub hopeless: f64,
+    pub cost_ceiling: f64,
     /// Starts are looked for anew so often at most.
-    pub renewals: usize,
+    pub max_restarts: usize,
 }
 
 impl Stop {
@@ -34,35 +34,35 @@ impl Stop {
         Self {
             steps,
             gain,
-            hopeless: f64::INFINITY,
-            renewals: RENEWALS,
+            cost_ceiling: f64::INFINITY,
+            max_restarts: RENEWALS,
         }
     }
 
     /// With the starts that the steps come to.
     #[must_use]
     pub const fn without_renewals(mut self) -> Self {
-        self.renewals = 0;
+        self.max_restarts = 0;
         self
     }
 
     /// Or where the cost is not likely to come down to this.
     #[must_use]
-    pub const fn unless_above(mut self, hopeless: f64) -> Self {
-        self.hopeless = hopeless;
+    pub const fn unless_above(mut self, cost_ceiling: f64) -> Self {
+        self.cost_ceiling = cost_ceiling;
         self
     }
 }
 
 /// Where the search ended.
 #[derive(Debug, Clone)]
-pub struct Outcome {
+pub struct Minimum {
     /// The cost there.
     pub cost: f64,
     /// How much it fell.
     pub gain: f64,
     /// How much the next step promises.
-    pub promised: f64,
+    pub predicted_reduction: f64,
     /// Steps taken or tried.
     pub steps: usize,
     /// Whether it stopped for want of gain, not of steps.
@@ -113,10 +113,10 @@ struct Stand {
 
 impl Stand {
     fn new<P: Predictor>(
-        problem: &Problem<P>,
+        problem: &ShootingProblem<P>,
         point: Point,
         tables: Vec<Tables>,
-        by: &Weighing,
+        by: &NoiseModel,
     ) -> Self {
         let normals = normals(problem, &tables, &point, by);
         Self {
@@ -129,17 +129,17 @@ impl Stand {
     }
 
     /// What segments that stand out cost more than others.
-    fn excess<P: Predictor>(&self, problem: &Problem<P>) -> f64 {
+    fn excess<P: Predictor>(&self, problem: &ShootingProblem<P>) -> f64 {
         outlying_excess(problem, self.normals.iter().map(|normal| normal.cost))
     }
 
     /// At another point with the derivatives of this one.
     fn moved<P: Predictor>(
         &self,
-        problem: &Problem<P>,
+        problem: &ShootingProblem<P>,
         point: Point,
         residuals: &[Tables],
-        by: &Weighing,
+        by: &NoiseModel,
     ) -> Self {
         let pairs = self.tables.iter().zip(residuals);
         let tables = pairs.map(|(old, new)| old.with_residuals(new)).collect();
@@ -155,11 +155,11 @@ impl Stand {
 /// # Errors
 /// A point to begin with that cannot be predicted.
 pub fn minimise<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     point: &mut Point,
-    by: &Weighing,
+    by: &NoiseModel,
     stop: Stop,
-) -> Result<Outcome, PredictionError> {
+) -> Result<Minimum, PredictionError> {
     let tables = problem.evaluate(point, true)?;
     Ok(minimise_from(problem, point, tables, by, stop))
 }
@@ -167,12 +167,12 @@ pub fn minimise<P: Predictor>(
 /// As [`minimise`] where residuals and derivatives of the point are at hand.
 #[must_use]
 pub fn minimise_from<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     point: &mut Point,
     tables: Vec<Tables>,
-    by: &Weighing,
+    by: &NoiseModel,
     stop: Stop,
-) -> Outcome {
+) -> Minimum {
     let stand = |point: Point| {
         let tables = problem.evaluate(&point, true)?;
         Ok(Stand::new(problem, point, tables, by))
@@ -188,10 +188,10 @@ pub fn minimise_from<P: Predictor>(
     let first = here.cost;
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut reach = FIRST_REACH;
-    let (mut steps, mut renewals) = (0, 0);
+    let (mut steps, mut max_restarts) = (0, 0);
     // Whether what the next step promises is within the accuracy of the predictions.
     let mut rounded = false;
-    let (converged, promised) = loop {
+    let (converged, predicted_reduction) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
         let step = propose(problem, &here, damping, reach);
         let enough = if rounded { NEARLY } else { 1.0 } * stop.gain;
@@ -207,12 +207,12 @@ pub fn minimise_from<P: Predictor>(
         // As if every step left gained as much as this one promises, and segments that stand out were made like others.
         let left = stop.steps.saturating_sub(steps).max(1) as f64;
         let falls = left * step.as_ref().map_or(0.0, |step| step.expected_gain);
-        let above = here.cost - falls - stop.hopeless;
+        let above = here.cost - falls - stop.cost_ceiling;
         if steps >= TRIED && above > 0.0 && above > here.excess(problem) {
             break (false, step.map_or(0.0, |step| step.expected_gain));
         }
-        if (ended || little) && renewals < stop.renewals {
-            renewals += 1;
+        if (ended || little) && max_restarts < stop.max_restarts {
+            max_restarts += 1;
             rounded = false;
             if let Some(there) = restarted(problem, &here, by) {
                 if there.cost < (1.0 - RENEWED) * here.cost {
@@ -271,10 +271,10 @@ pub fn minimise_from<P: Predictor>(
         }
     };
     *point = here.point;
-    Outcome {
+    Minimum {
         cost: here.cost,
         gain: first - here.cost,
-        promised,
+        predicted_reduction,
         steps,
         converged,
         tables: here.tables,
@@ -282,7 +282,11 @@ pub fn minimise_from<P: Predictor>(
 }
 
 /// The same with other starts, where segments that stand out have better ones.
-fn restarted<P: Predictor>(problem: &Problem<P>, here: &Stand, by: &Weighing) -> Option<Stand> {
+fn restarted<P: Predictor>(
+    problem: &ShootingProblem<P>,
+    here: &Stand,
+    by: &NoiseModel,
+) -> Option<Stand> {
     let costs = here.normals.iter().map(|normal| normal.cost);
     let starts = outlying_restarted(problem, &here.point, by, costs)?;
     let (point, tables) = moved(problem, &here.point, &here.tables, starts)?;
@@ -293,22 +297,22 @@ fn restarted<P: Predictor>(problem: &Problem<P>, here: &Stand, by: &Weighing) ->
 /// Normal equations of all segments, computed side by side.
 #[must_use]
 pub fn normals<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Vec<Normal> {
     let all = tables.par_iter().enumerate();
     all.map(|(index, tables)| problem.normal(index, tables, point, by))
         .collect()
 }
 
-fn total<P: Predictor>(problem: &Problem<P>, normals: &[Normal], point: &Point) -> f64 {
+fn total<P: Predictor>(problem: &ShootingProblem<P>, normals: &[Normal], point: &Point) -> f64 {
     normals.iter().map(|normal| normal.cost).sum::<f64>() + problem.prior_cost(&point.coordinates)
 }
 
 fn propose<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     here: &Stand,
     damping: f64,
     reach: f64,

@@ -20,7 +20,7 @@ pub struct Prior {
 
 /// A parameter to be fitted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+pub struct FreeParameter {
     /// Name in files, as `cohesion` or `drawbar.force`; of a sensor with its recording's before it.
     pub name: String,
     /// Unit of its value.
@@ -38,7 +38,7 @@ pub struct Parameter {
 /// 95 % quantile of the normal distribution: bounds a 90 % interval.
 pub const NORMAL_95: f64 = 1.644_853_626_951_472_7;
 
-impl Parameter {
+impl FreeParameter {
     /// The coordinate of a value.
     #[must_use]
     pub fn coordinate(&self, value: f64) -> f64 {
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn intervals_of_logarithmic_parameters_are_factors() {
-        let parameter = Parameter {
+        let parameter = FreeParameter {
             name: "k".into(),
             unit: "1",
             scale: Scale::Log,

@@ -27,7 +27,7 @@ pub struct Request<'a> {
     pub times: &'a [f64],
     /// Times at which one gate closes and the next opens \[s\], increasing, for derivatives by
     /// parameters as they act within each.
-    pub gates: &'a [f64],
+    pub time_bins: &'a [f64],
     /// Whether derivatives are wanted besides the states.
     pub derivatives: bool,
 }
@@ -88,7 +88,7 @@ pub trait Predictor: Send + Sync {
 #[derive(Debug, Clone, PartialEq)]
 pub enum PredictionError {
     /// A parameter out of range.
-    Parameter(ParameterError),
+    FreeParameter(ParameterError),
     /// A drive that ends early.
     Simulation(SimulationError),
     /// The deadline has passed: see [`Predictor::deadline`].
@@ -98,7 +98,7 @@ pub enum PredictionError {
 impl fmt::Display for PredictionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Parameter(error) => error.fmt(f),
+            Self::FreeParameter(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::OutOfTime => f.write_str("time was up"),
         }
@@ -108,7 +108,7 @@ impl fmt::Display for PredictionError {
 impl std::error::Error for PredictionError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Self::Parameter(error) => Some(error),
+            Self::FreeParameter(error) => Some(error),
             Self::Simulation(error) => Some(error),
             Self::OutOfTime => None,
         }
@@ -117,7 +117,7 @@ impl std::error::Error for PredictionError {
 
 impl From<ParameterError> for PredictionError {
     fn from(error: ParameterError) -> Self {
-        Self::Parameter(error)
+        Self::FreeParameter(error)
     }
 }
 

@@ -4,7 +4,7 @@ use super::linearised::{Linearised, add_segment};
 use super::noise::ChannelNoise;
 use super::normal::{Normal, START};
 use super::observation::{self, Residuals};
-use super::parameter::Parameter;
+use super::parameter::FreeParameter;
 use super::predictor::{PredictionError, Predictor};
 use super::segment::{NoiseGroup, Segment};
 use super::sensor::{SensorParameter, SensorValues};
@@ -13,10 +13,10 @@ use rayon::prelude::*;
 
 /// What is fitted to what.
 #[derive(Debug)]
-pub struct Problem<'a, P> {
+pub struct ShootingProblem<'a, P> {
     predictor: &'a P,
     /// All unknowns but the starts: the model's, then each recording's sensors'.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<FreeParameter>,
     /// Number of the model's.
     pub model_parameters: usize,
     /// For each recording the places of the predictor's parameters among all: the same for all
@@ -43,7 +43,7 @@ pub struct Point {
 
 /// How residuals are weighed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Weighing {
+pub struct NoiseModel {
     /// Noise of each recording's channels, by [`NoiseGroup`].
     pub noise: Vec<[ChannelNoise; NoiseGroup::ALL.len()]>,
     /// Weight of each sample, by segment and channel.
@@ -75,23 +75,23 @@ impl Tables {
     }
 }
 
-impl<'a, P: Predictor> Problem<'a, P> {
+impl<'a, P: Predictor> ShootingProblem<'a, P> {
     /// Unknowns and data. `model` are the free parameters of the predictor, in its order;
     /// `sensors` the free ones of each recording.
     pub fn new(
         predictor: &'a P,
-        model: Vec<Parameter>,
+        model: Vec<FreeParameter>,
         recordings: Vec<String>,
         sensors: Vec<Vec<SensorParameter>>,
     ) -> Self {
         Self::with_own(predictor, model, &[], recordings, sensors)
     }
 
-    /// As [`Problem::new`], with a value for each recording of those of the predictor's parameters
+    /// As [`ShootingProblem::new`], with a value for each recording of those of the predictor's parameters
     /// whose places `own` lists: what is bound to the place of a drive.
     pub fn with_own(
         predictor: &'a P,
-        model: Vec<Parameter>,
+        model: Vec<FreeParameter>,
         own: &[usize],
         recordings: Vec<String>,
         sensors: Vec<Vec<SensorParameter>>,
@@ -203,7 +203,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
         self.evaluate_each(point, derivatives).into_iter().collect()
     }
 
-    /// As [`Problem::evaluate`], `None` as soon as one segment cannot be predicted: what a vehicle that can
+    /// As [`ShootingProblem::evaluate`], `None` as soon as one segment cannot be predicted: what a vehicle that can
     /// hardly drive does takes long.
     #[must_use]
     pub fn evaluate_unless_one_fails(
@@ -218,7 +218,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
             .collect()
     }
 
-    /// As [`Problem::evaluate`], for each segment whether the others can be predicted or not.
+    /// As [`ShootingProblem::evaluate`], for each segment whether the others can be predicted or not.
     #[must_use]
     pub fn evaluate_each(
         &self,
@@ -305,7 +305,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
 
     /// Normal equations of a segment, its start's prior among them.
     #[must_use]
-    pub fn normal(&self, index: usize, tables: &Tables, point: &Point, by: &Weighing) -> Normal {
+    pub fn normal(&self, index: usize, tables: &Tables, point: &Point, by: &NoiseModel) -> Normal {
         let segment = &self.segments[index];
         let places = self.places(segment.recording);
         let mut normal = Normal::zeros(self.parameters.len());
@@ -331,7 +331,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
 
     /// Sum of the squares of all whitened residuals and of the distances from the priors.
     #[must_use]
-    pub fn cost(&self, residuals: &[Tables], point: &Point, by: &Weighing) -> f64 {
+    pub fn cost(&self, residuals: &[Tables], point: &Point, by: &NoiseModel) -> f64 {
         let one = |(index, tables): (usize, &Tables)| {
             let segment = &self.segments[index];
             let mut cost = 0.0;
@@ -368,7 +368,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
     pub fn prior(&self, coordinates: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
         let precision = self.parameters.iter().map(|p| p.prior.deviation.powi(-2));
         let precision = DVector::from_iterator(self.parameters.len(), precision);
-        let medians = self.parameters.iter().map(Parameter::prior_coordinate);
+        let medians = self.parameters.iter().map(FreeParameter::prior_coordinate);
         let medians = DVector::from_iterator(self.parameters.len(), medians);
         let pull = (medians - coordinates).component_mul(&precision);
         (precision, pull)
@@ -377,7 +377,7 @@ impl<'a, P: Predictor> Problem<'a, P> {
     /// Coordinates of a model, sensors without fault.
     #[must_use]
     pub fn coordinates(&self, model: &[f64]) -> DVector<f64> {
-        let medians = self.parameters.iter().map(Parameter::prior_coordinate);
+        let medians = self.parameters.iter().map(FreeParameter::prior_coordinate);
         let mut coordinates = DVector::from_iterator(self.parameters.len(), medians);
         for (value, place) in self
             .model

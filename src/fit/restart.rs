@@ -8,14 +8,14 @@
 //! linearised segment foretells of another start, or one that is on its way to the same place, is not followed: most are.
 
 use super::linearised::add_segment;
+use super::noise_model::reweigh_segment;
 use super::normal::{Eliminated, Normal, START};
 use super::observation::{Residuals, columns, observe};
 use super::predictor::{Predictor, Request, Trajectory};
-use super::problem::{Point, Problem, Tables, Weighing};
+use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::robust;
 use super::segment::Segment;
 use super::sensor::{SensorParameter, SensorValues};
-use super::weighing::reweigh_segment;
 use crate::recording::upper_median;
 use crate::simulation::State;
 use nalgebra::{DVector, SVector};
@@ -43,9 +43,9 @@ const OUTLYING: f64 = 3.0;
 /// The starts of all segments, those that were found to do better anew; `None` where none was. The parameters are held.
 #[must_use]
 pub fn restarted<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Option<Vec<[f64; START]>> {
     restarted_where(problem, point, by, &|_| true)
 }
@@ -53,9 +53,9 @@ pub fn restarted<P: Predictor>(
 /// As [`restarted`], of the segments whose costs stand out from those of the others.
 #[must_use]
 pub fn outlying_restarted<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
     costs: impl Iterator<Item = f64>,
 ) -> Option<Vec<[f64; START]>> {
     let each = each(problem, costs);
@@ -70,7 +70,7 @@ pub fn outlying_restarted<P: Predictor>(
 /// What segments whose costs stand out cost more than the median segment would.
 #[must_use]
 pub fn outlying_excess<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     costs: impl Iterator<Item = f64>,
 ) -> f64 {
     let each = each(problem, costs);
@@ -83,7 +83,7 @@ pub fn outlying_excess<P: Predictor>(
 }
 
 /// The segments' costs for each of their samples.
-fn each<P: Predictor>(problem: &Problem<P>, costs: impl Iterator<Item = f64>) -> Vec<f64> {
+fn each<P: Predictor>(problem: &ShootingProblem<P>, costs: impl Iterator<Item = f64>) -> Vec<f64> {
     let pairs = costs.zip(&problem.segments);
     pairs
         .map(|(cost, segment)| cost / samples(segment))
@@ -98,7 +98,7 @@ fn samples(segment: &Segment) -> f64 {
 /// hand. `None` where one cannot be driven.
 #[must_use]
 pub fn moved<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     point: &Point,
     tables: &[Tables],
     starts: Vec<[f64; START]>,
@@ -125,11 +125,11 @@ pub fn moved<P: Predictor>(
 /// the vehicle cannot be driven. The weighing is of this segment alone.
 #[must_use]
 pub fn settled<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     index: usize,
     coordinates: &DVector<f64>,
     start: [f64; START],
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Option<[f64; START]> {
     let segment = &problem.segments[index];
     let values = problem.model_values(segment.recording, coordinates);
@@ -145,9 +145,9 @@ pub fn settled<P: Predictor>(
 }
 
 fn restarted_where<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
     wanted: &(impl Fn(usize) -> bool + Sync),
 ) -> Option<Vec<[f64; START]>> {
     let held = |recording: usize| {
@@ -194,7 +194,7 @@ struct Stretch<'p, P> {
     segment: &'p Segment,
     sensors: SensorValues,
     /// Noise, and the weights of this segment alone.
-    by: Weighing,
+    by: NoiseModel,
     /// Whether these follow the residuals of each start.
     reweighed: bool,
 }
@@ -238,7 +238,7 @@ impl<P: Predictor> Stretch<'_, P> {
             drive: &self.segment.drive,
             wheel_latency: self.sensors[SensorParameter::WheelLatency.index()],
             times: &[self.segment.start, self.segment.end],
-            gates: &[],
+            time_bins: &[],
             derivatives: false,
         };
         let mut trajectory = Trajectory::default();

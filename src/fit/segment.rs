@@ -6,7 +6,7 @@
 //! disturbance that the model lacks then stays in its segment.
 
 use super::sensor::{SensorParameter, SensorValues};
-use super::told_start::{AT_REST, START_DEVIATION, with_start};
+use super::start_prior::{AT_REST, START_DEVIATION, with_start};
 use crate::recording::{Channel, Course, Drive, Recording, Run};
 use crate::vehicle::seen_from;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The sensors' parameters: what a recording says beside what the vehicle did.
 
 use super::error::FitError;
-use super::parameter::{Parameter, Prior, Scale};
+use super::parameter::{FreeParameter, Prior, Scale};
 use super::segment::Signal;
 use crate::identification::{Latencies, Signals};
 use crate::recording::{Channel, Recording};
@@ -88,7 +88,7 @@ impl SensorParameter {
     /// The parameter to be fitted for a recording. Priors: a pose from lidar or a filter
     /// trails by tenths of a second, encoders by less, a warm MEMS gyro is off by some mrad/s.
     #[must_use]
-    pub fn parameter(self, recording: &str) -> Parameter {
+    pub fn parameter(self, recording: &str) -> FreeParameter {
         let (unit, deviation, reach) = match self {
             Self::PoseLatency => ("s", 0.4, 1.5),
             Self::WheelLatency => ("s", 0.2, 1.0),
@@ -96,7 +96,7 @@ impl SensorParameter {
             Self::LeverArmX | Self::LeverArmY => ("m", 0.3, 5.0),
             Self::HeadingOffset => ("rad", 0.05, 0.8),
         };
-        Parameter {
+        FreeParameter {
             name: format!("{recording}.{}", self.name()),
             unit,
             scale: Scale::Linear,

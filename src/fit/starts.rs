@@ -2,9 +2,9 @@
 
 use super::descent::{Answer, Descent, close, descend, descend_past, group};
 use super::estimate::{Options, Stage};
-use super::parameter::Parameter;
+use super::parameter::FreeParameter;
 use super::predictor::Predictor;
-use super::problem::{Point, Problem, Weighing};
+use super::problem::{NoiseModel, Point, ShootingProblem};
 use super::sensor::{SensorParameter, compared};
 use super::uncertainty::Uncertainty;
 use crate::recording::Recording;
@@ -48,7 +48,7 @@ impl OtherMinimum {
 /// Where a fit begins: the model's parameters at these values, latencies at what comparing the curves tells.
 #[must_use]
 pub fn beginning<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     nominal: &[f64],
     recordings: &[Recording],
 ) -> DVector<f64> {
@@ -75,9 +75,9 @@ const BETTER: f64 = 1.0;
 
 /// Tries random starts from the prior.
 pub fn search<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     found: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
     doubt: &Uncertainty,
     options: &Options,
     progress: &(dyn Fn(Stage) + Sync),
@@ -180,9 +180,9 @@ fn is_that_of(told: &Answer, found: &Point, answer: &Answer) -> bool {
 
 /// Compares answers of starts with that from the nominal model.
 fn verdict<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     found: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
     mut minima: Vec<Answer>,
     deviations: &DVector<f64>,
     mut starts: Starts,
@@ -230,7 +230,7 @@ fn verdict<P: Predictor>(
 }
 
 /// A point drawn from the prior, within the bounds (Box & Muller's transform).
-fn draw(parameters: &[Parameter], random: &mut fastrand::Rng) -> DVector<f64> {
+fn draw(parameters: &[FreeParameter], random: &mut fastrand::Rng) -> DVector<f64> {
     let coordinates = parameters.iter().map(|parameter| {
         let (low, high) = parameter.bounds();
         let radius = (-2.0 * (1.0 - random.f64()).ln()).sqrt();

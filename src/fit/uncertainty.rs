@@ -11,7 +11,7 @@ use super::normal::{Eliminated, Normal};
 use super::optimiser::normals;
 use super::parameter::NORMAL_95;
 use super::predictor::Predictor;
-use super::problem::{Point, Problem, Tables, Weighing};
+use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::robust;
 use super::segment::NoiseGroup;
 use nalgebra::{DMatrix, DVector};
@@ -60,10 +60,10 @@ impl Uncertainty {
 /// are not finite.
 #[must_use]
 pub fn uncertainty<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
     robust: bool,
 ) -> Option<Uncertainty> {
     let pulls: Vec<Eliminated> = eliminate(&normals(problem, tables, point, by))?;
@@ -100,7 +100,7 @@ fn eliminate(normals: &[Normal]) -> Option<Vec<Eliminated>> {
 /// K. D. West, Econometrica 55 (1987), lag 1), drawn towards the information where there are
 /// few segments.
 fn scatter<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     pulls: &[Eliminated],
     information: &DMatrix<f64>,
 ) -> DMatrix<f64> {
@@ -147,10 +147,10 @@ fn overdispersion(
 /// Weights whose information is the curvature of the objective: a sample's pull grows more
 /// slowly than its weight tells, see [`robust::curvature`].
 fn with_curvature<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     tables: &[Tables],
-    by: &Weighing,
-) -> Weighing {
+    by: &NoiseModel,
+) -> NoiseModel {
     let mut sums = vec![[(0.0, 0.0); NoiseGroup::ALL.len()]; problem.recordings.len()];
     for (index, segment) in problem.segments.iter().enumerate() {
         for (channel, samples) in segment.samples.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Which topic serves as what.
 
 use super::ImportError;
-use super::message::Kind;
+use super::message::MessageKind;
 use super::side::{WheelJoints, guess};
 use super::survey::{Survey, Topic};
 use crate::spelling::nearest;
@@ -23,7 +23,7 @@ pub enum Wish {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice<'s> {
     /// What it serves as.
-    pub kind: Kind,
+    pub kind: MessageKind,
     /// The topic.
     pub topic: &'s Topic,
     /// Whether it was named.
@@ -50,18 +50,18 @@ impl Choice<'_> {
 }
 
 /// The order of preference, in words.
-fn rule(kind: Kind) -> &'static str {
+fn rule(kind: MessageKind) -> &'static str {
     match kind {
-        Kind::Joints => "the topic with left and right wheels and the most messages",
-        Kind::Odometry => {
+        MessageKind::Joints => "the topic with left and right wheels and the most messages",
+        MessageKind::Odometry => {
             "names that tell of GPS, INS, lidar or motion capture go first, those of wheels last, \
              then the most messages decide"
         }
-        Kind::Imu => {
+        MessageKind::Imu => {
             "what is not raw goes first, what belongs to a camera or a lidar last, then the most messages \
              decide"
         }
-        Kind::Fix => "raw and filtered data last, then the most messages decide",
+        MessageKind::Fix => "raw and filtered data last, then the most messages decide",
     }
 }
 
@@ -141,16 +141,16 @@ pub(super) fn origin(topic: &str) -> Origin {
 }
 
 /// Smaller is better.
-fn standing(kind: Kind, topic: &Topic, wheels: &WheelJoints) -> u8 {
+fn standing(kind: MessageKind, topic: &Topic, wheels: &WheelJoints) -> u8 {
     let name = topic.name.to_lowercase();
     match kind {
-        Kind::Joints => u8::from(pick_wheels(topic, wheels).is_err()),
-        Kind::Odometry => origin(&name) as u8,
-        Kind::Imu => {
+        MessageKind::Joints => u8::from(pick_wheels(topic, wheels).is_err()),
+        MessageKind::Odometry => origin(&name) as u8,
+        MessageKind::Imu => {
             let elsewhere = tells(&name, &ELSEWHERE) || tells(&topic.frame, &ELSEWHERE);
             2 * u8::from(elsewhere) + u8::from(name.contains("raw"))
         }
-        Kind::Fix => u8::from(name.contains("raw") || name.contains("filtered")),
+        MessageKind::Fix => u8::from(name.contains("raw") || name.contains("filtered")),
     }
 }
 
@@ -160,7 +160,7 @@ fn standing(kind: Kind, topic: &Topic, wheels: &WheelJoints) -> u8 {
 /// A named topic that is not there or is of another type.
 pub fn choose<'s>(
     survey: &'s Survey,
-    kind: Kind,
+    kind: MessageKind,
     wish: &Wish,
     wheels: &WheelJoints,
 ) -> Result<Option<Choice<'s>>, ImportError> {
@@ -185,7 +185,7 @@ pub fn choose<'s>(
 
 fn named<'s>(
     survey: &'s Survey,
-    kind: Kind,
+    kind: MessageKind,
     name: &str,
     fitting: &[&'s Topic],
 ) -> Result<&'s Topic, ImportError> {
@@ -196,7 +196,7 @@ fn named<'s>(
     }
     let reason = match survey.topics.iter().find(same) {
         None => "the file has no such topic".into(),
-        Some(topic) if Kind::of_type(&topic.message_type) == Some(kind) => format!(
+        Some(topic) if MessageKind::of_type(&topic.message_type) == Some(kind) => format!(
             "its encoding `{}` cannot be read, only cdr and ros1",
             topic.encoding
         ),

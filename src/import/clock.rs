@@ -207,11 +207,11 @@ pub(super) fn ordered<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::container::Channel;
-    use crate::import::message::Kind;
+    use crate::import::container::Connection;
+    use crate::import::message::MessageKind;
 
     fn stream(name: &str, times: &[(i64, i64)]) -> Stream<usize> {
-        let channel = Channel {
+        let channel = Connection {
             topic: name.into(),
             message_type: String::new(),
             encoding: String::new(),
@@ -222,7 +222,7 @@ mod tests {
             value,
         };
         Stream {
-            kind: Kind::Imu,
+            kind: MessageKind::Imu,
             topic: crate::import::survey::Topic::new(&channel, 0),
             child_frame: String::new(),
             samples: times.iter().enumerate().map(sample).collect(),

@@ -3,8 +3,8 @@
 use super::ImportError;
 use super::attitude::{Yaw, yaw};
 use super::choose::Choice;
-use super::container::{self, Channel, Progress};
-use super::message::{Decode, Fix, Header, Imu, Joints, Kind, Odometry};
+use super::container::{self, Connection, ReadProgress};
+use super::message::{Decode, Fix, Header, Imu, Joints, MessageKind, Odometry};
 use super::side::WheelJoints;
 use super::survey::{Survey, Topic};
 use super::wire::{DecodeError, Encoding};
@@ -23,7 +23,7 @@ pub(super) struct Sample<T> {
 /// The samples of a topic.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stream<T> {
-    pub kind: Kind,
+    pub kind: MessageKind,
     pub topic: Topic,
     /// The frame of its velocities, in odometry.
     pub child_frame: String,
@@ -111,7 +111,7 @@ impl<T> Stream<T> {
         }
     }
 
-    fn carries(&self, channel: &Channel) -> bool {
+    fn carries(&self, channel: &Connection) -> bool {
         let topic = &self.topic;
         topic.name == channel.topic
             && topic.message_type == channel.message_type
@@ -146,7 +146,7 @@ pub(super) fn collect(
     path: &Path,
     survey: &Survey,
     choices: &Choices,
-    progress: &mut Progress,
+    progress: &mut ReadProgress,
 ) -> Result<Collected, ImportError> {
     let mut all = Collected {
         joints: Stream::new(&choices.joints),
@@ -172,7 +172,7 @@ pub(super) fn collect(
 impl Collected {
     fn take(
         &mut self,
-        channel: &Channel,
+        channel: &Connection,
         encoding: Encoding,
         logged: i64,
         data: &[u8],
@@ -227,7 +227,7 @@ fn deviation([east, north]: [f64; 2]) -> Option<f64> {
 
 fn carrying<'a, T>(
     stream: &'a mut Option<Stream<T>>,
-    channel: &Channel,
+    channel: &Connection,
 ) -> Option<&'a mut Stream<T>> {
     stream.as_mut().filter(|stream| stream.carries(channel))
 }

@@ -1,6 +1,6 @@
 //! Why a file cannot be made a recording.
 
-use super::message::Kind;
+use super::message::MessageKind;
 use super::wire::DecodeError;
 use crate::display;
 use std::error::Error;
@@ -54,7 +54,7 @@ pub enum ImportError {
     /// A topic that was asked for and is not there, or is of another type.
     Topic {
         /// What it was asked for as.
-        kind: Kind,
+        kind: MessageKind,
         /// The topic.
         topic: String,
         /// What is wrong with it.
@@ -104,7 +104,8 @@ impl ImportError {
                 Some("name the wheels' joints: --left NAME,... --right NAME,...".into())
             }
             Self::Message { message_type, .. } => {
-                let kind = Kind::of_type(message_type).filter(|kind| *kind != Kind::Joints)?;
+                let kind = MessageKind::of_type(message_type)
+                    .filter(|kind| *kind != MessageKind::Joints)?;
                 Some(format!(
                     "--topics {}=none leaves its topic out",
                     kind.name()

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 /// What a topic carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum MessageKind {
     /// `sensor_msgs/JointState`: wheel speeds.
     Joints,
     /// `nav_msgs/Odometry`: pose and velocities.
@@ -17,7 +17,7 @@ pub enum Kind {
     Fix,
 }
 
-impl Kind {
+impl MessageKind {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Joints, Self::Odometry, Self::Imu, Self::Fix];
 

@@ -30,9 +30,9 @@ mod wire;
 pub use choose::{Choice, Wish, choose};
 pub use clock::Clock;
 pub use columns::Column;
-pub use container::{Container, Ending, Progress};
+pub use container::{Container, Ending, ReadProgress};
 pub use error::ImportError;
-pub use message::Kind;
+pub use message::MessageKind;
 pub use options::{Heading, Options, Pose};
 pub use side::{WheelJoints, guess};
 pub use survey::{Survey, Topic, survey};
@@ -47,7 +47,7 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Used {
     /// What it served as.
-    pub kind: Kind,
+    pub kind: MessageKind,
     /// The topic.
     pub topic: Topic,
     /// The frame of its velocities, in odometry.
@@ -78,7 +78,7 @@ pub fn import(
     path: &Path,
     survey: &Survey,
     options: &Options,
-    progress: &mut Progress,
+    progress: &mut ReadProgress,
 ) -> Result<Imported, ImportError> {
     let mut notes = Vec::new();
     if let Ending::Broken { offset, reason } = &survey.ending {
@@ -135,13 +135,13 @@ fn used<T>(stream: &Stream<T>) -> Used {
 /// The topics that serve.
 fn choices<'s>(survey: &'s Survey, options: &Options) -> Result<Choices<'s>, ImportError> {
     let wheels = &options.wheels;
-    let pick = |kind: Kind| {
+    let pick = |kind: MessageKind| {
         let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
         choose(survey, kind, wish, wheels)
     };
-    let Some(joints) = pick(Kind::Joints)? else {
+    let Some(joints) = pick(MessageKind::Joints)? else {
         let describe = |topic: &Topic| match topic.kind() {
-            None if Kind::of_type(&topic.message_type).is_some() => format!(
+            None if MessageKind::of_type(&topic.message_type).is_some() => format!(
                 "{} ({} in the encoding `{}`, which cannot be read)",
                 topic.name, topic.message_type, topic.encoding
             ),
@@ -153,9 +153,9 @@ fn choices<'s>(survey: &'s Survey, options: &Options) -> Result<Choices<'s>, Imp
     Ok(Choices {
         wheels: choose::pick_wheels(joints.topic, wheels)?,
         joints,
-        odometry: pick(Kind::Odometry)?,
-        imu: pick(Kind::Imu)?,
-        fix: pick(Kind::Fix)?,
+        odometry: pick(MessageKind::Odometry)?,
+        imu: pick(MessageKind::Imu)?,
+        fix: pick(MessageKind::Fix)?,
     })
 }
 
@@ -216,7 +216,7 @@ fn describe_topic(used: &Used) -> Value {
         "messages": used.topic.messages,
         "frame": used.topic.frame,
     });
-    if used.kind == Kind::Odometry {
+    if used.kind == MessageKind::Odometry {
         topic["child_frame"] = Value::String(used.child_frame.clone());
     }
     topic

@@ -2,7 +2,7 @@
 
 use super::choose::Wish;
 use super::clock::Clock;
-use super::message::Kind;
+use super::message::MessageKind;
 use super::side::WheelJoints;
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ pub enum Heading {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Options {
     /// Topics; of kinds that are not there, any.
-    pub topics: BTreeMap<Kind, Wish>,
+    pub topics: BTreeMap<MessageKind, Wish>,
     /// The wheels' joints; a side without names is found by the joints' names.
     pub wheels: WheelJoints,
     /// Whether the left and the right wheels' speeds change their sign.

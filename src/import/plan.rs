@@ -7,7 +7,7 @@ use super::clock::{Times, settle};
 use super::collect::{Collected, OdometrySample, Sample, Stream};
 use super::columns::Columns;
 use super::fixes::Fixes;
-use super::message::Kind;
+use super::message::MessageKind;
 use super::options::{Heading, Options, Pose};
 use super::track::{Track, wheels};
 
@@ -132,15 +132,15 @@ impl Sources<'_> {
         asked: Option<Pose>,
         notes: &mut Vec<String>,
     ) -> Result<Option<Pose>, ImportError> {
-        let missing = |option: &str, kind: Kind| ImportError::Missing {
+        let missing = |option: &str, kind: MessageKind| ImportError::Missing {
             reason: format!("{option} needs valid messages of {}", kind.message_type()),
             remedy: "ugv import FILE --list shows what the file has".into(),
         };
         let pose = match (asked, &self.odometry, &self.fixes) {
             (Some(Pose::Odometry), None, _) => {
-                return Err(missing("--pose odometry", Kind::Odometry));
+                return Err(missing("--pose odometry", MessageKind::Odometry));
             }
-            (Some(Pose::Fix), _, None) => return Err(missing("--pose fix", Kind::Fix)),
+            (Some(Pose::Fix), _, None) => return Err(missing("--pose fix", MessageKind::Fix)),
             (Some(asked), ..) => Some(asked),
             (None, None, None) => {
                 notes.push("no pose: there is neither odometry nor a valid fix".into());

@@ -1,8 +1,8 @@
 //! What a file of messages holds.
 
 use super::ImportError;
-use super::container::{self, Channel, Container, Ending, Progress};
-use super::message::{Decode, Header, Joints, Kind};
+use super::container::{self, Connection, Container, Ending, ReadProgress};
+use super::message::{Decode, Header, Joints, MessageKind};
 use super::wire::Encoding;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -27,7 +27,7 @@ pub struct Topic {
 }
 
 impl Topic {
-    pub(super) fn new(channel: &Channel, time: i64) -> Self {
+    pub(super) fn new(channel: &Connection, time: i64) -> Self {
         Self {
             name: channel.topic.clone(),
             message_type: channel.message_type.clone(),
@@ -41,9 +41,9 @@ impl Topic {
 
     /// What it carries, if an import can use it.
     #[must_use]
-    pub fn kind(&self) -> Option<Kind> {
+    pub fn kind(&self) -> Option<MessageKind> {
         Encoding::of_name(&self.encoding)?;
-        Kind::of_type(&self.message_type)
+        MessageKind::of_type(&self.message_type)
     }
 
     /// From the first message to the last \[s\].
@@ -92,9 +92,9 @@ impl Survey {
 /// # Errors
 /// A file that cannot be read or is no file of messages. One that is damaged is no error: what
 /// comes before is surveyed.
-pub fn survey(path: &Path, progress: &mut Progress) -> Result<Survey, ImportError> {
+pub fn survey(path: &Path, progress: &mut ReadProgress) -> Result<Survey, ImportError> {
     let container = container::container(path)?;
-    let mut topics: BTreeMap<Channel, Topic> = BTreeMap::new();
+    let mut topics: BTreeMap<Connection, Topic> = BTreeMap::new();
     let ending = container::read(path, container, progress, &mut |channel, time, data| {
         if !topics.contains_key(channel) {
             let mut topic = Topic::new(channel, time);
@@ -110,7 +110,7 @@ pub fn survey(path: &Path, progress: &mut Progress) -> Result<Survey, ImportErro
         };
         topic.messages += 1;
         topic.logged = [topic.logged[0].min(time), topic.logged[1].max(time)];
-        if let (Some(Kind::Joints), Some(encoding)) =
+        if let (Some(MessageKind::Joints), Some(encoding)) =
             (topic.kind(), Encoding::of_name(&topic.encoding))
         {
             // One that does not decode is told when the topic is read.

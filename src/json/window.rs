@@ -2,7 +2,7 @@
 
 use super::JsonError;
 use super::effects::{as_object, unknown};
-use crate::effects::{CATALOGUE, Effects, Extent, Kind, Window};
+use crate::effects::{CATALOGUE, EffectKind, Effects, Extent, Window};
 use crate::spelling::nearest;
 use serde_json::{Map, Value, json};
 
@@ -51,7 +51,7 @@ fn read_effect(index: usize, value: &Value) -> Result<usize, JsonError> {
     };
     let found = CATALOGUE.iter().position(|effect| effect.name == name);
     found.ok_or_else(|| {
-        let physics = CATALOGUE.iter().filter(|e| e.kind == Kind::Physics);
+        let physics = CATALOGUE.iter().filter(|e| e.kind == EffectKind::Physics);
         JsonError::UnknownEffect {
             place: place(),
             name: name.into(),

@@ -5,7 +5,7 @@ use crate::declaration::{
     ArrayVariable, Attributes, Causality, Configuration, Elements, Kind, TERRAIN_NAMES,
     array_variables, variables,
 };
-use crate::effects::{CATALOGUE, Declaration, Effects, Kind as EffectKind};
+use crate::effects::{CATALOGUE, Declaration, EffectKind, Effects};
 use quick_xml::escape::escape;
 
 /// What only FMI 2.0 has.

@@ -43,7 +43,7 @@ pub trait Elementary: Scalar {
     /// x^y for x > 0.
     #[must_use]
     #[inline(always)]
-    fn raised(self, exponent: Self) -> Self {
+    fn powf(self, exponent: Self) -> Self {
         let (x, y) = (self.value(), exponent.value());
         let value = x.powf(y);
         Self::chain(value, &[y * value / x, value * x.ln()], &[self, exponent])
@@ -67,7 +67,7 @@ pub trait Elementary: Scalar {
     /// The smaller of two numbers.
     #[must_use]
     #[inline(always)]
-    fn least(self, other: Self) -> Self {
+    fn min(self, other: Self) -> Self {
         if self.value() <= other.value() {
             self
         } else {
@@ -77,7 +77,7 @@ pub trait Elementary: Scalar {
     /// The larger of two numbers.
     #[must_use]
     #[inline(always)]
-    fn most(self, other: Self) -> Self {
+    fn max(self, other: Self) -> Self {
         if self.value() >= other.value() {
             self
         } else {
@@ -106,7 +106,7 @@ mod tests {
             (Elementary::tan, f64::tan),
             (|x| x.sin_cos().0, f64::sin),
             (|x| x.sin_cos().1, f64::cos),
-            (|x| x.raised(x), |x| x.powf(x)),
+            (|x| x.powf(x), |x| x.powf(x)),
             (|x| x.rounded_abs(0.3), |x| x.hypot(0.3)),
         ];
         for (dual, plain) in functions {

@@ -9,26 +9,26 @@ use nalgebra::{DMatrix, Vector2};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns {
     pub throughout: usize,
-    pub gated: usize,
-    pub gates: usize,
+    pub binned: usize,
+    pub time_bins: usize,
     /// The gate that is open.
-    pub gate: usize,
+    pub time_bin: usize,
 }
 
 impl Columns {
     /// First column of the parameters that act throughout, and of those of the gate that is open.
     pub fn parameters(&self) -> [usize; 2] {
         let first = DELAY + 1;
-        [first, first + self.throughout + self.gate * self.gated]
+        [first, first + self.throughout + self.time_bin * self.binned]
     }
 
     pub fn all(&self) -> usize {
-        DELAY + 1 + self.throughout + self.gated * self.gates
+        DELAY + 1 + self.throughout + self.binned * self.time_bins
     }
 
     /// Number of columns that are not zero yet: all before the next gate's.
     pub fn begun(&self) -> usize {
-        DELAY + 1 + self.throughout + self.gated * (self.gate + 1)
+        DELAY + 1 + self.throughout + self.binned * (self.time_bin + 1)
     }
 }
 
@@ -82,7 +82,7 @@ impl Linearised {
 /// Adds what parameters do: those that act throughout, then the gated ones in the gate that is open.
 fn add_parameters(target: &mut DMatrix<f64>, by_parameters: &DMatrix<f64>, columns: &Columns) {
     let [throughout, open] = columns.parameters();
-    let counts = [columns.throughout, columns.gated];
+    let counts = [columns.throughout, columns.binned];
     let mut from = 0;
     for (first, count) in [throughout, open].into_iter().zip(counts) {
         let mut target = target.columns_mut(first, count);

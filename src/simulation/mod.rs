@@ -2,13 +2,13 @@
 
 mod jacobian;
 mod last_step;
-mod left;
-mod left_slopes;
 mod linearised;
 mod memory;
 mod rosenbrock;
+mod rut_history;
 mod sensitivity;
 mod settled;
+mod slope_history;
 mod snapshot;
 mod state;
 mod variation;
@@ -25,8 +25,8 @@ pub use state::{State, WheelSpeeds};
 use crate::vehicle::{Balance, BalanceError, Motion, Trend, VehicleModel, Wrench};
 use crate::vehicle::{Differentiated, Directions, Prepared, Tracks, Unusual};
 use jacobian::Work;
-use left::LeftTracks;
 use nalgebra::{SMatrix, SVector};
+use rut_history::RutHistory;
 use std::fmt;
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ pub struct Simulation {
     /// What the vehicle and its ground remember; nothing in the paper's model.
     memory: Vec<f64>,
     /// The tracks that the wheels left, where they meet them again.
-    left: LeftTracks,
+    left: RutHistory,
     inputs: WheelSpeeds,
     input_rates: WheelSpeeds,
     /// Balance at the end of the last step: the first guess for whatever is asked next, so
@@ -180,7 +180,7 @@ impl Simulation {
         let work = Work::new(&model, &now);
         let memory_count = model.memory_count();
         let memory = vec![0.0; memory_count];
-        let left = LeftTracks::new(&model);
+        let left = RutHistory::new(&model);
         Self {
             model,
             time: 0.0,

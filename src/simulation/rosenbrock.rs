@@ -234,7 +234,7 @@ impl Simulation {
     /// The longest step \[s\] that steps over nothing that lies in the way, whose evaluations are half a step apart.
     fn longest_step(&self) -> f64 {
         let speed = self.state.v_x.hypot(self.state.v_y);
-        let grain = self.model.grain();
+        let grain = self.model.min_feature_length();
         grain.map_or(f64::INFINITY, |grain| grain / speed)
     }
 

@@ -2,14 +2,14 @@
 //! vehicle, the soil and the effects, and by a delay of the wheel speeds.
 
 use super::last_step::{Derivatives, LastStep};
-use super::left_slopes::LeftSlopes;
 use super::linearised::Columns;
 use super::memory::directions;
 use super::settled::check_course;
+use super::slope_history::SlopeHistory;
 use super::variation::{Variation, identity};
 use super::{Simulation, SimulationError, State, WheelSpeeds};
 use crate::parameter::ParameterError;
-use crate::vehicle::{Direction, Parameter, Specification, VehicleModel};
+use crate::vehicle::{Direction, ModelParameter, Specification, VehicleModel};
 use nalgebra::DMatrix;
 
 /// A [`Simulation`] that carries the derivatives of its state along.
@@ -46,28 +46,28 @@ impl SensitiveSimulation {
     /// The first parameter of the specification that lies outside its range.
     pub fn new(
         specification: &Specification,
-        parameters: &[Parameter],
+        parameters: &[ModelParameter],
     ) -> Result<Self, ParameterError> {
-        Self::with_gates(specification, parameters, &[], 1)
+        Self::with_time_bins(specification, parameters, &[], 1)
     }
 
-    /// As [`SensitiveSimulation::new`], with derivatives besides by `gated` parameters as they act
+    /// As [`SensitiveSimulation::new`], with derivatives besides by `binned` parameters as they act
     /// in each of so many gates, stretches of time that follow one another: see
-    /// [`SensitiveSimulation::next_gate`]. Their sum is the derivative by a parameter that acts
+    /// [`SensitiveSimulation::next_time_bin`]. Their sum is the derivative by a parameter that acts
     /// throughout. A parameter may be among both, or twice; without any gate there is one.
     ///
     /// # Errors
     /// As [`SensitiveSimulation::new`].
-    pub fn with_gates(
+    pub fn with_time_bins(
         specification: &Specification,
-        parameters: &[Parameter],
-        gated: &[Parameter],
-        gates: usize,
+        parameters: &[ModelParameter],
+        binned: &[ModelParameter],
+        time_bins: usize,
     ) -> Result<Self, ParameterError> {
         let model = VehicleModel::alterable(specification)?;
         let (memory, placeless) = (model.memory_count(), model.is_placeless());
         let mut list = directions(memory);
-        let mut varied = parameters.iter().chain(gated);
+        let mut varied = parameters.iter().chain(binned);
         if placeless && !varied.clone().any(|p| p.depends_on_place()) {
             list.retain(|direction| !Direction::POSE.contains(direction));
         }
@@ -89,9 +89,9 @@ impl SensitiveSimulation {
         let places = list.iter().map(places).collect();
         let columns = Columns {
             throughout: parameters.len(),
-            gated: gated.len(),
-            gates: gates.max(1),
-            gate: 0,
+            binned: binned.len(),
+            time_bins: time_bins.max(1),
+            time_bin: 0,
         };
         let directions = model.directions(list);
         Ok(Self {
@@ -105,7 +105,7 @@ impl SensitiveSimulation {
                 last: None,
                 length: 0.0,
                 slopes: [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)],
-                left: LeftSlopes::default(),
+                left: SlopeHistory::default(),
             },
         })
     }
@@ -143,7 +143,7 @@ impl SensitiveSimulation {
         }
         self.simulation.forget();
         let memory = self.simulation.memory().len();
-        self.variation.columns.gate = 0;
+        self.variation.columns.time_bin = 0;
         self.variation.by = identity(memory, &self.variation.columns);
         self.variation.last = None;
         self.variation.length = 0.0;
@@ -195,10 +195,10 @@ impl SensitiveSimulation {
     }
 
     /// Closes the open gate and opens the next one; the last one stays open.
-    pub fn next_gate(&mut self) {
+    pub fn next_time_bin(&mut self) {
         let columns = &mut self.variation.columns;
-        if columns.gate + 1 < columns.gates {
-            columns.gate += 1;
+        if columns.time_bin + 1 < columns.time_bins {
+            columns.time_bin += 1;
         }
     }
 

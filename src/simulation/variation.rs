@@ -6,9 +6,9 @@
 //! order 2 (R. Alexander, SIAM J. Numer. Anal. 14 (1977)).
 
 use super::last_step::{Derivatives, share};
-use super::left_slopes::LeftSlopes;
 use super::linearised::{Columns, Linearised};
 use super::settled::Settling;
+use super::slope_history::SlopeHistory;
 use super::{Simulation, State};
 use crate::vehicle::{Differentiated, Direction, Directions};
 use nalgebra::{DMatrix, Vector2};
@@ -31,7 +31,7 @@ pub(super) struct Variation {
     pub length: f64,
     pub slopes: [DMatrix<f64>; 2],
     /// Of the tracks that the wheels left.
-    pub left: LeftSlopes,
+    pub left: SlopeHistory,
 }
 
 pub(super) fn identity(memory: usize, columns: &Columns) -> DMatrix<f64> {
@@ -54,7 +54,7 @@ impl Variation {
         let rows = self.by.nrows();
         let mut by_state = DMatrix::zeros(rows, rows);
         let mut by_speeds = DMatrix::zeros(rows, 2);
-        let parameters = self.columns.throughout + self.columns.gated;
+        let parameters = self.columns.throughout + self.columns.binned;
         let mut by_parameters = DMatrix::zeros(rows, parameters);
         let wheels = if simulation.model.has_ruts() {
             simulation.model.vehicle().wheel_count()

@@ -22,8 +22,8 @@ mod unusual;
 mod wrench;
 
 pub(crate) use altered::{
-    Came, Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES, TrackSlope,
-    sample_size, spacing, wheel_places, wheel_travel,
+    ApproachPath, Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES,
+    TrackSlope, sample_size, spacing, wheel_places, wheel_travel,
 };
 pub use altered::{Surroundings, Tracks, seen_from};
 pub use balance::Balance;
@@ -32,7 +32,7 @@ pub use linear::Linearisation;
 pub use loads::{GRAVITY, LoadPlane};
 pub use model::VehicleModel;
 pub use newton::BalanceError;
-pub use parameter::{Parameter, Specification, TerrainParameter, VehicleParameter};
+pub use parameter::{ModelParameter, Specification, TerrainParameter, VehicleParameter};
 pub(crate) use trend::Trend;
 pub use unusual::{USUAL_SOIL, Unusual};
 pub use wrench::{WheelOutputs, Wrench};

@@ -2,7 +2,7 @@
 
 use super::altered::{Altered, Prepared, Remembered};
 use super::{Direction, Directions};
-use super::{LoadPlane, Motion, Parameter, Specification, Surroundings, Vehicle};
+use super::{LoadPlane, ModelParameter, Motion, Specification, Surroundings, Vehicle};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
 use crate::effects::{Extent, ParameterName};
 use crate::parameter::ParameterError;
@@ -130,7 +130,7 @@ impl VehicleModel {
     }
 
     /// The length \[m\] of the shortest thing that lies in the way: a step that is longer might miss it.
-    pub(crate) fn grain(&self) -> Option<f64> {
+    pub(crate) fn min_feature_length(&self) -> Option<f64> {
         self.altered()?.grain
     }
 
@@ -147,7 +147,7 @@ impl VehicleModel {
         self.altered().is_none_or(|altered| {
             let effects = &altered.specification.effects;
             let mut placed =
-                ParameterName::all().filter(|p| Parameter::Effect(*p).depends_on_place());
+                ParameterName::all().filter(|p| ModelParameter::Effect(*p).depends_on_place());
             let anywhere = effects
                 .window
                 .as_ref()

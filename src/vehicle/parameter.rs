@@ -2,8 +2,8 @@
 
 use super::Vehicle;
 use crate::effects::{
-    Drag, Drawbar, Effects, Grade, Kind, ParameterName, ResidualLateral, ResidualLongitudinal,
-    ResidualYaw, TerrainChange,
+    Drag, Drawbar, EffectKind, Effects, Grade, ParameterName, ResidualLateral,
+    ResidualLongitudinal, ResidualYaw, TerrainChange,
 };
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
@@ -21,7 +21,7 @@ pub struct Specification {
 
 /// One number of a [`Specification`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Parameter {
+pub enum ModelParameter {
     /// Of the vehicle.
     Vehicle(VehicleParameter),
     /// Of the soil.
@@ -111,7 +111,7 @@ numbers! {
     ShearModulus "shear_modulus" ["m"] shear_modulus,
 }
 
-impl Parameter {
+impl ModelParameter {
     /// All parameters: the soil's, the vehicle's, the effects'.
     pub fn all() -> impl Iterator<Item = Self> {
         let terrain = TerrainParameter::ALL.into_iter().map(Self::Terrain);
@@ -220,7 +220,7 @@ impl Parameter {
     pub fn is_physics(self) -> bool {
         match self {
             Self::Effect(parameter) => {
-                parameter.declaration().0.kind == crate::effects::Kind::Physics
+                parameter.declaration().0.kind == crate::effects::EffectKind::Physics
             }
             _ => true,
         }
@@ -241,7 +241,7 @@ impl Specification {
     /// Names of the effects that are on.
     #[must_use]
     pub fn effect_names(&self) -> Vec<&'static str> {
-        let kinds = [Kind::Physics, Kind::Measurement];
+        let kinds = [EffectKind::Physics, EffectKind::Measurement];
         let on = kinds.into_iter().flat_map(|kind| self.effects.on(kind));
         on.map(|effect| effect.name).collect()
     }
@@ -255,21 +255,21 @@ mod tests {
     fn every_parameter_is_found_by_its_name_and_read_back() {
         let mut specification =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
-        for parameter in Parameter::all() {
-            assert_eq!(Parameter::find(&parameter.name()), Some(parameter));
+        for parameter in ModelParameter::all() {
+            assert_eq!(ModelParameter::find(&parameter.name()), Some(parameter));
             assert!(!parameter.unit().is_empty());
             let value = parameter.get(&specification) * 0.99;
             parameter.set(&mut specification, value).unwrap();
             assert_eq!(parameter.get(&specification), value);
         }
-        assert_eq!(Parameter::find("cohesio"), None);
-        assert!(Parameter::find("mass").unwrap().is_physics());
-        assert!(!Parameter::find("latency.pose").unwrap().is_physics());
+        assert_eq!(ModelParameter::find("cohesio"), None);
+        assert!(ModelParameter::find("mass").unwrap().is_physics());
+        assert!(!ModelParameter::find("latency.pose").unwrap().is_physics());
     }
 
     #[test]
     fn what_points_somewhere_on_the_map_depends_on_the_place() {
-        let placed = |name: &str| Parameter::find(name).unwrap().depends_on_place();
+        let placed = |name: &str| ModelParameter::find(name).unwrap().depends_on_place();
         for name in ["grade.slope_east", "terrain_change.position"] {
             assert!(placed(name), "{name}");
         }

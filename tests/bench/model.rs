@@ -8,11 +8,13 @@ use serde_json::Value;
 use std::hint::black_box;
 use std::time::Duration;
 use ugv_terrain::contact::{Regularisation, Resolution};
-use ugv_terrain::effects::{Effects, Kind, ParameterName};
+use ugv_terrain::effects::{EffectKind, Effects, ParameterName};
 use ugv_terrain::scalar::Real;
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Balance, Linearisation, Motion, Parameter, Specification, Vehicle};
+use ugv_terrain::vehicle::{
+    Balance, Linearisation, ModelParameter, Motion, Specification, Vehicle,
+};
 use ugv_terrain::vehicle::{VehicleModel, Wrench};
 
 /// The golden states with their models: what a wrench costs is their mean.
@@ -128,7 +130,7 @@ fn every_effect() -> Effects {
     let mut effects = Effects::NONE;
     for name in ParameterName::all() {
         let (effect, parameter) = name.declaration();
-        if effect.kind == Kind::Physics && parameter.switches {
+        if effect.kind == EffectKind::Physics && parameter.switches {
             let far = if parameter.default < parameter.high {
                 parameter.high
             } else {
@@ -183,7 +185,7 @@ fn effects(c: &mut Criterion) {
         terrain: *models[0].1.terrain(),
         effects: Effects::NONE,
     };
-    let soil: Vec<Parameter> = Parameter::all().take(6).collect();
+    let soil: Vec<ModelParameter> = ModelParameter::all().take(6).collect();
     let mut start = SensitiveSimulation::new(&plain, &soil).unwrap();
     start
         .drive(

@@ -3,7 +3,7 @@
 use super::*;
 use predicates::prelude::*;
 use predicates::str::contains;
-use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects};
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
 const SLOPE: &str = r#"{"grade": {"slope_east": 0.08}, "payload": {"mass": 60}}"#;
@@ -47,7 +47,7 @@ fn an_effect_is_explained_and_printed_as_a_file_that_works() {
     bench.write("effects.json", &assert.get_output().stdout);
     let effects = Effects::from_json(&bench.read("effects.json")).unwrap();
     let names: Vec<&str> = effects
-        .on(Kind::Physics)
+        .on(EffectKind::Physics)
         .map(|effect| effect.name)
         .collect();
     assert_eq!(names, ["grade", "drag"]);

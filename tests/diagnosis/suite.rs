@@ -21,7 +21,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 use told::{Answer, Told, diagnose, diagnosed, diagnosed_lasting, tool};
-use ugv_terrain::effects::{CATALOGUE, Kind};
+use ugv_terrain::effects::{CATALOGUE, EffectKind};
 
 /// Answers that may be wrong of so many drives with one effect of the catalogue.
 const EFFECTS_WRONG: usize = 10;
@@ -129,7 +129,7 @@ fn every_effect_is_named_at_three_sizes() {
     let named: Vec<&str> = named.map(|effect| effect.name).collect();
     let physics = CATALOGUE.iter().filter(|effect| {
         let everywhere = effect.name != "terrain_change" && named.contains(&effect.name);
-        effect.kind == Kind::Physics && everywhere
+        effect.kind == EffectKind::Physics && everywhere
     });
     // Of three rounds, each with every effect and all sizes, the first; or some of that.
     let part = Part::asked();

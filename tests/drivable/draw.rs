@@ -1,6 +1,6 @@
 //! Random drives: vehicles, soils, effects and wheel speeds drawn over what engineers may ask for.
 
-use ugv_terrain::effects::{CATALOGUE, Effects, Kind, ParameterName, Prior};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects, ParameterName, Prior};
 use ugv_terrain::simulation::{Simulation, SimulationError, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{GRAVITY, Specification, Vehicle, VehicleModel};
@@ -107,7 +107,7 @@ fn table(rng: &mut fastrand::Rng, vehicle: &Vehicle) -> Table {
 /// The physics of the catalogue.
 fn physics() -> Vec<usize> {
     (0..CATALOGUE.len())
-        .filter(|e| CATALOGUE[*e].kind == Kind::Physics)
+        .filter(|e| CATALOGUE[*e].kind == EffectKind::Physics)
         .collect()
 }
 

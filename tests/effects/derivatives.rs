@@ -1,9 +1,9 @@
 //! Exact derivatives against differences: of a whole drive, by its beginning and by every parameter.
 
 use super::specification;
-use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects};
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
-use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
+use ugv_terrain::vehicle::{ModelParameter, Specification, VehicleModel};
 
 /// The derivative's integration errs by some 1e-3 of the largest (order 2, steps chosen for the
 /// motion), the differences by the integrator's tolerance over their step.
@@ -52,7 +52,10 @@ pub fn end(specification: &Specification, start: State) -> [f64; 6] {
     drive.state().to_array()
 }
 
-pub fn sensitive(specification: &Specification, parameters: &[Parameter]) -> SensitiveSimulation {
+pub fn sensitive(
+    specification: &Specification,
+    parameters: &[ModelParameter],
+) -> SensitiveSimulation {
     driven(SensitiveSimulation::new(specification, parameters).unwrap())
 }
 
@@ -113,7 +116,7 @@ impl<'a> Differentiated<'a> {
         &self,
         what: &str,
         exact: &SensitiveSimulation,
-        parameters: &[(Parameter, f64)],
+        parameters: &[(ModelParameter, f64)],
     ) {
         for (index, (parameter, step)) in parameters.iter().enumerate() {
             let moved = |by: f64| {
@@ -159,9 +162,9 @@ impl<'a> Differentiated<'a> {
 pub fn by_shares(
     share: f64,
     on: &Specification,
-    parameters: &[Parameter],
-) -> Vec<(Parameter, f64)> {
-    let step = |p: &Parameter| (*p, share * p.get(on).abs());
+    parameters: &[ModelParameter],
+) -> Vec<(ModelParameter, f64)> {
+    let step = |p: &ModelParameter| (*p, share * p.get(on).abs());
     parameters.iter().map(step).collect()
 }
 
@@ -175,8 +178,8 @@ fn a_drive_is_differentiated_by_its_beginning() {
 fn a_drive_is_differentiated_by_the_soil_and_the_vehicle() {
     for terrain in ["dry_sand", "clayed_soil"] {
         let plain = specification(terrain, Effects::NONE);
-        let parameters: Vec<Parameter> = Parameter::all()
-            .filter(|p| !matches!(p, Parameter::Effect(_)))
+        let parameters: Vec<ModelParameter> = ModelParameter::all()
+            .filter(|p| !matches!(p, ModelParameter::Effect(_)))
             .collect();
         let exact = sensitive(&plain, &parameters);
         let steps = by_shares(1e-2, &plain, &parameters);
@@ -186,7 +189,7 @@ fn a_drive_is_differentiated_by_the_soil_and_the_vehicle() {
 
 #[test]
 fn a_drive_is_differentiated_by_every_effect() {
-    for effect in CATALOGUE.iter().filter(|e| e.kind == Kind::Physics) {
+    for effect in CATALOGUE.iter().filter(|e| e.kind == EffectKind::Physics) {
         // A point within the ranges, all shapes at their defaults.
         let mut effects = Effects::NONE;
         for parameter in effect.parameters.iter().filter(|p| p.switches) {
@@ -211,20 +214,20 @@ fn a_drive_is_differentiated_by_every_effect() {
             effects = effects.with("terrain_change.position", 1.0).unwrap();
         }
         let on = specification("sandy_loam", effects);
-        let parameters: Vec<Parameter> = effect
+        let parameters: Vec<ModelParameter> = effect
             .parameters
             .iter()
-            .map(|p| Parameter::find(&format!("{}.{}", effect.name, p.name)).unwrap())
+            .map(|p| ModelParameter::find(&format!("{}.{}", effect.name, p.name)).unwrap())
             .collect();
-        let step = |parameter: &Parameter| {
-            let Parameter::Effect(name) = *parameter else {
+        let step = |parameter: &ModelParameter| {
+            let ModelParameter::Effect(name) = *parameter else {
                 unreachable!()
             };
             let declared = name.declaration().1;
             let least = 0.02 * (declared.high - declared.low).min(1.0);
             (*parameter, 1e-2 * parameter.get(&on).abs().max(least))
         };
-        let steps: Vec<(Parameter, f64)> = parameters.iter().map(step).collect();
+        let steps: Vec<(ModelParameter, f64)> = parameters.iter().map(step).collect();
         Differentiated::new(&on, &end).by_parameters("", &sensitive(&on, &parameters), &steps);
     }
 }
@@ -252,7 +255,7 @@ fn a_drive_that_begins_with_settled_memory_is_differentiated() {
         "multipass.stiffness_ratio",
         "transient_shear.relaxation",
     ];
-    let parameters = names.map(|name| Parameter::find(name).unwrap());
+    let parameters = names.map(|name| ModelParameter::find(name).unwrap());
     let mut exact = SensitiveSimulation::new(&on, &parameters).unwrap();
     exact.restart(0.0, START).unwrap();
     exact.drive(speeds(0.0), WheelSpeeds::default()).unwrap();
@@ -301,8 +304,10 @@ fn coarse_derivatives_are_nearly_the_same_of_the_same_motion() {
     let effects = Effects::NONE.with("left_right_soil.ratio", 1.3).unwrap();
     let specification = specification("clayed_soil", effects);
     let names = ["cohesion", "friction_angle", "sinkage_exponent"];
-    let mut parameters = names.map(|name| Parameter::find(name).unwrap()).to_vec();
-    parameters.push(Parameter::find("left_right_soil.ratio").unwrap());
+    let mut parameters = names
+        .map(|name| ModelParameter::find(name).unwrap())
+        .to_vec();
+    parameters.push(ModelParameter::find("left_right_soil.ratio").unwrap());
     let exact = sensitive(&specification, &parameters);
     let coarse = SensitiveSimulation::new(&specification, &parameters).unwrap();
     let coarse = driven(coarse.with_coarse_derivatives());
@@ -329,7 +334,7 @@ fn coarse_derivatives_are_nearly_the_same_of_the_same_motion() {
 #[test]
 fn derivatives_within_a_step_are_those_of_a_drive_that_ends_there() {
     let specification = specification("dry_sand", Effects::NONE);
-    let parameters = [Parameter::find("friction_angle").unwrap()];
+    let parameters = [ModelParameter::find("friction_angle").unwrap()];
     let begin = || {
         let mut drive = SensitiveSimulation::new(&specification, &parameters).unwrap();
         drive.restart(0.0, START).unwrap();
@@ -359,7 +364,8 @@ fn derivatives_within_a_step_are_those_of_a_drive_that_ends_there() {
 #[test]
 fn a_parameter_may_be_asked_for_twice_and_in_gates_as_well() {
     let specification = specification("sandy_loam", Effects::NONE);
-    let [friction, mass] = ["friction_angle", "mass"].map(|name| Parameter::find(name).unwrap());
+    let [friction, mass] =
+        ["friction_angle", "mass"].map(|name| ModelParameter::find(name).unwrap());
     let alone = sensitive(&specification, &[friction]).derivatives();
     let close = |found: [f64; 6]| {
         let pairs = found.into_iter().zip(alone.by_parameter(0));
@@ -372,10 +378,10 @@ fn a_parameter_may_be_asked_for_twice_and_in_gates_as_well() {
         assert!(close(twice.by_parameter(place)), "{place}");
     }
     // Without any gate there is one, which is the whole drive.
-    let gated = SensitiveSimulation::with_gates(&specification, &[friction], &[friction], 0);
-    let gated = driven(gated.unwrap()).derivatives();
+    let binned = SensitiveSimulation::with_time_bins(&specification, &[friction], &[friction], 0);
+    let binned = driven(binned.unwrap()).derivatives();
     for place in [0, 1] {
-        assert!(close(gated.by_parameter(place)), "{place}");
+        assert!(close(binned.by_parameter(place)), "{place}");
     }
     let mut drive = SensitiveSimulation::new(&specification, &[]).unwrap();
     assert!(drive.restart(f64::NAN, START).is_err());

@@ -2,7 +2,7 @@
 
 use super::common::{paper_model, wrench};
 use super::{MOTIONS, model, specification};
-use ugv_terrain::effects::{CATALOGUE, Effects, Kind};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Motion, VehicleModel, Wrench};
 
@@ -47,7 +47,7 @@ fn nearly_off_is_nearly_the_paper() {
     let mut compared = 0;
     for terrain in Terrain::PRESETS {
         let paper = MOTIONS.map(|motion| totals(&wrench(&paper_model(terrain), &motion)));
-        for effect in CATALOGUE.iter().filter(|e| e.kind == Kind::Physics) {
+        for effect in CATALOGUE.iter().filter(|e| e.kind == EffectKind::Physics) {
             // A transient is a state of its own: tests/effects/memory.rs.
             let switches = effect.parameters.iter().filter(|p| p.switches);
             for parameter in switches.filter(|_| effect.name != "transient_shear") {

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use ugv_terrain::effects::{CATALOGUE, Declaration, Kind, Prior};
+use ugv_terrain::effects::{CATALOGUE, Declaration, EffectKind, Prior};
 
 const HEAD: &str = "\
 # Effects: the physics that the paper leaves out
@@ -96,9 +96,9 @@ fn section(page: &mut String, effect: &Declaration) {
 fn the_page_says_what_the_declarations_say() {
     let mut page = HEAD.to_owned();
     for (kind, title) in [
-        (Kind::Physics, "Physics"),
+        (EffectKind::Physics, "Physics"),
         (
-            Kind::Measurement,
+            EffectKind::Measurement,
             "Measurement (never to be blamed on the soil)",
         ),
     ] {

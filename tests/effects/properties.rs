@@ -3,7 +3,7 @@
 use super::common::{motions, power_lost};
 use super::specification;
 use proptest::prelude::*;
-use ugv_terrain::effects::{CATALOGUE, Effects, Kind, ParameterName};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects, ParameterName};
 use ugv_terrain::simulation::{Simulation, SimulationError, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Balance, BalanceError, Motion, Vehicle, VehicleModel, Wrench};
@@ -18,7 +18,7 @@ fn motion() -> impl Strategy<Value = Motion> {
 /// One effect, its parameters anywhere in moderate ranges.
 fn effects(allowed: fn(&str) -> bool) -> impl Strategy<Value = Effects> {
     let on: Vec<usize> = (0..CATALOGUE.len())
-        .filter(|i| CATALOGUE[*i].kind == Kind::Physics && allowed(CATALOGUE[*i].name))
+        .filter(|i| CATALOGUE[*i].kind == EffectKind::Physics && allowed(CATALOGUE[*i].name))
         .collect();
     (
         prop::sample::select(on),

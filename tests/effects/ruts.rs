@@ -4,7 +4,7 @@ use super::derivatives::{Differentiated, by_shares};
 use super::{model, specification};
 use ugv_terrain::effects::Effects;
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
-use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel, seen_from};
+use ugv_terrain::vehicle::{ModelParameter, Specification, VehicleModel, seen_from};
 
 fn speeds(left: f64, right: f64) -> WheelSpeeds {
     WheelSpeeds { left, right }
@@ -140,7 +140,7 @@ fn turns_on_the_spot_are_differentiated_through_the_tracks() {
         "friction_angle",
         "mass",
     ];
-    let parameters = names.map(|name| Parameter::find(name).unwrap());
+    let parameters = names.map(|name| ModelParameter::find(name).unwrap());
     // Straight on for as long as anyone remembers, and out of a bend.
     let bend = |k: i32| {
         let turned = -0.02 * f64::from(k);

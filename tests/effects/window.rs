@@ -3,9 +3,9 @@
 use super::common::speeds;
 use super::derivatives::{Differentiated, by_shares, compare, end, sensitive};
 use super::{MOTIONS, specification};
-use ugv_terrain::effects::{CATALOGUE, Effects, Extent, Kind, Window};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects, Extent, Window};
 use ugv_terrain::simulation::{Simulation, State};
-use ugv_terrain::vehicle::{Balance, Motion, Parameter, Surroundings, VehicleModel, Wrench};
+use ugv_terrain::vehicle::{Balance, ModelParameter, Motion, Surroundings, VehicleModel, Wrench};
 
 /// The integrator's tolerance of a velocity \[m/s\], over some steps.
 const CLOSE: f64 = 1e-3;
@@ -53,7 +53,7 @@ fn forces_are_those_of_the_effects_switched_on_or_off_bit_for_bit() {
         start: 3.0,
         end: 4.0,
     };
-    for effect in CATALOGUE.iter().filter(|e| e.kind == Kind::Physics) {
+    for effect in CATALOGUE.iter().filter(|e| e.kind == EffectKind::Physics) {
         // Another effect stays on beside it: what is off is off in the same code.
         let kept = if effect.name == "drag" {
             ("drawbar.force", 100.0)
@@ -233,7 +233,7 @@ fn a_drive_across_a_window_is_differentiated() {
         "mass",
         "cohesion",
     ];
-    let names = by.map(|name| Parameter::find(name).unwrap());
+    let names = by.map(|name| ModelParameter::find(name).unwrap());
     for (extent, parameters) in [
         // Edges between the steps and at them.
         (
@@ -282,7 +282,8 @@ fn nothing_depends_on_what_is_off_there() {
         end: 6.0,
     };
     let on = specification("sandy_loam", windowed(&on, &["drawbar"], late));
-    let parameters = ["drawbar.force", "drag.coefficient"].map(|n| Parameter::find(n).unwrap());
+    let parameters =
+        ["drawbar.force", "drag.coefficient"].map(|n| ModelParameter::find(n).unwrap());
     let drive = sensitive(&on, &parameters);
     assert_eq!(drive.derivatives().by_parameter(0), [0.0; 6]);
     assert!(drive.derivatives().by_parameter(1)[3] < 0.0);
@@ -290,7 +291,7 @@ fn nothing_depends_on_what_is_off_there() {
 
 #[test]
 fn an_effect_that_is_off_is_differentiated_within_its_window_alone() {
-    let force = [Parameter::find("drawbar.force").unwrap()];
+    let force = [ModelParameter::find("drawbar.force").unwrap()];
     let by_force = |value: f64, extent: Extent| {
         let some = with(&[("drawbar.force", value)]);
         let some = specification("sandy_loam", windowed(&some, &["drawbar"], extent));

@@ -9,7 +9,7 @@ use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::predictor::PredictionError;
 use ugv_terrain::fit::{Fit, FitError, fit};
 use ugv_terrain::recording::Recording;
-use ugv_terrain::vehicle::{Parameter, Specification};
+use ugv_terrain::vehicle::{ModelParameter, Specification};
 
 /// Counts how often it is asked, and is over after so many times.
 struct Counted {
@@ -41,7 +41,7 @@ fn fitted(
     recordings: &[Recording],
     deadline: Deadline,
 ) -> Result<Fit, FitError> {
-    let free: [Parameter; 2] = ["cohesion", "friction_angle"].map(|name| find(name).unwrap());
+    let free: [ModelParameter; 2] = ["cohesion", "friction_angle"].map(|name| find(name).unwrap());
     let predictor = ExactPredictor::new(begin.clone(), free.to_vec()).with_deadline(deadline);
     let parameters = free.iter().map(|p| describe(*p, begin)).collect();
     let values = free.map(|p| p.get(begin));

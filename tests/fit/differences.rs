@@ -4,7 +4,7 @@ use std::sync::Arc;
 use ugv_terrain::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
 use ugv_terrain::recording::Drive;
 use ugv_terrain::simulation::{Simulation, State, WheelSpeeds};
-use ugv_terrain::vehicle::{Parameter, Specification, VehicleModel};
+use ugv_terrain::vehicle::{ModelParameter, Specification, VehicleModel};
 
 /// Steps of the differences: velocities of the start \[m/s, rad/s\], and parameters (share of
 /// the value, or of one where it is small). Large against the integrator's tolerance of 1e-4,
@@ -16,13 +16,13 @@ const PARAMETER_STEP: f64 = 0.05;
 #[derive(Debug, Clone)]
 pub struct DifferencePredictor {
     nominal: Specification,
-    free: Vec<Parameter>,
+    free: Vec<ModelParameter>,
 }
 
 impl DifferencePredictor {
     /// A model with free parameters, the check of the exact derivatives.
     #[must_use]
-    pub fn new(nominal: Specification, free: Vec<Parameter>) -> Self {
+    pub fn new(nominal: Specification, free: Vec<ModelParameter>) -> Self {
         Self { nominal, free }
     }
 

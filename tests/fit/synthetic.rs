@@ -8,7 +8,7 @@ use ugv_terrain::fit::{Fit, FitError, Options, fit};
 use ugv_terrain::recording::{Channel, Recording, Run, Series};
 use ugv_terrain::simulation::{Simulation, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Parameter, Specification, Vehicle, VehicleModel};
+use ugv_terrain::vehicle::{ModelParameter, Specification, Vehicle, VehicleModel};
 
 /// A four-wheeled vehicle: half the work of the paper's.
 pub fn vehicle() -> Vehicle {
@@ -179,7 +179,7 @@ pub fn fitted(
     recordings: &[Recording],
     options: &Options,
 ) -> Result<Fit, FitError> {
-    let free: Vec<Parameter> = free.iter().map(|name| find(name).unwrap()).collect();
+    let free: Vec<ModelParameter> = free.iter().map(|name| find(name).unwrap()).collect();
     let predictor = ExactPredictor::new(begin.clone(), free.clone());
     let parameters = free.iter().map(|p| describe(*p, begin)).collect();
     let values: Vec<f64> = free.iter().map(|p| p.get(begin)).collect();

@@ -1,7 +1,7 @@
 //! Random starts where the fit has several minima, whose places are known.
 
 use crate::synthetic::plain;
-use ugv_terrain::fit::parameter::{Parameter, Prior, Scale};
+use ugv_terrain::fit::parameter::{FreeParameter, Prior, Scale};
 use ugv_terrain::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
 use ugv_terrain::fit::{Fit, Options, fit};
 use ugv_terrain::recording::{Channel, Recording, Run, Series};
@@ -73,7 +73,7 @@ impl Predictor for Steady {
 }
 
 /// Fits p to 20 s of driving at the speed of `truth`, from `nominal` on.
-fn fitted(truth: f64, shape: fn(f64) -> [f64; 2], nominal: f64, p: Parameter) -> Fit {
+fn fitted(truth: f64, shape: fn(f64) -> [f64; 2], nominal: f64, p: FreeParameter) -> Fit {
     let mut noise = fastrand::Rng::with_seed(5);
     // A sum of uniform numbers: near enough to normal, 1 cm.
     let mut disturbed =
@@ -109,8 +109,8 @@ fn fitted(truth: f64, shape: fn(f64) -> [f64; 2], nominal: f64, p: Parameter) ->
     .unwrap()
 }
 
-fn parameter([low, high]: [f64; 2], median: f64, deviation: f64) -> Parameter {
-    Parameter {
+fn parameter([low, high]: [f64; 2], median: f64, deviation: f64) -> FreeParameter {
+    FreeParameter {
         name: "p".into(),
         unit: "1",
         scale: Scale::Linear,

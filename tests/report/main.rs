@@ -49,9 +49,9 @@ fn json_has_the_format_of_the_design() {
     assert_eq!(all["next_manoeuvre"], Value::Null);
     let cohesion = &all["fit"]["soil"][0];
     assert_eq!(cohesion["nominal"], 1040.0);
-    let [retuned, augmented] =
+    let [refitted, augmented] =
         ["retuned", "augmented"].map(|key| cohesion[key]["value"].as_f64().unwrap());
-    assert!(retuned > augmented, "{cohesion}");
+    assert!(refitted > augmented, "{cohesion}");
 }
 
 #[test]
@@ -235,8 +235,12 @@ fn what_is_not_known_is_not_told_as_a_number() {
         term.coefficient.high = nan;
         term.stability = nan;
     }
-    for (retuned, augmented) in &mut diagnosis.soil {
-        (retuned.low, augmented.told, augmented.value) = (nan, nan, nan);
+    for (refitted, augmented) in &mut diagnosis.soil {
+        (
+            refitted.low,
+            augmented.posterior_prior_ratio,
+            augmented.value,
+        ) = (nan, nan, nan);
     }
     for candidate in &mut diagnosis.candidates {
         (candidate.significance, candidate.absorbed) = (nan, nan);

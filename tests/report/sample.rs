@@ -9,7 +9,7 @@ use ugv_terrain::effects::{CATALOGUE, Effects};
 use ugv_terrain::fit::{
     Estimate, NoiseEstimate,
     noise::ChannelNoise,
-    parameter::{Parameter, Prior, Scale},
+    parameter::{FreeParameter, Prior, Scale},
     segment::NoiseGroup,
 };
 use ugv_terrain::terrain::Terrain;
@@ -337,7 +337,7 @@ fn held_out(verdict: Verdict) -> HeldOut {
     };
     HeldOut {
         nominal: errors(0.41, 0.05, -3.1),
-        retuned: errors(0.30, 0.04, -2.2),
+        refitted: errors(0.30, 0.04, -2.2),
         augmented: errors(0.052, 0.0104, 1.9),
         gain: (4.1, 0.3),
         horizon: 5.0,
@@ -350,7 +350,7 @@ fn soil(verdict: Verdict) -> Vec<(Estimate, Estimate)> {
         return Vec::new();
     }
     let estimate = |name: &str, unit, nominal: f64, factor: f64, told| Estimate {
-        parameter: Parameter {
+        parameter: FreeParameter {
             name: name.into(),
             unit,
             scale: Scale::Log,
@@ -365,7 +365,7 @@ fn soil(verdict: Verdict) -> Vec<(Estimate, Estimate)> {
         value: factor * nominal,
         low: (factor - 0.3 * told) * nominal,
         high: (factor + 0.4 * told) * nominal,
-        told,
+        posterior_prior_ratio: told,
     };
     [
         ("cohesion", "Pa", 1040.0, 0.31),

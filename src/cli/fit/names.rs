@@ -5,12 +5,12 @@ use crate::cli::output::print;
 use std::fmt::Write;
 use ugv_terrain::fit::catalogue::{self, DEFAULT_FREE};
 use ugv_terrain::fit::sensor::SensorParameter;
-use ugv_terrain::vehicle::{Parameter, Specification};
+use ugv_terrain::vehicle::{ModelParameter, Specification};
 
 /// What is to be fitted.
 pub struct Wanted {
     /// Each once.
-    pub model: Vec<Parameter>,
+    pub model: Vec<ModelParameter>,
     pub sensors: Vec<SensorParameter>,
 }
 

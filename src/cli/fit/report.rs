@@ -56,7 +56,7 @@ fn parameter(estimate: &Estimate, of_model: bool) -> Value {
         "value": estimate.value, "low": estimate.low, "high": estimate.high,
         "start": estimate.nominal,
         "prior": { "median": estimate.parameter.prior.median, "low": low, "high": high },
-        "width_over_prior": estimate.told,
+        "width_over_prior": estimate.posterior_prior_ratio,
     })
 }
 

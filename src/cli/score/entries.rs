@@ -5,7 +5,7 @@ use ugv_terrain::identification::{Estimate, FittedKinematics, Kinematics, Kinema
 use ugv_terrain::identification::{Predictor, Window};
 
 /// A fitted number with its unit.
-pub struct Parameter {
+pub struct ParameterEntry {
     pub name: &'static str,
     pub unit: &'static str,
     pub estimate: Estimate,
@@ -18,7 +18,7 @@ pub struct Entry {
     /// What it is, in a few words.
     pub description: String,
     /// Numbers that were fitted.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<ParameterEntry>,
     /// `None` where it could not be fitted.
     pub predictor: Option<Predictor>,
 }
@@ -73,7 +73,7 @@ impl Entry {
                 predictor: None,
             };
         };
-        let metre = |name, estimate| Parameter {
+        let metre = |name, estimate| ParameterEntry {
             name,
             unit: "m",
             estimate,

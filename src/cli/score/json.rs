@@ -1,13 +1,13 @@
 //! Scores as JSON, format `ugv-score/1`.
 
-use super::contest::{Outcome, Pooled, Scores};
+use super::comparison::{ModelScore, Pooled, Scores};
 use serde_json::{Map, Value, json};
 use ugv_terrain::identification::{Estimate, Latency, Summary};
 
 pub fn render(
     horizon: f64,
     spacing: f64,
-    outcomes: &[Outcome],
+    outcomes: &[ModelScore],
     pooled: Option<&Vec<Pooled>>,
 ) -> String {
     let pooled = pooled.map(|models| models.iter().map(pooled_model).collect::<Vec<_>>());
@@ -21,9 +21,9 @@ pub fn render(
     format!("{value:#}\n")
 }
 
-fn recording(outcome: &Outcome) -> Value {
-    let contest = outcome.contest;
-    let models = contest
+fn recording(outcome: &ModelScore) -> Value {
+    let comparison = outcome.comparison;
+    let models = comparison
         .entries
         .iter()
         .zip(&outcome.results)
@@ -44,21 +44,21 @@ fn recording(outcome: &Outcome) -> Value {
             model
         });
     json!({
-        "recording": contest.name,
-        "windows": contest.set.windows.len(),
+        "recording": comparison.name,
+        "windows": comparison.set.windows.len(),
         "left_out": {
-            "standing": contest.set.rejected.standing,
-            "gaps": contest.set.rejected.gaps,
+            "standing": comparison.set.rejected.standing,
+            "gaps": comparison.set.rejected.gaps,
         },
-        "fitted": contest.halves.fitted.len(),
-        "judged": contest.halves.judged.len(),
+        "fitted": comparison.halves.fitted.len(),
+        "judged": comparison.halves.judged.len(),
         "counted": outcome.counted,
         "latency_s": {
-            "pose": latency(&contest.latencies.pose),
-            "wheels": latency(&contest.latencies.wheels),
+            "pose": latency(&comparison.latencies.pose),
+            "wheels": latency(&comparison.latencies.wheels),
         },
-        "heading": contest.how.heading.name(),
-        "heading_noise_rad": contest.heading_noise,
+        "heading": comparison.how.heading.name(),
+        "heading_noise_rad": comparison.heading_noise,
         "models": models.collect::<Vec<_>>(),
     })
 }

@@ -1,6 +1,6 @@
 //! `ugv score`: how well models predict recordings.
 
-mod contest;
+mod comparison;
 mod entries;
 mod json;
 mod table;
@@ -11,7 +11,7 @@ use super::model::{
 use super::output::{Output, print};
 use super::progress::Progress;
 use super::{Failure, tell};
-use contest::{Contest, Outcome, pool};
+use comparison::{Comparison, ModelScore, pool};
 use entries::Entry;
 use rayon::prelude::*;
 use std::num::NonZeroUsize;
@@ -113,28 +113,28 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .as_deref()
         .map(|path| Output::of(Some(path), args.recordings.iter().chain(files())))
         .transpose()?;
-    let given = Given::load(args)?;
+    let given = ComparedModels::load(args)?;
     let threads = super::jobs::pool(args.jobs)?;
-    let prepared = |path: &PathBuf| -> Result<(Vec<String>, Contest), Failure> {
+    let prepared = |path: &PathBuf| -> Result<(Vec<String>, Comparison), Failure> {
         let recording = read_recording_of(path, given.vehicle.as_ref())?;
-        let contest = prepare(args, &recording, &given)?;
+        let comparison = prepare(args, &recording, &given)?;
         let warnings = recording
             .warnings()
-            .chain(given.doubt(&recording, &contest));
-        Ok((warnings.collect(), contest))
+            .chain(given.doubt(&recording, &comparison));
+        Ok((warnings.collect(), comparison))
     };
     // Collected in the order of the arguments, so the first error is always the same.
     let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
     let mut contests = Vec::new();
     for recording in prepared {
-        let (notes, contest) = recording?;
+        let (notes, comparison) = recording?;
         notes.iter().for_each(|note| tell(note));
-        contests.push(contest);
+        contests.push(comparison);
     }
     different_names(contests.iter().map(|one| one.name.as_str())).map_err(Failure::SameName)?;
-    let progress = Progress::new(contests.iter().map(Contest::work).sum(), args.quiet);
+    let progress = Progress::new(contests.iter().map(Comparison::work).sum(), args.quiet);
     let run = || contests.iter().map(|c| c.run(|| progress.count()));
-    let outcomes: Vec<Outcome> = threads.install(|| run().collect());
+    let outcomes: Vec<ModelScore> = threads.install(|| run().collect());
     progress.finish();
     let pooled = pool(&outcomes);
     if args
@@ -151,7 +151,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn prepare(args: &Args, recording: &Recording, given: &Given) -> Result<Contest, Failure> {
+fn prepare(
+    args: &Args,
+    recording: &Recording,
+    given: &ComparedModels,
+) -> Result<Comparison, Failure> {
     let mut runs = Signals::of(recording)?;
     let latencies = Latencies::estimate(&runs);
     for run in &mut runs {
@@ -179,7 +183,7 @@ fn prepare(args: &Args, recording: &Recording, given: &Given) -> Result<Contest,
     let halves = split(&runs, &set.windows);
     let (nominal, given) = given.models(recording)?;
     let entries = Entry::all(&set.windows, &halves.fitted, nominal, given);
-    Ok(Contest {
+    Ok(Comparison {
         name: recording.name.clone(),
         latencies,
         how,
@@ -194,7 +198,7 @@ fn prepare(args: &Args, recording: &Recording, given: &Given) -> Result<Contest,
 type Described = (String, Arc<VehicleModel>);
 
 /// What the arguments say of the model to judge.
-struct Given {
+struct ComparedModels {
     vehicle: Option<Vehicle>,
     terrain: Option<Terrain>,
     effects: Option<Effects>,
@@ -202,7 +206,7 @@ struct Given {
     fitted_to: Vec<FittedTo>,
 }
 
-impl Given {
+impl ComparedModels {
     fn load(args: &Args) -> Result<Self, Failure> {
         let named = [
             ("vehicle", &args.vehicle),
@@ -241,7 +245,7 @@ impl Given {
     }
 
     /// What is doubtful about judging the model by a recording's windows.
-    fn doubt(&self, recording: &Recording, contest: &Contest) -> Option<String> {
+    fn doubt(&self, recording: &Recording, comparison: &Comparison) -> Option<String> {
         let name = &recording.name;
         if self.is_fitted_to_all_of(recording) {
             return Some(format!(
@@ -251,7 +255,7 @@ impl Given {
         }
         let is_half = self.fitted_to.iter().any(|to| to.recording == *name);
         // Whole runs are judged or not, however they are cut.
-        let is_cut_anew = contest.halves.within_a_run && contest.how != Cut::default();
+        let is_cut_anew = comparison.halves.within_a_run && comparison.how != Cut::default();
         (is_half && is_cut_anew).then(|| {
             format!(
                 "warning: the given model was fitted to a half of {name} that windows of {} s every {} s and the \

@@ -1,6 +1,6 @@
 //! Scores as a text for the terminal.
 
-use super::contest::{Outcome, Pooled, Scores};
+use super::comparison::{ModelScore, Pooled, Scores};
 use std::fmt::Write;
 use ugv_terrain::display::visible_line;
 use ugv_terrain::identification::{Estimate, Latency};
@@ -9,7 +9,7 @@ use ugv_terrain::identification::{Estimate, Latency};
 const NAME: usize = 18;
 const CELL: usize = 17;
 
-pub fn render(horizon: f64, outcomes: &[Outcome], pooled: Option<&Vec<Pooled>>) -> String {
+pub fn render(horizon: f64, outcomes: &[ModelScore], pooled: Option<&Vec<Pooled>>) -> String {
     let mut text = String::new();
     for outcome in outcomes {
         recording(&mut text, horizon, outcome);
@@ -39,22 +39,22 @@ pub fn render(horizon: f64, outcomes: &[Outcome], pooled: Option<&Vec<Pooled>>) 
 }
 
 /// Models that predicted nothing of some recording, with its name.
-fn lost<'a>(outcomes: &'a [Outcome]) -> impl Iterator<Item = (&'a str, &'a str)> {
+fn lost<'a>(outcomes: &'a [ModelScore]) -> impl Iterator<Item = (&'a str, &'a str)> {
     outcomes.iter().flat_map(|outcome| {
-        let results = outcome.contest.entries.iter().zip(&outcome.results);
+        let results = outcome.comparison.entries.iter().zip(&outcome.results);
         let lost = results.filter(|(_, result)| result.scores.is_none());
-        lost.map(|(entry, _)| (entry.name, outcome.contest.name.as_str()))
+        lost.map(|(entry, _)| (entry.name, outcome.comparison.name.as_str()))
     })
 }
 
-fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
-    let contest = outcome.contest;
-    let (set, halves) = (&contest.set, &contest.halves);
+fn recording(text: &mut String, horizon: f64, outcome: &ModelScore) {
+    let comparison = outcome.comparison;
+    let (set, halves) = (&comparison.set, &comparison.halves);
     let _ = writeln!(
         text,
         "{}: {} windows of {horizon} s (left out: {} standing, {} with gaps); \
          {} fitted, {} judged, {} counted",
-        visible_line(&contest.name),
+        visible_line(&comparison.name),
         set.windows.len(),
         set.rejected.standing,
         set.rejected.gaps,
@@ -65,16 +65,16 @@ fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
     let _ = write!(
         text,
         "latency removed: pose {}, wheels {}; heading compared with the {}",
-        latency(&contest.latencies.pose),
-        latency(&contest.latencies.wheels),
-        contest.how.heading.name()
+        latency(&comparison.latencies.pose),
+        latency(&comparison.latencies.wheels),
+        comparison.how.heading.name()
     );
-    let _ = match contest.heading_noise {
+    let _ = match comparison.heading_noise {
         Some(noise) => writeln!(text, " (in 1 s pose and gyro differ by {noise:.3} rad RMS)"),
         None => writeln!(text, " (no yaw rate)"),
     };
     heads(text);
-    for (entry, result) in contest.entries.iter().zip(&outcome.results) {
+    for (entry, result) in comparison.entries.iter().zip(&outcome.results) {
         match &result.scores {
             Some(scores) => rows(text, entry.name, scores, result.failed),
             None => {
@@ -82,7 +82,7 @@ fn recording(text: &mut String, horizon: f64, outcome: &Outcome) {
             }
         }
     }
-    for (entry, result) in contest.entries.iter().zip(&outcome.results) {
+    for (entry, result) in comparison.entries.iter().zip(&outcome.results) {
         let _ = write!(
             text,
             "  {}: {}",

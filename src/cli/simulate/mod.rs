@@ -17,7 +17,7 @@ use progress::Progress;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use ugv_terrain::effects::Kind;
+use ugv_terrain::effects::EffectKind;
 use ugv_terrain::recording::{Drive, read_poses};
 use ugv_terrain::simulation::{Simulation, SimulationError, State};
 use ugv_terrain::vehicle::{VehicleModel, seen_from};
@@ -93,7 +93,7 @@ fn step(text: &str) -> Result<f64, String> {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let specification = args.model.specification()?;
-    let effects = names(&specification.effects, Kind::Physics);
+    let effects = names(&specification.effects, EffectKind::Physics);
     let model = VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
     let recording = read_input(&args.input)?;
     doubts(&recording).for_each(|doubt| tell(&doubt));

@@ -13,7 +13,7 @@ use super::progress::Progress;
 use super::simulate::{doubts, filled, read_input};
 use super::{Failure, tell};
 use distribution::{Values, Varied};
-use outcome::{COLUMNS, Outcome};
+use outcome::{COLUMNS, DriveResult};
 use rayon::prelude::*;
 use samples::{Sample, Samples};
 use setup::Setup;
@@ -172,7 +172,7 @@ fn sweep(
 ) -> Result<Summary, Failure> {
     let pool = pool(args.jobs)?;
     let progress = Progress::new(samples.rows.len() as u64, args.quiet);
-    let one = |sample: &Sample| -> Result<Outcome, Failure> {
+    let one = |sample: &Sample| -> Result<DriveResult, Failure> {
         let (model, start) = setup.prepare(sample)?;
         let outcome = outcome::drive(drive, model, start);
         progress.count();
@@ -202,7 +202,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn count(&mut self, sample: &Sample, outcome: &Outcome) {
+    fn count(&mut self, sample: &Sample, outcome: &DriveResult) {
         if let Some(error) = &outcome.error {
             self.failed += 1;
             self.first

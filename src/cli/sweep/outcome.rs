@@ -11,7 +11,7 @@ pub const COLUMNS: &str = "time,x,y,heading,v_x,v_y,yaw_rate,distance,largest_sl
 
 /// Where a drive ended, and what happened on the way; looked at in the rows of the input.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
+pub struct DriveResult {
     /// Seconds from the start to the last row that was reached.
     time: f64,
     /// Pose and velocities there.
@@ -37,8 +37,8 @@ struct Slip {
 
 /// Drives along the rows of the input as an importer steps the FMU: wheel speeds and their rates
 /// set, a step to the next row, then a look at the outputs.
-pub fn drive(rows: &Drive, model: VehicleModel, start: State) -> Outcome {
-    let mut outcome = Outcome {
+pub fn drive(rows: &Drive, model: VehicleModel, start: State) -> DriveResult {
+    let mut outcome = DriveResult {
         time: 0.0,
         state: start,
         distance: 0.0,
@@ -58,7 +58,7 @@ pub fn drive(rows: &Drive, model: VehicleModel, start: State) -> Outcome {
 fn along(
     rows: &Drive,
     simulation: &mut Simulation,
-    outcome: &mut Outcome,
+    outcome: &mut DriveResult,
 ) -> Result<(), SimulationError> {
     simulation.set_wheel_speeds(rows.wheel_speeds(0).into())?;
     let mut power = outcome.first(simulation.wrench()?);
@@ -81,7 +81,7 @@ fn power(state: &State, wrench: &Wrench) -> f64 {
     wrench.rolling_resistance * state.v_x.abs()
 }
 
-impl Outcome {
+impl DriveResult {
     fn first(&mut self, wrench: &Wrench) -> f64 {
         self.sink(wrench);
         power(&self.state, wrench)

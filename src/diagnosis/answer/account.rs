@@ -2,31 +2,31 @@
 
 use super::findings::likeliest_first;
 use crate::diagnosis::Options;
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::maps::Maps;
 use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::diagnosis::outcome::Account;
 use crate::diagnosis::search::Searched;
 use crate::effects::Extent;
-use crate::fit::weighing::noise_estimates;
+use crate::fit::noise_model::noise_estimates;
 use crate::recording::Recording;
 use crate::vehicle::Vehicle;
 
 /// How it was done: noise, thresholds, and what the reader should know besides.
 #[must_use]
 pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f64) -> Account {
-    let given = &searched.given;
-    let predictor = given.predictor(&searched.augmented.knobs);
-    let problem = given.problem(&predictor, &searched.augmented.knobs);
+    let problem = &searched.problem;
+    let predictor = problem.predictor(&searched.augmented.coefficients);
+    let shooting = problem.shooting(&predictor, &searched.augmented.coefficients);
     let scatters = searched.last.screened.iter().map(|one| one.score.scatter);
     let mut scatters: Vec<f64> = scatters.collect();
     scatters.sort_by(f64::total_cmp);
     Account {
         seed: options.seed,
-        segments: given.segments.len(),
+        segments: problem.segments.len(),
         seconds,
         left_out,
-        noise: noise_estimates(&problem, &searched.augmented.tables, &searched.by),
+        noise: noise_estimates(&shooting, &searched.augmented.tables, &searched.by),
         overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
         threshold: searched.first.threshold.sqrt(),
         refused: likeliest_first(&searched.refused),
@@ -52,32 +52,32 @@ pub fn read(recordings: &[Recording]) -> Vec<String> {
 }
 
 fn notes(searched: &Searched) -> Vec<String> {
-    let mut notes = doubts(&searched.given.nominal.vehicle);
-    if searched.given.stiffening > 1.0 {
+    let mut notes = doubts(&searched.problem.nominal.vehicle);
+    if searched.problem.stiffening > 1.0 {
         notes.push(format!(
             "On the terrain as given the vehicle cannot drive all that was recorded; re-tuning began with {} times its frictional modulus.",
-            searched.given.stiffening
+            searched.problem.stiffening
         ));
     }
-    notes.extend(searched.given.wheels.as_ref().map(between_samples));
-    if searched.given.maps == Maps::OfRecordings {
+    notes.extend(searched.problem.wheels.as_ref().map(between_samples));
+    if searched.problem.maps == Maps::OfRecordings {
         let note = "Recordings begin at one point, so each counts as having a map of its own: what belongs to a place on the map is not sought. Give poses in one frame if they share one.";
         notes.push(note.into());
     }
     notes.extend(at_the_end_of_its_range(searched));
-    let window = |given: &Given| given.nominal.effects.window.clone();
-    let found = window(&searched.placed).filter(|_| window(&searched.given).is_none());
+    let window = |problem: &Problem| problem.nominal.effects.window.clone();
+    let found = window(&searched.placed).filter(|_| window(&searched.problem).is_none());
     if let Some(Extent::Time { .. }) = found.map(|window| window.extent) {
         let note = "What acts in one drive only, or for some seconds of it, is not part of the augmented model.";
         notes.push(note.into());
     }
-    notes.extend(read(searched.given.recordings));
+    notes.extend(read(searched.problem.recordings));
     notes
 }
 
 /// Soil parameters that would go further than they may: what they stand for then is not soil.
 fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> {
-    let parameters = searched.given.soil_parameters();
+    let parameters = searched.problem.soil_parameters();
     let pairs = parameters
         .into_iter()
         .zip(&searched.augmented.solution.soil);

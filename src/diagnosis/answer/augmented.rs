@@ -3,7 +3,7 @@
 use crate::diagnosis::DiagnosisError;
 use crate::diagnosis::hypothesis::What;
 use crate::diagnosis::hypothesis::candidate::{Target, copy};
-use crate::diagnosis::hypothesis::likelihood::Tuned;
+use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
 use crate::diagnosis::search::Searched;
 use crate::effects::{CATALOGUE, Effects, Extent, Window};
 use crate::vehicle::Specification;
@@ -16,36 +16,36 @@ pub fn model(
     searched: &Searched,
     nominal: &Specification,
 ) -> Result<Specification, DiagnosisError> {
-    let given = &searched.placed;
-    let mut model = given
+    let problem = &searched.placed;
+    let mut model = problem
         .specification(&searched.augmented.solution, 0)
         .map_err(|_| DiagnosisError::NotFinite)?;
-    let predictor = given.predictor(&searched.augmented.knobs);
-    let problem = given.problem(&predictor, &searched.augmented.knobs);
+    let predictor = problem.predictor(&searched.augmented.coefficients);
+    let shooting = problem.shooting(&predictor, &searched.augmented.coefficients);
     // What each recording has for itself goes in as the mean.
     let mut own: Vec<(usize, Vec<Told>)> = Vec::new();
-    let Tuned {
-        knobs,
+    let FittedHypothesis {
+        coefficients,
         solution,
         covariance,
         ..
     } = &searched.augmented;
-    given.visit(&problem, knobs, |place, recording, what| {
-        if let What::Knob(knob) = what
-            && given.candidates.knobs[knob].own
+    problem.visit(&shooting, coefficients, |place, recording, what| {
+        if let What::CandidateParameter(coefficient) = what
+            && problem.candidates.coefficients[coefficient].own
         {
             let told = Told {
-                at: solution.knobs[recording][knob],
+                at: solution.coefficients[recording][coefficient],
                 variance: covariance[(place, place)],
             };
-            match own.iter_mut().find(|(other, _)| *other == knob) {
+            match own.iter_mut().find(|(other, _)| *other == coefficient) {
                 Some((_, all)) => all.push(told),
-                None => own.push((knob, vec![told])),
+                None => own.push((coefficient, vec![told])),
             }
         }
     });
-    for (knob, all) in own {
-        let about = &given.candidates.knobs[knob];
+    for (coefficient, all) in own {
+        let about = &problem.candidates.coefficients[coefficient];
         let coordinate = mean(&all, about.parameter.prior.deviation);
         if let Target::Model(parameter) = about.target {
             let value = about.parameter.value(coordinate);
@@ -82,8 +82,8 @@ fn mean(each: &[Told], expected: f64) -> f64 {
 
 /// Turns off what was found in some seconds of one drive. Where the given model has a window of its own, nothing is
 /// looked for in another.
-fn without_seconds(effects: &mut Effects, given: &Effects) -> Result<(), DiagnosisError> {
-    if given.window.is_some() {
+fn without_seconds(effects: &mut Effects, problem: &Effects) -> Result<(), DiagnosisError> {
+    if problem.window.is_some() {
         return Ok(());
     }
     let seconds = |window: &mut Window| matches!(window.extent, Extent::Time { .. });

@@ -1,7 +1,7 @@
 //! Everything that was asked about, in numbers.
 
 use super::ambiguity::groups;
-use super::odds::Odds;
+use super::posterior::Posterior;
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::diagnosis::screening::screen::{Projection, one_degree};
 use crate::diagnosis::search::Searched;
@@ -20,40 +20,42 @@ const POWER: f64 = 1.28;
 /// # Errors
 /// Numbers that are not finite.
 pub fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
-    let looked = &searched.first;
-    let projection = Projection::over_all(&looked.system, &[]).ok_or(DiagnosisError::NotFinite)?;
-    let alike = groups(&projection, &looked.screened);
+    let screening = &searched.first;
+    let projection =
+        Projection::over_all(&screening.system, &[]).ok_or(DiagnosisError::NotFinite)?;
+    let alike = groups(&projection, &screening.screened);
     let one = |(screened, alike): (&Screened, Vec<(Subject, f64)>)| {
-        let mut knobs = searched.given.candidates.of(screened.subject);
+        let mut coefficients = searched.problem.candidates.of(screened.subject);
         // The one that the numbers are of: recordings may tell nothing of the others.
-        let knob = knobs.find(|knob| !looked.system.unknowns(*knob).is_empty());
-        let knob = &searched.given.candidates.knobs[knob?];
+        let coefficient =
+            coefficients.find(|coefficient| !screening.system.unknowns(*coefficient).is_empty());
+        let coefficient = &searched.problem.candidates.coefficients[coefficient?];
         let (projected, score) = (&screened.projected, &screened.score);
         let information = projected.matrix[(0, 0)] / score.scatter;
-        let needed = looked.threshold.sqrt() + POWER;
+        let needed = screening.threshold.sqrt() + POWER;
         let smallest = needed / information.max(0.0).sqrt();
-        let off = knob.parameter.prior_coordinate();
+        let off = coefficient.parameter.prior_coordinate();
         let value = |step: f64| {
-            let (low, high) = knob.parameter.bounds();
+            let (low, high) = coefficient.parameter.bounds();
             if step.is_finite() && (low..=high).contains(&(off + step)) {
-                knob.parameter.value(off + step)
+                coefficient.parameter.value(off + step)
             } else {
                 f64::INFINITY
             }
         };
         // Away from off, to the side that is possible.
-        let upward = (value(smallest) - knob.parameter.value(off)).abs();
-        let downward = (value(-smallest) - knob.parameter.value(off)).abs();
+        let upward = (value(smallest) - coefficient.parameter.value(off)).abs();
+        let downward = (value(-smallest) - coefficient.parameter.value(off)).abs();
         let degrees = projected.unknowns.len();
         let gain = searched.gains.iter().find(|(s, _)| *s == screened.subject);
         let candidate = Candidate {
             absorbed: score.absorbed,
-            significance: (one_degree(score.chi_square, degrees) / looked.threshold).sqrt(),
+            significance: (one_degree(score.chi_square, degrees) / screening.threshold).sqrt(),
             smallest_detectable: upward.min(downward),
-            parameter: knob.name,
-            unit: knob.parameter.unit,
-            estimate: knob.parameter.value(off + score.step[0]),
-            interval: knob
+            parameter: coefficient.name,
+            unit: coefficient.parameter.unit,
+            estimate: coefficient.parameter.value(off + score.step[0]),
+            interval: coefficient
                 .parameter
                 .interval(off + score.step[0], NORMAL_95 * score.deviation[0])
                 .into(),
@@ -61,9 +63,9 @@ pub fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, Diagnos
             alike,
             ..empty(screened.subject)
         };
-        Some((candidate, smallest < knob.parameter.prior.deviation))
+        Some((candidate, smallest < coefficient.parameter.prior.deviation))
     };
-    let pairs = looked.screened.iter().zip(alike);
+    let pairs = screening.screened.iter().zip(alike);
     Ok(pairs.filter_map(one).collect())
 }
 
@@ -87,7 +89,7 @@ pub fn empty(subject: Subject) -> Candidate {
 
 /// What was not screened but has a probability: nothing, unknown, a change of terrain.
 #[must_use]
-pub fn others(odds: &Odds, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
+pub fn others(odds: &Posterior, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
     let change = CATALOGUE
         .iter()
         .position(|e| e.name == TERRAIN_CHANGE)

@@ -1,21 +1,21 @@
 //! How far predictions of data not fitted err: as given, re-tuned, with what was found.
 //!
-//! Each model is judged by parameters from other folds (see `refitted`) and under the noise that it leaves
+//! Each model is judged by parameters from other folds (see `cross_validated`) and under the noise that it leaves
 //! itself: under the noise of another one, which holds less, what it misses would count more. Errors in metres
 //! come from starts fitted to the first second of a segment alone; what follows it is predicted. They are
 //! compared on the segments that all models can drive; the score is over all.
 
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::block::{Block, blocks};
+use crate::diagnosis::hypothesis::cross_validated::cross_validated;
 use crate::diagnosis::hypothesis::held_out::Scores;
-use crate::diagnosis::hypothesis::likelihood::{HELD, Tuned, follow, own_noise, tune_on};
-use crate::diagnosis::hypothesis::refitted::refitted;
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, HELD, fit_on, follow, own_noise};
 use crate::diagnosis::outcome::{Errors, HeldOut};
 use crate::diagnosis::search::Searched;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::observation::observe;
 use crate::fit::optimiser::{Stop, minimise};
-use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::problem::{NoiseModel, Point, ShootingProblem};
 use crate::fit::restart::settled;
 use crate::fit::robust::penalty;
 use crate::fit::segment::{Segment, Signal};
@@ -40,82 +40,82 @@ struct Row {
 /// hold out.
 #[must_use]
 pub fn compare(searched: &Searched) -> Option<HeldOut> {
-    let (given, by) = (&searched.given, &searched.by);
-    let row = |given, tuned| {
-        let own = own_noise(given, tuned, by);
-        fitted(given, &tune_on(given, tuned, &own, HELD), &own)
+    let (problem, by) = (&searched.problem, &searched.by);
+    let row = |problem, fit| {
+        let own = own_noise(problem, fit, by);
+        fitted(problem, &fit_on(problem, fit, &own, HELD), &own)
     };
-    let retuned = row(given, &searched.retuned)?;
-    let augmented = if searched.members.is_empty() {
+    let refitted = row(problem, &searched.refitted)?;
+    let augmented = if searched.accepted.is_empty() {
         None
     } else {
         Some(row(&searched.placed, &searched.augmented)?)
     };
-    let nominal = nominal(given, by);
-    let rows = [nominal.as_ref(), Some(&retuned), augmented.as_ref()];
+    let nominal = nominal(problem, by);
+    let rows = [nominal.as_ref(), Some(&refitted), augmented.as_ref()];
     let rows = rows.into_iter().flatten();
-    let by_all: Vec<bool> = (0..given.segments.len())
+    let by_all: Vec<bool> = (0..problem.segments.len())
         .map(|index| rows.clone().all(|row: &Row| row.errors[index].is_some()))
         .collect();
-    let length = given.segments.iter().map(|s| s.end - s.start);
-    let best = augmented.as_ref().unwrap_or(&retuned);
+    let length = problem.segments.iter().map(|s| s.end - s.start);
+    let best = augmented.as_ref().unwrap_or(&refitted);
     Some(HeldOut {
         nominal: nominal
             .as_ref()
             .map_or(Errors::NONE, |row| row.sum_up(&by_all)),
-        retuned: retuned.sum_up(&by_all),
+        refitted: refitted.sum_up(&by_all),
         augmented: best.sum_up(&by_all),
         gain: augmented
             .as_ref()
-            .map_or((0.0, 0.0), |row| row.scores.gain_over(&retuned.scores)),
+            .map_or((0.0, 0.0), |row| row.scores.gain_over(&refitted.scores)),
         horizon: length.fold(0.0, f64::max) - SEEN,
         stretches: by_all.iter().filter(|all| **all).count(),
     })
 }
 
 /// Of a fitted hypothesis.
-fn fitted(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Row> {
-    let scores = refitted(given, tuned, by)?;
-    let predictor = given.predictor(&tuned.knobs);
-    let problem = given.problem(&predictor, &tuned.knobs);
-    Some(Row::new(&problem, &tuned.solution.starts, scores, by))
+fn fitted(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> Option<Row> {
+    let scores = cross_validated(problem, fit, by)?;
+    let predictor = problem.predictor(&fit.coefficients);
+    let shooting = problem.shooting(&predictor, &fit.coefficients);
+    Some(Row::new(&shooting, &fit.solution.starts, scores, by))
 }
 
 /// Of the model as it is given. `None` where it cannot drive.
-fn nominal(given: &Given, by: &Weighing) -> Option<Row> {
+fn nominal(problem: &Problem, by: &NoiseModel) -> Option<Row> {
     let predictor =
-        ExactPredictor::new(given.nominal.clone(), Vec::new()).with_deadline(given.deadline);
-    let none = vec![Vec::new(); given.recordings.len()];
-    let mut problem = Problem::new(&predictor, Vec::new(), given.names.clone(), none);
-    problem.segments.clone_from(&given.segments);
+        ExactPredictor::new(problem.nominal.clone(), Vec::new()).with_deadline(problem.deadline);
+    let none = vec![Vec::new(); problem.recordings.len()];
+    let mut shooting = ShootingProblem::new(&predictor, Vec::new(), problem.names.clone(), none);
+    shooting.segments.clone_from(&problem.segments);
     let mut point = Point {
         coordinates: DVector::zeros(0),
-        starts: problem.measured_starts(),
+        starts: shooting.measured_starts(),
     };
     let mut own = by.clone();
-    let outcome = minimise(&problem, &mut point, by, START_STOP).ok()?;
-    follow(&problem, &point, &outcome.tables, &mut own);
-    let blocks = blocks(&problem, &outcome.tables, &point, &own)?;
+    let outcome = minimise(&shooting, &mut point, by, START_STOP).ok()?;
+    follow(&shooting, &point, &outcome.tables, &mut own);
+    let blocks = blocks(&shooting, &outcome.tables, &point, &own)?;
     let scores = Scores {
         log_density: blocks.iter().map(Block::log_density).collect(),
         samples: blocks.iter().map(|block| block.samples).collect(),
         coordinates: vec![DVector::zeros(0); blocks.len()],
     };
-    Some(Row::new(&problem, &point.starts, scores, &own))
+    Some(Row::new(&shooting, &point.starts, scores, &own))
 }
 
 impl Row {
     fn new(
-        problem: &Problem<ExactPredictor>,
+        shooting: &ShootingProblem<ExactPredictor>,
         starts: &[[f64; 6]],
         scores: Scores,
-        by: &Weighing,
+        by: &NoiseModel,
     ) -> Self {
         let one = |(index, segment): (usize, &Segment)| {
             let at = &scores.coordinates[index];
-            predicted(problem, index, segment, at, starts[index], by)
+            predicted(shooting, index, segment, at, starts[index], by)
         };
-        let errors = problem.segments.par_iter().enumerate().map(one).collect();
+        let errors = shooting.segments.par_iter().enumerate().map(one).collect();
         let mut scores = scores;
         for (density, weights) in scores.log_density.iter_mut().zip(&by.weights) {
             *density -= 0.5 * price(weights.iter().flatten());
@@ -156,15 +156,15 @@ struct Sums([(f64, usize); 3]);
 
 /// Fits a start to the first second and predicts the rest. `None` where the model cannot drive.
 fn predicted(
-    problem: &Problem<ExactPredictor>,
+    shooting: &ShootingProblem<ExactPredictor>,
     index: usize,
     segment: &Segment,
     at: &DVector<f64>,
     start: [f64; 6],
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Option<Sums> {
-    let values = problem.model_values(segment.recording, at);
-    let sensors = problem.sensor_values(segment.recording, at);
+    let values = shooting.model_values(segment.recording, at);
+    let sensors = shooting.sensor_values(segment.recording, at);
     let seen = segment.start + SEEN;
     let mut own = by.of(&[index]);
     for (data, weights) in segment.samples.iter().zip(&mut own.weights[0]) {
@@ -175,9 +175,9 @@ fn predicted(
             }
         }
     }
-    let start = settled(problem, index, at, start, &own)?;
+    let start = settled(shooting, index, at, start, &own)?;
     let observed = observe(
-        problem.predictor(),
+        shooting.predictor(),
         segment,
         &start,
         &values,

@@ -3,16 +3,16 @@
 use super::verdict::Judged;
 use super::words::{statement, whose};
 use crate::diagnosis::hypothesis::candidate::Target;
-use crate::diagnosis::hypothesis::likelihood::{Tuned, scattered};
-use crate::diagnosis::hypothesis::{Given, What};
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, scattered};
+use crate::diagnosis::hypothesis::{Problem, What};
 use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
 use crate::diagnosis::screening::law::{channel as pushed, group};
 use crate::diagnosis::screening::locate::Extent;
 use crate::diagnosis::screening::regime::{channel, gains, regime};
 use crate::diagnosis::screening::screen::Projection;
-use crate::diagnosis::search::proposal::{Kind, Proposal};
-use crate::diagnosis::search::{Member, Searched};
-use crate::fit::parameter::{NORMAL_95, Parameter};
+use crate::diagnosis::search::proposal::{Proposal, ProposalKind};
+use crate::diagnosis::search::{AcceptedEffect, Searched};
+use crate::fit::parameter::{FreeParameter, NORMAL_95};
 use nalgebra::DMatrix;
 
 /// Stretches that are told where something acts throughout.
@@ -25,8 +25,13 @@ pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
         return Vec::new();
     }
     let covariance = scattered(&searched.placed, &searched.augmented, &searched.by);
-    let one = |judged: &Judged| match judged.member {
-        Some(member) => named(searched, &searched.members[member], judged, &covariance),
+    let one = |judged: &Judged| match judged.accepted_effect {
+        Some(accepted_effect) => named(
+            searched,
+            &searched.accepted[accepted_effect],
+            judged,
+            &covariance,
+        ),
         None => left_over(searched, judged),
     };
     judged.iter().map(one).collect()
@@ -34,40 +39,42 @@ pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
 
 /// Values and intervals of a proposal's knobs at a fit.
 fn quantities(
-    given: &Given,
-    tuned: &Tuned,
+    problem: &Problem,
+    fit: &FittedHypothesis,
     proposal: &Proposal,
     covariance: &DMatrix<f64>,
 ) -> Vec<Quantity> {
-    let knobs = &proposal.knobs;
+    let coefficients = &proposal.coefficients;
     let acts = |recording: usize| match &proposal.extent {
         Some(Extent::Time(at) | Extent::Run(at)) => at.recording == recording,
         _ => true,
     };
-    let predictor = given.predictor(&tuned.knobs);
-    let problem = given.problem(&predictor, &tuned.knobs);
+    let predictor = problem.predictor(&fit.coefficients);
+    let shooting = problem.shooting(&predictor, &fit.coefficients);
     let mut found: Vec<(usize, Quantity)> = Vec::new();
     let mut told = Vec::new();
-    given.visit(&problem, &tuned.knobs, |place, recording, what| {
-        let What::Knob(knob) = what else { return };
-        if !knobs.contains(&knob) || told.contains(&place) {
+    problem.visit(&shooting, &fit.coefficients, |place, recording, what| {
+        let What::CandidateParameter(coefficient) = what else {
+            return;
+        };
+        if !coefficients.contains(&coefficient) || told.contains(&place) {
             return;
         }
         told.push(place);
-        let about = &given.candidates.knobs[knob];
+        let about = &problem.candidates.coefficients[coefficient];
         if about.own && !acts(recording) {
             return;
         }
-        let at = tuned.solution.knobs[recording][knob];
+        let at = fit.solution.coefficients[recording][coefficient];
         let half = NORMAL_95 * covariance[(place, place)].max(0.0).sqrt();
-        let parameter: &Parameter = &about.parameter;
+        let parameter: &FreeParameter = &about.parameter;
         let (low, high) = parameter.interval(at, half);
-        let each = about.own && given.recordings.len() > 1;
+        let each = about.own && problem.recordings.len() > 1;
         found.push((
-            knob,
+            coefficient,
             Quantity {
                 name: about.name.into(),
-                recording: each.then(|| given.names[recording].clone()),
+                recording: each.then(|| problem.names[recording].clone()),
                 value: parameter.value(at),
                 low,
                 high,
@@ -75,24 +82,25 @@ fn quantities(
             },
         ));
     });
-    found.sort_by_key(|(knob, _)| knobs.iter().position(|other| other == knob));
+    found
+        .sort_by_key(|(coefficient, _)| coefficients.iter().position(|other| other == coefficient));
     found.into_iter().map(|(_, quantity)| quantity).collect()
 }
 
 fn named(
     searched: &Searched,
-    member: &Member,
+    accepted_effect: &AcceptedEffect,
     judged: &Judged,
     covariance: &DMatrix<f64>,
 ) -> Finding {
-    let proposal = &member.proposal;
-    let (given, tuned) = (&searched.placed, &searched.augmented);
-    let parameters = quantities(given, tuned, proposal, covariance);
-    let steps = steps(given, tuned, &proposal.knobs);
-    let local = proposal.kind() == Kind::Local;
-    let places = places(searched, member, judged.subject, &steps);
+    let proposal = &accepted_effect.proposal;
+    let (problem, fit) = (&searched.placed, &searched.augmented);
+    let parameters = quantities(problem, fit, proposal, covariance);
+    let steps = steps(problem, fit, &proposal.coefficients);
+    let local = proposal.kind() == ProposalKind::Local;
+    let places = places(searched, accepted_effect, judged.subject, &steps);
     let law: Vec<Term> = if proposal.subject == Subject::Unknown {
-        law(given, proposal, &parameters)
+        law(problem, proposal, &parameters)
     } else {
         Vec::new()
     };
@@ -100,8 +108,8 @@ fn named(
         subject: judged.subject,
         probability: judged.probability,
         ambiguous_with: judged.set.iter().map(|(subject, _)| *subject).collect(),
-        evidence: member.gain,
-        rivals: likeliest_first(&member.rivals),
+        evidence: accepted_effect.gain,
+        rivals: likeliest_first(&accepted_effect.rivals),
         parameters,
         places,
         local,
@@ -127,22 +135,28 @@ pub fn likeliest_first(odds: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
 }
 
 /// How far knobs are from off, for each recording.
-fn steps(given: &Given, tuned: &Tuned, knobs: &[usize]) -> Vec<(usize, Vec<f64>)> {
-    let each = |knob: &usize| {
-        let off = given.candidates.knobs[*knob].parameter.prior_coordinate();
-        let values = tuned
+fn steps(
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    coefficients: &[usize],
+) -> Vec<(usize, Vec<f64>)> {
+    let each = |coefficient: &usize| {
+        let off = problem.candidates.coefficients[*coefficient]
+            .parameter
+            .prior_coordinate();
+        let values = fit
             .solution
-            .knobs
+            .coefficients
             .iter()
-            .map(|values| values[*knob] - off);
-        (*knob, values.collect())
+            .map(|values| values[*coefficient] - off);
+        (*coefficient, values.collect())
     };
-    knobs.iter().map(each).collect()
+    coefficients.iter().map(each).collect()
 }
 
-fn law(given: &Given, proposal: &Proposal, parameters: &[Quantity]) -> Vec<Term> {
-    let term = |(index, knob): (usize, &usize)| {
-        let about = &given.candidates.knobs[*knob];
+fn law(problem: &Problem, proposal: &Proposal, parameters: &[Quantity]) -> Vec<Term> {
+    let term = |(index, coefficient): (usize, &usize)| {
+        let about = &problem.candidates.coefficients[*coefficient];
         Term {
             channel: pushed(about.effect),
             parameter: about.parameter.name.clone(),
@@ -151,43 +165,48 @@ fn law(given: &Given, proposal: &Proposal, parameters: &[Quantity]) -> Vec<Term>
             stability: proposal.stability.get(index).copied().unwrap_or(1.0),
         }
     };
-    let knobs = proposal.knobs.iter().enumerate().take(parameters.len());
-    knobs.map(term).collect()
+    let coefficients = proposal
+        .coefficients
+        .iter()
+        .enumerate()
+        .take(parameters.len());
+    coefficients.map(term).collect()
 }
 
 fn places(
     searched: &Searched,
-    member: &Member,
+    accepted_effect: &AcceptedEffect,
     subject: Subject,
     steps: &[(usize, Vec<f64>)],
 ) -> Vec<Interval> {
-    let given = &searched.given;
+    let problem = &searched.problem;
     let system = &searched.first.system;
-    let what = match given.candidates.knobs[member.proposal.knobs[0]].target {
-        Target::Sensor(_) => Channel::Measurement,
-        Target::Model(_) if subject == Subject::Unknown => {
-            pushed(given.candidates.knobs[member.proposal.knobs[0]].effect)
-        }
-        Target::Model(_) => channel(given, system, steps),
-    };
+    let what =
+        match problem.candidates.coefficients[accepted_effect.proposal.coefficients[0]].target {
+            Target::Sensor(_) => Channel::Measurement,
+            Target::Model(_) if subject == Subject::Unknown => pushed(
+                problem.candidates.coefficients[accepted_effect.proposal.coefficients[0]].effect,
+            ),
+            Target::Model(_) => channel(problem, system, steps),
+        };
     // What acts in one place only shows in what is driven there: that would say the place once more.
-    let everywhere = member.proposal.extent.is_none();
+    let everywhere = accepted_effect.proposal.extent.is_none();
     let gains = Projection::over_all(system, &[])
         .filter(|_| everywhere)
-        .map(|projection| gains(given, system, &projection, steps))
+        .map(|projection| gains(problem, system, &projection, steps))
         .unwrap_or_default();
     let regime = regime(&gains);
     let interval = |recording: usize, run: usize, start: f64, end: f64, patch| Interval {
-        recording: given.names[recording].clone(),
+        recording: problem.names[recording].clone(),
         run,
-        label: given.label_of(recording, run),
+        label: problem.label_of(recording, run),
         start,
         end,
         channel: what,
         regime: regime.clone(),
         patch,
     };
-    match &member.proposal.extent {
+    match &accepted_effect.proposal.extent {
         Some(Extent::Time(at) | Extent::Run(at)) => {
             let patch = patch(searched, at.recording, at.run, at.start, at.end);
             vec![interval(at.recording, at.run, at.start, at.end, patch)]
@@ -209,7 +228,7 @@ fn places(
         .collect(),
         None => {
             let mut runs: Vec<(usize, usize, f64, f64, f64)> = Vec::new();
-            for segment in &given.segments {
+            for segment in &problem.segments {
                 let key = (segment.recording, segment.run);
                 match runs.last_mut().filter(|run| (run.0, run.1) == key) {
                     Some(run) => run.3 = segment.end,
@@ -230,11 +249,11 @@ fn places(
 
 /// Stretches in which the vehicle is somewhere.
 fn visits(searched: &Searched, inside: impl Fn([f64; 2]) -> bool) -> Vec<(usize, usize, f64, f64)> {
-    let given = &searched.given;
+    let problem = &searched.problem;
     let mut found: Vec<(usize, usize, f64, f64)> = Vec::new();
     for segment in &searched.first.system.segments {
-        let data = &given.segments[segment.index];
-        let run = &given.recordings[data.recording].runs[data.run];
+        let data = &problem.segments[segment.index];
+        let run = &problem.recordings[data.recording].runs[data.run];
         for edges in segment.edges.windows(2) {
             let middle = 0.5 * (edges[0] + edges[1]);
             let at = |channel| run.series(channel).and_then(|series| series.at(middle));
@@ -261,7 +280,7 @@ fn patch(
     start: f64,
     end: f64,
 ) -> Option<[f64; 3]> {
-    let run = &searched.given.recordings[recording].runs[run];
+    let run = &searched.problem.recordings[recording].runs[run];
     let (x, y) = (
         run.series(crate::recording::Channel::X)?,
         run.series(crate::recording::Channel::Y)?,
@@ -287,16 +306,16 @@ fn patch(
 
 /// A wrench that comes and goes without a name.
 fn left_over(searched: &Searched, judged: &Judged) -> Finding {
-    let size = searched.last.wandering.map_or([0.0; 3], |w| w.size);
+    let size = searched.last.latent_wrench.map_or([0.0; 3], |w| w.size);
     let largest = (0..3)
         .max_by(|a, b| size[*a].total_cmp(&size[*b]))
         .unwrap_or(0);
     let channel = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw][largest];
-    let given = &searched.given;
+    let problem = &searched.problem;
     let mut places: Vec<(f64, Interval)> = Vec::new();
-    for (recording, run) in given.runs() {
+    for (recording, run) in problem.runs() {
         let found = crate::diagnosis::screening::wrench::smooth(
-            given,
+            problem,
             &searched.last.system,
             recording,
             run,
@@ -321,9 +340,9 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
         places.push((
             ratio(peak),
             Interval {
-                recording: given.names[recording].clone(),
+                recording: problem.names[recording].clone(),
                 run,
-                label: given.label_of(recording, run),
+                label: problem.label_of(recording, run),
                 start: trace.time[first] - half,
                 end: trace.time[last] + half,
                 channel,
@@ -338,13 +357,13 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
         .take(TOLD)
         .map(|(_, place)| place)
         .collect();
-    let weight = given.nominal.vehicle.mass * crate::vehicle::GRAVITY;
+    let weight = problem.nominal.vehicle.mass * crate::vehicle::GRAVITY;
     let (what, amount) = match channel {
         Channel::Yaw => (
             "moment about the vertical",
             format!(
                 "{:.0} N m",
-                size[2] * weight * given.nominal.vehicle.half_track
+                size[2] * weight * problem.nominal.vehicle.half_track
             ),
         ),
         Channel::Lateral => (
@@ -368,7 +387,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
         subject: Subject::Unknown,
         probability: judged.probability,
         ambiguous_with: Vec::new(),
-        evidence: searched.last.wandering.map_or(0.0, |w| w.evidence),
+        evidence: searched.last.latent_wrench.map_or(0.0, |w| w.evidence),
         rivals: Vec::new(),
         parameters: Vec::new(),
         places,

@@ -6,7 +6,7 @@ pub mod augmented;
 pub mod candidates;
 pub mod errors;
 pub mod findings;
-pub mod odds;
+pub mod posterior;
 pub mod traces;
 pub mod verdict;
 pub mod words;

@@ -1,11 +1,11 @@
 //! What plots show: the path, residuals before and after, the wrench left over.
 
-use crate::diagnosis::hypothesis::Given;
-use crate::diagnosis::hypothesis::likelihood::Tuned;
+use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
 use crate::diagnosis::outcome::{ResidualTrace, RunTrace};
 use crate::diagnosis::screening::wrench::smooth;
 use crate::diagnosis::search::Searched;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 use crate::fit::segment::Signal;
 use crate::recording::Channel;
 
@@ -15,10 +15,10 @@ const LEAST_SIZE: f64 = 3e-3;
 /// All runs that have segments.
 #[must_use]
 pub fn traces(searched: &Searched) -> Vec<RunTrace> {
-    let given = &searched.given;
+    let problem = &searched.problem;
     let one = |(recording, run): (usize, usize)| {
-        let (time, mismatch) = mismatch(given, &searched.retuned, &searched.by, recording, run);
-        let data = &given.recordings[recording].runs[run];
+        let (time, mismatch) = mismatch(problem, &searched.refitted, &searched.by, recording, run);
+        let data = &problem.recordings[recording].runs[run];
         let at = |channel, time| data.series(channel).and_then(|series| series.at(time));
         let place = |time: &f64| Some([at(Channel::X, *time)?, at(Channel::Y, *time)?]);
         let path: Vec<Option<[f64; 2]>> = time.iter().map(place).collect();
@@ -29,39 +29,42 @@ pub fn traces(searched: &Searched) -> Vec<RunTrace> {
                 .map(|(value, _)| *value)
                 .collect()
         };
-        let size = searched.first.wandering.map_or([LEAST_SIZE; 3], |w| w.size);
+        let size = searched
+            .first
+            .latent_wrench
+            .map_or([LEAST_SIZE; 3], |w| w.size);
         let size = size.map(|s| s.max(LEAST_SIZE));
         RunTrace {
-            recording: given.names[recording].clone(),
+            recording: problem.names[recording].clone(),
             run,
-            label: given.label_of(recording, run),
+            label: problem.label_of(recording, run),
             time: seen(&time),
             mismatch: seen(&mismatch),
             path: path.iter().flatten().copied().collect(),
             residuals: residuals(searched, recording, run),
-            wrench: smooth(given, &searched.first.system, recording, run, size),
+            wrench: smooth(problem, &searched.first.system, recording, run, size),
         }
     };
-    given.runs().into_iter().map(one).collect()
+    problem.runs().into_iter().map(one).collect()
 }
 
 /// How much a model misses, in standard deviations of the noise, second by second.
 fn mismatch(
-    given: &Given,
-    tuned: &Tuned,
-    by: &Weighing,
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    by: &NoiseModel,
     recording: usize,
     run: usize,
 ) -> (Vec<f64>, Vec<f64>) {
     let mut whitened: Vec<(f64, f64)> = Vec::new();
-    for (index, segment) in given.segments.iter().enumerate() {
+    for (index, segment) in problem.segments.iter().enumerate() {
         if (segment.recording, segment.run) != (recording, run) {
             continue;
         }
         for (channel, data) in segment.samples.iter().enumerate() {
             let noise = by.noise[recording][data.signal.group() as usize];
-            let table = &tuned.tables[index].channels[channel];
-            let residual = table.iter().step_by(tuned.tables[index].columns);
+            let table = &fit.tables[index].channels[channel];
+            let residual = table.iter().step_by(fit.tables[index].columns);
             let mut residual: Vec<f64> = residual.copied().collect();
             noise.whiten(&data.time, &by.weights[index][channel], 1, &mut residual);
             whitened.extend(data.time.iter().copied().zip(residual));
@@ -85,7 +88,7 @@ fn mismatch(
 const SECOND: f64 = 0.5;
 
 fn residuals(searched: &Searched, recording: usize, run: usize) -> Vec<ResidualTrace> {
-    let given = &searched.given;
+    let problem = &searched.problem;
     let of = |signal: Signal| {
         let (name, unit) = match signal {
             Signal::X => ("x", "m"),
@@ -102,15 +105,15 @@ fn residuals(searched: &Searched, recording: usize, run: usize) -> Vec<ResidualT
             before: Vec::new(),
             after: Vec::new(),
         };
-        for (index, segment) in given.segments.iter().enumerate() {
+        for (index, segment) in problem.segments.iter().enumerate() {
             if (segment.recording, segment.run) != (recording, run) {
                 continue;
             }
             let Some(channel) = segment.samples.iter().position(|s| s.signal == signal) else {
                 continue;
             };
-            let column = |tuned: &Tuned| -> Vec<f64> {
-                let tables = &tuned.tables[index];
+            let column = |fit: &FittedHypothesis| -> Vec<f64> {
+                let tables = &fit.tables[index];
                 tables.channels[channel]
                     .iter()
                     .step_by(tables.columns)
@@ -118,7 +121,7 @@ fn residuals(searched: &Searched, recording: usize, run: usize) -> Vec<ResidualT
                     .collect()
             };
             trace.time.extend(&segment.samples[channel].time);
-            trace.before.extend(column(&searched.retuned));
+            trace.before.extend(column(&searched.refitted));
             trace.after.extend(column(&searched.augmented));
         }
         (!trace.time.is_empty()).then_some(trace)

@@ -8,10 +8,10 @@
 //! an effect whose fit lost its way may be behind it. The temperature was set on the third judged
 //! set of the proof, the other numbers on development cases from another simulator (see the docs).
 
-use super::odds::{DOUBT, Odds, mean};
+use super::posterior::{DOUBT, Posterior, mean};
 use crate::diagnosis::outcome::{Insufficient, Subject, Verdict};
-use crate::diagnosis::search::proposal::Kind;
-use crate::diagnosis::search::{Member, NOTHING, Searched};
+use crate::diagnosis::search::proposal::ProposalKind;
+use crate::diagnosis::search::{AcceptedEffect, NOTHING, Searched};
 
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;
@@ -38,7 +38,7 @@ const ENOUGH: f64 = 0.3;
 #[derive(Debug, Clone)]
 pub struct Judged {
     /// Place among the members; `None` for what is left over without a name.
-    pub member: Option<usize>,
+    pub accepted_effect: Option<usize>,
     /// What.
     pub subject: Subject,
     /// Its probability.
@@ -63,14 +63,14 @@ pub struct Judgement {
     /// Place of the one that the verdict is about.
     pub leading: Option<usize>,
     /// Probabilities of all subjects; they sum to 1.
-    pub odds: Odds,
+    pub odds: Posterior,
 }
 
 /// What a verdict rests on.
 #[derive(Debug)]
 pub struct Evidence<'s> {
     /// What was found.
-    pub members: &'s [Member],
+    pub accepted: &'s [AcceptedEffect],
     /// Log odds of what was fitted and not taken.
     pub refused: &'s [(Subject, f64)],
     /// Log evidence of a wrench that comes and goes, left over beside what was found.
@@ -91,12 +91,13 @@ pub struct Evidence<'s> {
 /// shown at a plausible size.
 #[must_use]
 pub fn judge(searched: &Searched, seen: f64) -> Judgement {
-    let subjects = searched.given.candidates.subjects.iter().copied();
+    let subjects = searched.problem.candidates.subjects.iter().copied();
     Evidence {
-        members: &searched.members,
+        accepted: &searched.accepted,
         refused: &searched.refused,
-        left: searched.last.wandering.map_or(0.0, |w| w.evidence),
-        explained: searched.retuned.surprise - searched.augmented.surprise,
+        left: searched.last.latent_wrench.map_or(0.0, |w| w.evidence),
+        explained: searched.refitted.negative_log_evidence
+            - searched.augmented.negative_log_evidence,
         physics: subjects.filter(|s| !s.is_sensor()).collect(),
         seen,
         tested: searched.tested,
@@ -110,32 +111,39 @@ impl Evidence<'_> {
     #[must_use]
     pub fn judged(&self) -> Judgement {
         let Self {
-            members,
+            accepted,
             left,
             explained,
             physics,
             ..
         } = self;
         let something = 1.0 / (1.0 + (-(left - SOMETHING) / LEFT_SOFTNESS).exp());
-        let doubt = doubt(members, *explained, left.max(0.0) * something);
-        let odds = |member: &Member| {
-            let odds = Odds::new(&member.rivals, NOTHING);
-            match member.proposal.subject {
+        let doubt = doubt(accepted, *explained, left.max(0.0) * something);
+        let odds = |accepted_effect: &AcceptedEffect| {
+            let odds = Posterior::new(&accepted_effect.rivals, NOTHING);
+            match accepted_effect.proposal.subject {
                 Subject::Unknown => odds.shared(Subject::Unknown, MISSED, physics),
                 subject if subject.is_sensor() => odds,
                 _ => odds.with(Subject::Unknown, doubt),
             }
         };
-        let judged = members.iter().enumerate();
-        let judged = judged.map(|(index, member)| judge_member(index, member, odds(member)));
+        let judged = accepted.iter().enumerate();
+        let judged = judged.map(|(index, accepted_effect)| {
+            judge_member(index, accepted_effect, odds(accepted_effect))
+        });
         let mut findings: Vec<Judged> = judged.collect();
-        let is_local = |member: &Member| member.proposal.kind() == Kind::Local;
-        let local = members.iter().all(is_local);
-        let main = members.is_empty()
+        let is_local = |accepted_effect: &AcceptedEffect| {
+            accepted_effect.proposal.kind() == ProposalKind::Local
+        };
+        let local = accepted.iter().all(is_local);
+        let main = accepted.is_empty()
             || *left > MAIN * explained
             || (local && *left > 0.5 * MAIN * explained);
-        let each: Vec<(Odds, f64)> = members.iter().map(|m| (odds(m), m.gain.max(0.0))).collect();
-        let mut odds = mean(&each).unwrap_or_else(|| Odds::new(self.refused, NOTHING));
+        let each: Vec<(Posterior, f64)> = accepted
+            .iter()
+            .map(|m| (odds(m), m.gain.max(0.0)))
+            .collect();
+        let mut odds = mean(&each).unwrap_or_else(|| Posterior::new(self.refused, NOTHING));
         let something_unknown = something * (1.0 - MISSED);
         if main {
             let whole = odds.with(Subject::Unknown, something);
@@ -144,7 +152,7 @@ impl Evidence<'_> {
         // Without a name is what the names were tried for.
         if something > 0.5 && self.tested && self.tried {
             findings.push(Judged {
-                member: None,
+                accepted_effect: None,
                 subject: Subject::Unknown,
                 probability: something_unknown,
                 physics: something,
@@ -171,11 +179,11 @@ impl Evidence<'_> {
         };
         if leading.is_none() {
             // Nothing in the model stands for it.
-            findings.retain(|one| one.member.is_some());
+            findings.retain(|one| one.accepted_effect.is_some());
         }
         if insufficient.is_some_and(|why| why != Insufficient::Undecided) {
             // Not everything was asked, so nothing is likelier than the other.
-            odds = Odds(vec![(Subject::Nothing, 0.5), (Subject::Unknown, 0.5)]);
+            odds = Posterior(vec![(Subject::Nothing, 0.5), (Subject::Unknown, 0.5)]);
         }
         Judgement {
             verdict,
@@ -187,7 +195,7 @@ impl Evidence<'_> {
     }
 
     /// Where nothing is claimed: why it cannot be said that nothing is missing.
-    fn insufficient(&self, findings: &[Judged], odds: &Odds) -> Option<Insufficient> {
+    fn insufficient(&self, findings: &[Judged], odds: &Posterior) -> Option<Insufficient> {
         if findings.is_empty() && (self.seen < ENOUGH || !self.tested) {
             Some(Insufficient::TooLittle)
         } else if findings.is_empty() && !self.tried {
@@ -221,7 +229,7 @@ impl Judged {
     }
 
     /// Whether what would be claimed is likelier than that nothing is there, in its place and all in all.
-    fn is_likely(&self, odds: &Odds) -> bool {
+    fn is_likely(&self, odds: &Posterior) -> bool {
         let others = self
             .set
             .iter()
@@ -236,10 +244,12 @@ impl Judged {
 
 /// How much a name is doubted because of what has none: of all that was explained together what leaving out the laws
 /// would cost, and what is left over.
-fn doubt(members: &[Member], explained: f64, left: f64) -> f64 {
-    let laws = members.iter();
-    let laws = laws.filter(|member| member.proposal.subject == Subject::Unknown);
-    let laws: f64 = laws.map(|member| member.gain.max(0.0)).sum();
+fn doubt(accepted: &[AcceptedEffect], explained: f64, left: f64) -> f64 {
+    let laws = accepted.iter();
+    let laws = laws.filter(|accepted_effect| accepted_effect.proposal.subject == Subject::Unknown);
+    let laws: f64 = laws
+        .map(|accepted_effect| accepted_effect.gain.max(0.0))
+        .sum();
     unnamed_share(laws, explained, left).min(MOST_DOUBT)
 }
 
@@ -255,8 +265,8 @@ fn unnamed_share(laws: f64, explained: f64, left: f64) -> f64 {
     }
 }
 
-fn judge_member(index: usize, member: &Member, odds: Odds) -> Judged {
-    let subject = member.proposal.subject;
+fn judge_member(index: usize, accepted_effect: &AcceptedEffect, odds: Posterior) -> Judged {
+    let subject = accepted_effect.proposal.subject;
     let probability = odds.of(subject);
     let mut others: Vec<(Subject, f64)> = odds.0.clone();
     others.retain(|(other, _)| *other != subject && *other != Subject::Nothing);
@@ -274,7 +284,7 @@ fn judge_member(index: usize, member: &Member, odds: Odds) -> Judged {
         Vec::new()
     };
     Judged {
-        member: Some(index),
+        accepted_effect: Some(index),
         subject,
         probability,
         physics: odds.physics(),
@@ -335,7 +345,7 @@ mod tests {
     fn physics_behind_sensors_decides_where_it_is_likely() {
         let sensor = Subject::Effect(CATALOGUE.iter().position(|e| e.name == "latency").unwrap());
         let one = |subject, probability| Judged {
-            member: None,
+            accepted_effect: None,
             subject,
             probability,
             physics: probability,

@@ -3,7 +3,7 @@
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::optimiser::normals;
 use crate::fit::predictor::Predictor;
-use crate::fit::problem::{Point, Problem, Tables, Weighing};
+use crate::fit::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use nalgebra::{DMatrix, DVector};
 
 /// A segment's normal equations by a hypothesis' unknowns, its start eliminated.
@@ -45,15 +45,15 @@ impl Block {
 /// The segments of a fitted hypothesis. `None` where numbers are not finite.
 #[must_use]
 pub fn blocks<P: Predictor>(
-    problem: &Problem<P>,
+    shooting: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Option<Vec<Block>> {
-    let normals = normals(problem, tables, point, by);
+    let normals = normals(shooting, tables, point, by);
     let one = |(index, normal): (usize, &Normal)| {
         let eliminated = Eliminated::new(normal, 0.0)?;
-        let segment = &problem.segments[index];
+        let segment = &shooting.segments[index];
         let mut block = Block {
             matrix: eliminated.matrix.clone(),
             gradient: eliminated.gradient.clone(),

@@ -6,25 +6,25 @@
 use super::maps::Maps;
 use crate::diagnosis::Subject;
 use crate::effects::{
-    CATALOGUE, Declaration, Effects, Kind, ParameterName, Prior, Soil, TyreCompliance,
+    CATALOGUE, Declaration, EffectKind, Effects, ParameterName, Prior, Soil, TyreCompliance,
 };
 use crate::fit::parameter::{self, Scale};
 use crate::fit::sensor::SensorParameter;
 use crate::parameter::ParameterError;
-use crate::vehicle::{GRAVITY, Parameter, Specification};
+use crate::vehicle::{GRAVITY, ModelParameter, Specification};
 
 /// What a knob turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// A number of the model.
-    Model(Parameter),
+    Model(ModelParameter),
     /// A number of each recording's sensors.
     Sensor(SensorParameter),
 }
 
 /// One number of an effect.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Knob {
+pub struct CandidateParameter {
     /// The effect, by its place in the catalogue.
     pub effect: usize,
     /// What it turns.
@@ -32,7 +32,7 @@ pub struct Knob {
     /// Name within the effect.
     pub name: &'static str,
     /// Coordinate, prior around "off" and range.
-    pub parameter: parameter::Parameter,
+    pub parameter: parameter::FreeParameter,
     /// A value to compare with where the effect has no derivative while it is off.
     pub secant: Option<f64>,
     /// The coordinate of a value as the catalogue expects it where the effect is on.
@@ -45,7 +45,7 @@ pub struct Knob {
 #[derive(Debug, Clone)]
 pub struct Candidates {
     /// All knobs, effect by effect.
-    pub knobs: Vec<Knob>,
+    pub coefficients: Vec<CandidateParameter>,
     /// The effects that have knobs, in the order of the catalogue; laws for what has no name are
     /// not among them.
     pub subjects: Vec<Subject>,
@@ -72,7 +72,7 @@ const PLACE_BOUND: [&str; 1] = ["grade"];
 /// Terms of laws that have a direction on the map.
 const DIRECTIONS: [&str; 2] = ["east", "north"];
 
-impl Knob {
+impl CandidateParameter {
     /// Whether it shapes an effect that another knob switches on and off.
     #[must_use]
     pub fn is_shape(&self) -> bool {
@@ -86,43 +86,47 @@ impl Candidates {
     /// recording's own.
     #[must_use]
     pub fn new(nominal: &Specification, maps: Maps) -> Self {
-        let (mut knobs, mut subjects) = (Vec::new(), Vec::new());
+        let (mut coefficients, mut subjects) = (Vec::new(), Vec::new());
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
             let lost = PLACE_BOUND.contains(&declaration.name) && maps == Maps::OfRuns;
             if nominal.effects.is_on(effect) || lost {
                 continue;
             }
-            let first = knobs.len();
+            let first = coefficients.len();
             match declaration.kind {
-                Kind::Physics => {
+                EffectKind::Physics => {
                     let all = physics(effect, declaration, nominal).into_iter();
-                    knobs.extend(
-                        all.filter(|knob| maps == Maps::One || !DIRECTIONS.contains(&knob.name)),
-                    );
+                    coefficients.extend(all.filter(|coefficient| {
+                        maps == Maps::One || !DIRECTIONS.contains(&coefficient.name)
+                    }));
                 }
-                Kind::Measurement => knobs.extend(sensors(effect, declaration)),
+                EffectKind::Measurement => coefficients.extend(sensors(effect, declaration)),
             }
             // A change of terrain begins at a boundary that has to be found first: see `boundary`.
             let waits = declaration.name == TERRAIN_CHANGE;
-            if knobs.len() > first && !is_law(effect) && !waits {
+            if coefficients.len() > first && !is_law(effect) && !waits {
                 subjects.push(Subject::Effect(effect));
             }
         }
-        Self { knobs, subjects }
+        Self {
+            coefficients,
+            subjects,
+        }
     }
 
     /// Places of a subject's knobs; none for what is no effect.
     pub fn of(&self, subject: Subject) -> impl Iterator<Item = usize> + '_ {
-        let knobs = self.knobs.iter().enumerate();
-        let ours = knobs.filter(move |(_, knob)| subject == Subject::Effect(knob.effect));
+        let coefficients = self.coefficients.iter().enumerate();
+        let ours = coefficients
+            .filter(move |(_, coefficient)| subject == Subject::Effect(coefficient.effect));
         ours.map(|(place, _)| place)
     }
 
     /// Places of the laws' knobs.
     pub fn laws(&self) -> impl Iterator<Item = usize> + '_ {
-        let knobs = self.knobs.iter().enumerate();
-        knobs
-            .filter(|(_, knob)| is_law(knob.effect))
+        let coefficients = self.coefficients.iter().enumerate();
+        coefficients
+            .filter(|(_, coefficient)| is_law(coefficient.effect))
             .map(|(place, _)| place)
     }
 }
@@ -146,64 +150,70 @@ pub fn copy(effects: &mut Effects, effect: usize, from: &Effects) -> Result<(), 
     Ok(())
 }
 
-fn physics(effect: usize, declaration: &'static Declaration, nominal: &Specification) -> Vec<Knob> {
-    let knob = |(place, declared): (usize, &'static crate::effects::ParameterDeclaration)| {
-        let name = ParameterName::at(effect, place)?;
-        let full = name.full_name();
-        if !declared.switches && !SHAPES.contains(&full.as_str()) {
-            return None;
-        }
-        let off = nominal.effects.get(name);
-        let secant = secant(&full, nominal).map(|value| value.clamp(declared.low, declared.high));
-        // A pressure is known to a factor; everything else enters as it is.
-        let scale = if off == declared.high && declared.low > 0.0 {
-            Scale::Log
-        } else {
-            Scale::Linear
-        };
-        let deviation = match (declared.prior, scale) {
-            (Prior::Normal { mean, deviation }, _) => deviation.hypot(mean - off),
-            (Prior::LogNormal { median, deviation }, Scale::Linear) if off == 0.0 => {
-                median * deviation.exp()
+fn physics(
+    effect: usize,
+    declaration: &'static Declaration,
+    nominal: &Specification,
+) -> Vec<CandidateParameter> {
+    let coefficient =
+        |(place, declared): (usize, &'static crate::effects::ParameterDeclaration)| {
+            let name = ParameterName::at(effect, place)?;
+            let full = name.full_name();
+            if !declared.switches && !SHAPES.contains(&full.as_str()) {
+                return None;
             }
-            (Prior::LogNormal { deviation, .. }, Scale::Linear) => deviation * off,
-            (Prior::LogNormal { median, .. }, Scale::Log) => (median / off).ln().abs(),
-        };
-        let expected = match (declared.switches, secant, declared.prior) {
-            (false, ..) => off,
-            (true, Some(value), _) => value,
-            (true, None, Prior::Normal { mean, .. }) => mean,
-            (true, None, Prior::LogNormal { median, .. }) => median,
-        };
-        let typical = match scale {
-            Scale::Linear => expected,
-            Scale::Log => expected.ln(),
-        };
-        Some(Knob {
-            typical,
-            effect,
-            target: Target::Model(Parameter::Effect(name)),
-            name: declared.name,
-            parameter: parameter::Parameter {
-                name: full,
-                unit: declared.unit,
-                scale,
-                prior: parameter::Prior {
-                    median: off,
-                    deviation,
+            let off = nominal.effects.get(name);
+            let secant =
+                secant(&full, nominal).map(|value| value.clamp(declared.low, declared.high));
+            // A pressure is known to a factor; everything else enters as it is.
+            let scale = if off == declared.high && declared.low > 0.0 {
+                Scale::Log
+            } else {
+                Scale::Linear
+            };
+            let deviation = match (declared.prior, scale) {
+                (Prior::Normal { mean, deviation }, _) => deviation.hypot(mean - off),
+                (Prior::LogNormal { median, deviation }, Scale::Linear) if off == 0.0 => {
+                    median * deviation.exp()
+                }
+                (Prior::LogNormal { deviation, .. }, Scale::Linear) => deviation * off,
+                (Prior::LogNormal { median, .. }, Scale::Log) => (median / off).ln().abs(),
+            };
+            let expected = match (declared.switches, secant, declared.prior) {
+                (false, ..) => off,
+                (true, Some(value), _) => value,
+                (true, None, Prior::Normal { mean, .. }) => mean,
+                (true, None, Prior::LogNormal { median, .. }) => median,
+            };
+            let typical = match scale {
+                Scale::Linear => expected,
+                Scale::Log => expected.ln(),
+            };
+            Some(CandidateParameter {
+                typical,
+                effect,
+                target: Target::Model(ModelParameter::Effect(name)),
+                name: declared.name,
+                parameter: parameter::FreeParameter {
+                    name: full,
+                    unit: declared.unit,
+                    scale,
+                    prior: parameter::Prior {
+                        median: off,
+                        deviation,
+                    },
+                    low: declared.low,
+                    high: declared.high,
                 },
-                low: declared.low,
-                high: declared.high,
-            },
-            secant,
-            own: PLACE_BOUND.contains(&declaration.name),
-        })
-    };
+                secant,
+                own: PLACE_BOUND.contains(&declaration.name),
+            })
+        };
     declaration
         .parameters
         .iter()
         .enumerate()
-        .filter_map(knob)
+        .filter_map(coefficient)
         .collect()
 }
 
@@ -221,7 +231,7 @@ fn secant(full: &str, nominal: &Specification) -> Option<f64> {
     found.map(|(_, value)| *value)
 }
 
-fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
+fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<CandidateParameter> {
     let turned: &[(&'static str, SensorParameter)] = match declaration.name {
         "latency" => &[
             ("pose", SensorParameter::PoseLatency),
@@ -235,7 +245,7 @@ fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
         "heading_offset" => &[("offset", SensorParameter::HeadingOffset)],
         _ => &[],
     };
-    let knob = |&(name, sensor): &(&'static str, SensorParameter)| Knob {
+    let coefficient = |&(name, sensor): &(&'static str, SensorParameter)| CandidateParameter {
         effect,
         target: Target::Sensor(sensor),
         name,
@@ -244,7 +254,7 @@ fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<Knob> {
         secant: None,
         own: true,
     };
-    turned.iter().map(knob).collect()
+    turned.iter().map(coefficient).collect()
 }
 
 #[cfg(test)]
@@ -279,11 +289,14 @@ mod tests {
             assert_eq!(found, expected, "{}", declaration.name);
             assert!(candidates.of(subject).next().is_some());
         }
-        for knob in &candidates.knobs {
-            let (low, high) = knob.parameter.bounds();
-            let off = knob.parameter.prior_coordinate();
-            assert!(low <= off && off <= high, "{knob:?}");
-            assert!(knob.parameter.prior.deviation > 0.0, "{knob:?}");
+        for coefficient in &candidates.coefficients {
+            let (low, high) = coefficient.parameter.bounds();
+            let off = coefficient.parameter.prior_coordinate();
+            assert!(low <= off && off <= high, "{coefficient:?}");
+            assert!(
+                coefficient.parameter.prior.deviation > 0.0,
+                "{coefficient:?}"
+            );
         }
         for (maps, lost) in [(Maps::OfRecordings, 0), (Maps::OfRuns, 1)] {
             let apart = Candidates::new(&nominal, maps);

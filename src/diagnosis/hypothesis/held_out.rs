@@ -3,17 +3,17 @@
 //! Blocked cross-validation: the segments in some folds, each a stretch of neighbours; a fold is
 //! judged by parameters from the others, its neighbours left out as a guard (H. Racine,
 //! "Consistent cross-validatory model-selection for dependent data", J. Econometrics 99 (2000)).
-//! The parameters without a fold follow from the whole fit by one Newton step (see `refitted` for what
+//! The parameters without a fold follow from the whole fit by one Newton step (see `cross_validated` for what
 //! is told in the end). The score is the log predictive density of each segment, its start and what the
 //! others leave open of the parameters integrated out: where little is left to learn from, a model with more
 //! to learn is less sure, not wrong.
 
-use super::Given;
+use super::Problem;
 use super::block::{Block, blocks};
-use super::likelihood::Tuned;
+use super::likelihood::FittedHypothesis;
 use crate::fit::bounded::{room, step_within};
 use crate::fit::exact::ExactPredictor;
-use crate::fit::problem::{Problem, Weighing};
+use crate::fit::problem::{NoiseModel, ShootingProblem};
 use crate::fit::segment::Segment;
 use nalgebra::{DMatrix, DVector};
 
@@ -55,12 +55,12 @@ pub(super) fn near(segments: &[Segment], fold: &[usize], out: usize, index: usiz
 
 /// Judges a fitted hypothesis. `None` where there is too little to hold out.
 #[must_use]
-pub fn scores(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
-    let predictor = given.predictor(&tuned.knobs);
-    let problem = given.problem(&predictor, &tuned.knobs);
-    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
-    let blocks = blocks(&problem, &tuned.tables, &point, by)?;
-    let fold = folds(&given.segments);
+pub fn scores(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> Option<Scores> {
+    let predictor = problem.predictor(&fit.coefficients);
+    let shooting = problem.shooting(&predictor, &fit.coefficients);
+    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
+    let blocks = blocks(&shooting, &fit.tables, &point, by)?;
+    let fold = folds(&problem.segments);
     let count = fold.iter().max()? + 1;
     if count < 2 {
         return None;
@@ -71,10 +71,10 @@ pub fn scores(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
         coordinates: vec![point.coordinates.clone(); blocks.len()],
     };
     for out in 0..count {
-        let apart = |index: &usize| !near(&given.segments, &fold, out, *index);
+        let apart = |index: &usize| !near(&problem.segments, &fold, out, *index);
         let kept = (0..blocks.len()).filter(apart).map(|index| &blocks[index]);
-        let (told, gradient) = told(&problem, &point.coordinates, kept);
-        let room = room(&problem.parameters, &point.coordinates);
+        let (told, gradient) = told(&shooting, &point.coordinates, kept);
+        let room = room(&shooting.parameters, &point.coordinates);
         let step = step_within(&told, &gradient, &room)?;
         for (index, block) in blocks.iter().enumerate().filter(|(k, _)| fold[*k] == out) {
             scores.log_density[index] = block.predictive(&told, &step)?;
@@ -86,11 +86,11 @@ pub fn scores(given: &Given, tuned: &Tuned, by: &Weighing) -> Option<Scores> {
 
 /// What the prior and some segments tell of the unknowns: precision and gradient.
 pub(super) fn told<'b>(
-    problem: &Problem<ExactPredictor>,
+    shooting: &ShootingProblem<ExactPredictor>,
     coordinates: &DVector<f64>,
     blocks: impl Iterator<Item = &'b Block>,
 ) -> (DMatrix<f64>, DVector<f64>) {
-    let (precision, mut gradient) = problem.prior(coordinates);
+    let (precision, mut gradient) = shooting.prior(coordinates);
     let mut matrix = DMatrix::from_diagonal(&precision);
     for block in blocks {
         matrix += &block.matrix;

@@ -21,11 +21,11 @@ pub fn hitched(nominal: &Specification) -> Specification {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Given;
+    use super::super::Problem;
     use super::super::candidate::Target;
     use super::*;
     use crate::terrain::Terrain;
-    use crate::vehicle::{Parameter, Vehicle};
+    use crate::vehicle::{ModelParameter, Vehicle};
 
     #[test]
     fn a_drawbar_is_expected_at_the_rear_and_fitted_around_it() {
@@ -35,11 +35,12 @@ mod tests {
         let rear = 1.6 + vehicle.wheel_radius;
         let mut nominal = Specification::plain(vehicle, Terrain::preset("dry_sand").unwrap());
         let expected = |nominal: &Specification| {
-            let given = Given::new(nominal, &[]);
-            let mut knobs = given.candidates.knobs.iter();
-            let knob = knobs.find(|k| k.target == Target::Model(Parameter::Effect(hitch)));
-            let knob = knob.map(|k| (k.parameter.prior.median, k.typical));
-            (given.nominal.effects.get(hitch), knob)
+            let problem = Problem::new(nominal, &[]);
+            let mut coefficients = problem.candidates.coefficients.iter();
+            let coefficient =
+                coefficients.find(|k| k.target == Target::Model(ModelParameter::Effect(hitch)));
+            let coefficient = coefficient.map(|k| (k.parameter.prior.median, k.typical));
+            (problem.nominal.effects.get(hitch), coefficient)
         };
         assert_eq!(expected(&nominal), (rear, Some((rear, rear))));
         // A drawbar that is given stays where it is.

@@ -6,30 +6,30 @@
 //! (Laplace; D. MacKay, "Bayesian interpolation", Neural Computation 4 (1992)):
 //! -2 ln E = cost + ln det H - ln det P, with the prior's precision P and H = J^T J + P.
 
-use super::{Given, Solution};
+use super::{Problem, Solution};
 use crate::fit::noise_estimate;
+use crate::fit::noise_model::reweigh;
 use crate::fit::normal::Eliminated;
 use crate::fit::optimiser::{Stop, minimise_from, normals};
 use crate::fit::predictor::{PredictionError, Predictor};
-use crate::fit::problem::{Point, Problem, Tables, Weighing};
+use crate::fit::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use crate::fit::restart::{moved, restarted};
 use crate::fit::uncertainty::uncertainty;
-use crate::fit::weighing::reweigh;
 use nalgebra::DMatrix;
 
 /// A hypothesis fitted to the recordings.
 #[derive(Debug, Clone)]
-pub struct Tuned {
+pub struct FittedHypothesis {
     /// The knobs that were free besides the soil.
-    pub knobs: Vec<usize>,
+    pub coefficients: Vec<usize>,
     /// Where it ended.
     pub solution: Solution,
     /// Half the squares that are left, those of the soil's and the knobs' priors not among them.
     pub misfit: f64,
     /// Minus the log of the evidence.
-    pub surprise: f64,
+    pub negative_log_evidence: f64,
     /// By how much the next step promises to lower it.
-    pub promised: f64,
+    pub predicted_reduction: f64,
     /// Covariance of the unknowns' coordinates, as the problem numbers them.
     pub covariance: DMatrix<f64>,
     /// Residuals of each segment and their derivatives.
@@ -40,9 +40,9 @@ pub struct Tuned {
 /// model is exact. Set on 100 numbers of the proof's third judged set (see the docs); later sets judged it.
 const WIDER: f64 = 1.4;
 /// A fit that is only to show whether it is worth going on with.
-pub const SKETCH: Stop = Stop::after(5, 1.0);
+pub const PARTIAL_FIT: Stop = Stop::after(5, 1.0);
 /// The same where the way is long.
-pub const LONG_SKETCH: Stop = Stop::after(12, 2.0);
+pub const LONG_PARTIAL_FIT: Stop = Stop::after(12, 2.0);
 /// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
 pub const HELD: Stop = Stop::after(20, 1.0);
 /// Turns of motion and noise at most, and when they end.
@@ -56,83 +56,118 @@ const NEXT: Stop = Stop::after(8, 0.1);
 ///
 /// # Errors
 /// A point to begin with that cannot be driven.
-pub fn tune(
-    given: &Given,
-    knobs: &[usize],
+pub fn fit_hypothesis(
+    problem: &Problem,
+    coefficients: &[usize],
     begin: &Solution,
-    by: &Weighing,
-) -> Result<Tuned, PredictionError> {
-    tune_until(given, knobs, begin, by, HELD)
+    by: &NoiseModel,
+) -> Result<FittedHypothesis, PredictionError> {
+    fit_until(problem, coefficients, begin, by, HELD)
 }
 
-/// As [`tune`], until so many steps are done.
+/// As [`fit_hypothesis`], until so many steps are done.
 ///
 /// # Errors
-/// As [`tune`].
-pub fn tune_until(
-    given: &Given,
-    knobs: &[usize],
+/// As [`fit_hypothesis`].
+pub fn fit_until(
+    problem: &Problem,
+    coefficients: &[usize],
     begin: &Solution,
-    by: &Weighing,
+    by: &NoiseModel,
     stop: Stop,
-) -> Result<Tuned, PredictionError> {
-    let predictor = given.predictor(knobs);
-    let problem = given.problem(&predictor, knobs);
-    let point = given.point(&problem, knobs, begin);
-    let tables = problem.evaluate(&point, true)?;
+) -> Result<FittedHypothesis, PredictionError> {
+    let predictor = problem.predictor(coefficients);
+    let shooting = problem.shooting(&predictor, coefficients);
+    let point = problem.point(&shooting, coefficients, begin);
+    let tables = shooting.evaluate(&point, true)?;
     Ok(tuned_from(
-        given, knobs, begin, &problem, point, tables, by, stop,
+        problem,
+        coefficients,
+        begin,
+        &shooting,
+        point,
+        tables,
+        by,
+        stop,
     ))
 }
 
-/// As [`tune_until`], the starts looked for anew first: those to begin with are of a model that is far off.
+/// As [`fit_until`], the starts looked for anew first: those to begin with are of a model that is far off.
 ///
 /// # Errors
-/// As [`tune`].
+/// As [`fit_hypothesis`].
 pub fn tune_from_afar(
-    given: &Given,
-    knobs: &[usize],
+    problem: &Problem,
+    coefficients: &[usize],
     begin: &Solution,
-    by: &Weighing,
+    by: &NoiseModel,
     stop: Stop,
-) -> Result<Tuned, PredictionError> {
-    let predictor = given.predictor(knobs);
-    let problem = given.problem(&predictor, knobs);
+) -> Result<FittedHypothesis, PredictionError> {
+    let predictor = problem.predictor(coefficients);
+    let shooting = problem.shooting(&predictor, coefficients);
     let mut begin = begin.clone();
-    let point = given.point(&problem, knobs, &begin);
-    if let Some(starts) = restarted(&problem, &point, by) {
+    let point = problem.point(&shooting, coefficients, &begin);
+    if let Some(starts) = restarted(&shooting, &point, by) {
         begin.starts = starts;
     }
-    tune_until(given, knobs, &begin, by, stop)
+    fit_until(problem, coefficients, &begin, by, stop)
 }
 
 /// Goes on with a fit, the noise another one perhaps.
 #[must_use]
-pub fn tune_on(given: &Given, fitted: &Tuned, by: &Weighing, stop: Stop) -> Tuned {
-    let (knobs, begin) = (&fitted.knobs, &fitted.solution);
-    let predictor = given.predictor(knobs);
-    let problem = given.problem(&predictor, knobs);
-    let point = given.point(&problem, knobs, begin);
+pub fn fit_on(
+    problem: &Problem,
+    fitted: &FittedHypothesis,
+    by: &NoiseModel,
+    stop: Stop,
+) -> FittedHypothesis {
+    let (coefficients, begin) = (&fitted.coefficients, &fitted.solution);
+    let predictor = problem.predictor(coefficients);
+    let shooting = problem.shooting(&predictor, coefficients);
+    let point = problem.point(&shooting, coefficients, begin);
     let tables = fitted.tables.clone();
-    tuned_from(given, knobs, begin, &problem, point, tables, by, stop)
+    tuned_from(
+        problem,
+        coefficients,
+        begin,
+        &shooting,
+        point,
+        tables,
+        by,
+        stop,
+    )
 }
 
 /// Goes on with a fit to its end, its starts looked for anew first (see [`crate::fit::restart`]). The noise may be another
 /// one than it was fitted under.
 #[must_use]
-pub fn tune_restarted(given: &Given, fitted: &Tuned, by: &Weighing) -> Tuned {
-    let knobs = &fitted.knobs;
-    let predictor = given.predictor(knobs);
-    let problem = given.problem(&predictor, knobs);
-    let point = given.point(&problem, knobs, &fitted.solution);
-    let starts = restarted(&problem, &point, by);
-    let anew = starts.and_then(|starts| moved(&problem, &point, &fitted.tables, starts));
+pub fn fit_restarted(
+    problem: &Problem,
+    fitted: &FittedHypothesis,
+    by: &NoiseModel,
+) -> FittedHypothesis {
+    let coefficients = &fitted.coefficients;
+    let predictor = problem.predictor(coefficients);
+    let shooting = problem.shooting(&predictor, coefficients);
+    let point = problem.point(&shooting, coefficients, &fitted.solution);
+    let starts = restarted(&shooting, &point, by);
+    let anew = starts.and_then(|starts| moved(&shooting, &point, &fitted.tables, starts));
     let begin = &fitted.solution;
-    let anew = anew
-        .map(|(point, tables)| tuned_from(given, knobs, begin, &problem, point, tables, by, HELD));
-    let (surprise, _) = evidence(&problem, &fitted.tables, &point, by);
-    anew.filter(|tuned| tuned.surprise < surprise)
-        .unwrap_or_else(|| tune_on(given, fitted, by, HELD))
+    let anew = anew.map(|(point, tables)| {
+        tuned_from(
+            problem,
+            coefficients,
+            begin,
+            &shooting,
+            point,
+            tables,
+            by,
+            HELD,
+        )
+    });
+    let (negative_log_evidence, _) = evidence(&shooting, &fitted.tables, &point, by);
+    anew.filter(|fit| fit.negative_log_evidence < negative_log_evidence)
+        .unwrap_or_else(|| fit_on(problem, fitted, by, HELD))
 }
 
 #[allow(
@@ -140,23 +175,23 @@ pub fn tune_restarted(given: &Given, fitted: &Tuned, by: &Weighing) -> Tuned {
     reason = "a hypothesis, where it stands, and how it is judged"
 )]
 fn tuned_from<P: Predictor>(
-    given: &Given,
-    knobs: &[usize],
+    problem: &Problem,
+    coefficients: &[usize],
     begin: &Solution,
-    problem: &Problem<P>,
+    shooting: &ShootingProblem<P>,
     mut point: Point,
     tables: Vec<Tables>,
-    by: &Weighing,
+    by: &NoiseModel,
     stop: Stop,
-) -> Tuned {
-    let outcome = minimise_from(problem, &mut point, tables, by, stop);
-    let (surprise, covariance) = evidence(problem, &outcome.tables, &point, by);
-    Tuned {
-        knobs: knobs.to_vec(),
-        solution: given.solution(problem, knobs, &point, begin),
-        misfit: 0.5 * (outcome.cost - problem.prior_cost(&point.coordinates)),
-        surprise,
-        promised: 0.5 * outcome.promised,
+) -> FittedHypothesis {
+    let outcome = minimise_from(shooting, &mut point, tables, by, stop);
+    let (negative_log_evidence, covariance) = evidence(shooting, &outcome.tables, &point, by);
+    FittedHypothesis {
+        coefficients: coefficients.to_vec(),
+        solution: problem.solution(shooting, coefficients, &point, begin),
+        misfit: 0.5 * (outcome.cost - shooting.prior_cost(&point.coordinates)),
+        negative_log_evidence,
+        predicted_reduction: 0.5 * outcome.predicted_reduction,
         covariance,
         tables: outcome.tables,
     }
@@ -164,94 +199,101 @@ fn tuned_from<P: Predictor>(
 
 /// Half the cost of a hypothesis as it stands, infinite where it cannot be driven.
 #[must_use]
-pub fn cost(given: &Given, knobs: &[usize], at: &Solution, by: &Weighing) -> f64 {
-    let predictor = given.predictor(knobs);
-    let problem = given.problem(&predictor, knobs);
-    let point = given.point(&problem, knobs, at);
-    let residuals = problem.evaluate_unless_one_fails(&point, false);
-    residuals.map_or(f64::INFINITY, |r| 0.5 * problem.cost(&r, &point, by))
+pub fn cost(problem: &Problem, coefficients: &[usize], at: &Solution, by: &NoiseModel) -> f64 {
+    let predictor = problem.predictor(coefficients);
+    let shooting = problem.shooting(&predictor, coefficients);
+    let point = problem.point(&shooting, coefficients, at);
+    let residuals = shooting.evaluate_unless_one_fails(&point, false);
+    residuals.map_or(f64::INFINITY, |r| 0.5 * shooting.cost(&r, &point, by))
 }
 
 /// Fits the soil and these knobs with noise and weights in turns; the weighing moves along.
 ///
 /// # Errors
 /// A point to begin with that cannot be driven.
-pub fn tune_with_noise(
-    given: &Given,
-    knobs: &[usize],
+pub fn fit_with_noise(
+    problem: &Problem,
+    coefficients: &[usize],
     begin: &Solution,
-    by: &mut Weighing,
-) -> Result<Tuned, PredictionError> {
-    let predictor = given.predictor(knobs);
-    let problem = given.problem(&predictor, knobs);
-    let mut point = given.point(&problem, knobs, begin);
-    let mut tables = problem.evaluate(&point, true)?;
+    by: &mut NoiseModel,
+) -> Result<FittedHypothesis, PredictionError> {
+    let predictor = problem.predictor(coefficients);
+    let shooting = problem.shooting(&predictor, coefficients);
+    let mut point = problem.point(&shooting, coefficients, begin);
+    let mut tables = shooting.evaluate(&point, true)?;
     let mut stop = FIRST;
     for _ in 0..TURNS {
-        let outcome = minimise_from(&problem, &mut point, tables, by, stop);
-        let change = follow(&problem, &point, &outcome.tables, by);
+        let outcome = minimise_from(&shooting, &mut point, tables, by, stop);
+        let change = follow(&shooting, &point, &outcome.tables, by);
         tables = outcome.tables;
         let still = outcome.converged && outcome.gain < STILL && change < STILL_NOISE;
-        if still || given.deadline.is_over() {
+        if still || problem.deadline.is_over() {
             break;
         }
         stop = NEXT;
     }
     Ok(tuned_from(
-        given, knobs, begin, &problem, point, tables, by, HELD,
+        problem,
+        coefficients,
+        begin,
+        &shooting,
+        point,
+        tables,
+        by,
+        HELD,
     ))
 }
 
 /// Covariance of a hypothesis' unknowns, as the problem numbers them: by what the segments' pulls on them scatter, see
 /// [`uncertainty`], as the noise model has it where that cannot be told, and [`WIDER`].
 #[must_use]
-pub fn scattered(given: &Given, tuned: &Tuned, by: &Weighing) -> DMatrix<f64> {
-    let predictor = given.predictor(&tuned.knobs);
-    let problem = given.problem(&predictor, &tuned.knobs);
-    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
-    let told = uncertainty(&problem, &tuned.tables, &point, by, true);
-    let told = told.map_or_else(|| tuned.covariance.clone(), |told| told.covariance);
+pub fn scattered(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> DMatrix<f64> {
+    let predictor = problem.predictor(&fit.coefficients);
+    let shooting = problem.shooting(&predictor, &fit.coefficients);
+    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
+    let told = uncertainty(&shooting, &fit.tables, &point, by, true);
+    let told = told.map_or_else(|| fit.covariance.clone(), |told| told.covariance);
     told * (WIDER * WIDER)
 }
 
 /// Noise and weights as a fitted hypothesis leaves them.
 #[must_use]
-pub fn own_noise(given: &Given, tuned: &Tuned, by: &Weighing) -> Weighing {
-    let predictor = given.predictor(&tuned.knobs);
-    let problem = given.problem(&predictor, &tuned.knobs);
-    let point = given.point(&problem, &tuned.knobs, &tuned.solution);
+pub fn own_noise(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> NoiseModel {
+    let predictor = problem.predictor(&fit.coefficients);
+    let shooting = problem.shooting(&predictor, &fit.coefficients);
+    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
     let mut own = by.clone();
-    follow(&problem, &point, &tuned.tables, &mut own);
+    follow(&shooting, &point, &fit.tables, &mut own);
     own
 }
 
 /// Noise and weights follow the residuals; tells by how much the noise has changed.
 pub fn follow<P: Predictor>(
-    problem: &Problem<P>,
+    shooting: &ShootingProblem<P>,
     point: &Point,
     tables: &[Tables],
-    by: &mut Weighing,
+    by: &mut NoiseModel,
 ) -> f64 {
-    let change = noise_estimate::update(&problem.linearised(point), tables, by);
-    reweigh(problem, tables, by);
+    let change = noise_estimate::update(&shooting.linearised(point), tables, by);
+    reweigh(shooting, tables, by);
     change
 }
 
 /// Minus the log of the evidence, and the covariance of the unknowns. Infinite where the numbers
 /// are not finite.
 fn evidence<P: Predictor>(
-    problem: &Problem<P>,
+    shooting: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> (f64, DMatrix<f64>) {
-    let count = problem.parameters.len();
-    let mut cost = problem.prior_cost(&point.coordinates);
-    let (precision, _) = problem.prior(&point.coordinates);
+    let count = shooting.parameters.len();
+    let mut cost = shooting.prior_cost(&point.coordinates);
+    let (precision, _) = shooting.prior(&point.coordinates);
     let prior: f64 = precision.iter().map(|p| p.ln()).sum();
     let mut matrix = DMatrix::from_diagonal(&precision);
     let mut starts = 0.0;
-    for normal in normals(problem, tables, point, by) {
+    for normal in normals(shooting, tables, point, by) {
         let Some(one) = Eliminated::new(&normal, 0.0) else {
             return (f64::INFINITY, DMatrix::identity(count, count));
         };
@@ -277,15 +319,15 @@ mod tests {
     use crate::vehicle::{Specification, Vehicle};
 
     /// Pivots on clayed soil that is given right, and the soil re-tuned to them.
-    fn with_pivots(check: impl FnOnce(&Given, &Weighing, &Tuned)) {
+    fn with_pivots(check: impl FnOnce(&Problem, &NoiseModel, &FittedHypothesis)) {
         let soil = Terrain::preset("clayed_soil").unwrap();
         let truth = Specification::plain(Vehicle::tran2007(), soil);
         let recordings = [driven(&truth, "pivots")];
-        let mut given = Given::new(&truth, &recordings);
+        let mut problem = Problem::new(&truth, &recordings);
         let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut by) = prepare(&mut given, &Options::default(), &progress).unwrap();
-        let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        check(&given, &by, &tuned);
+        let (_, mut by) = prepare(&mut problem, &Options::default(), &progress).unwrap();
+        let fit = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
+        check(&problem, &by, &fit);
     }
 
     /// With a segment that begins driving backwards and sidewards, from somewhat aside: gone within tenths of a second.
@@ -300,33 +342,35 @@ mod tests {
 
     #[test]
     fn a_start_in_the_wrong_basin_is_found_again() {
-        with_pivots(|given, by, tuned| {
+        with_pivots(|problem, by, fit| {
             // As good as can be.
-            let same = tune_restarted(given, tuned, by);
-            assert!((same.surprise - tuned.surprise).abs() < 1.0);
+            let same = fit_restarted(problem, fit, by);
+            assert!((same.negative_log_evidence - fit.negative_log_evidence).abs() < 1.0);
             for (segment, left, alone) in [(3, 3.0, true), (4, 1.0, false)] {
-                let wrong = astray(&tuned.solution, segment, left);
-                let predictor = given.predictor(&[]);
-                let problem = given.problem(&predictor, &[]);
-                let point = given.point(&problem, &[], &wrong);
+                let wrong = astray(&fit.solution, segment, left);
+                let predictor = problem.predictor(&[]);
+                let shooting = problem.shooting(&predictor, &[]);
+                let point = problem.point(&shooting, &[], &wrong);
                 let costs = |costly| (0..6).map(move |k| if k == costly { 9.0 } else { 1.0 });
                 for found in [
-                    restarted(&problem, &point, by),
-                    outlying_restarted(&problem, &point, by, costs(segment)),
+                    restarted(&shooting, &point, by),
+                    outlying_restarted(&shooting, &point, by, costs(segment)),
                 ] {
-                    let speed =
-                        [&found.unwrap(), &tuned.solution.starts].map(|all| all[segment][3]);
+                    let speed = [&found.unwrap(), &fit.solution.starts].map(|all| all[segment][3]);
                     assert!((speed[0] - speed[1]).abs() < 0.1, "{speed:?}");
                 }
                 // Only what stands out is looked at.
-                assert!(outlying_restarted(&problem, &point, by, costs(segment + 1)).is_none());
+                assert!(outlying_restarted(&shooting, &point, by, costs(segment + 1)).is_none());
                 // Left there the soil goes along. Found where the fit would end if it stands out among the others, and
                 // where it is gone on with otherwise.
-                let stuck = tune(given, &[], &wrong, by).unwrap();
-                assert_eq!((stuck.surprise - tuned.surprise).abs() < 10.0, alone);
-                assert!(alone || stuck.surprise > tuned.surprise + 100.0);
-                let again = tune_restarted(given, &stuck, by);
-                let off = again.surprise - tuned.surprise;
+                let stuck = fit_hypothesis(problem, &[], &wrong, by).unwrap();
+                assert_eq!(
+                    (stuck.negative_log_evidence - fit.negative_log_evidence).abs() < 10.0,
+                    alone
+                );
+                assert!(alone || stuck.negative_log_evidence > fit.negative_log_evidence + 100.0);
+                let again = fit_restarted(problem, &stuck, by);
+                let off = again.negative_log_evidence - fit.negative_log_evidence;
                 assert!(off.abs() < 10.0, "{off}");
                 // Also where noise has become less meanwhile, and everything costs more.
                 let mut less = by.clone();
@@ -334,8 +378,8 @@ mod tests {
                     noise.white *= 0.8;
                     noise.coloured *= 0.8;
                 }
-                let [again, right] = [&stuck, tuned].map(|fit| tune_restarted(given, fit, &less));
-                let off = again.surprise - right.surprise;
+                let [again, right] = [&stuck, fit].map(|one| fit_restarted(problem, one, &less));
+                let off = again.negative_log_evidence - right.negative_log_evidence;
                 assert!(off.abs() < 10.0, "{off}");
             }
         });
@@ -343,29 +387,29 @@ mod tests {
 
     #[test]
     fn a_fit_that_cannot_come_to_be_of_use_is_given_up() {
-        with_pivots(|given, by, tuned| {
+        with_pivots(|problem, by, fit| {
             let fitted = |begin: &Solution, stop: Stop| {
-                let fit = tune_until(given, &[], begin, by, stop).unwrap();
-                fit.surprise - tuned.surprise
+                let one = fit_until(problem, &[], begin, by, stop).unwrap();
+                one.negative_log_evidence - fit.negative_log_evidence
             };
-            let of_use = 2.0 * tuned.misfit + 20.0;
+            let of_use = 2.0 * fit.misfit + 20.0;
             // Far off, but on its way.
-            let mut far = tuned.solution.clone();
-            for (value, parameter) in far.soil.iter_mut().zip(given.soil_parameters()) {
+            let mut far = fit.solution.clone();
+            for (value, parameter) in far.soil.iter_mut().zip(problem.soil_parameters()) {
                 *value += 0.7 * parameter.prior.deviation;
             }
-            let gone_on = fitted(&far, LONG_SKETCH);
+            let gone_on = fitted(&far, LONG_PARTIAL_FIT);
             assert!(gone_on < 10.0, "{gone_on}");
-            assert_eq!(fitted(&far, LONG_SKETCH.unless_above(of_use)), gone_on);
+            assert_eq!(fitted(&far, LONG_PARTIAL_FIT.unless_above(of_use)), gone_on);
             // One start that went astray does not make it hopeless, nor keeps it from being so.
-            let (near, far) = (
-                astray(&tuned.solution, 3, 3.0),
-                astray(&tuned.solution, 4, 1.0),
+            let (near, far) = (astray(&fit.solution, 3, 3.0), astray(&fit.solution, 4, 1.0));
+            let found = fitted(&near, LONG_PARTIAL_FIT.unless_above(of_use));
+            assert_eq!(found, fitted(&near, LONG_PARTIAL_FIT));
+            let given_up = fitted(&far, LONG_PARTIAL_FIT.unless_above(-1e6));
+            assert!(
+                given_up > fitted(&far, LONG_PARTIAL_FIT) + 1.0,
+                "{given_up}"
             );
-            let found = fitted(&near, LONG_SKETCH.unless_above(of_use));
-            assert_eq!(found, fitted(&near, LONG_SKETCH));
-            let given_up = fitted(&far, LONG_SKETCH.unless_above(-1e6));
-            assert!(given_up > fitted(&far, LONG_SKETCH) + 1.0, "{given_up}");
         });
     }
 }

@@ -2,13 +2,13 @@
 
 pub mod block;
 pub mod candidate;
+pub mod cross_validated;
 pub mod held_out;
 mod hitch;
 pub mod likelihood;
 pub mod maps;
-pub mod part;
 pub mod prepare;
-pub mod refitted;
+pub mod subsample;
 pub mod thin;
 pub mod wheels;
 
@@ -16,12 +16,12 @@ use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
 use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
-use crate::fit::problem::{Point, Problem, Weighing};
+use crate::fit::problem::{NoiseModel, Point, ShootingProblem};
 use crate::fit::segment::{Segment, Signal};
 use crate::fit::sensor::{SensorParameter, SensorValues, compared};
 use crate::parameter::ParameterError;
 use crate::recording::Recording;
-use crate::vehicle::{Parameter, Specification};
+use crate::vehicle::{ModelParameter, Specification};
 use candidate::{Candidates, Target};
 use hitch::hitched;
 use maps::Maps;
@@ -43,7 +43,7 @@ const STIFFNESS: &str = "frictional_modulus";
 
 /// What is given. A hypothesis that acts somewhere only has a copy with that place in its model.
 #[derive(Debug, Clone)]
-pub struct Given<'a> {
+pub struct Problem<'a> {
     /// The model that recordings disagree with; effects that are off may have their place set.
     pub nominal: Specification,
     /// The recordings.
@@ -51,7 +51,7 @@ pub struct Given<'a> {
     /// Their names.
     pub names: Vec<String>,
     /// The soil's numbers that re-tuning may change.
-    pub soil: Vec<Parameter>,
+    pub soil: Vec<ModelParameter>,
     /// What is asked about.
     pub candidates: Candidates,
     /// The recordings in stretches of some seconds, each with a start of its own.
@@ -78,23 +78,23 @@ pub struct Solution {
     /// Coordinates of the soil's numbers.
     pub soil: Vec<f64>,
     /// Coordinates of all knobs for each recording.
-    pub knobs: Vec<Vec<f64>>,
+    pub coefficients: Vec<Vec<f64>>,
     /// Start of each segment.
     pub starts: Vec<[f64; 6]>,
 }
 
 impl Solution {
     /// Takes the values of some knobs from another one.
-    pub fn take(&mut self, knobs: &[usize], other: &Self) {
-        for (values, others) in self.knobs.iter_mut().zip(&other.knobs) {
-            for knob in knobs {
-                values[*knob] = others[*knob];
+    pub fn take(&mut self, coefficients: &[usize], other: &Self) {
+        for (values, others) in self.coefficients.iter_mut().zip(&other.coefficients) {
+            for coefficient in coefficients {
+                values[*coefficient] = others[*coefficient];
             }
         }
     }
 }
 
-impl<'a> Given<'a> {
+impl<'a> Problem<'a> {
     /// Everything at hand, nothing cut yet, and no deadline.
     #[must_use]
     #[cfg(test)]
@@ -133,18 +133,20 @@ impl<'a> Given<'a> {
     #[must_use]
     pub fn begin(&self) -> Solution {
         let soil = self.soil_parameters();
-        let at = |(free, described): (&Parameter, &parameter::Parameter)| {
+        let at = |(free, described): (&ModelParameter, &parameter::FreeParameter)| {
             let mut value = free.get(&self.nominal);
             if free.name() == STIFFNESS {
                 value *= self.stiffening;
             }
             described.coordinate(value.clamp(described.low, described.high))
         };
-        let off = self.candidates.knobs.iter();
-        let off: Vec<f64> = off.map(|knob| knob.parameter.prior_coordinate()).collect();
+        let off = self.candidates.coefficients.iter();
+        let off: Vec<f64> = off
+            .map(|coefficient| coefficient.parameter.prior_coordinate())
+            .collect();
         Solution {
             soil: self.soil.iter().zip(&soil).map(at).collect(),
-            knobs: vec![off; self.recordings.len()],
+            coefficients: vec![off; self.recordings.len()],
             starts: self.segments.iter().map(|s| s.start_prior).collect(),
         }
     }
@@ -174,7 +176,7 @@ impl<'a> Given<'a> {
 
     /// The soil's numbers with their scales and priors.
     #[must_use]
-    pub fn soil_parameters(&self) -> Vec<parameter::Parameter> {
+    pub fn soil_parameters(&self) -> Vec<parameter::FreeParameter> {
         let soil = self.soil.iter();
         soil.map(|free| describe(*free, &self.nominal)).collect()
     }
@@ -187,22 +189,26 @@ impl<'a> Given<'a> {
 
     /// Of these knobs the places of those that turn the model.
     #[must_use]
-    pub fn model_knobs(&self, knobs: &[usize]) -> Vec<usize> {
-        let turns =
-            |place: &&usize| matches!(self.candidates.knobs[**place].target, Target::Model(_));
-        knobs.iter().filter(turns).copied().collect()
+    pub fn model_knobs(&self, coefficients: &[usize]) -> Vec<usize> {
+        let turns = |place: &&usize| {
+            matches!(
+                self.candidates.coefficients[**place].target,
+                Target::Model(_)
+            )
+        };
+        coefficients.iter().filter(turns).copied().collect()
     }
 
     /// The sensors' numbers among these knobs that a recording can tell of.
     #[must_use]
-    pub fn sensor_knobs(&self, recording: usize, knobs: &[usize]) -> Vec<SensorParameter> {
-        let target = |place: &usize| match self.candidates.knobs[*place].target {
+    pub fn sensor_knobs(&self, recording: usize, coefficients: &[usize]) -> Vec<SensorParameter> {
+        let target = |place: &usize| match self.candidates.coefficients[*place].target {
             Target::Sensor(sensor) if sensor.is_told_by(&self.recordings[recording]) => {
                 Some(sensor)
             }
             _ => None,
         };
-        knobs.iter().filter_map(target).collect()
+        coefficients.iter().filter_map(target).collect()
     }
 
     /// The model of a recording at a solution.
@@ -219,12 +225,16 @@ impl<'a> Given<'a> {
         for ((free, described), at) in soil.zip(&solution.soil) {
             free.set(&mut specification, described.value(*at))?;
         }
-        let knobs = self.candidates.knobs.iter().zip(&solution.knobs[recording]);
-        for (knob, at) in knobs {
-            if let Target::Model(parameter) = knob.target
-                && *at != knob.parameter.prior_coordinate()
+        let coefficients = self
+            .candidates
+            .coefficients
+            .iter()
+            .zip(&solution.coefficients[recording]);
+        for (coefficient, at) in coefficients {
+            if let Target::Model(parameter) = coefficient.target
+                && *at != coefficient.parameter.prior_coordinate()
             {
-                parameter.set(&mut specification, knob.parameter.value(*at))?;
+                parameter.set(&mut specification, coefficient.parameter.value(*at))?;
             }
         }
         Ok(specification)
@@ -232,11 +242,11 @@ impl<'a> Given<'a> {
 
     /// The predictor whose free parameters are the soil's and these knobs of the model.
     #[must_use]
-    pub fn predictor(&self, knobs: &[usize]) -> ExactPredictor<'a> {
-        let model = self.model_knobs(knobs);
+    pub fn predictor(&self, coefficients: &[usize]) -> ExactPredictor<'a> {
+        let model = self.model_knobs(coefficients);
         let turned = model
             .iter()
-            .map(|place| self.candidates.knobs[*place].target);
+            .map(|place| self.candidates.coefficients[*place].target);
         let turned = turned.filter_map(|target| match target {
             Target::Model(parameter) => Some(parameter),
             Target::Sensor(_) => None,
@@ -249,7 +259,7 @@ impl<'a> Given<'a> {
     }
 
     /// Integrates no more finely than the sensors of all recordings can tell; `by` has their noise.
-    pub fn tolerate(&mut self, by: &Weighing) {
+    pub fn tolerate(&mut self, by: &NoiseModel) {
         let mut pairs = self.recordings.iter().zip(&by.noise);
         let is_coarse = pairs.all(|(recording, noise)| {
             let mut told = SCATTER.iter();
@@ -263,42 +273,46 @@ impl<'a> Given<'a> {
 
     /// The fit's unknowns where these knobs are free besides the soil.
     #[must_use]
-    pub fn problem<'p>(
+    pub fn shooting<'p>(
         &self,
         predictor: &'p ExactPredictor<'p>,
-        knobs: &[usize],
-    ) -> Problem<'p, ExactPredictor<'p>> {
-        let model = self.model_knobs(knobs);
+        coefficients: &[usize],
+    ) -> ShootingProblem<'p, ExactPredictor<'p>> {
+        let model = self.model_knobs(coefficients);
         let mut parameters = self.soil_parameters();
         let soil = parameters.len();
-        let described = model.iter().map(|place| &self.candidates.knobs[*place]);
-        parameters.extend(described.map(|knob| knob.parameter.clone()));
+        let described = model
+            .iter()
+            .map(|place| &self.candidates.coefficients[*place]);
+        parameters.extend(described.map(|coefficient| coefficient.parameter.clone()));
         let own = model.iter().enumerate();
-        let own = own.filter(|(_, place)| self.candidates.knobs[**place].own);
+        let own = own.filter(|(_, place)| self.candidates.coefficients[**place].own);
         let own: Vec<usize> = own.map(|(index, _)| soil + index).collect();
         let sensors =
-            (0..self.recordings.len()).map(|recording| self.sensor_knobs(recording, knobs));
+            (0..self.recordings.len()).map(|recording| self.sensor_knobs(recording, coefficients));
         let sensors = sensors.collect();
-        let mut problem =
-            Problem::with_own(predictor, parameters, &own, self.names.clone(), sensors);
-        problem.segments.clone_from(&self.segments);
-        problem
+        let mut shooting =
+            ShootingProblem::with_own(predictor, parameters, &own, self.names.clone(), sensors);
+        shooting.segments.clone_from(&self.segments);
+        shooting
     }
 
     /// The point of a problem at a solution.
     #[must_use]
     pub fn point<P: crate::fit::predictor::Predictor>(
         &self,
-        problem: &Problem<P>,
-        knobs: &[usize],
+        shooting: &ShootingProblem<P>,
+        coefficients: &[usize],
         solution: &Solution,
     ) -> Point {
-        let mut coordinates = DVector::zeros(problem.parameters.len());
-        self.visit(problem, knobs, |place, recording, what| {
-            let parameter = &problem.parameters[place];
+        let mut coordinates = DVector::zeros(shooting.parameters.len());
+        self.visit(shooting, coefficients, |place, recording, what| {
+            let parameter = &shooting.parameters[place];
             let value = match what {
                 What::Soil(index) => solution.soil[index],
-                What::Knob(knob) => solution.knobs[recording][knob],
+                What::CandidateParameter(coefficient) => {
+                    solution.coefficients[recording][coefficient]
+                }
             };
             let (low, high) = parameter.bounds();
             coordinates[place] = value.clamp(low, high);
@@ -313,18 +327,20 @@ impl<'a> Given<'a> {
     #[must_use]
     pub fn solution<P: crate::fit::predictor::Predictor>(
         &self,
-        problem: &Problem<P>,
-        knobs: &[usize],
+        shooting: &ShootingProblem<P>,
+        coefficients: &[usize],
         point: &Point,
         others: &Solution,
     ) -> Solution {
         let mut solution = others.clone();
         solution.starts.clone_from(&point.starts);
-        self.visit(problem, knobs, |place, recording, what| {
+        self.visit(shooting, coefficients, |place, recording, what| {
             let at = point.coordinates[place];
             match what {
                 What::Soil(index) => solution.soil[index] = at,
-                What::Knob(knob) => solution.knobs[recording][knob] = at,
+                What::CandidateParameter(coefficient) => {
+                    solution.coefficients[recording][coefficient] = at
+                }
             }
         });
         solution
@@ -333,25 +349,25 @@ impl<'a> Given<'a> {
     /// For each recording and each of a problem's unknowns that it depends on, what it is.
     pub fn visit<P: crate::fit::predictor::Predictor>(
         &self,
-        problem: &Problem<P>,
-        knobs: &[usize],
+        shooting: &ShootingProblem<P>,
+        coefficients: &[usize],
         mut visit: impl FnMut(usize, usize, What),
     ) {
-        let model = self.model_knobs(knobs);
+        let model = self.model_knobs(coefficients);
         for recording in 0..self.recordings.len() {
-            let places = problem.places(recording);
+            let places = shooting.places(recording);
             for (index, place) in places.iter().take(self.soil.len()).enumerate() {
                 visit(*place, recording, What::Soil(index));
             }
             let turned = places.iter().skip(self.soil.len());
-            for (place, knob) in turned.zip(&model) {
-                visit(*place, recording, What::Knob(*knob));
+            for (place, coefficient) in turned.zip(&model) {
+                visit(*place, recording, What::CandidateParameter(*coefficient));
             }
-            for &knob in knobs {
-                if let Target::Sensor(sensor) = self.candidates.knobs[knob].target
-                    && let Some(place) = problem.sensor_place(recording, sensor)
+            for &coefficient in coefficients {
+                if let Target::Sensor(sensor) = self.candidates.coefficients[coefficient].target
+                    && let Some(place) = shooting.sensor_place(recording, sensor)
                 {
-                    visit(place, recording, What::Knob(knob));
+                    visit(place, recording, What::CandidateParameter(coefficient));
                 }
             }
         }
@@ -364,5 +380,5 @@ pub enum What {
     /// One of the soil's numbers.
     Soil(usize),
     /// A knob.
-    Knob(usize),
+    CandidateParameter(usize),
 }

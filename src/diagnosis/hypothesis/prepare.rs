@@ -1,14 +1,14 @@
 //! Recordings cut into segments that the given model can drive.
 
-use super::Given;
+use super::Problem;
 use super::held_out::SMALLEST_FOLD;
 use super::thin::thin;
 use crate::diagnosis::{DiagnosisError, Options, Progress};
+use crate::fit::noise_model::first_noise_model;
 use crate::fit::predictor::PredictionError;
-use crate::fit::problem::{Tables, Weighing};
+use crate::fit::problem::{NoiseModel, Tables};
 use crate::fit::segment::cut;
 use crate::fit::sensor::SensorValues;
-use crate::fit::weighing::first_weighing;
 use crate::recording::{Channel, Recording};
 
 /// Less driving than this is not enough to say anything \[s\].
@@ -37,20 +37,20 @@ pub struct Prepared {
 /// # Errors
 /// Recordings that tell nothing, no time.
 pub fn prepare(
-    given: &mut Given,
+    problem: &mut Problem,
     options: &Options,
     progress: &Progress,
-) -> Result<(Prepared, Weighing), DiagnosisError> {
+) -> Result<(Prepared, NoiseModel), DiagnosisError> {
     // Samples go to the segment in which they were true. A pose that is told too early would lie
     // before its segment's start; one told too late does no harm.
-    let late = given
+    let late = problem
         .late
         .iter()
         .map(|late| late.map(|value| value.max(0.0)));
     let late: Vec<SensorValues> = late.collect();
-    let mut found = cut(given.recordings, &late, options.segment);
-    given.segments = std::mem::take(&mut found.segments);
-    let mut driven: f64 = seconds(given);
+    let mut found = cut(problem.recordings, &late, options.segment);
+    problem.segments = std::mem::take(&mut found.segments);
+    let mut driven: f64 = seconds(problem);
     let lengths = [
         // Shorter stretches tell a little less; of fewer none could be held out, and nothing be told.
         (FEW, LONG_ENOUGH),
@@ -58,24 +58,24 @@ pub fn prepare(
     ];
     for (count, least) in lengths {
         let length = (driven / count as f64).max(least);
-        if driven >= SHORTEST && given.segments.len() < count && length < options.segment {
-            found = cut(given.recordings, &late, length);
-            given.segments = std::mem::take(&mut found.segments);
-            driven = seconds(given);
+        if driven >= SHORTEST && problem.segments.len() < count && length < options.segment {
+            found = cut(problem.recordings, &late, length);
+            problem.segments = std::mem::take(&mut found.segments);
+            driven = seconds(problem);
         }
     }
     if driven == 0.0 && found.at_rest > found.unusable {
         return Err(DiagnosisError::AtRest {
-            moved: reach(given.recordings),
+            moved: reach(problem.recordings),
         });
     }
-    let part = thin(given, progress)?;
-    driven = seconds(given);
-    let tried = stiffened(given, 0.5 * driven);
-    progress.in_time(given.deadline)?;
+    let part = thin(problem, progress)?;
+    driven = seconds(problem);
+    let tried = stiffened(problem, 0.5 * driven);
+    progress.in_time(problem.deadline)?;
     let mut failed = None;
     let mut kept = Vec::new();
-    for (segment, tried) in std::mem::take(&mut given.segments).into_iter().zip(tried) {
+    for (segment, tried) in std::mem::take(&mut problem.segments).into_iter().zip(tried) {
         match tried {
             Ok(_) => kept.push(segment),
             Err(error) => {
@@ -84,8 +84,8 @@ pub fn prepare(
             }
         }
     }
-    given.segments = kept;
-    let seconds = seconds(given);
+    problem.segments = kept;
+    let seconds = seconds(problem);
     match failed {
         Some(error) if seconds < 0.5 * driven => Err(DiagnosisError::Undrivable(error)),
         _ if seconds < SHORTEST => Err(DiagnosisError::TooShort {
@@ -93,13 +93,13 @@ pub fn prepare(
             needed: SHORTEST,
         }),
         _ => {
-            let predictor = given.predictor(&[]);
-            let weighing = first_weighing(&given.problem(&predictor, &[]));
+            let predictor = problem.predictor(&[]);
+            let noise_model = first_noise_model(&problem.shooting(&predictor, &[]));
             let prepared = Prepared {
                 left_out: found.at_rest + found.unusable,
                 part,
             };
-            Ok((prepared, weighing))
+            Ok((prepared, noise_model))
         }
     }
 }
@@ -107,42 +107,42 @@ pub fn prepare(
 /// Drives all segments, on a stiffer soil where the given one does not carry the vehicle through all of them: it is but
 /// a rough start, and the vehicle did not sink into it. It is stiffened further while more can be driven so, and until
 /// no more than `most` seconds cannot.
-fn stiffened(given: &mut Given, most: f64) -> Vec<Result<Tables, PredictionError>> {
-    let mut best = (drive(given), given.stiffening);
-    let mut left = failed(given, &best.0);
-    while left > 0.0 && given.stiffening < STIFFEST {
-        given.stiffening *= STIFFER;
-        let tried = drive(given);
-        let now = failed(given, &tried);
+fn stiffened(problem: &mut Problem, most: f64) -> Vec<Result<Tables, PredictionError>> {
+    let mut best = (drive(problem), problem.stiffening);
+    let mut left = failed(problem, &best.0);
+    while left > 0.0 && problem.stiffening < STIFFEST {
+        problem.stiffening *= STIFFER;
+        let tried = drive(problem);
+        let now = failed(problem, &tried);
         if now < left {
-            (best, left) = ((tried, given.stiffening), now);
+            (best, left) = ((tried, problem.stiffening), now);
         } else if left <= most {
             break;
         }
     }
-    given.stiffening = best.1;
+    problem.stiffening = best.1;
     best.0
 }
 
 /// Drives all segments as they begin.
-fn drive(given: &Given) -> Vec<Result<Tables, PredictionError>> {
-    let predictor = given.predictor(&[]);
-    let problem = given.problem(&predictor, &[]);
-    let point = given.point(&problem, &[], &given.begin());
-    problem.evaluate_each(&point, true)
+fn drive(problem: &Problem) -> Vec<Result<Tables, PredictionError>> {
+    let predictor = problem.predictor(&[]);
+    let shooting = problem.shooting(&predictor, &[]);
+    let point = problem.point(&shooting, &[], &problem.begin());
+    shooting.evaluate_each(&point, true)
 }
 
 /// Seconds of the segments that could not be driven.
-fn failed(given: &Given, tried: &[Result<Tables, PredictionError>]) -> f64 {
-    let pairs = given.segments.iter().zip(tried);
+fn failed(problem: &Problem, tried: &[Result<Tables, PredictionError>]) -> f64 {
+    let pairs = problem.segments.iter().zip(tried);
     let failed = pairs.filter(|(_, tried)| tried.is_err());
     failed.map(|(s, _)| s.end - s.start).sum()
 }
 
 /// Seconds that the segments cover.
 #[must_use]
-pub fn seconds(given: &Given) -> f64 {
-    let each = given.segments.iter().map(|s| s.end - s.start);
+pub fn seconds(problem: &Problem) -> f64 {
+    let each = problem.segments.iter().map(|s| s.end - s.start);
     // A sum of nothing is -0.
     each.fold(0.0, |sum, length| sum + length)
 }
@@ -197,10 +197,10 @@ pub mod tests {
         let whole = driven(&model, "spiral");
         let stretches = |seconds| {
             let recordings = [first(&whole, seconds)];
-            let mut given = Given::new(&model, &recordings);
+            let mut problem = Problem::new(&model, &recordings);
             let progress = Progress::new(&|_: &'static str| {});
-            prepare(&mut given, &Options::default(), &progress)?;
-            Ok(given.segments)
+            prepare(&mut problem, &Options::default(), &progress)?;
+            Ok(problem.segments)
         };
         // Two of 7.5 s would leave nothing to learn from.
         let short = stretches(14.0).unwrap();
@@ -221,17 +221,17 @@ pub mod tests {
         let recordings = [driven(&sand, "pivots")];
         let mut soft = sand.clone();
         soft.terrain.frictional_modulus /= 7.0;
-        let mut given = Given::new(&soft, &recordings);
+        let mut problem = Problem::new(&soft, &recordings);
         let as_known = [[0.0; SensorParameter::ALL.len()]];
         let found = cut(&recordings, &as_known, Options::default().segment);
         let left_out = found.at_rest + found.unusable;
-        given.segments = found.segments;
-        let (lost, all) = (failed(&given, &drive(&given)), seconds(&given));
+        problem.segments = found.segments;
+        let (lost, all) = (failed(&problem, &drive(&problem)), seconds(&problem));
         assert!(lost > 0.0 && lost < 0.5 * all, "{lost} s of {all} s");
         let progress = Progress::new(&|_: &'static str| {});
-        let (prepared, _) = prepare(&mut given, &Options::default(), &progress).unwrap();
-        assert!((seconds(&given) - all).abs() < 1e-9);
+        let (prepared, _) = prepare(&mut problem, &Options::default(), &progress).unwrap();
+        assert!((seconds(&problem) - all).abs() < 1e-9);
         assert_eq!(prepared.left_out, left_out);
-        assert_eq!(given.stiffening, STIFFER);
+        assert_eq!(problem.stiffening, STIFFER);
     }
 }

@@ -4,7 +4,7 @@
 //! are predicted first, which tells what a pass costs on this machine. Where even a diagnosis that finds nothing has no
 //! time on all segments, as many are taken as an answer has time for, spread evenly.
 
-use super::Given;
+use super::Problem;
 use super::prepare::seconds;
 use crate::diagnosis::{DiagnosisError, Progress};
 use crate::fit::problem::Point;
@@ -28,26 +28,34 @@ const FEWEST: usize = 4;
 ///
 /// # Errors
 /// Somebody wants it to end, no time even for that.
-pub fn thin(given: &mut Given, progress: &Progress) -> Result<Option<[f64; 2]>, DiagnosisError> {
-    let (Some(limit), count) = (progress.limit(), given.segments.len()) else {
+pub fn thin(
+    problem: &mut Problem,
+    progress: &Progress,
+) -> Result<Option<[f64; 2]>, DiagnosisError> {
+    let (Some(limit), count) = (progress.limit(), problem.segments.len()) else {
         return Ok(None);
     };
     if count == 0 {
         return Ok(None);
     }
-    let all = seconds(given);
+    let all = seconds(problem);
     let probed = spread(PROBED.min(count), count);
-    let predictor = given.predictor(&[]);
-    let problem = given.problem(&predictor, &[]);
-    let few = problem.with_segments(probed.iter().map(|k| given.segments[*k].clone()).collect());
+    let predictor = problem.predictor(&[]);
+    let shooting = problem.shooting(&predictor, &[]);
+    let few = shooting.with_segments(
+        probed
+            .iter()
+            .map(|k| problem.segments[*k].clone())
+            .collect(),
+    );
     let point = Point {
         starts: few.measured_starts(),
-        ..given.point(&problem, &[], &given.begin())
+        ..problem.point(&shooting, &[], &problem.begin())
     };
     let before = progress.elapsed();
     let _ = few.evaluate_each(&point, true);
     let took = progress.elapsed().saturating_sub(before);
-    progress.in_time(given.deadline)?;
+    progress.in_time(problem.deadline)?;
     let each = took.as_secs_f64() / probed.len() as f64;
     let left = limit.saturating_sub(progress.elapsed()).as_secs_f64();
     let allowed = |passes: u32| (left / (each * f64::from(passes))) as usize;
@@ -63,8 +71,8 @@ pub fn thin(given: &mut Given, progress: &Progress) -> Result<Option<[f64; 2]>, 
         return Ok(None);
     }
     let segments = spread(kept, count).into_iter();
-    given.segments = segments.map(|k| given.segments[k].clone()).collect();
-    Ok(Some([seconds(given), all]))
+    problem.segments = segments.map(|k| problem.segments[k].clone()).collect();
+    Ok(Some([seconds(problem), all]))
 }
 
 /// So many of a number of places, spread evenly.

@@ -19,7 +19,7 @@ pub mod separation;
 use crate::diagnosis::answer::verdict::{Judged, Judgement};
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::diagnosis::search::Searched;
-use crate::diagnosis::search::proposal::Kind;
+use crate::diagnosis::search::proposal::ProposalKind;
 use crate::diagnosis::{Manoeuvre, Options, Subject, Verdict};
 use rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
 use separation::Signal;
@@ -47,8 +47,8 @@ pub fn next(
         _ => return None,
     };
     let at_hand = AtHand {
-        given: &searched.given,
-        retuned: &searched.retuned.solution,
+        problem: &searched.problem,
+        refitted: &searched.refitted.solution,
         by: &searched.by,
         system: &searched.first.system,
     };
@@ -68,27 +68,36 @@ impl Question {
     /// Which of the first finding's set it is.
     fn between(searched: &Searched, first: &Judged) -> Option<Self> {
         let (rival, _) = *first.set.first()?;
-        let member = searched.members.get(first.member?)?;
-        let candidates = &searched.given.candidates;
+        let accepted_effect = searched.accepted.get(first.accepted_effect?)?;
+        let candidates = &searched.problem.candidates;
         let rivals: Vec<usize> = match rival {
             Subject::Unknown => candidates.laws().collect(),
             _ => candidates.of(rival).collect(),
         };
-        let each = &searched.augmented.solution.knobs;
-        let knobs = member.proposal.knobs.iter().map(|knob| {
-            let off = candidates.knobs[*knob].parameter.prior_coordinate();
-            let mut sizes: Vec<f64> = each.iter().map(|knobs| knobs[*knob] - off).collect();
-            // The recording to come is made on the same ground with the same sensors.
-            sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
-            (*knob, sizes)
-        });
+        let each = &searched.augmented.solution.coefficients;
+        let coefficients = accepted_effect
+            .proposal
+            .coefficients
+            .iter()
+            .map(|coefficient| {
+                let off = candidates.coefficients[*coefficient]
+                    .parameter
+                    .prior_coordinate();
+                let mut sizes: Vec<f64> = each
+                    .iter()
+                    .map(|coefficients| coefficients[*coefficient] - off)
+                    .collect();
+                // The recording to come is made on the same ground with the same sensors.
+                sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
+                (*coefficient, sizes)
+            });
         let changes = |subject: Subject| subject.name() == TERRAIN_CHANGE;
-        let local = member.proposal.kind() == Kind::Local;
+        let local = accepted_effect.proposal.kind() == ProposalKind::Local;
         let bound = local || changes(first.subject);
         Some(Self {
             separates: [first.subject, rival],
             signals: vec![Signal {
-                knobs: knobs.collect(),
+                coefficients: coefficients.collect(),
                 rivals,
                 told: !bound && !changes(rival),
                 scatter: scatter(searched, first.subject),
@@ -99,13 +108,16 @@ impl Question {
 
     /// Whether anything of this is there.
     fn whether(searched: &Searched, subjects: &[Subject]) -> Self {
-        let candidates = &searched.given.candidates;
-        let recordings = searched.given.recordings.len();
+        let candidates = &searched.problem.candidates;
+        let recordings = searched.problem.recordings.len();
         let one = |subject: Subject| {
-            let knob = candidates.of(subject).next()?;
-            let deviation = candidates.knobs[knob].parameter.prior.deviation;
+            let coefficient = candidates.of(subject).next()?;
+            let deviation = candidates.coefficients[coefficient]
+                .parameter
+                .prior
+                .deviation;
             Some(Signal {
-                knobs: vec![(knob, vec![deviation; recordings + 1])],
+                coefficients: vec![(coefficient, vec![deviation; recordings + 1])],
                 rivals: Vec::new(),
                 told: true,
                 scatter: scatter(searched, subject),
@@ -121,12 +133,17 @@ impl Question {
     /// The manoeuvre that answers best.
     fn answer(&self, at_hand: &AtHand, length: f64) -> Option<Manoeuvre> {
         let signals = self.signals.iter();
-        let mut knobs: Vec<usize> = signals
-            .flat_map(|s| s.knobs.iter().map(|k| k.0).chain(s.rivals.iter().copied()))
+        let mut coefficients: Vec<usize> = signals
+            .flat_map(|s| {
+                s.coefficients
+                    .iter()
+                    .map(|k| k.0)
+                    .chain(s.rivals.iter().copied())
+            })
             .collect();
-        knobs.sort_unstable();
-        knobs.dedup();
-        let rehearsed = rehearse(at_hand, &knobs, length)?;
+        coefficients.sort_unstable();
+        coefficients.dedup();
+        let rehearsed = rehearse(at_hand, &coefficients, length)?;
         let mut order: Vec<(usize, f64)> = (0..rehearsed.rehearsals.len())
             .filter_map(|one| Some((one, self.separation(at_hand, &rehearsed, one)?)))
             .collect();
@@ -215,14 +232,14 @@ fn describe(rehearsal: &Rehearsal) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::hypothesis::Given;
+    use crate::diagnosis::hypothesis::Problem;
     use crate::diagnosis::manoeuvre::rehearsal::tests::steady_straight;
     use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
     use crate::diagnosis::screening::system::linearise;
     use crate::effects::CATALOGUE;
+    use crate::fit::noise_model::first_noise_model;
     use crate::fit::segment::cut;
     use crate::fit::sensor::SensorParameter;
-    use crate::fit::weighing::first_weighing;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
 
@@ -239,28 +256,32 @@ mod tests {
         let terrain = Terrain::preset("sandy_loam").unwrap();
         let model = Specification::plain(Vehicle::tran2007(), terrain);
         let recordings = [steady_straight(&model)];
-        let mut given = Given::new(&model, &recordings);
-        given.segments = cut(&recordings, &[[0.0; SensorParameter::ALL.len()]], LENGTH).segments;
-        let candidates = &given.candidates;
-        let mut knobs = candidates.of(effect(a.0));
-        let knob = knobs
-            .find(|knob| candidates.knobs[*knob].name == a.1)
+        let mut problem = Problem::new(&model, &recordings);
+        problem.segments = cut(&recordings, &[[0.0; SensorParameter::ALL.len()]], LENGTH).segments;
+        let candidates = &problem.candidates;
+        let mut coefficients = candidates.of(effect(a.0));
+        let coefficient = coefficients
+            .find(|coefficient| candidates.coefficients[*coefficient].name == a.1)
             .unwrap();
-        let size = a.2 * candidates.knobs[knob].parameter.prior.deviation;
+        let size = a.2
+            * candidates.coefficients[coefficient]
+                .parameter
+                .prior
+                .deviation;
         let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(effect(b)).collect());
-        let asked: Vec<usize> = std::iter::once(knob)
+        let asked: Vec<usize> = std::iter::once(coefficient)
             .chain(rivals.iter().copied())
             .collect();
-        let retuned = given.begin();
-        let by = first_weighing(&given.problem(&given.predictor(&[]), &[]));
-        let layout = Layout::ungated(&given, &asked);
-        let tables = sensitivities(&given, &layout, &retuned);
+        let refitted = problem.begin();
+        let by = first_noise_model(&problem.shooting(&problem.predictor(&[]), &[]));
+        let layout = Layout::ungated(&problem, &asked);
+        let tables = sensitivities(&problem, &layout, &refitted);
         assert!(tables.len() > 4 && tables.iter().all(Option::is_some));
-        let system = linearise(&given, &layout, &tables, &retuned, &by);
+        let system = linearise(&problem, &layout, &tables, &refitted, &by);
         let question = Question {
             separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
             signals: vec![Signal {
-                knobs: vec![(knob, vec![size; 2])],
+                coefficients: vec![(coefficient, vec![size; 2])],
                 rivals,
                 told: true,
                 scatter: 1.0,
@@ -268,8 +289,8 @@ mod tests {
             place: "",
         };
         let at_hand = AtHand {
-            given: &given,
-            retuned: &retuned,
+            problem: &problem,
+            refitted: &refitted,
             by: &by,
             system: &system,
         };

@@ -3,14 +3,14 @@
 
 use super::course::{Course, Reach, STEP, courses, steady};
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::{System, linearise};
 use crate::effects::{CATALOGUE, ParameterName};
 use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 use crate::fit::segment::{Segment, Signal, cut};
 use crate::fit::sensor::SensorParameter;
 use crate::recording::{Channel, Drive, Recording, Run, Series};
@@ -22,11 +22,11 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Copy)]
 pub struct AtHand<'a> {
     /// The given model and the recordings.
-    pub given: &'a Given<'a>,
+    pub problem: &'a Problem<'a>,
     /// The re-tuned soil, and starts.
-    pub retuned: &'a Solution,
+    pub refitted: &'a Solution,
     /// Noise.
-    pub by: &'a Weighing,
+    pub by: &'a NoiseModel,
     /// Normal equations.
     pub system: &'a System,
 }
@@ -60,21 +60,26 @@ const SLOWEST: f64 = 0.05;
 
 /// Rehearses for the knobs that are asked about. `None` where there is nothing to go by.
 #[must_use]
-pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehearsed> {
-    let AtHand { given, retuned, .. } = at_hand;
-    let template = template(given)?;
-    let model = given.specification(retuned, template).ok()?;
-    let reach = Reach::of(given.recordings, &model.vehicle)?;
-    let first = given.segments.iter().position(|s| s.recording == template);
-    let [x, y, heading, ..] = retuned.starts[first?];
+pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option<Rehearsed> {
+    let AtHand {
+        problem, refitted, ..
+    } = at_hand;
+    let template = template(problem)?;
+    let model = problem.specification(refitted, template).ok()?;
+    let reach = Reach::of(problem.recordings, &model.vehicle)?;
+    let first = problem
+        .segments
+        .iter()
+        .position(|s| s.recording == template);
+    let [x, y, heading, ..] = refitted.starts[first?];
     let start = State {
         x,
         y,
         heading,
         ..State::default()
     };
-    let rehearsals = drive_all(&model, start, &reach, given.deadline);
-    let sampling = sampling(&given.recordings[template]);
+    let rehearsals = drive_all(&model, start, &reach, problem.deadline);
+    let sampling = sampling(&problem.recordings[template]);
     let recordings: Vec<Recording> = rehearsals
         .iter()
         .map(|one| one.recording(&sampling))
@@ -84,31 +89,31 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
         &vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
         length,
     );
-    let rehearsed = Given {
-        nominal: beyond(given)?,
+    let rehearsed = Problem {
+        nominal: beyond(problem)?,
         recordings: &recordings,
         names: recordings.iter().map(|r| r.name.clone()).collect(),
-        soil: given.soil.clone(),
-        candidates: given.candidates.clone(),
+        soil: problem.soil.clone(),
+        candidates: problem.candidates.clone(),
         segments: cut.segments,
         late: vec![[0.0; SensorParameter::ALL.len()]; recordings.len()],
-        maps: given.maps,
+        maps: problem.maps,
         stiffening: 1.0,
-        tolerance: given.tolerance,
+        tolerance: problem.tolerance,
         wheels: None,
-        deadline: given.deadline,
+        deadline: problem.deadline,
     };
-    let off = given.begin().knobs.swap_remove(template);
+    let off = problem.begin().coefficients.swap_remove(template);
     let at = Solution {
-        soil: retuned.soil.clone(),
-        knobs: vec![off; recordings.len()],
+        soil: refitted.soil.clone(),
+        coefficients: vec![off; recordings.len()],
         starts: rehearsed
             .segments
             .iter()
             .map(|segment| rehearsals[segment.recording].at(segment.start))
             .collect(),
     };
-    let by = Weighing {
+    let by = NoiseModel {
         noise: vec![at_hand.by.noise[template]; recordings.len()],
         weights: rehearsed
             .segments
@@ -116,7 +121,7 @@ pub fn rehearse(at_hand: &AtHand, knobs: &[usize], length: f64) -> Option<Rehear
             .map(|s| weights(s, &sampling))
             .collect(),
     };
-    let layout = Layout::ungated(&rehearsed, knobs);
+    let layout = Layout::ungated(&rehearsed, coefficients);
     let tables = sensitivities(&rehearsed, &layout, &at);
     let system = linearise(&rehearsed, &layout, &tables, &at, &by);
     Some(Rehearsed { rehearsals, system })
@@ -146,22 +151,22 @@ fn drive_all(
 }
 
 /// The recording with the most seconds: the next one is made with its sensors.
-fn template(given: &Given) -> Option<usize> {
+fn template(problem: &Problem) -> Option<usize> {
     let seconds = |recording: usize| -> f64 {
-        let own = given.segments.iter().filter(|s| s.recording == recording);
+        let own = problem.segments.iter().filter(|s| s.recording == recording);
         own.map(|s| s.end - s.start).sum()
     };
-    let each = (0..given.recordings.len()).map(|recording| (recording, seconds(recording)));
+    let each = (0..problem.recordings.len()).map(|recording| (recording, seconds(recording)));
     let best = each.rev().max_by(|a, b| a.1.total_cmp(&b.1));
     best.filter(|(_, seconds)| *seconds > 0.0)
         .map(|(recording, _)| recording)
 }
 
 /// The given model; where another soil is asked about, it is under the wheels from the start.
-fn beyond(given: &Given) -> Option<Specification> {
-    let mut nominal = given.nominal.clone();
-    let mut knobs = given.candidates.knobs.iter();
-    if knobs.any(|knob| CATALOGUE[knob.effect].name == TERRAIN_CHANGE) {
+fn beyond(problem: &Problem) -> Option<Specification> {
+    let mut nominal = problem.nominal.clone();
+    let mut coefficients = problem.candidates.coefficients.iter();
+    if coefficients.any(|coefficient| CATALOGUE[coefficient.effect].name == TERRAIN_CHANGE) {
         let position = ParameterName::find(&format!("{TERRAIN_CHANGE}.position"))?;
         nominal.effects.set(position, -1e6).ok()?;
     }
@@ -220,7 +225,7 @@ fn drive(
         drive: &drive,
         wheel_latency: 0.0,
         times: &drive.time,
-        gates: &[],
+        time_bins: &[],
         derivatives: false,
     };
     ExactPredictor::new(model.clone(), Vec::new())

@@ -38,7 +38,7 @@ struct Unknown {
 #[derive(Debug, Clone)]
 pub struct Signal {
     /// Knobs with their sizes: for each recording at hand, then for the one to come.
-    pub knobs: Vec<(usize, Vec<f64>)>,
+    pub coefficients: Vec<(usize, Vec<f64>)>,
     /// Knobs that could mimic it.
     pub rivals: Vec<usize>,
     /// Whether the recordings at hand tell of the knobs.
@@ -63,13 +63,13 @@ impl Signal {
                 size: 0.0,
             })
             .collect();
-        let none = vec![0.0; at_hand.given.recordings.len() + 1];
-        for knob in &self.rivals {
-            unknowns.extend(self.unknowns(at_hand, to_come, one, *knob, &none));
+        let none = vec![0.0; at_hand.problem.recordings.len() + 1];
+        for coefficient in &self.rivals {
+            unknowns.extend(self.unknowns(at_hand, to_come, one, *coefficient, &none));
         }
         let mimics = unknowns.len();
-        for (knob, sizes) in &self.knobs {
-            unknowns.extend(self.unknowns(at_hand, to_come, one, *knob, sizes));
+        for (coefficient, sizes) in &self.coefficients {
+            unknowns.extend(self.unknowns(at_hand, to_come, one, *coefficient, sizes));
         }
         let mut matrix = sum(at_hand.system, &unknowns, |u| u.at_hand, None);
         matrix += sum(to_come, &unknowns, |u| u.to_come, Some(one));
@@ -93,11 +93,11 @@ impl Signal {
         at_hand: &AtHand,
         to_come: &System,
         one: usize,
-        knob: usize,
+        coefficient: usize,
         sizes: &[f64],
     ) -> Vec<Unknown> {
-        let about = &at_hand.given.candidates.knobs[knob];
-        let column = at_hand.system.layout.soil + knob;
+        let about = &at_hand.problem.candidates.coefficients[coefficient];
+        let column = at_hand.system.layout.soil + coefficient;
         let unknown = |at_hand, to_come, size| Unknown {
             at_hand,
             to_come,

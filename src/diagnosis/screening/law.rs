@@ -10,7 +10,7 @@
 use super::screen::Projection;
 use super::system::System;
 use crate::diagnosis::Channel;
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::effects::CATALOGUE;
 use rayon::prelude::*;
 
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone)]
 pub struct Law {
     /// Its knobs, the strongest first.
-    pub knobs: Vec<usize>,
+    pub coefficients: Vec<usize>,
     /// Share of resampled data in which each was chosen.
     pub stability: Vec<f64>,
     /// Log Bayes factor, less the cost of the choice.
@@ -34,15 +34,22 @@ const WORTH: f64 = 3.0;
 
 /// The law that explains most beyond soil and the knobs that are on.
 #[must_use]
-pub fn law(given: &Given, system: &System, nuisance: &[usize], seed: u64) -> Option<Law> {
-    let is_off = |knob: &usize| system.unknowns(*knob).iter().all(|u| !nuisance.contains(u));
+pub fn law(problem: &Problem, system: &System, nuisance: &[usize], seed: u64) -> Option<Law> {
+    let is_off = |coefficient: &usize| {
+        system
+            .unknowns(*coefficient)
+            .iter()
+            .all(|u| !nuisance.contains(u))
+    };
     // What pushes in a window would push there alone.
-    let effects = &given.nominal.effects;
-    let confined = |knob: &usize| effects.is_windowed(given.candidates.knobs[*knob].effect);
-    let knobs = given.candidates.laws();
-    let knobs: Vec<usize> = knobs.filter(|k| is_off(k) && !confined(k)).collect();
+    let effects = &problem.nominal.effects;
+    let confined = |coefficient: &usize| {
+        effects.is_windowed(problem.candidates.coefficients[*coefficient].effect)
+    };
+    let coefficients = problem.candidates.laws();
+    let coefficients: Vec<usize> = coefficients.filter(|k| is_off(k) && !confined(k)).collect();
     let all: Vec<usize> = (0..system.segments.len()).collect();
-    let (chosen, evidence) = select(system, nuisance, &all, &knobs, MOST_TERMS)?;
+    let (chosen, evidence) = select(system, nuisance, &all, &coefficients, MOST_TERMS)?;
     let mut random = fastrand::Rng::with_seed(seed);
     let draws: Vec<Vec<usize>> = (0..DRAWS)
         .map(|_| {
@@ -52,19 +59,22 @@ pub fn law(given: &Given, system: &System, nuisance: &[usize], seed: u64) -> Opt
         })
         .collect();
     let again = |draw: &Vec<usize>| {
-        if given.deadline.is_over() {
+        if problem.deadline.is_over() {
             return None;
         }
-        select(system, nuisance, draw, &knobs, chosen.len())
+        select(system, nuisance, draw, &coefficients, chosen.len())
     };
     let again: Vec<_> = draws.par_iter().map(again).collect();
-    let chosen_again = |knob: &usize| {
-        let found = again.iter().flatten().filter(|(set, _)| set.contains(knob));
+    let chosen_again = |coefficient: &usize| {
+        let found = again
+            .iter()
+            .flatten()
+            .filter(|(set, _)| set.contains(coefficient));
         found.count() as f64 / DRAWS as f64
     };
     Some(Law {
         stability: chosen.iter().map(chosen_again).collect(),
-        knobs: chosen,
+        coefficients: chosen,
         evidence,
     })
 }
@@ -74,7 +84,7 @@ fn select(
     system: &System,
     nuisance: &[usize],
     segments: &[usize],
-    knobs: &[usize],
+    coefficients: &[usize],
     most: usize,
 ) -> Option<(Vec<usize>, f64)> {
     let projection = Projection::new(system, nuisance, segments)?;
@@ -82,19 +92,21 @@ fn select(
     // Logarithm of the number of sets of so many terms.
     let mut price = 0.0;
     while chosen.len() < most {
-        let with = |knob: &usize| {
+        let with = |coefficient: &usize| {
             let set: Vec<usize> = chosen
                 .iter()
-                .chain(std::iter::once(knob))
+                .chain(std::iter::once(coefficient))
                 .copied()
                 .collect();
             let unknowns: Vec<usize> = set.iter().flat_map(|k| system.unknowns(*k)).collect();
             let score = projection.score_with(&projection.of(&unknowns), 1.0);
-            (*knob, score.evidence)
+            (*coefficient, score.evidence)
         };
-        let left = knobs.iter().filter(|knob| !chosen.contains(knob));
+        let left = coefficients
+            .iter()
+            .filter(|coefficient| !chosen.contains(coefficient));
         let next = left.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let choice = ((knobs.len() - chosen.len()) as f64 / (chosen.len() + 1) as f64).ln();
+        let choice = ((coefficients.len() - chosen.len()) as f64 / (chosen.len() + 1) as f64).ln();
         price += choice;
         let evidence = next.1 - price;
         if evidence < best + WORTH {

@@ -6,12 +6,12 @@
 //! O. Siegmund, "Sequential Analysis", 1985), less the logarithm of the number of sets
 //! that were looked at.
 
-use super::gates::chains;
-use super::scan::{Gated, Scan, discs};
+use super::scan::{BinnedFit, Scan, discs};
 use super::screen::{Projection, Score};
 use super::system::System;
+use super::time_bins::chains;
 use crate::diagnosis::Subject;
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::effects::CATALOGUE;
 use rayon::prelude::*;
@@ -58,7 +58,7 @@ pub struct Found {
     /// Where.
     pub extent: Extent,
     /// The knobs that act, in the order of the score's step.
-    pub knobs: Vec<usize>,
+    pub coefficients: Vec<usize>,
     /// The one-step fit.
     pub score: Score,
     /// Log Bayes factor, less the logarithm of the number of sets looked at.
@@ -71,21 +71,32 @@ pub struct Scanned {
     /// What acts.
     pub subject: Subject,
     /// Its gated knobs.
-    pub knobs: Vec<usize>,
+    pub coefficients: Vec<usize>,
     /// For each knob the gated column that it acts by, and a factor.
     columns: Vec<(usize, f64)>,
 }
 
 impl Scanned {
-    fn new(system: &System, subject: Subject, knobs: &[usize]) -> Option<Self> {
-        let gated = |knob: &usize| system.layout.gated.iter().position(|other| other == knob);
-        let (knobs, columns): (Vec<_>, Vec<_>) = knobs
+    fn new(system: &System, subject: Subject, coefficients: &[usize]) -> Option<Self> {
+        let binned = |coefficient: &usize| {
+            system
+                .layout
+                .binned
+                .iter()
+                .position(|other| other == coefficient)
+        };
+        let (coefficients, columns): (Vec<_>, Vec<_>) = coefficients
             .iter()
-            .filter_map(|knob| Some((*knob, (system.layout.soil + gated(knob)?, 1.0))))
+            .filter_map(|coefficient| {
+                Some((
+                    *coefficient,
+                    (system.layout.soil + binned(coefficient)?, 1.0),
+                ))
+            })
             .unzip();
-        (!knobs.is_empty()).then_some(Self {
+        (!coefficients.is_empty()).then_some(Self {
             subject,
-            knobs,
+            coefficients,
             columns,
         })
     }
@@ -94,7 +105,7 @@ impl Scanned {
         Found {
             subject: self.subject,
             extent,
-            knobs: self.knobs.clone(),
+            coefficients: self.coefficients.clone(),
             score,
             evidence,
         }
@@ -102,25 +113,25 @@ impl Scanned {
 
     /// A change of the soil: its factors act as the soil's numbers do. `None` where the given model has
     /// one.
-    fn soil(given: &Given, soil: &[f64]) -> Option<Self> {
+    fn soil(problem: &Problem, soil: &[f64]) -> Option<Self> {
         let effect = CATALOGUE.iter().position(|e| e.name == TERRAIN_CHANGE)?;
-        let angle = soil[given.place_of_soil("friction_angle")?];
+        let angle = soil[problem.place_of_soil("friction_angle")?];
         // d phi = d(tan phi) cos^2 phi.
         let by_friction = angle.sin() * angle.cos();
-        let (mut knobs, mut columns) = (Vec::new(), Vec::new());
-        for knob in given.candidates.of(Subject::Effect(effect)) {
-            let (number, factor) = match given.candidates.knobs[knob].name {
+        let (mut coefficients, mut columns) = (Vec::new(), Vec::new());
+        for coefficient in problem.candidates.of(Subject::Effect(effect)) {
+            let (number, factor) = match problem.candidates.coefficients[coefficient].name {
                 "cohesion_factor" => ("cohesion", 1.0),
                 "friction_factor" => ("friction_angle", by_friction),
                 "stiffness_factor" => ("frictional_modulus", 1.0),
                 _ => ("shear_modulus", 1.0),
             };
-            columns.push((given.place_of_soil(number)?, factor));
-            knobs.push(knob);
+            columns.push((problem.place_of_soil(number)?, factor));
+            coefficients.push(coefficient);
         }
-        (!knobs.is_empty()).then_some(Self {
+        (!coefficients.is_empty()).then_some(Self {
             subject: Subject::Effect(effect),
-            knobs,
+            coefficients,
             columns,
         })
     }
@@ -129,34 +140,37 @@ impl Scanned {
 /// Everything that can be scanned at a soil's coordinates: effects with gated knobs that are not on
 /// yet, a change of the soil, and a push.
 #[must_use]
-pub fn scanned(given: &Given, system: &System, soil: &[f64], on: &[usize]) -> Vec<Scanned> {
+pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -> Vec<Scanned> {
     // A window confines an effect with all its numbers: what acts throughout would end there as well.
-    let effect = |knob: &usize| given.candidates.knobs[*knob].effect;
-    let is_off = |knob: &usize| on.iter().all(|other| effect(other) != effect(knob));
-    let off = |knobs: Vec<usize>| -> Vec<usize> { knobs.into_iter().filter(is_off).collect() };
-    let subjects = given.candidates.subjects.iter();
+    let effect = |coefficient: &usize| problem.candidates.coefficients[*coefficient].effect;
+    let is_off = |coefficient: &usize| on.iter().all(|other| effect(other) != effect(coefficient));
+    let off = |coefficients: Vec<usize>| -> Vec<usize> {
+        coefficients.into_iter().filter(is_off).collect()
+    };
+    let subjects = problem.candidates.subjects.iter();
     let effects = subjects.filter_map(|subject| {
-        let knobs = off(given.candidates.of(*subject).collect());
-        Scanned::new(system, *subject, &knobs)
+        let coefficients = off(problem.candidates.of(*subject).collect());
+        Scanned::new(system, *subject, &coefficients)
     });
     let push = Scanned::new(
         system,
         Subject::Unknown,
-        &off(given.candidates.laws().collect()),
+        &off(problem.candidates.laws().collect()),
     );
-    let change = Scanned::soil(given, soil).filter(|s| !s.knobs.iter().any(|k| on.contains(k)));
+    let change =
+        Scanned::soil(problem, soil).filter(|s| !s.coefficients.iter().any(|k| on.contains(k)));
     effects.chain(push).chain(change).collect()
 }
 
 /// The best interval, the best run and the best disc of each candidate.
 #[must_use]
 pub fn locate(
-    given: &Given,
+    problem: &Problem,
     system: &System,
     projection: &Projection,
     scanned: &[Scanned],
 ) -> Vec<Found> {
-    let chains = chains(given, system);
+    let chains = chains(problem, system);
     let discs = discs(&chains);
     let best = |one: &Scanned, scan: &Scan| {
         let best = [
@@ -169,73 +183,74 @@ pub fn locate(
         best.map(|(extent, score, evidence)| one.found(extent, score, evidence))
             .collect::<Vec<_>>()
     };
-    let each = each(given, system, projection, scanned, best);
+    let each = each(problem, system, projection, scanned, best);
     each.into_iter().flatten().collect()
 }
 
 /// The best interval of each candidate.
 #[must_use]
 pub fn in_time(
-    given: &Given,
+    problem: &Problem,
     system: &System,
     projection: &Projection,
     scanned: &[Scanned],
 ) -> Vec<Found> {
-    let chains = chains(given, system);
+    let chains = chains(problem, system);
     let best = |one: &Scanned, scan: &Scan| {
         let (extent, score, evidence) = scan.intervals(&chains)?;
         Some(one.found(extent, score, evidence))
     };
-    let each = each(given, system, projection, scanned, best);
+    let each = each(problem, system, projection, scanned, best);
     each.into_iter().flatten().collect()
 }
 
 /// Each candidate at one place or time, where looking has cost so much.
 #[must_use]
 pub fn located_at(
-    given: &Given,
+    problem: &Problem,
     system: &System,
     projection: &Projection,
     scanned: &[Scanned],
     (extent, looking): (&Extent, f64),
 ) -> Vec<Found> {
-    let chains = chains(given, system);
+    let chains = chains(problem, system);
     let there = |one: &Scanned, scan: &Scan| {
         let score = scan.within(&chains, extent)?;
         let evidence = score.evidence - looking;
         Some(one.found(extent.clone(), score, evidence))
     };
-    let each = each(given, system, projection, scanned, there);
+    let each = each(problem, system, projection, scanned, there);
     each.into_iter().flatten().collect()
 }
 
 /// Does something with each candidate's scan.
 fn each<T: Send>(
-    given: &Given,
+    problem: &Problem,
     system: &System,
     projection: &Projection,
     scanned: &[Scanned],
     work: impl Fn(&Scanned, &Scan) -> T + Sync,
 ) -> Vec<T> {
     let (inverse, settled) = projection.inverse();
-    let recordings = 0..given.recordings.len();
+    let recordings = 0..problem.recordings.len();
     let nuisance: Vec<_> = recordings
         .map(|recording| system.columns(recording, projection.nuisance()))
         .collect();
     let scan = |one: &Scanned| {
-        let knobs = one.knobs.iter();
-        let unknowns = knobs.filter_map(|knob| system.unknowns(*knob).first().copied());
+        let coefficients = one.coefficients.iter();
+        let unknowns =
+            coefficients.filter_map(|coefficient| system.unknowns(*coefficient).first().copied());
         let scan = Scan {
             system,
             projection,
             nuisance: &nuisance,
             inverse: &inverse,
             settled: &settled,
-            gated: Gated {
+            binned: BinnedFit {
                 columns: one.columns.clone(),
                 unknowns: unknowns.collect(),
             },
-            deadline: given.deadline,
+            deadline: problem.deadline,
         };
         work(one, &scan)
     };
@@ -251,7 +266,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::search::stage::Stage;
-    use crate::diagnosis::search::stage::tests::retuned;
+    use crate::diagnosis::search::stage::tests::refitted;
     use crate::effects::Effects;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
@@ -270,12 +285,12 @@ mod tests {
                 ..nominal.clone()
             };
             let recordings = [driven(&towing, "slalom")];
-            let (stage, _) = retuned(&nominal, &recordings);
-            let Stage { given, tuned, .. } = &stage;
-            let system = &stage.looked.system;
+            let (stage, _) = refitted(&nominal, &recordings);
+            let Stage { problem, fit, .. } = &stage;
+            let system = &stage.screening.system;
             let projection = Projection::over_all(system, &[]).unwrap();
-            let asked = scanned(given, system, &tuned.solution.soil, &[]);
-            let found = locate(given, system, &projection, &asked);
+            let asked = scanned(problem, system, &fit.solution.soil, &[]);
+            let found = locate(problem, system, &projection, &asked);
             let found = found.iter().find_map(|one| match one.extent {
                 Extent::Time(at) if one.subject == Subject::Unknown => Some(at),
                 _ => None,

@@ -1,6 +1,5 @@
 //! What the linearised problem shows: which candidates explain what re-tuning the soil cannot, where, and how sure.
 
-pub mod gates;
 pub mod law;
 pub mod locate;
 pub mod noise;
@@ -10,4 +9,5 @@ pub mod screen;
 pub mod sensitivity;
 pub mod slow;
 pub mod system;
+pub mod time_bins;
 pub mod wrench;

@@ -12,11 +12,11 @@ use super::sensitivity::SegmentTable;
 use super::system::System;
 use super::wrench::pushes;
 use crate::diagnosis::Subject;
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::fit::linearised::Linearised;
 use crate::fit::noise_estimate;
 use crate::fit::normal::START;
-use crate::fit::problem::{Tables, Weighing};
+use crate::fit::problem::{NoiseModel, Tables};
 use crate::fit::segment::Segment;
 use nalgebra::{DMatrix, DVector};
 
@@ -27,26 +27,26 @@ const TOLD: f64 = 0.3;
 const FAINT: f64 = 4.0;
 
 /// The interval in which a push explains most.
-fn push(given: &Given, system: &System, at: &Solution) -> Option<(Extent, [usize; 3])> {
+fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Extent, [usize; 3])> {
     let projection = Projection::over_all(system, &[])?;
-    let mut candidates = scanned(given, system, &at.soil, &[]);
+    let mut candidates = scanned(problem, system, &at.soil, &[]);
     candidates.retain(|one| one.subject == Subject::Unknown);
-    let found = in_time(given, system, &projection, &candidates);
+    let found = in_time(problem, system, &projection, &candidates);
     let mut told = found
         .into_iter()
         .filter(|found| found.score.evidence > FAINT);
-    Some((told.next()?.extent, pushes(given, system)?))
+    Some((told.next()?.extent, pushes(problem, system)?))
 }
 
 /// Estimates the noise anew.
 pub fn update(
-    given: &Given,
+    problem: &Problem,
     system: &System,
     tables: &[Option<SegmentTable>],
     at: &Solution,
-    by: &mut Weighing,
+    by: &mut NoiseModel,
 ) {
-    let push = push(given, system, at);
+    let push = push(problem, system, at);
     let extra = push.as_ref().map_or(0, |(_, columns)| columns.len());
     let count = system.precision.len();
     let all: Vec<usize> = (0..count).collect();
@@ -62,23 +62,23 @@ pub fn update(
         unit[i] * eigen.eigenvectors[(i, kept[k])]
     });
     let known: Vec<usize> = (0..tables.len()).filter(|k| tables[*k].is_some()).collect();
-    let problem = Linearised {
-        segments: known.iter().map(|k| &given.segments[*k]).collect(),
+    let shooting = Linearised {
+        segments: known.iter().map(|k| &problem.segments[*k]).collect(),
         starts: known.iter().map(|k| at.starts[*k]).collect(),
-        places: vec![(0..kept.len() + extra).collect(); given.recordings.len()],
+        places: vec![(0..kept.len() + extra).collect(); problem.recordings.len()],
         precision: DVector::repeat(kept.len() + extra, 1.0),
         pull: basis
             .tr_mul(&system.pull)
             .resize_vertically(kept.len() + extra, 0.0),
-        deadline: given.deadline,
+        deadline: problem.deadline,
     };
     let combined: Vec<Tables> = known
         .iter()
         .filter_map(|k| {
-            let recording = given.segments[*k].recording;
+            let recording = problem.segments[*k].recording;
             let table = tables[*k].as_ref()?;
-            let own = push.as_ref().map(|(extent, columns)| Push {
-                gates: open(extent, &given.segments[*k], &table.edges),
+            let own = push.as_ref().map(|(extent, columns)| UnmodelledForce {
+                time_bins: open(extent, &problem.segments[*k], &table.edges),
                 columns: *columns,
                 per_gate: system.layout.per_gate(),
                 table,
@@ -91,14 +91,14 @@ pub fn update(
             ))
         })
         .collect();
-    let mut weighing = by.of(&known);
-    noise_estimate::update(&problem, &combined, &mut weighing);
-    by.noise = weighing.noise;
+    let mut noise_model = by.of(&known);
+    noise_estimate::update(&shooting, &combined, &mut noise_model);
+    by.noise = noise_model.noise;
 }
 
 /// A push in some gates of a segment.
-struct Push<'a> {
-    gates: Vec<usize>,
+struct UnmodelledForce<'a> {
+    time_bins: Vec<usize>,
     columns: [usize; 3],
     per_gate: usize,
     table: &'a SegmentTable,
@@ -107,16 +107,16 @@ struct Push<'a> {
 /// A push of this share of the weight has unit prior.
 const SHARE: f64 = 0.05;
 
-impl Push<'_> {
+impl UnmodelledForce<'_> {
     /// Derivatives of a sample by the push's components.
     fn of(&self, channel: usize, row: usize) -> [f64; 3] {
         let width = self.per_gate * (self.table.edges.len() - 1);
-        let gated = &self.table.gated[channel][row * width..(row + 1) * width];
+        let binned = &self.table.binned[channel][row * width..(row + 1) * width];
         self.columns.map(|column| {
-            let each = self.gates.iter();
+            let each = self.time_bins.iter();
             SHARE
                 * each
-                    .map(|gate| gated[gate * self.per_gate + column])
+                    .map(|time_bin| binned[time_bin * self.per_gate + column])
                     .sum::<f64>()
         })
     }
@@ -127,8 +127,8 @@ fn open(extent: &Extent, segment: &Segment, edges: &[f64]) -> Vec<usize> {
     let Extent::Time(at) = *extent else {
         return Vec::new();
     };
-    let within = |gate: &usize| {
-        let middle = 0.5 * (edges[*gate] + edges[gate + 1]);
+    let within = |time_bin: &usize| {
+        let middle = 0.5 * (edges[*time_bin] + edges[time_bin + 1]);
         (segment.recording, segment.run) == (at.recording, at.run)
             && (at.start..at.end).contains(&middle)
     };
@@ -140,7 +140,7 @@ fn combine(
     tables: &Tables,
     places: &[Option<usize>],
     basis: &DMatrix<f64>,
-    push: Option<&Push>,
+    push: Option<&UnmodelledForce>,
 ) -> Tables {
     let channel = |(index, channel): (usize, &Vec<f64>)| {
         let mut combined = Vec::new();

@@ -6,14 +6,14 @@
 use super::screen::Projection;
 use super::system::{SegmentSystem, System};
 use super::wrench;
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::outcome::Channel;
 use nalgebra::DVector;
 use std::f64::consts::PI;
 
 /// A gate's share in what a fit gains.
 #[derive(Debug, Clone, Copy)]
-pub struct GateGain {
+pub struct BinGain {
     /// Recording and run.
     pub run: (usize, usize),
     /// Gain of the log likelihood.
@@ -34,15 +34,21 @@ const SECTORS: usize = 6;
 /// Gains of all gates by steps of gated knobs; empty where none of the knobs is gated.
 #[must_use]
 pub fn gains(
-    given: &Given,
+    problem: &Problem,
     system: &System,
     projection: &Projection,
     steps: &[(usize, Vec<f64>)],
-) -> Vec<GateGain> {
-    let gated = |knob: usize| system.layout.gated.iter().position(|other| *other == knob);
+) -> Vec<BinGain> {
+    let binned = |coefficient: usize| {
+        system
+            .layout
+            .binned
+            .iter()
+            .position(|other| *other == coefficient)
+    };
     let known: Vec<(usize, &Vec<f64>)> = steps
         .iter()
-        .filter_map(|(knob, each)| Some((gated(*knob)?, each)))
+        .filter_map(|(coefficient, each)| Some((binned(*coefficient)?, each)))
         .collect();
     if known.is_empty() {
         return Vec::new();
@@ -56,20 +62,20 @@ pub fn gains(
         for (column, each) in &known {
             direction[layout.soil + column] += each[segment.recording];
         }
-        let count = segment.gates();
+        let count = segment.time_bins();
         let mut whole = DVector::zeros(segment.gradient.len());
-        for gate in 0..count {
-            let first = layout.whole() + gate * layout.per_gate();
+        for time_bin in 0..count {
+            let first = layout.whole() + time_bin * layout.per_gate();
             whole
                 .rows_mut(first, layout.per_gate())
                 .copy_from(&direction);
         }
         let bent = &segment.matrix * &whole;
-        for gate in 0..count {
-            let first = layout.whole() + gate * layout.per_gate();
+        for time_bin in 0..count {
+            let first = layout.whole() + time_bin * layout.per_gate();
             let own = |v: &DVector<f64>| direction.dot(&v.rows(first, layout.per_gate()));
             let gain = own(&segment.gradient) - 0.5 * own(&bent);
-            all.push(describe(given, segment, gate, gain));
+            all.push(describe(problem, segment, time_bin, gain));
         }
     }
     all
@@ -83,9 +89,9 @@ fn following(
 ) -> DVector<f64> {
     let mut unknowns = Vec::new();
     let mut values = Vec::new();
-    for (knob, each) in steps {
+    for (coefficient, each) in steps {
         for (recording, value) in each.iter().enumerate() {
-            if let Some(unknown) = system.places[recording][system.layout.soil + knob]
+            if let Some(unknown) = system.places[recording][system.layout.soil + coefficient]
                 && !unknowns.contains(&unknown)
             {
                 unknowns.push(unknown);
@@ -97,15 +103,15 @@ fn following(
     followed.rows(0, system.layout.soil).into_owned()
 }
 
-fn describe(given: &Given, segment: &SegmentSystem, gate: usize, gain: f64) -> GateGain {
-    let data = &given.segments[segment.index];
-    let middle = 0.5 * (segment.edges[gate] + segment.edges[gate + 1]);
+fn describe(problem: &Problem, segment: &SegmentSystem, time_bin: usize, gain: f64) -> BinGain {
+    let data = &problem.segments[segment.index];
+    let middle = 0.5 * (segment.edges[time_bin] + segment.edges[time_bin + 1]);
     let row = data.drive.time.partition_point(|time| *time <= middle);
     let [left, right] = data.drive.wheel_speeds(row.saturating_sub(1));
-    let vehicle = &given.nominal.vehicle;
-    let run = &given.recordings[data.recording].runs[data.run];
+    let vehicle = &problem.nominal.vehicle;
+    let run = &problem.recordings[data.recording].runs[data.run];
     let heading = run.series(crate::recording::Channel::Heading);
-    GateGain {
+    BinGain {
         run: (data.recording, data.run),
         gain,
         motion: [
@@ -117,11 +123,11 @@ fn describe(given: &Given, segment: &SegmentSystem, gate: usize, gain: f64) -> G
 }
 
 /// Whether a gate lies in a regime.
-type Holds = Box<dyn Fn(&GateGain) -> bool>;
+type Holds = Box<dyn Fn(&BinGain) -> bool>;
 
 /// The regime that holds most of the gain in a part of the time; empty for none.
 #[must_use]
-pub fn regime(gains: &[GateGain]) -> String {
+pub fn regime(gains: &[BinGain]) -> String {
     let mut speeds: Vec<f64> = gains.iter().map(|g| g.motion[0].abs()).collect();
     speeds.sort_by(f64::total_cmp);
     let Some(fast) = speeds.get(speeds.len() * 2 / 3).copied() else {
@@ -164,11 +170,11 @@ pub fn regime(gains: &[GateGain]) -> String {
             }),
         ));
     }
-    let positive = |g: &&GateGain| g.gain > 0.0;
+    let positive = |g: &&BinGain| g.gain > 0.0;
     let all: f64 = gains.iter().filter(positive).map(|g| g.gain).sum();
     let mut best: Option<(f64, String)> = None;
     for (name, holds) in bins {
-        let inside: Vec<&GateGain> = gains.iter().filter(|g| holds(g)).collect();
+        let inside: Vec<&BinGain> = gains.iter().filter(|g| holds(g)).collect();
         let share = inside.iter().map(|g| g.gain.max(0.0)).sum::<f64>() / all.max(1e-300);
         let time = inside.len() as f64 / gains.len() as f64;
         let denser = share / time.max(1e-9);
@@ -181,21 +187,21 @@ pub fn regime(gains: &[GateGain]) -> String {
 
 /// What residuals a step of gated knobs shows in: the push whose signal is most like its own.
 #[must_use]
-pub fn channel(given: &Given, system: &System, steps: &[(usize, Vec<f64>)]) -> Channel {
+pub fn channel(problem: &Problem, system: &System, steps: &[(usize, Vec<f64>)]) -> Channel {
     const CHANNELS: [Channel; 3] = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw];
-    let Some(pushes) = wrench::pushes(given, system) else {
+    let Some(pushes) = wrench::pushes(problem, system) else {
         return Channel::Longitudinal;
     };
     let mut likeness = [0.0; 3];
     for segment in &system.segments {
         let layout = &system.layout;
         let mut whole = DVector::zeros(segment.gradient.len());
-        for (knob, each) in steps {
-            whole[layout.soil + knob] = each[segment.recording];
+        for (coefficient, each) in steps {
+            whole[layout.soil + coefficient] = each[segment.recording];
         }
         let seen = &segment.matrix * whole;
-        for gate in 0..segment.gates() {
-            let first = layout.whole() + gate * layout.per_gate();
+        for time_bin in 0..segment.time_bins() {
+            let first = layout.whole() + time_bin * layout.per_gate();
             for (sum, column) in likeness.iter_mut().zip(pushes) {
                 let own = segment.matrix[(first + column, first + column)];
                 if own > 0.0 {

@@ -1,9 +1,9 @@
 //! Sets of gates, and how well a candidate that acts in one of them alone explains what is left.
 
-use super::gates::{Chain, Gate};
 use super::locate::{Extent, Stretch};
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
+use super::time_bins::{Chain, TimeBin};
 use crate::fit::deadline::Deadline;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ const DIRECTIONS: usize = 12;
 const POSITIONS: usize = 24;
 
 /// A candidate's equations gate by gate.
-pub struct Gated {
+pub struct BinnedFit {
     /// Columns within a gate, each with a factor.
     pub columns: Vec<(usize, f64)>,
     /// Its unknowns.
@@ -39,8 +39,10 @@ pub fn discs(chains: &[Chain]) -> Vec<[f64; 3]> {
     let mut discs: Vec<[f64; 3]> = Vec::new();
     for radius in RADII {
         let first = discs.len();
-        for gate in chains.iter().flat_map(|chain| &chain.gates) {
-            let Some([x, y]) = gate.place() else { continue };
+        for time_bin in chains.iter().flat_map(|chain| &chain.time_bins) {
+            let Some([x, y]) = time_bin.place() else {
+                continue;
+            };
             let near = |disc: &[f64; 3]| (disc[0] - x).hypot(disc[1] - y) < 0.5 * radius;
             if !discs[first..].iter().any(near) {
                 discs.push([x, y, radius]);
@@ -63,7 +65,7 @@ pub struct Scan<'a> {
     /// The nuisance's step to where its pulls vanish.
     pub settled: &'a DVector<f64>,
     /// The candidate.
-    pub gated: Gated,
+    pub binned: BinnedFit,
     /// When the scan has to end; one that was ended finds nothing.
     pub deadline: Deadline<'a>,
 }
@@ -102,7 +104,7 @@ struct Sums {
 
 impl Scan<'_> {
     fn nothing(&self) -> Sums {
-        let (count, nuisance) = (self.gated.columns.len(), self.settled.len());
+        let (count, nuisance) = (self.binned.columns.len(), self.settled.len());
         Sums {
             matrix: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
@@ -114,15 +116,15 @@ impl Scan<'_> {
     fn add(
         &self,
         sums: &mut Sums,
-        (gate, share): (&Gate, f64),
+        (time_bin, share): (&TimeBin, f64),
         before: impl Iterator<Item = (usize, f64)> + Clone,
     ) {
-        let segment = &self.system.segments[gate.segment];
+        let segment = &self.system.segments[time_bin.segment];
         let layout = &self.system.layout;
-        let first = |gate: usize| layout.whole() + gate * layout.per_gate();
+        let first = |time_bin: usize| layout.whole() + time_bin * layout.per_gate();
         let nuisance = &self.nuisance[segment.recording];
-        for (i, (a, factor)) in self.gated.columns.iter().enumerate() {
-            let row = first(gate.gate) + a;
+        for (i, (a, factor)) in self.binned.columns.iter().enumerate() {
+            let row = first(time_bin.time_bin) + a;
             let factor = share * factor;
             sums.gradient[i] += factor * segment.gradient[row];
             for (j, column) in nuisance.iter().enumerate() {
@@ -130,8 +132,8 @@ impl Scan<'_> {
                     sums.cross[(i, j)] += factor * segment.matrix[(row, *column)];
                 }
             }
-            for (j, (b, other_factor)) in self.gated.columns.iter().enumerate() {
-                let column = first(gate.gate) + b;
+            for (j, (b, other_factor)) in self.binned.columns.iter().enumerate() {
+                let column = first(time_bin.time_bin) + b;
                 let mut sum = share * segment.matrix[(row, column)];
                 for (other, theirs) in before.clone() {
                     sum += theirs * segment.matrix[(row, first(other) + b)];
@@ -145,7 +147,7 @@ impl Scan<'_> {
     /// The one-step fit of a set.
     fn score(&self, sums: &Sums) -> Score {
         let projected = Projected {
-            unknowns: self.gated.unknowns.clone(),
+            unknowns: self.binned.unknowns.clone(),
             matrix: &sums.matrix - &sums.cross * self.inverse * sums.cross.transpose(),
             gradient: &sums.gradient - &sums.cross * self.settled,
             raw: sums.matrix.clone(),
@@ -154,18 +156,21 @@ impl Scan<'_> {
     }
 
     /// Sums over the shares of gates that lie somewhere, and the seconds that they last.
-    fn sum(&self, chains: &[Chain], inside: impl Fn(&Gate) -> f64) -> (Sums, f64) {
+    fn sum(&self, chains: &[Chain], inside: impl Fn(&TimeBin) -> f64) -> (Sums, f64) {
         let mut sums = self.nothing();
         let mut seconds = 0.0;
         for chain in chains {
-            let shares = chain.gates.iter().map(|gate| (gate, inside(gate)));
-            let set: Vec<(&Gate, f64)> = shares.filter(|(_, share)| *share > 0.0).collect();
-            for (index, (gate, share)) in set.iter().enumerate() {
+            let shares = chain
+                .time_bins
+                .iter()
+                .map(|time_bin| (time_bin, inside(time_bin)));
+            let set: Vec<(&TimeBin, f64)> = shares.filter(|(_, share)| *share > 0.0).collect();
+            for (index, (time_bin, share)) in set.iter().enumerate() {
                 let before = set[..index].iter().rev();
-                let before = before.take_while(|(other, _)| other.segment == gate.segment);
-                let before = before.map(|(other, theirs)| (other.gate, *theirs));
-                self.add(&mut sums, (gate, *share), before);
-                seconds += share * gate.seconds();
+                let before = before.take_while(|(other, _)| other.segment == time_bin.segment);
+                let before = before.map(|(other, theirs)| (other.time_bin, *theirs));
+                self.add(&mut sums, (time_bin, *share), before);
+                seconds += share * time_bin.seconds();
             }
         }
         (sums, seconds)
@@ -177,17 +182,17 @@ impl Scan<'_> {
     pub fn within(&self, chains: &[Chain], extent: &Extent) -> Option<Score> {
         let of_run = |at: &Stretch| {
             let same = |chain: &&Chain| (chain.recording, chain.run) == (at.recording, at.run);
-            let gates = chains.iter().filter(same);
-            let sums = gates.map(|chain| {
-                self.sum(std::slice::from_ref(chain), |gate| {
-                    gate.between(at.start, at.end)
+            let time_bins = chains.iter().filter(same);
+            let sums = time_bins.map(|chain| {
+                self.sum(std::slice::from_ref(chain), |time_bin| {
+                    time_bin.between(at.start, at.end)
                 })
             });
             sums.max_by(|a, b| a.1.total_cmp(&b.1))
         };
         let (sums, seconds) = match extent {
             Extent::Time(at) => of_run(at)?,
-            Extent::Place { disc } => self.sum(chains, |gate| gate.within(inside(*disc))),
+            Extent::Place { disc } => self.sum(chains, |time_bin| time_bin.within(inside(*disc))),
             Extent::Run(_) | Extent::Beyond { .. } => return None,
         };
         (seconds > 0.0).then(|| self.score(&sums))
@@ -198,22 +203,22 @@ impl Scan<'_> {
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
         let mut best = Best::default();
         for chain in chains {
-            for (from, begin) in chain.gates.iter().enumerate() {
+            for (from, begin) in chain.time_bins.iter().enumerate() {
                 if self.deadline.is_over() {
                     return None;
                 }
                 let mut sums = self.nothing();
-                for (to, gate) in chain.gates.iter().enumerate().skip(from) {
-                    let length = gate.end - begin.start;
+                for (to, time_bin) in chain.time_bins.iter().enumerate().skip(from) {
+                    let length = time_bin.end - begin.start;
                     if length > LONGEST {
                         break;
                     }
-                    let before = chain.gates[from..to].iter().rev();
-                    let before = before.take_while(|other| other.segment == gate.segment);
+                    let before = chain.time_bins[from..to].iter().rev();
+                    let before = before.take_while(|other| other.segment == time_bin.segment);
                     self.add(
                         &mut sums,
-                        (gate, 1.0),
-                        before.map(|other| (other.gate, 1.0)),
+                        (time_bin, 1.0),
+                        before.map(|other| (other.time_bin, 1.0)),
                     );
                     if length < SHORTEST {
                         continue;
@@ -222,7 +227,7 @@ impl Scan<'_> {
                         recording: chain.recording,
                         run: chain.run,
                         start: begin.start,
-                        end: gate.end,
+                        end: time_bin.end,
                     });
                     best.offer(extent, self.score(&sums));
                 }
@@ -250,15 +255,15 @@ impl Scan<'_> {
     fn offer_interval(&self, best: &mut Best, chains: &[Chain], at: Stretch) {
         let middle = 0.5 * (at.start + at.end);
         let covers = |chain: &&Chain| {
-            let ends = chain.gates.first().zip(chain.gates.last());
+            let ends = chain.time_bins.first().zip(chain.time_bins.last());
             (chain.recording, chain.run) == (at.recording, at.run)
                 && ends.is_some_and(|(first, last)| first.start <= middle && middle <= last.end)
         };
         let Some(chain) = chains.iter().find(covers) else {
             return;
         };
-        let (sums, seconds) = self.sum(std::slice::from_ref(chain), |gate| {
-            gate.between(at.start, at.end)
+        let (sums, seconds) = self.sum(std::slice::from_ref(chain), |time_bin| {
+            time_bin.between(at.start, at.end)
         });
         // Beyond the chain's end nothing is told.
         let inside = (seconds - (at.end - at.start)).abs() < 1e-6;
@@ -278,8 +283,8 @@ impl Scan<'_> {
         }
         let mut best = Best::default();
         for run in runs {
-            let mut gates = run.iter().flat_map(|chain| &chain.gates);
-            let (Some(first), Some(last)) = (gates.next(), gates.next_back()) else {
+            let mut time_bins = run.iter().flat_map(|chain| &chain.time_bins);
+            let (Some(first), Some(last)) = (time_bins.next(), time_bins.next_back()) else {
                 continue;
             };
             let extent = Extent::Run(Stretch {
@@ -327,7 +332,7 @@ impl Scan<'_> {
     }
 
     fn offer_disc(&self, best: &mut Best, chains: &[Chain], disc: [f64; 3]) {
-        let (sums, seconds) = self.sum(chains, |gate| gate.within(inside(disc)));
+        let (sums, seconds) = self.sum(chains, |time_bin| time_bin.within(inside(disc)));
         if seconds >= SHORTEST {
             best.offer(Extent::Place { disc }, self.score(&sums));
         }
@@ -340,8 +345,8 @@ impl Scan<'_> {
         for direction in (0..DIRECTIONS).map(|k| PI * k as f64 / DIRECTIONS as f64) {
             let (sin, cos) = direction.sin_cos();
             let along = |[x, y]: [f64; 2]| x * cos + y * sin;
-            let gates = chains.iter().flat_map(|chain| &chain.gates);
-            let mut places: Vec<f64> = gates.filter_map(Gate::place).map(along).collect();
+            let time_bins = chains.iter().flat_map(|chain| &chain.time_bins);
+            let mut places: Vec<f64> = time_bins.filter_map(TimeBin::place).map(along).collect();
             places.sort_by(f64::total_cmp);
             if self.deadline.is_over() {
                 return None;
@@ -351,7 +356,7 @@ impl Scan<'_> {
                     continue;
                 };
                 let beyond = |place: [f64; 2]| along(place) > position;
-                let (sums, _) = self.sum(chains, |gate| gate.within(beyond));
+                let (sums, _) = self.sum(chains, |time_bin| time_bin.within(beyond));
                 let extent = Extent::Beyond {
                     direction,
                     position,

@@ -5,8 +5,8 @@
 //! follow from the motion. The few effects without a derivative while they are off are compared
 //! with a drive in which they are on.
 
-use crate::diagnosis::hypothesis::candidate::{Knob, Target, is_law};
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::candidate::{CandidateParameter, Target, is_law};
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::observation::{Residuals, observe, observe_gated};
@@ -15,7 +15,7 @@ use crate::fit::problem::Tables;
 use crate::fit::segment::Segment;
 use crate::fit::sensor::{SensorParameter, SensorValues};
 use crate::simulation::State;
-use crate::vehicle::{Parameter, Specification};
+use crate::vehicle::{ModelParameter, Specification};
 use rayon::prelude::*;
 
 /// Length of a gate \[s\], about.
@@ -28,15 +28,15 @@ pub struct Layout {
     /// Number of the soil's columns.
     pub soil: usize,
     /// Number of knobs.
-    pub knobs: usize,
+    pub coefficients: usize,
     /// The knobs that are gated.
-    pub gated: Vec<usize>,
+    pub binned: Vec<usize>,
     /// Knobs of the model that act throughout only: laws, and effects that are on and remember.
     throughout: Vec<usize>,
     /// Knobs that are compared with a drive in which they are on.
     secants: Vec<usize>,
     /// Length of a gate \[s\], about.
-    gate: f64,
+    time_bin: f64,
 }
 
 /// Residuals of a segment with derivatives by everything.
@@ -45,7 +45,7 @@ pub struct SegmentTable {
     /// Rows of the residual, and derivatives by the start, the soil and the knobs, by channel.
     pub whole: Tables,
     /// Derivatives by the gated columns, gate by gate, for the same rows.
-    pub gated: Vec<Vec<f64>>,
+    pub binned: Vec<Vec<f64>>,
     /// Where gates begin and end \[s\], one more than there are gates.
     pub edges: Vec<f64>,
 }
@@ -56,24 +56,24 @@ const SENSORS: usize = SensorParameter::ALL.len();
 impl Layout {
     /// The columns where these knobs are on.
     #[must_use]
-    pub fn new(given: &Given, on: &[usize]) -> Self {
-        let knobs = &given.candidates.knobs;
+    pub fn new(problem: &Problem, on: &[usize]) -> Self {
+        let coefficients = &problem.candidates.coefficients;
         let mut layout = Self {
-            soil: given.soil.len(),
-            knobs: knobs.len(),
-            gated: Vec::new(),
+            soil: problem.soil.len(),
+            coefficients: coefficients.len(),
+            binned: Vec::new(),
             throughout: Vec::new(),
             secants: Vec::new(),
-            gate: GATE,
+            time_bin: GATE,
         };
-        for (place, knob) in knobs.iter().enumerate() {
-            if !matches!(knob.target, Target::Model(_)) {
+        for (place, coefficient) in coefficients.iter().enumerate() {
+            if !matches!(coefficient.target, Target::Model(_)) {
                 continue;
             }
-            if is_law(knob.effect) && knob.name != "constant" {
+            if is_law(coefficient.effect) && coefficient.name != "constant" {
                 layout.throughout.push(place);
-            } else if knob.secant.is_none() {
-                layout.gated.push(place);
+            } else if coefficient.secant.is_none() {
+                layout.binned.push(place);
             } else if on.contains(&place) {
                 layout.throughout.push(place);
             } else {
@@ -86,44 +86,53 @@ impl Layout {
     /// The columns of some knobs that are off, a single gate in each segment: what acts throughout,
     /// at a fraction of the cost. Other knobs' columns, but for the sensors', are zero.
     #[must_use]
-    pub fn ungated(given: &Given, knobs: &[usize]) -> Self {
-        let mut layout = Self::new(given, &[]);
+    pub fn ungated(problem: &Problem, coefficients: &[usize]) -> Self {
+        let mut layout = Self::new(problem, &[]);
         let lists = [
-            &mut layout.gated,
+            &mut layout.binned,
             &mut layout.throughout,
             &mut layout.secants,
         ];
         for list in lists {
-            list.retain(|knob| knobs.contains(knob));
+            list.retain(|coefficient| coefficients.contains(coefficient));
         }
-        layout.gate = f64::INFINITY;
+        layout.time_bin = f64::INFINITY;
         layout
     }
 
     /// Number of whole columns, the residual and the start not counted.
     #[must_use]
     pub fn whole(&self) -> usize {
-        self.soil + self.knobs
+        self.soil + self.coefficients
     }
 
     /// Number of gated columns of one gate.
     #[must_use]
     pub fn per_gate(&self) -> usize {
-        self.soil + self.gated.len()
+        self.soil + self.binned.len()
     }
 }
 
 /// All segments, computed side by side; `None` where the model cannot drive.
 #[must_use]
-pub fn sensitivities(given: &Given, layout: &Layout, at: &Solution) -> Vec<Option<SegmentTable>> {
-    let models: Vec<Option<RecordingModel>> = (0..given.recordings.len())
-        .map(|recording| RecordingModel::new(given, layout, at, recording).ok())
+pub fn sensitivities(
+    problem: &Problem,
+    layout: &Layout,
+    at: &Solution,
+) -> Vec<Option<SegmentTable>> {
+    let models: Vec<Option<RecordingModel>> = (0..problem.recordings.len())
+        .map(|recording| RecordingModel::new(problem, layout, at, recording).ok())
         .collect();
     let one = |(segment, start): (&Segment, &[f64; 6])| {
         let model = models[segment.recording].as_ref()?;
-        model.table(given, layout, segment, start).ok()
+        model.table(problem, layout, segment, start).ok()
     };
-    given.segments.par_iter().zip(&at.starts).map(one).collect()
+    problem
+        .segments
+        .par_iter()
+        .zip(&at.starts)
+        .map(one)
+        .collect()
 }
 
 /// The models of a recording.
@@ -138,65 +147,76 @@ struct RecordingModel<'a> {
 
 /// A model in which an effect is on, and how far that is in its coordinate.
 struct Secant<'a> {
-    knob: usize,
+    coefficient: usize,
     predictor: ExactPredictor<'a>,
     step: f64,
 }
 
 impl<'a> RecordingModel<'a> {
     fn new(
-        given: &Given<'a>,
+        problem: &Problem<'a>,
         layout: &Layout,
         at: &Solution,
         recording: usize,
     ) -> Result<Self, crate::parameter::ParameterError> {
-        let here = given.specification(at, recording)?;
-        let parameter = |place: &usize| match given.candidates.knobs[*place].target {
+        let here = problem.specification(at, recording)?;
+        let parameter = |place: &usize| match problem.candidates.coefficients[*place].target {
             Target::Model(parameter) => Some(parameter),
             Target::Sensor(_) => None,
         };
-        let throughout: Vec<Parameter> = layout.throughout.iter().filter_map(parameter).collect();
-        let gated = layout.gated.iter().filter_map(parameter);
-        let gated = given.soil.iter().copied().chain(gated).collect();
-        let coordinates = &at.knobs[recording];
+        let throughout: Vec<ModelParameter> =
+            layout.throughout.iter().filter_map(parameter).collect();
+        let binned = layout.binned.iter().filter_map(parameter);
+        let binned = problem.soil.iter().copied().chain(binned).collect();
+        let coordinates = &at.coefficients[recording];
         let secant = |place: &usize| {
-            let knob = &given.candidates.knobs[*place];
-            secant(knob, *place, &here, coordinates[*place], given.deadline)
+            let coefficient = &problem.candidates.coefficients[*place];
+            secant(
+                coefficient,
+                *place,
+                &here,
+                coordinates[*place],
+                problem.deadline,
+            )
         };
         let mut sensors = [0.0; SENSORS];
-        for (knob, coordinate) in given.candidates.knobs.iter().zip(coordinates) {
-            if let Target::Sensor(sensor) = knob.target {
+        for (coefficient, coordinate) in problem.candidates.coefficients.iter().zip(coordinates) {
+            if let Target::Sensor(sensor) = coefficient.target {
                 sensors[sensor.index()] = *coordinate;
             }
         }
-        let soil = given.soil_parameters();
+        let soil = problem.soil_parameters();
         let soil = soil.iter().zip(&at.soil);
-        let knobs = given.candidates.knobs.iter().map(|knob| &knob.parameter);
-        let all = soil.chain(knobs.zip(coordinates));
+        let coefficients = problem
+            .candidates
+            .coefficients
+            .iter()
+            .map(|coefficient| &coefficient.parameter);
+        let all = soil.chain(coefficients.zip(coordinates));
         Ok(Self {
             secants: layout.secants.iter().map(secant).collect(),
             sensors,
             slopes: all.map(|(p, at)| p.slope(p.value(*at))).collect(),
             throughout: throughout.iter().map(|p| p.get(&here)).collect(),
             predictor: ExactPredictor::new(here, throughout)
-                .with_gated(gated)
+                .with_binned(binned)
                 .with_coarse_derivatives()
-                .with_tolerance(given.tolerance)
-                .with_deadline(given.deadline),
+                .with_tolerance(problem.tolerance)
+                .with_deadline(problem.deadline),
         })
     }
 
     fn table(
         &self,
-        given: &Given,
+        problem: &Problem,
         layout: &Layout,
         segment: &Segment,
         start: &[f64; 6],
     ) -> Result<SegmentTable, PredictionError> {
         let length = segment.end - segment.start;
-        let gates = (length / layout.gate).round().max(1.0) as usize;
-        let edge = |k: usize| segment.start + length * k as f64 / gates as f64;
-        let edges: Vec<f64> = (0..=gates).map(edge).collect();
+        let time_bins = (length / layout.time_bin).round().max(1.0) as usize;
+        let edge = |k: usize| segment.start + length * k as f64 / time_bins as f64;
+        let edges: Vec<f64> = (0..=time_bins).map(edge).collect();
         let observed = observe_gated(
             &self.predictor,
             segment,
@@ -204,7 +224,7 @@ impl<'a> RecordingModel<'a> {
             &self.throughout,
             &self.sensors,
             true,
-            &edges[1..gates],
+            &edges[1..time_bins],
         )?;
         let none = Vec::new();
         let secants = self.secants.iter().map(|secant| {
@@ -219,19 +239,23 @@ impl<'a> RecordingModel<'a> {
                 channels: Vec::new(),
                 columns: 1 + START + layout.whole(),
             },
-            gated: Vec::new(),
+            binned: Vec::new(),
             edges,
         };
         for (channel, residuals) in observed.iter().enumerate() {
-            let (whole, gated) = self.channel(given, layout, residuals, gates, |knob, row| {
-                let found = secants.iter().flatten().find(|(s, _)| s.knob == knob);
-                // A prediction that grows takes from the residual.
-                found.map_or(0.0, |(secant, on)| {
-                    (residuals.residual[row] - on[channel].residual[row]) / secant.step
-                })
-            });
+            let (whole, binned) =
+                self.channel(problem, layout, residuals, time_bins, |coefficient, row| {
+                    let found = secants
+                        .iter()
+                        .flatten()
+                        .find(|(s, _)| s.coefficient == coefficient);
+                    // A prediction that grows takes from the residual.
+                    found.map_or(0.0, |(secant, on)| {
+                        (residuals.residual[row] - on[channel].residual[row]) / secant.step
+                    })
+                });
             table.whole.channels.push(whole);
-            table.gated.push(gated);
+            table.binned.push(binned);
         }
         Ok(table)
     }
@@ -239,36 +263,40 @@ impl<'a> RecordingModel<'a> {
     /// Turns values into coordinates and puts columns in their places.
     fn channel(
         &self,
-        given: &Given,
+        problem: &Problem,
         layout: &Layout,
         residuals: &Residuals,
-        gates: usize,
+        time_bins: usize,
         secant: impl Fn(usize, usize) -> f64,
     ) -> (Vec<f64>, Vec<f64>) {
         let (throughout, per_gate) = (layout.throughout.len(), layout.per_gate());
-        let width = START + throughout + per_gate * gates + SENSORS;
-        let (mut whole, mut gated) = (Vec::new(), Vec::new());
+        let width = START + throughout + per_gate * time_bins + SENSORS;
+        let (mut whole, mut binned) = (Vec::new(), Vec::new());
         for (index, row) in residuals.rows.chunks_exact(width).enumerate() {
             let (start, rest) = row.split_at(START);
             let (model, sensors) = rest.split_at(width - START - SENSORS);
             let (model, by_gate) = model.split_at(throughout);
-            let first = gated.len();
-            for gate in by_gate.chunks_exact(per_gate) {
-                let (soil, knobs) = gate.split_at(layout.soil);
-                gated.extend(soil.iter().zip(&self.slopes).map(|(s, slope)| s * slope));
-                let knobs = knobs.iter().zip(&layout.gated);
-                gated.extend(knobs.map(|(k, place)| k * self.slopes[layout.soil + place]));
+            let first = binned.len();
+            for time_bin in by_gate.chunks_exact(per_gate) {
+                let (soil, coefficients) = time_bin.split_at(layout.soil);
+                binned.extend(soil.iter().zip(&self.slopes).map(|(s, slope)| s * slope));
+                let coefficients = coefficients.iter().zip(&layout.binned);
+                binned.extend(coefficients.map(|(k, place)| k * self.slopes[layout.soil + place]));
             }
-            let own = &gated[first..];
+            let own = &binned[first..];
             let sum = |column: usize| own.iter().skip(column).step_by(per_gate).sum::<f64>();
             whole.push(residuals.residual[index]);
             whole.extend(start);
             whole.extend((0..layout.soil).map(sum));
-            for (place, knob) in given.candidates.knobs.iter().enumerate() {
+            for (place, coefficient) in problem.candidates.coefficients.iter().enumerate() {
                 let slope = self.slopes[layout.soil + place];
                 let at = |list: &[usize]| list.iter().position(|other| *other == place);
                 whole.push(
-                    match (knob.target, at(&layout.gated), at(&layout.throughout)) {
+                    match (
+                        coefficient.target,
+                        at(&layout.binned),
+                        at(&layout.throughout),
+                    ) {
                         (Target::Sensor(sensor), ..) => sensors[sensor.index()],
                         (_, Some(column), _) => sum(layout.soil + column),
                         (_, None, Some(column)) => model[column] * slope,
@@ -277,26 +305,26 @@ impl<'a> RecordingModel<'a> {
                 );
             }
         }
-        (whole, gated)
+        (whole, binned)
     }
 }
 
 fn secant<'a>(
-    knob: &Knob,
+    coefficient: &CandidateParameter,
     place: usize,
     here: &Specification,
     at: f64,
     deadline: Deadline<'a>,
 ) -> Option<Secant<'a>> {
-    let Target::Model(parameter) = knob.target else {
+    let Target::Model(parameter) = coefficient.target else {
         return None;
     };
-    let value = knob.secant?;
+    let value = coefficient.secant?;
     let mut on = here.clone();
     parameter.set(&mut on, value).ok()?;
     Some(Secant {
-        knob: place,
+        coefficient: place,
         predictor: ExactPredictor::new(on, Vec::new()).with_deadline(deadline),
-        step: knob.parameter.coordinate(value) - at,
+        step: coefficient.parameter.coordinate(value) - at,
     })
 }

@@ -9,9 +9,9 @@
 
 use super::screen::Projected;
 use super::system::System;
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::candidate::Target;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 use crate::fit::segment::NoiseGroup;
 use crate::fit::sensor::SensorParameter;
 
@@ -20,10 +20,10 @@ const MOST: f64 = 8.0;
 
 /// What a candidate pays for what slow noise explains of it.
 #[must_use]
-pub fn price(given: &Given, system: &System, candidate: &Projected, by: &Weighing) -> f64 {
+pub fn price(problem: &Problem, system: &System, candidate: &Projected, by: &NoiseModel) -> f64 {
     let each = candidate.unknowns.iter().enumerate();
     let paid = each.filter_map(|(place, unknown)| {
-        let slow = slow_noise(given, system, *unknown, by)?;
+        let slow = slow_noise(problem, system, *unknown, by)?;
         let (gradient, precision) = (candidate.gradient[place], candidate.matrix[(place, place)]);
         Some(explained(gradient, precision, slow))
     });
@@ -31,12 +31,12 @@ pub fn price(given: &Given, system: &System, candidate: &Projected, by: &Weighin
 }
 
 /// Deviation of the slow noise that an unknown may be as well, if it is a constant error of heading or gyro.
-fn slow_noise(given: &Given, system: &System, unknown: usize, by: &Weighing) -> Option<f64> {
+fn slow_noise(problem: &Problem, system: &System, unknown: usize, by: &NoiseModel) -> Option<f64> {
     let place = |places: &Vec<Option<usize>>| places.iter().position(|one| *one == Some(unknown));
     let mut recordings = system.places.iter().zip(&by.noise);
     let (column, noise) = recordings.find_map(|(places, noise)| Some((place(places)?, noise)))?;
-    let knob = column.checked_sub(system.layout.soil)?;
-    let group = match given.candidates.knobs.get(knob)?.target {
+    let coefficient = column.checked_sub(system.layout.soil)?;
+    let group = match problem.candidates.coefficients.get(coefficient)?.target {
         Target::Sensor(SensorParameter::HeadingOffset) => NoiseGroup::Heading,
         Target::Sensor(SensorParameter::YawRateBias) => NoiseGroup::YawRate,
         _ => return None,

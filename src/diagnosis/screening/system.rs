@@ -2,12 +2,12 @@
 //! every candidate, whole and gate by gate.
 
 use super::sensitivity::{Layout, SegmentTable};
-use crate::diagnosis::hypothesis::{Given, Solution, What};
+use crate::diagnosis::hypothesis::{Problem, Solution, What};
+use crate::fit::noise_model::reweigh;
 use crate::fit::normal::START;
-use crate::fit::parameter::Parameter;
-use crate::fit::problem::{Tables, Weighing};
+use crate::fit::parameter::FreeParameter;
+use crate::fit::problem::{NoiseModel, Tables};
 use crate::fit::segment::SAME_TIME;
-use crate::fit::weighing::reweigh;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -16,7 +16,7 @@ use std::ops::Range;
 #[derive(Debug, Clone)]
 pub struct System {
     /// All unknowns: the soil, the knobs (one per recording where each has its own).
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<FreeParameter>,
     /// For each recording the unknown of each whole column: soil, then knobs; `None` where the
     /// recording does not tell.
     pub places: Vec<Vec<Option<usize>>>,
@@ -50,34 +50,34 @@ pub struct SegmentSystem {
 /// The normal equations of all segments; of some where the deadline has passed.
 #[must_use]
 pub fn linearise(
-    given: &Given,
+    problem: &Problem,
     layout: &Layout,
     tables: &[Option<SegmentTable>],
     at: &Solution,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> System {
-    let knobs: Vec<usize> = (0..given.candidates.knobs.len()).collect();
-    let predictor = given.predictor(&knobs);
-    let problem = given.problem(&predictor, &knobs);
-    let mut places = vec![vec![None; layout.whole()]; given.recordings.len()];
-    given.visit(&problem, &knobs, |place, recording, what| {
+    let coefficients: Vec<usize> = (0..problem.candidates.coefficients.len()).collect();
+    let predictor = problem.predictor(&coefficients);
+    let shooting = problem.shooting(&predictor, &coefficients);
+    let mut places = vec![vec![None; layout.whole()]; problem.recordings.len()];
+    problem.visit(&shooting, &coefficients, |place, recording, what| {
         let column = match what {
             What::Soil(index) => index,
-            What::Knob(knob) => layout.soil + knob,
+            What::CandidateParameter(coefficient) => layout.soil + coefficient,
         };
         places[recording][column] = Some(place);
     });
-    let point = given.point(&problem, &knobs, at);
+    let point = problem.point(&shooting, &coefficients, at);
     let one = |(index, table): (usize, &Option<SegmentTable>)| {
-        let table = table.as_ref().filter(|_| !given.deadline.is_over())?;
-        segment(given, layout, index, table, &at.starts[index], by)
+        let table = table.as_ref().filter(|_| !problem.deadline.is_over())?;
+        segment(problem, layout, index, table, &at.starts[index], by)
     };
     let segments: Vec<Option<SegmentSystem>> = tables.par_iter().enumerate().map(one).collect();
-    let (precision, pull) = problem.prior(&point.coordinates);
+    let (precision, pull) = shooting.prior(&point.coordinates);
     System {
         precision,
         pull,
-        parameters: problem.parameters,
+        parameters: shooting.parameters,
         places,
         segments: segments.into_iter().flatten().collect(),
         layout: layout.clone(),
@@ -85,23 +85,23 @@ pub fn linearise(
 }
 
 /// Weights at the residuals of a fitted hypothesis.
-pub fn weigh(given: &Given, knobs: &[usize], tables: &[Tables], by: &mut Weighing) {
-    let predictor = given.predictor(knobs);
-    let problem = given.problem(&predictor, knobs);
-    reweigh(&problem, tables, by);
+pub fn weigh(problem: &Problem, coefficients: &[usize], tables: &[Tables], by: &mut NoiseModel) {
+    let predictor = problem.predictor(coefficients);
+    let shooting = problem.shooting(&predictor, coefficients);
+    reweigh(&shooting, tables, by);
 }
 
 fn segment(
-    given: &Given,
+    problem: &Problem,
     layout: &Layout,
     index: usize,
     table: &SegmentTable,
     start: &[f64; START],
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Option<SegmentSystem> {
-    let segment = &given.segments[index];
-    let gated = layout.per_gate() * (table.edges.len() - 1);
-    let width = table.whole.columns + gated;
+    let segment = &problem.segments[index];
+    let binned = layout.per_gate() * (table.edges.len() - 1);
+    let width = table.whole.columns + binned;
     let local = width - 1 - START;
     let mut normal = DMatrix::<f64>::zeros(width, width);
     for (channel, data) in segment.samples.iter().enumerate() {
@@ -110,7 +110,7 @@ fn segment(
         let mut cells = Vec::with_capacity(rows * width);
         for (row, whole) in whole.enumerate() {
             cells.extend(whole);
-            cells.extend(&table.gated[channel][row * gated..(row + 1) * gated]);
+            cells.extend(&table.binned[channel][row * binned..(row + 1) * binned]);
         }
         let noise = by.noise[segment.recording][data.signal.group() as usize];
         noise.whiten(&data.time, &by.weights[index][channel], width, &mut cells);
@@ -152,7 +152,7 @@ fn segment(
 impl SegmentSystem {
     /// Number of gates.
     #[must_use]
-    pub fn gates(&self) -> usize {
+    pub fn time_bins(&self) -> usize {
         self.edges.len() - 1
     }
 
@@ -167,8 +167,8 @@ impl SegmentSystem {
 impl System {
     /// Unknowns of a knob: one, or one for each recording.
     #[must_use]
-    pub fn unknowns(&self, knob: usize) -> Vec<usize> {
-        let column = self.layout.soil + knob;
+    pub fn unknowns(&self, coefficient: usize) -> Vec<usize> {
+        let column = self.layout.soil + coefficient;
         let each = self.places.iter().filter_map(|places| places[column]);
         let mut found: Vec<usize> = each.collect();
         found.sort_unstable();
@@ -181,15 +181,15 @@ impl System {
     pub fn step(
         &self,
         unknowns: &[usize],
-        knobs: &[usize],
+        coefficients: &[usize],
         told: impl Fn(usize, usize) -> f64,
     ) -> DVector<f64> {
         let mut step = DVector::zeros(unknowns.len());
         for (recording, places) in self.places.iter().enumerate() {
-            for knob in knobs {
-                let unknown = places[self.layout.soil + knob];
+            for coefficient in coefficients {
+                let unknown = places[self.layout.soil + coefficient];
                 if let Some(place) = unknowns.iter().position(|u| Some(*u) == unknown) {
-                    step[place] = told(*knob, recording);
+                    step[place] = told(*coefficient, recording);
                 }
             }
         }

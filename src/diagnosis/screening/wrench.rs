@@ -7,7 +7,7 @@
 //! by segment together with both neighbours: what lies beyond those is forgotten.
 
 use super::system::{SegmentSystem, System};
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::outcome::WrenchTrace;
 use crate::vehicle::GRAVITY;
 use nalgebra::{DMatrix, DVector};
@@ -21,7 +21,7 @@ const COUNT: usize = 3;
 
 /// A wrench that comes and goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wandering {
+pub struct LatentWrench {
     /// Standard deviation of each component, as a share of the weight (times the half track).
     pub size: [f64; COUNT],
     /// Log Bayes factor against none.
@@ -30,14 +30,14 @@ pub struct Wandering {
 
 /// Gated columns of the three pushes within a gate.
 #[must_use]
-pub fn pushes(given: &Given, system: &System) -> Option<[usize; COUNT]> {
-    let mut found = given.candidates.laws().filter_map(|knob| {
-        let gated = system
+pub fn pushes(problem: &Problem, system: &System) -> Option<[usize; COUNT]> {
+    let mut found = problem.candidates.laws().filter_map(|coefficient| {
+        let binned = system
             .layout
-            .gated
+            .binned
             .iter()
-            .position(|other| *other == knob)?;
-        Some(system.layout.soil + gated)
+            .position(|other| *other == coefficient)?;
+        Some(system.layout.soil + binned)
     });
     Some([found.next()?, found.next()?, found.next()?])
 }
@@ -50,7 +50,7 @@ fn equations(
 ) -> (DMatrix<f64>, DVector<f64>) {
     let layout = &system.layout;
     let place = |k: usize| layout.whole() + (k / COUNT) * layout.per_gate() + columns[k % COUNT];
-    let size = COUNT * segment.gates();
+    let size = COUNT * segment.time_bins();
     (
         DMatrix::from_fn(size, size, |i, j| segment.matrix[(place(i), place(j))]),
         DVector::from_fn(size, |i, _| segment.gradient[place(i)]),
@@ -58,18 +58,18 @@ fn equations(
 }
 
 /// Precision of the process over so many gates of a length.
-fn process(size: [f64; COUNT], gates: usize, step: f64) -> DMatrix<f64> {
+fn process(size: [f64; COUNT], time_bins: usize, step: f64) -> DMatrix<f64> {
     let decay = (-step / MEMORY).exp();
     let fresh = 1.0 - decay * decay;
-    DMatrix::from_fn(COUNT * gates, COUNT * gates, |i, j| {
-        let (gate, other) = (i / COUNT, j / COUNT);
+    DMatrix::from_fn(COUNT * time_bins, COUNT * time_bins, |i, j| {
+        let (time_bin, other) = (i / COUNT, j / COUNT);
         if i % COUNT != j % COUNT {
             return 0.0;
         }
         let unit = size[i % COUNT].powi(-2) / fresh;
-        match gate.abs_diff(other) {
-            0 if gates == 1 => fresh * unit,
-            0 if gate == 0 || gate + 1 == gates => unit,
+        match time_bin.abs_diff(other) {
+            0 if time_bins == 1 => fresh * unit,
+            0 if time_bin == 0 || time_bin + 1 == time_bins => unit,
             0 => (1.0 + decay * decay) * unit,
             1 => -decay * unit,
             _ => 0.0,
@@ -79,8 +79,8 @@ fn process(size: [f64; COUNT], gates: usize, step: f64) -> DMatrix<f64> {
 
 /// How large a wrench that comes and goes explains what is left over, and how well.
 #[must_use]
-pub fn wandering(given: &Given, system: &System) -> Option<Wandering> {
-    let columns = pushes(given, system)?;
+pub fn latent_wrench(problem: &Problem, system: &System) -> Option<LatentWrench> {
+    let columns = pushes(problem, system)?;
     let each: Vec<_> = system
         .segments
         .iter()
@@ -90,7 +90,7 @@ pub fn wandering(given: &Given, system: &System) -> Option<Wandering> {
         let of =
             |((matrix, gradient), segment): &((DMatrix<f64>, DVector<f64>), &SegmentSystem)| {
                 let step = segment.edges[1] - segment.edges[0];
-                let prior = process(size, segment.gates(), step);
+                let prior = process(size, segment.time_bins(), step);
                 let (prior_factor, factor) =
                     match (prior.clone().cholesky(), (matrix + prior).cholesky()) {
                         (Some(a), Some(b)) => (a, b),
@@ -116,7 +116,7 @@ pub fn wandering(given: &Given, system: &System) -> Option<Wandering> {
             }
         }
     }
-    Some(Wandering {
+    Some(LatentWrench {
         size,
         evidence: best,
     })
@@ -125,19 +125,19 @@ pub fn wandering(given: &Given, system: &System) -> Option<Wandering> {
 /// The wrench left over in one run, between its gates' middles. `None` without gates.
 #[must_use]
 pub fn smooth(
-    given: &Given,
+    problem: &Problem,
     system: &System,
     recording: usize,
     run: usize,
     size: [f64; COUNT],
 ) -> Option<WrenchTrace> {
-    let columns = pushes(given, system)?;
+    let columns = pushes(problem, system)?;
     let own = |segment: &&SegmentSystem| {
-        let data = &given.segments[segment.index];
+        let data = &problem.segments[segment.index];
         (data.recording, data.run) == (recording, run)
     };
     let segments: Vec<&SegmentSystem> = system.segments.iter().filter(own).collect();
-    let vehicle = &given.nominal.vehicle;
+    let vehicle = &problem.nominal.vehicle;
     let weight = vehicle.mass * GRAVITY;
     let scale = [weight, weight, weight * vehicle.half_track];
     let mut trace = WrenchTrace {
@@ -159,9 +159,9 @@ pub fn smooth(
             next
         };
         let step = segments[index].edges[1] - segments[index].edges[0];
-        let gates: usize = segments[first..end].iter().map(|s| s.gates()).sum();
-        let mut matrix = process(size, gates, step);
-        let mut gradient = DVector::zeros(COUNT * gates);
+        let time_bins: usize = segments[first..end].iter().map(|s| s.time_bins()).sum();
+        let mut matrix = process(size, time_bins, step);
+        let mut gradient = DVector::zeros(COUNT * time_bins);
         let (mut place, mut own) = (0, 0);
         for (k, segment) in segments[first..end].iter().enumerate() {
             if first + k == index {
@@ -177,8 +177,8 @@ pub fn smooth(
         let factor = matrix.cholesky()?;
         let mean = factor.solve(&gradient);
         let covariance = factor.inverse();
-        for (gate, edges) in segments[index].edges.windows(2).enumerate() {
-            let at = |k: usize| own + COUNT * gate + k;
+        for (time_bin, edges) in segments[index].edges.windows(2).enumerate() {
+            let at = |k: usize| own + COUNT * time_bin + k;
             trace.time.push(0.5 * (edges[0] + edges[1]));
             trace
                 .value

@@ -1,7 +1,7 @@
 //! Which of the things that were fitted is taken next.
 
 use super::naming::Named;
-use super::proposal::Kind;
+use super::proposal::ProposalKind;
 use super::stage::Stage;
 use super::trial::GOOD_PART;
 use super::{NOTHING, TAKE};
@@ -47,7 +47,7 @@ pub fn choose<'n, 'a>(
 ) -> Option<&'n Named<'a>> {
     let best = |names: bool| {
         worth_it(fitted, stage)
-            .filter(|named| !names || named.proposal.kind() != Kind::Law)
+            .filter(|named| !names || named.proposal.kind() != ProposalKind::Law)
             .max_by(|a, b| a.odds().total_cmp(&b.odds()))
     };
     let named = (prefer == Prefer::Names).then(|| best(true)).flatten();
@@ -59,8 +59,8 @@ pub fn worth_two_ways(fitted: &[Named], stage: &Stage) -> bool {
     let first = |prefer| choose(fitted, stage, prefer);
     let pair = first(Prefer::Nothing).zip(first(Prefer::Names));
     pair.is_some_and(|(best, named)| {
-        best.proposal.kind() == Kind::Law
-            && named.proposal.kind() != Kind::Law
+        best.proposal.kind() == ProposalKind::Law
+            && named.proposal.kind() != ProposalKind::Law
             && named.odds() > GOOD_PART * best.odds()
     })
 }

@@ -5,17 +5,17 @@
 //! by. So the edges of what came close to the likeliest are moved in the full fit: they are unknowns of a Gauss–Newton step
 //! beside all others, their derivatives by differences, for the other unknowns have theirs at hand; then the others follow.
 
-use super::contest::{AT_STAKE, close_to};
 use super::naming::{Named, placed};
-use super::proposal::{Kind, Proposal};
+use super::proposal::{Proposal, ProposalKind};
+use super::rerank::{AT_STAKE, close_to};
 use crate::diagnosis::hypothesis::Solution;
 use crate::diagnosis::hypothesis::held_out::scores;
 use crate::diagnosis::hypothesis::likelihood::{
-    SKETCH, Tuned, cost, own_noise, tune_on, tune_until,
+    FittedHypothesis, PARTIAL_FIT, cost, fit_on, fit_until, own_noise,
 };
 use crate::diagnosis::screening::locate::Extent;
 use crate::fit::normal::{Eliminated, Normal};
-use crate::fit::problem::{Tables, Weighing};
+use crate::fit::problem::{NoiseModel, Tables};
 use nalgebra::{DMatrix, DVector};
 
 /// Edges are counted in shares of the disc's radius or of two seconds. Derivatives are differences over this share ...
@@ -38,35 +38,36 @@ const EDGES: usize = 3;
 const SHORTEST: f64 = 0.1;
 
 /// Moves the edges of what acts at some time or place and came close to the likeliest, whose log odds are `best`.
-pub fn settle_edges(fitted: &mut [Named], best: f64, by: &Weighing) {
+pub fn settle_edges(fitted: &mut [Named], best: f64, by: &NoiseModel) {
     if best < AT_STAKE {
         return;
     }
-    let close =
-        |named: &&mut Named| named.proposal.kind() == Kind::Local && named.odds() > close_to(best);
+    let close = |named: &&mut Named| {
+        named.proposal.kind() == ProposalKind::Local && named.odds() > close_to(best)
+    };
     for named in fitted.iter_mut().filter(close) {
-        let before = named.tuned.surprise;
+        let before = named.fit.negative_log_evidence;
         settle(named, by);
-        if named.tuned.surprise < before {
-            named.scores = scores(&named.given, &named.tuned, by);
+        if named.fit.negative_log_evidence < before {
+            named.scores = scores(&named.problem, &named.fit, by);
         }
     }
 }
 
 /// The edges of what is taken under the noise that it leaves: that of the model without it holds a part of what its edges
 /// are told by. It keeps its odds and scores.
-pub fn settle_under_own_noise(named: &mut Named, by: &Weighing) {
-    if named.proposal.kind() != Kind::Local || named.odds() < AT_STAKE {
+pub fn settle_under_own_noise(named: &mut Named, by: &NoiseModel) {
+    if named.proposal.kind() != ProposalKind::Local || named.odds() < AT_STAKE {
         return;
     }
     let gain = named.gain;
-    let own = own_noise(&named.given, &named.tuned, by);
-    named.tuned = tune_on(&named.given, &named.tuned, &own, SKETCH);
+    let own = own_noise(&named.problem, &named.fit, by);
+    named.fit = fit_on(&named.problem, &named.fit, &own, PARTIAL_FIT);
     settle(named, &own);
     named.gain = gain;
 }
 
-fn settle(named: &mut Named, by: &Weighing) {
+fn settle(named: &mut Named, by: &NoiseModel) {
     for _ in 0..STEPS {
         if stepped(named, by).is_none_or(|gain| gain < WORTH) {
             break;
@@ -75,24 +76,24 @@ fn settle(named: &mut Named, by: &Weighing) {
 }
 
 /// One step of the edges and everything else; what it gained. `None` where there is nothing to gain.
-fn stepped(named: &mut Named, by: &Weighing) -> Option<f64> {
-    let knobs = &named.tuned.knobs;
+fn stepped(named: &mut Named, by: &NoiseModel) -> Option<f64> {
+    let coefficients = &named.fit.coefficients;
     let way = Way::of(named, by)?;
-    let (proposal, given, begin) = DAMPINGS.into_iter().find_map(|damping| {
+    let (proposal, problem, begin) = DAMPINGS.into_iter().find_map(|damping| {
         let step = way.step(damping)?;
         let proposal = moved(&named.proposal, &way.edges(&step))?;
-        let given = placed(&named.given, &proposal)?;
+        let problem = placed(&named.problem, &proposal)?;
         let begin = way.solution(named, &step);
-        let lower = cost(&given, knobs, &begin, by) < way.cost;
-        lower.then_some((proposal, given, begin))
+        let lower = cost(&problem, coefficients, &begin, by) < way.cost;
+        lower.then_some((proposal, problem, begin))
     })?;
-    let tuned = tune_until(&given, knobs, &begin, by, SKETCH).ok()?;
-    let gain = named.tuned.surprise - tuned.surprise;
+    let fit = fit_until(&problem, coefficients, &begin, by, PARTIAL_FIT).ok()?;
+    let gain = named.fit.negative_log_evidence - fit.negative_log_evidence;
     if gain.is_nan() || gain < LEAST {
         return None;
     }
     named.gain += gain;
-    (named.proposal, named.given, named.tuned) = (proposal, given, tuned);
+    (named.proposal, named.problem, named.fit) = (proposal, problem, fit);
     Some(gain)
 }
 
@@ -108,28 +109,28 @@ struct Way {
 }
 
 impl Way {
-    fn of(named: &Named, by: &Weighing) -> Option<Self> {
-        let Tuned {
-            knobs,
+    fn of(named: &Named, by: &NoiseModel) -> Option<Self> {
+        let FittedHypothesis {
+            coefficients,
             solution,
             tables,
             ..
-        } = &named.tuned;
-        let predictor = named.given.predictor(knobs);
-        let problem = named.given.problem(&predictor, knobs);
-        let point = named.given.point(&problem, knobs, solution);
-        let here = problem.evaluate_unless_one_fails(&point, false)?;
+        } = &named.fit;
+        let predictor = named.problem.predictor(coefficients);
+        let shooting = named.problem.shooting(&predictor, coefficients);
+        let point = named.problem.point(&shooting, coefficients, solution);
+        let here = shooting.evaluate_unless_one_fails(&point, false)?;
         let after = (0..EDGES).map_while(|edge| {
             let mut step = DVector::zeros(EDGES);
             step[edge] = DIFFERENCE;
-            let given = placed(&named.given, &moved(&named.proposal, &step)?)?;
-            let predictor = given.predictor(knobs);
-            let problem = given.problem(&predictor, knobs);
-            problem.evaluate_unless_one_fails(&point, false)
+            let problem = placed(&named.problem, &moved(&named.proposal, &step)?)?;
+            let predictor = problem.predictor(coefficients);
+            let shooting = problem.shooting(&predictor, coefficients);
+            shooting.evaluate_unless_one_fails(&point, false)
         });
         let after: Vec<Vec<Tables>> = after.collect();
-        let others = problem.parameters.len();
-        let linearised = problem.linearised(&point);
+        let others = shooting.parameters.len();
+        let linearised = shooting.linearised(&point);
         let linearised = linearised.with_further(&vec![PRIOR.powi(-2); after.len()]);
         let mut matrix = DMatrix::from_diagonal(&linearised.precision);
         let mut gradient = linearised.pull.clone();
@@ -158,7 +159,7 @@ impl Way {
             matrix,
             gradient,
             segments: each,
-            cost: 0.5 * problem.cost(&here, &point, by),
+            cost: 0.5 * shooting.cost(&here, &point, by),
         })
     }
 
@@ -180,11 +181,11 @@ impl Way {
 
     /// The solution a step from where a fit stands.
     fn solution(&self, named: &Named, step: &DVector<f64>) -> Solution {
-        let Named { given, tuned, .. } = named;
-        let predictor = given.predictor(&tuned.knobs);
-        let problem = given.problem(&predictor, &tuned.knobs);
-        let mut point = given.point(&problem, &tuned.knobs, &tuned.solution);
-        for (k, parameter) in problem.parameters.iter().enumerate() {
+        let Named { problem, fit, .. } = named;
+        let predictor = problem.predictor(&fit.coefficients);
+        let shooting = problem.shooting(&predictor, &fit.coefficients);
+        let mut point = problem.point(&shooting, &fit.coefficients, &fit.solution);
+        for (k, parameter) in shooting.parameters.iter().enumerate() {
             let (low, high) = parameter.bounds();
             point.coordinates[k] = (point.coordinates[k] + step[k]).clamp(low, high);
         }
@@ -194,7 +195,7 @@ impl Way {
                 *value += moved;
             }
         }
-        given.solution(&problem, &tuned.knobs, &point, &tuned.solution)
+        problem.solution(&shooting, &fit.coefficients, &point, &fit.solution)
     }
 }
 
@@ -253,9 +254,9 @@ pub mod tests {
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::screening::locate::Stretch;
     use crate::diagnosis::search::naming::ANY;
-    use crate::diagnosis::search::naming::{finish, sketch};
+    use crate::diagnosis::search::naming::{finish, partial_fit};
     use crate::diagnosis::search::stage::Stage;
-    use crate::diagnosis::search::stage::tests::retuned;
+    use crate::diagnosis::search::stage::tests::refitted;
     use crate::effects::{CATALOGUE, Effects};
     use crate::recording::Recording;
     use crate::terrain::Terrain;
@@ -275,10 +276,10 @@ pub mod tests {
     }
 
     /// Drag from 6.9 s to 12.4 s, fitted.
-    pub fn drag<'a>(stage: &Stage<'a>, by: &Weighing) -> Named<'a> {
+    pub fn drag<'a>(stage: &Stage<'a>, by: &NoiseModel) -> Named<'a> {
         let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
         let subject = Subject::Effect(drag);
-        let knobs: Vec<usize> = stage.given.candidates.of(subject).collect();
+        let coefficients: Vec<usize> = stage.problem.candidates.of(subject).collect();
         let proposal = Proposal {
             subject,
             extent: Some(Extent::Time(Stretch {
@@ -287,23 +288,23 @@ pub mod tests {
                 start: 6.9,
                 end: 12.4,
             })),
-            steps: vec![(knobs[0], DVector::repeat(1, 100.0))],
+            steps: vec![(coefficients[0], DVector::repeat(1, 100.0))],
             evidence: 0.0,
             price: 7.0,
             stability: Vec::new(),
-            soil: DVector::zeros(stage.given.soil.len()),
+            soil: DVector::zeros(stage.problem.soil.len()),
             hidden: false,
             anew: false,
-            knobs,
+            coefficients,
         };
-        let begun = sketch(&stage.given, &proposal, &stage.tuned, by, 1.0, ANY).unwrap();
-        finish(begun, &stage.tuned, by).unwrap()
+        let begun = partial_fit(&stage.problem, &proposal, &stage.fit, by, 1.0, ANY).unwrap();
+        finish(begun, &stage.fit, by).unwrap()
     }
 
     #[test]
     fn edges_move_to_where_something_acts() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = retuned(&nominal, &recordings);
+        let (stage, by) = refitted(&nominal, &recordings);
         let mut fitted = [drag(&stage, &by)];
         let before = fitted[0].gain;
         settle_edges(&mut fitted, before, &by);

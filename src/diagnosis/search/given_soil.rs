@@ -4,15 +4,17 @@
 //! problem shows there is of another vehicle on another soil: the right name may not be among the proposals, its place
 //! not where it is, and no way may lead back. So all is looked at once more from the given soil.
 
-use super::begins::begin;
-use super::naming::Sketch;
-use super::proposal::{Kind, Proposal, proposals, screened, shortlist};
+use super::initial_guess::begin;
+use super::naming::PartialFit;
+use super::proposal::{Proposal, ProposalKind, proposals, screened, shortlist};
 use super::view::View;
-use crate::diagnosis::hypothesis::likelihood::{LONG_SKETCH, Tuned, cost, tune_from_afar};
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::likelihood::{
+    FittedHypothesis, LONG_PARTIAL_FIT, cost, tune_from_afar,
+};
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::linearise;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 
 /// A soil is far from the given one where one of its numbers is so many standard deviations of its prior away.
 const FAR: f64 = 1.5;
@@ -22,47 +24,47 @@ const LOCAL: usize = 3;
 
 /// A hypothesis with the given soil in place of its own.
 #[must_use]
-pub fn on_given_soil(given: &Given, tuned: &Tuned) -> Solution {
+pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
     Solution {
-        soil: given.begin().soil,
-        ..tuned.solution.clone()
+        soil: problem.begin().soil,
+        ..fit.solution.clone()
     }
 }
 
 /// What is seen beside the given soil alone where the re-tuned one is far from it.
 #[must_use]
 pub fn seen_from_given_soil(
-    given: &Given,
-    tuned: &Tuned,
-    by: &Weighing,
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    by: &NoiseModel,
     known: &[Proposal],
     seed: u64,
 ) -> Vec<Proposal> {
-    let at = on_given_soil(given, tuned);
-    if !is_far(given, &at.soil, &tuned.solution.soil) {
+    let at = on_given_soil(problem, fit);
+    if !is_far(problem, &at.soil, &fit.solution.soil) {
         return Vec::new();
     }
-    let on = &tuned.knobs;
-    let layout = Layout::new(given, on);
-    let tables = sensitivities(given, &layout, &at);
-    let system = linearise(given, &layout, &tables, &at, by);
+    let on = &fit.coefficients;
+    let layout = Layout::new(problem, on);
+    let tables = sensitivities(problem, &layout, &at);
+    let system = linearise(problem, &layout, &tables, &at, by);
     drop(tables);
-    let Some(view) = View::new(given, &system, on, by) else {
+    let Some(view) = View::new(problem, &system, on, by) else {
         return Vec::new();
     };
     let screened = screened(&view);
     let all = proposals(&view, &screened, &at.soil, seed);
     let is_known = |one: &Proposal| {
         let same = |other: &Proposal| (one.subject, one.kind()) == (other.subject, other.kind());
-        one.kind() == Kind::Throughout && known.iter().any(same)
+        one.kind() == ProposalKind::Throughout && known.iter().any(same)
     };
     let list: Vec<&Proposal> = shortlist(&all);
     let of_kind = |kind, most| {
         let those = list.iter().filter(move |one| one.kind() == kind);
         those.filter(|one| !is_known(one)).take(most)
     };
-    of_kind(Kind::Throughout, THROUGHOUT)
-        .chain(of_kind(Kind::Local, LOCAL))
+    of_kind(ProposalKind::Throughout, THROUGHOUT)
+        .chain(of_kind(ProposalKind::Local, LOCAL))
         .map(|one| Proposal {
             anew: true,
             ..(*one).clone()
@@ -72,48 +74,53 @@ pub fn seen_from_given_soil(
 
 /// Begins a fit anew on the given soil where the re-tuned one is far from it. The likelier one stays.
 #[must_use]
-pub fn from_given_soil<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Sketch<'a> {
-    let (given, fitted) = (&sketch.given, &sketch.tuned);
-    let base = on_given_soil(given, before);
-    if sketch.proposal.anew || !is_far(given, &base.soil, &before.solution.soil) {
-        return sketch;
+pub fn from_given_soil<'a>(
+    partial_fit: PartialFit<'a>,
+    before: &FittedHypothesis,
+    by: &NoiseModel,
+) -> PartialFit<'a> {
+    let (problem, fitted) = (&partial_fit.problem, &partial_fit.fit);
+    let base = on_given_soil(problem, before);
+    if partial_fit.proposal.anew || !is_far(problem, &base.soil, &before.solution.soil) {
+        return partial_fit;
     }
-    let as_seen = begin(given, &sketch.proposal, &before.solution, 1.0);
-    let begins = [&before.solution, &as_seen, &fitted.solution].map(|with| {
+    let as_seen = begin(problem, &partial_fit.proposal, &before.solution, 1.0);
+    let initial_guess = [&before.solution, &as_seen, &fitted.solution].map(|with| {
         let begin = Solution {
-            knobs: with.knobs.clone(),
+            coefficients: with.coefficients.clone(),
             ..base.clone()
         };
-        (cost(given, &fitted.knobs, &begin, by), begin)
+        (cost(problem, &fitted.coefficients, &begin, by), begin)
     });
-    let cheapest = begins.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    let again = cheapest
-        .and_then(|(_, begin)| tune_from_afar(given, &fitted.knobs, &begin, by, LONG_SKETCH).ok());
-    match again.filter(|again| again.surprise < fitted.surprise) {
-        Some(again) => Sketch {
-            gain: sketch.gain + fitted.surprise - again.surprise,
-            tuned: again,
+    let cheapest = initial_guess.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let again = cheapest.and_then(|(_, begin)| {
+        tune_from_afar(problem, &fitted.coefficients, &begin, by, LONG_PARTIAL_FIT).ok()
+    });
+    match again.filter(|again| again.negative_log_evidence < fitted.negative_log_evidence) {
+        Some(again) => PartialFit {
+            gain: partial_fit.gain + fitted.negative_log_evidence - again.negative_log_evidence,
+            fit: again,
             proposal: Proposal {
                 anew: true,
-                ..sketch.proposal
+                ..partial_fit.proposal
             },
-            ..sketch
+            ..partial_fit
         },
-        None => sketch,
+        None => partial_fit,
     }
 }
 
 /// Whether one of the soil's numbers lies far from another.
-fn is_far(given: &Given, from: &[f64], to: &[f64]) -> bool {
-    let parameters = given.soil_parameters();
+fn is_far(problem: &Problem, from: &[f64], to: &[f64]) -> bool {
+    let parameters = problem.soil_parameters();
     let mut pairs = from.iter().zip(to).zip(&parameters);
     pairs.any(|((a, b), parameter)| (a - b).abs() > FAR * parameter.prior.deviation)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::naming::{ANY, sketch};
-    use super::super::stage::tests::retuned_with;
+    use super::super::naming::{ANY, partial_fit};
+    use super::super::stage::tests::refitted_with;
     use super::*;
     use crate::diagnosis::Options;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
@@ -138,24 +145,24 @@ mod tests {
             segment: 5.0,
             ..Options::default()
         };
-        let (stage, by) = retuned_with(&nominal, &recordings, &options);
-        let (given, tuned) = (&stage.given, &stage.tuned);
-        let begin = given.begin();
-        assert!(is_far(given, &begin.soil, &tuned.solution.soil));
-        assert!(!is_far(given, &begin.soil, &begin.soil));
+        let (stage, by) = refitted_with(&nominal, &recordings, &options);
+        let (problem, fit) = (&stage.problem, &stage.fit);
+        let begin = problem.begin();
+        assert!(is_far(problem, &begin.soil, &fit.solution.soil));
+        assert!(!is_far(problem, &begin.soil, &begin.soil));
         // From the soil that imitates it the shift is not seen whole.
         let shifted = |one: &&Proposal| one.subject.name() == "com_shift";
         let proposal = stage.proposals.iter().find(shifted).unwrap();
         assert!(proposal.anew);
-        let found = sketch(given, proposal, tuned, &by, 1.0, ANY).unwrap();
-        assert!(found.tuned.surprise < 0.5 * tuned.surprise);
+        let found = partial_fit(problem, proposal, fit, &by, 1.0, ANY).unwrap();
+        assert!(found.fit.negative_log_evidence < 0.5 * fit.negative_log_evidence);
         let stuck = Proposal {
             anew: false,
             ..proposal.clone()
         };
-        let stuck = sketch(given, &stuck, tuned, &by, 1.0, ANY).unwrap();
+        let stuck = partial_fit(problem, &stuck, fit, &by, 1.0, ANY).unwrap();
         let odds = stuck.odds();
-        let again = from_given_soil(stuck, tuned, &by);
+        let again = from_given_soil(stuck, fit, &by);
         assert!(again.odds() > odds + 100.0, "{} {odds}", again.odds());
     }
 }

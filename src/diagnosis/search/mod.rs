@@ -3,37 +3,38 @@
 //! Each round looks at everything with what was found so far inside (step 7: what is left over after
 //! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
 
-pub mod begins;
+pub mod accepted;
 pub mod choice;
-mod company;
-pub mod contest;
+mod colocated;
 pub mod edges;
 pub mod given_soil;
+pub mod initial_guess;
 pub mod load;
-pub mod member;
 pub mod naming;
 pub mod path;
 pub mod proposal;
 pub mod prune;
-pub mod scout;
+pub mod rerank;
 pub mod stage;
+pub mod subsample_search;
 pub mod trial;
 pub mod view;
 pub mod wheels;
 
 use crate::diagnosis::hypothesis::likelihood::{
-    HELD, LONG_SKETCH, Tuned, own_noise, tune, tune_on, tune_until, tune_with_noise,
+    FittedHypothesis, HELD, LONG_PARTIAL_FIT, fit_hypothesis, fit_on, fit_until, fit_with_noise,
+    own_noise,
 };
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::optimiser::Stop;
 use crate::fit::predictor::PredictionError;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
+pub use accepted::AcceptedEffect;
 use choice::held_out_gain;
-pub use member::Member;
 use naming::Named;
 use path::Path;
-use stage::{Looked, Stage, look};
+use stage::{Screening, Stage, screen};
 use std::sync::Arc;
 use trial::try_all;
 use wheels::reconstructed;
@@ -42,17 +43,17 @@ use wheels::reconstructed;
 #[derive(Debug)]
 pub struct Searched<'a> {
     /// The given model.
-    pub given: Given<'a>,
+    pub problem: Problem<'a>,
     /// Noise and weights.
-    pub by: Weighing,
+    pub by: NoiseModel,
     /// The re-tuned model under the same noise.
-    pub retuned: Tuned,
+    pub refitted: FittedHypothesis,
     /// The model with everything found.
-    pub augmented: Tuned,
+    pub augmented: FittedHypothesis,
     /// The given model with the places of what was found.
-    pub placed: Given<'a>,
+    pub placed: Problem<'a>,
     /// What was found.
-    pub members: Vec<Member>,
+    pub accepted: Vec<AcceptedEffect>,
     /// What was fitted and not taken in the last round, with log Bayes factors and priors.
     pub refused: Vec<(Subject, f64)>,
     /// Held-out gains of what was fitted first, by subject.
@@ -62,26 +63,26 @@ pub struct Searched<'a> {
     /// Whether there was time to fit everything that may be missing.
     pub tried: bool,
     /// Under the re-tuned model.
-    pub first: Arc<Looked>,
+    pub first: Arc<Screening>,
     /// With everything found.
-    pub last: Arc<Looked>,
+    pub last: Arc<Screening>,
 }
 
 impl Searched<'_> {
     /// Back to the re-tuned model: what was found predicts worse what it was not fitted to, so it is
     /// no likelier than nothing.
     pub fn withdraw(&mut self) {
-        for member in self.members.drain(..) {
-            self.refused.extend(member.rivals);
+        for accepted_effect in self.accepted.drain(..) {
+            self.refused.extend(accepted_effect.rivals);
         }
         for (_, odds) in &mut self.refused {
             *odds = odds.min(0.0);
         }
-        self.by = own_noise(&self.given, &self.retuned, &self.by);
+        self.by = own_noise(&self.problem, &self.refitted, &self.by);
         // Its intervals are those of the noise that is told.
-        self.retuned = tune_on(&self.given, &self.retuned, &self.by, HELD);
-        self.augmented = self.retuned.clone();
-        self.placed = self.given.clone();
+        self.refitted = fit_on(&self.problem, &self.refitted, &self.by, HELD);
+        self.augmented = self.refitted.clone();
+        self.placed = self.problem.clone();
         self.last = Arc::clone(&self.first);
     }
 }
@@ -99,23 +100,23 @@ const AGAIN: usize = 2;
 /// # Errors
 /// A model that cannot even begin, numbers that are not finite, no time for a first look.
 pub fn search<'a>(
-    given: &Given<'a>,
-    mut by: Weighing,
+    problem: &Problem<'a>,
+    mut by: NoiseModel,
     options: &Options,
     progress: &'a Progress,
 ) -> Result<Searched<'a>, DiagnosisError> {
     progress.step("re-tuning the soil")?;
-    let begin = given.begin();
+    let begin = problem.begin();
     let undrivable = |error| progress.failure(error);
-    let retuned = tune_with_noise(given, &[], &begin, &mut by).map_err(undrivable)?;
-    progress.in_time(given.deadline)?;
-    let (mut given, retuned) = reconstructed(given, retuned, &mut by, progress);
-    progress.in_time(given.deadline)?;
-    given.tolerate(&by);
-    let mut stage = look(given.clone(), retuned, &mut by, options, progress)?;
-    stage.given.deadline = progress.search_deadline();
+    let refitted = fit_with_noise(problem, &[], &begin, &mut by).map_err(undrivable)?;
+    progress.in_time(problem.deadline)?;
+    let (mut problem, refitted) = reconstructed(problem, refitted, &mut by, progress);
+    progress.in_time(problem.deadline)?;
+    problem.tolerate(&by);
+    let mut stage = screen(problem.clone(), refitted, &mut by, options, progress)?;
+    stage.problem.deadline = progress.search_deadline();
     // To fall back on where there is no time to fit it under the noise at the end.
-    let known = progress.limit().map(|_| stage.tuned.clone());
+    let known = progress.limit().map(|_| stage.fit.clone());
     progress.step("naming")?;
     let mut fitted = try_all(&stage, &by, progress)?;
     for _ in 0..AGAIN {
@@ -125,84 +126,87 @@ pub fn search<'a>(
         let Some(better) = unstuck(&stage, &fitted, &by) else {
             break;
         };
-        match look(stage.given.clone(), better, &mut by, options, progress) {
+        match screen(stage.problem.clone(), better, &mut by, options, progress) {
             Err(DiagnosisError::OutOfTime) => break,
-            looked => stage = looked?,
+            screening => stage = screening?,
         }
         progress.step("naming")?;
         fitted = try_all(&stage, &by, progress)?;
     }
-    let first = Arc::clone(&stage.looked);
+    let first = Arc::clone(&stage.screening);
     let tested = stage.scores.is_some();
-    let baseline = stage.tuned.solution.clone();
+    let baseline = stage.fit.solution.clone();
     let gain = |n: &Named| Some((n.proposal.subject, held_out_gain(n, &stage)?));
     let gains = fitted.iter().filter_map(gain).collect();
     let path = Path::new(stage, by).explored(fitted, options, progress)?;
     let Path {
         mut stage,
         by,
-        members,
+        accepted,
         refused,
         ..
     } = path;
     let tried = !progress.was_late();
-    stage.given.deadline = given.deadline;
-    let again = tune_again(&given, &baseline, &stage.tuned.solution, &by);
-    let retuned = match (again, known) {
-        (Err(PredictionError::OutOfTime), Some(known)) => {
-            tune_on(&given, &known, &by, Stop::after(0, 0.0).without_renewals())
-        }
+    stage.problem.deadline = problem.deadline;
+    let again = tune_again(&problem, &baseline, &stage.fit.solution, &by);
+    let refitted = match (again, known) {
+        (Err(PredictionError::OutOfTime), Some(known)) => fit_on(
+            &problem,
+            &known,
+            &by,
+            Stop::after(0, 0.0).without_renewals(),
+        ),
         (again, _) => again.map_err(undrivable)?,
     };
     Ok(Searched {
-        given,
+        problem,
         by,
-        retuned,
-        placed: stage.given,
-        augmented: stage.tuned,
-        members,
+        refitted,
+        placed: stage.problem,
+        augmented: stage.fit,
+        accepted,
         refused,
         gains,
         tested,
         tried,
         first,
-        last: stage.looked,
+        last: stage.screening,
     })
 }
 
 /// The re-tuned model from where the likeliest of what was fitted beside it ended, without that: re-tuning may
 /// have stuck on the way there. `None` where it is no better.
-fn unstuck(stage: &Stage, fitted: &[Named], by: &Weighing) -> Option<Tuned> {
+fn unstuck(stage: &Stage, fitted: &[Named], by: &NoiseModel) -> Option<FittedHypothesis> {
     let best = fitted.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
     if best.gain < STUCK {
         return None;
     }
-    let mut begin = best.tuned.solution.clone();
-    begin.take(&best.proposal.knobs, &stage.tuned.solution);
-    let knobs = &stage.tuned.knobs;
-    let again = tune_until(&stage.given, knobs, &begin, by, LONG_SKETCH).ok()?;
-    (again.surprise < stage.tuned.surprise - STUCK).then_some(again)
+    let mut begin = best.fit.solution.clone();
+    begin.take(&best.proposal.coefficients, &stage.fit.solution);
+    let coefficients = &stage.fit.coefficients;
+    let again = fit_until(&stage.problem, coefficients, &begin, by, LONG_PARTIAL_FIT).ok()?;
+    (again.negative_log_evidence < stage.fit.negative_log_evidence - STUCK).then_some(again)
 }
 
 /// The re-tuned model under the noise and weights at the end, its starts as they have become. On
 /// some soils not every start can be driven: then those that it had.
 fn tune_again(
-    given: &Given,
+    problem: &Problem,
     baseline: &Solution,
     last: &Solution,
-    by: &Weighing,
-) -> Result<Tuned, PredictionError> {
-    let mut begin = back(given, last);
+    by: &NoiseModel,
+) -> Result<FittedHypothesis, PredictionError> {
+    let mut begin = back(problem, last);
     begin.soil.clone_from(&baseline.soil);
-    tune(given, &[], &begin, by).or_else(|_| tune(given, &[], baseline, by))
+    fit_hypothesis(problem, &[], &begin, by).or_else(|_| fit_hypothesis(problem, &[], baseline, by))
 }
 
 /// A solution with every effect off.
-fn back(given: &Given, solution: &Solution) -> Solution {
+fn back(problem: &Problem, solution: &Solution) -> Solution {
     let mut back = solution.clone();
-    for recording in &mut back.knobs {
-        for (value, knob) in recording.iter_mut().zip(&given.candidates.knobs) {
-            *value = knob.parameter.prior_coordinate();
+    for recording in &mut back.coefficients {
+        for (value, coefficient) in recording.iter_mut().zip(&problem.candidates.coefficients) {
+            *value = coefficient.parameter.prior_coordinate();
         }
     }
     back
@@ -210,7 +214,7 @@ fn back(given: &Given, solution: &Solution) -> Solution {
 
 #[cfg(test)]
 mod tests {
-    use super::stage::tests::retuned;
+    use super::stage::tests::refitted;
     use super::*;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::terrain::Terrain;
@@ -222,13 +226,13 @@ mod tests {
             |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
         let recordings = [driven(&on("sandy_loam"), "spiral")];
         let nominal = on("dry_sand");
-        let (mut stage, by) = retuned(&nominal, &recordings);
-        let given = stage.given.clone();
+        let (mut stage, by) = refitted(&nominal, &recordings);
+        let problem = stage.problem.clone();
         let proposal = stage.proposals.first().cloned().unwrap();
         let gain = 10.0 * STUCK;
         let beside = Named {
-            given: given.clone(),
-            tuned: stage.tuned.clone(),
+            problem: problem.clone(),
+            fit: stage.fit.clone(),
             scores: None,
             proposal,
             gain,
@@ -237,10 +241,10 @@ mod tests {
         assert!(unstuck(&stage, std::slice::from_ref(&beside), &by).is_none());
         // Stuck where it began.
         let still = Stop::after(0, 0.0);
-        stage.tuned = tune_until(&given, &[], &given.begin(), &by, still).unwrap();
-        assert!(stage.tuned.surprise > beside.tuned.surprise + STUCK);
+        stage.fit = fit_until(&problem, &[], &problem.begin(), &by, still).unwrap();
+        assert!(stage.fit.negative_log_evidence > beside.fit.negative_log_evidence + STUCK);
         let found = unstuck(&stage, std::slice::from_ref(&beside), &by).unwrap();
-        assert!((found.surprise - beside.tuned.surprise).abs() < 1.0);
+        assert!((found.negative_log_evidence - beside.fit.negative_log_evidence).abs() < 1.0);
         // What gains nothing does not tell of another way.
         assert!(
             unstuck(

@@ -5,18 +5,18 @@
 //! chance and predicts better what it was not fitted to (blocked cross-validation, see
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
 
-use super::begins::{LOST, begin, cheapest, compared, is_unseen, settled, walked};
 use super::given_soil::on_given_soil;
+use super::initial_guess::{LOST, begin, cheapest, compared, is_unseen, settled, walked};
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
-    LONG_SKETCH, SKETCH, Tuned, tune_restarted, tune_until,
+    FittedHypothesis, LONG_PARTIAL_FIT, PARTIAL_FIT, fit_restarted, fit_until,
 };
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::locate::Extent;
 use crate::effects::{self, ParameterName, Window};
 use crate::fit::optimiser::Stop;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 use crate::fit::segment::CLOCK;
 
 /// Two fits of the same thing that are so close have come to one place.
@@ -36,9 +36,9 @@ pub struct Named<'a> {
     /// What was proposed.
     pub proposal: Proposal,
     /// The given model with the place where it acts.
-    pub given: Given<'a>,
+    pub problem: Problem<'a>,
     /// The fit.
-    pub tuned: Tuned,
+    pub fit: FittedHypothesis,
     /// How it predicts what it was not fitted to.
     pub scores: Option<Scores>,
     /// Log Bayes factor against the hypothesis without it.
@@ -65,13 +65,13 @@ impl Named<'_> {
 
 /// A proposal whose fit beside what is on has begun.
 #[derive(Debug)]
-pub struct Sketch<'a> {
+pub struct PartialFit<'a> {
     /// What was proposed.
     pub(super) proposal: Proposal,
     /// The given model with the place where it acts.
-    pub(super) given: Given<'a>,
+    pub(super) problem: Problem<'a>,
     /// The fit so far.
-    pub(super) tuned: Tuned,
+    pub(super) fit: FittedHypothesis,
     /// Log Bayes factor against the hypothesis without it, as far as it has come.
     pub(super) gain: f64,
     /// By how much it was scaled up, where the fit is to a part of the recording.
@@ -81,20 +81,25 @@ pub struct Sketch<'a> {
 /// When the first steps of a proposal's fit end.
 pub fn first_steps(proposal: &Proposal) -> Stop {
     if proposal.hidden || proposal.anew {
-        LONG_SKETCH
+        LONG_PARTIAL_FIT
     } else {
-        SKETCH
+        PARTIAL_FIT
     }
 }
 
-impl<'a> Sketch<'a> {
+impl<'a> PartialFit<'a> {
     /// A fit that has begun beside what was found before.
-    pub fn new(proposal: &Proposal, given: &Given<'a>, tuned: Tuned, before: &Tuned) -> Self {
+    pub fn new(
+        proposal: &Proposal,
+        problem: &Problem<'a>,
+        fit: FittedHypothesis,
+        before: &FittedHypothesis,
+    ) -> Self {
         Self {
-            gain: before.surprise - tuned.surprise - proposal.price,
+            gain: before.negative_log_evidence - fit.negative_log_evidence - proposal.price,
             proposal: proposal.clone(),
-            given: given.clone(),
-            tuned,
+            problem: problem.clone(),
+            fit,
             scale: 1.0,
         }
     }
@@ -116,7 +121,7 @@ impl<'a> Sketch<'a> {
     /// The same with what the next step promises: so far it may come.
     #[must_use]
     pub fn promise(&self) -> f64 {
-        self.odds() + self.tuned.promised
+        self.odds() + self.fit.predicted_reduction
     }
 
     /// As it stands, as likely as it promises.
@@ -124,8 +129,8 @@ impl<'a> Sketch<'a> {
         Named {
             gain: self.promise() - self.proposal.log_prior(),
             proposal: self.proposal,
-            given: self.given,
-            tuned: self.tuned,
+            problem: self.problem,
+            fit: self.fit,
             scores: None,
         }
     }
@@ -134,117 +139,146 @@ impl<'a> Sketch<'a> {
 /// Takes the first steps of fitting a proposal to this share of the recordings, as far as it is likely to come to the
 /// least log odds there that are of use. `None` where the model cannot drive with it.
 #[must_use]
-pub fn sketch<'a>(
-    given: &Given<'a>,
+pub fn partial_fit<'a>(
+    problem: &Problem<'a>,
     proposal: &Proposal,
-    before: &Tuned,
-    by: &Weighing,
+    before: &FittedHypothesis,
+    by: &NoiseModel,
     share: f64,
     least: f64,
-) -> Option<Sketch<'a>> {
+) -> Option<PartialFit<'a>> {
     // A knob costs evidence besides what it gains.
     let useful = before.misfit - (least + proposal.price - proposal.log_prior());
     let useful = 2.0 * (useful + UNSURE);
-    let given = placed(given, proposal)?;
-    let mut knobs = before.knobs.clone();
-    knobs.extend(&proposal.knobs);
+    let problem = placed(problem, proposal)?;
+    let mut coefficients = before.coefficients.clone();
+    coefficients.extend(&proposal.coefficients);
     let cheapest = if proposal.anew {
-        cheapest(&given, proposal, &knobs, &on_given_soil(&given, before), by)
+        cheapest(
+            &problem,
+            proposal,
+            &coefficients,
+            &on_given_soil(&problem, before),
+            by,
+        )
     } else {
-        cheapest(&given, proposal, &knobs, &before.solution, by)
+        cheapest(&problem, proposal, &coefficients, &before.solution, by)
     };
     let stop = first_steps(proposal).unless_above(useful);
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
-    let begins = cheapest
+    let initial_guess = cheapest
         .into_iter()
-        .chain(compared(&given, proposal, &before.solution))
-        .chain(settled(&given, proposal, before, by));
-    let each = begins.filter_map(|begin| {
-        let tuned = tune_until(&given, &knobs, &begin, by, stop);
-        tuned.ok().filter(|tuned| tuned.surprise.is_finite())
+        .chain(compared(&problem, proposal, &before.solution))
+        .chain(settled(&problem, proposal, before, by));
+    let each = initial_guess.filter_map(|begin| {
+        let fit = fit_until(&problem, &coefficients, &begin, by, stop);
+        fit.ok().filter(|fit| fit.negative_log_evidence.is_finite())
     });
-    let likelier = |a: &Tuned, b: &Tuned| a.surprise.total_cmp(&b.surprise);
-    let mut tuned = each.min_by(likelier);
-    let lost = |tuned: &Tuned| tuned.surprise > before.surprise + LOST;
-    let promised = SHORT * share * proposal.evidence;
-    let short = |tuned: &Tuned| before.surprise - tuned.surprise + tuned.promised < promised - LOST;
-    let also = |tuned: Option<Tuned>, begin: &Solution| {
-        let other = tune_until(&given, &knobs, begin, by, LONG_SKETCH.unless_above(useful)).ok();
-        tuned.into_iter().chain(other).min_by(likelier)
+    let likelier = |a: &FittedHypothesis, b: &FittedHypothesis| {
+        a.negative_log_evidence.total_cmp(&b.negative_log_evidence)
+    };
+    let mut fit = each.min_by(likelier);
+    let lost =
+        |fit: &FittedHypothesis| fit.negative_log_evidence > before.negative_log_evidence + LOST;
+    let predicted_reduction = SHORT * share * proposal.evidence;
+    let short = |fit: &FittedHypothesis| {
+        before.negative_log_evidence - fit.negative_log_evidence + fit.predicted_reduction
+            < predicted_reduction - LOST
+    };
+    let also = |fit: Option<FittedHypothesis>, begin: &Solution| {
+        let other = fit_until(
+            &problem,
+            &coefficients,
+            begin,
+            by,
+            LONG_PARTIAL_FIT.unless_above(useful),
+        )
+        .ok();
+        fit.into_iter().chain(other).min_by(likelier)
     };
     // Where no way led, in small steps from off.
-    if is_unseen(&given, proposal)
-        && tuned.as_ref().is_none_or(lost)
-        && let Some(begin) = walked(&given, proposal, before, by)
+    if is_unseen(&problem, proposal)
+        && fit.as_ref().is_none_or(lost)
+        && let Some(begin) = walked(&problem, proposal, before, by)
     {
-        tuned = also(tuned, &begin);
+        fit = also(fit, &begin);
     }
-    if !proposal.hidden && tuned.as_ref().is_none_or(lost) {
+    if !proposal.hidden && fit.as_ref().is_none_or(lost) {
         // Without it things were better: from there, then.
-        tuned = also(tuned, &before.solution);
+        fit = also(fit, &before.solution);
     }
-    if !proposal.hidden && tuned.as_ref().is_none_or(short) {
+    if !proposal.hidden && fit.as_ref().is_none_or(short) {
         // A small step may cost less before the starts have followed, and lead elsewhere, and soil that follows
         // may be more than the vehicle can drive on.
-        let knobs = begin(&given, proposal, &before.solution, 1.0).knobs;
+        let coefficients = begin(&problem, proposal, &before.solution, 1.0).coefficients;
         let rest = before.solution.clone();
-        tuned = also(tuned, &Solution { knobs, ..rest });
+        fit = also(
+            fit,
+            &Solution {
+                coefficients,
+                ..rest
+            },
+        );
     }
-    let tuned = tuned.filter(|tuned| tuned.surprise.is_finite())?;
-    Some(Sketch::new(proposal, &given, tuned, before))
+    let fit = fit.filter(|fit| fit.negative_log_evidence.is_finite())?;
+    Some(PartialFit::new(proposal, &problem, fit, before))
 }
 
 /// Finishes a fit.
 #[must_use]
-pub fn finish<'a>(sketch: Sketch<'a>, before: &Tuned, by: &Weighing) -> Option<Named<'a>> {
-    let Sketch {
-        proposal, given, ..
-    } = sketch;
-    let tuned = tune_restarted(&given, &sketch.tuned, by);
-    let without = surprise_without(&given, &proposal, &tuned, before, by);
+pub fn finish<'a>(
+    partial_fit: PartialFit<'a>,
+    before: &FittedHypothesis,
+    by: &NoiseModel,
+) -> Option<Named<'a>> {
+    let PartialFit {
+        proposal, problem, ..
+    } = partial_fit;
+    let fit = fit_restarted(&problem, &partial_fit.fit, by);
+    let without = negative_log_evidence_without(&problem, &proposal, &fit, before, by);
     Some(Named {
-        gain: without - tuned.surprise - proposal.price,
-        scores: scores(&given, &tuned, by),
+        gain: without - fit.negative_log_evidence - proposal.price,
+        scores: scores(&problem, &fit, by),
         proposal,
-        given,
-        tuned,
+        problem,
+        fit,
     })
 }
 
 /// Minus the log evidence without a proposal. One that began far off may have come to a better soil, which
 /// is not its merit: then also from where it ended.
-fn surprise_without(
-    given: &Given,
+fn negative_log_evidence_without(
+    problem: &Problem,
     proposal: &Proposal,
-    tuned: &Tuned,
-    before: &Tuned,
-    by: &Weighing,
+    fit: &FittedHypothesis,
+    before: &FittedHypothesis,
+    by: &NoiseModel,
 ) -> f64 {
     if !proposal.hidden && !proposal.anew {
-        return before.surprise;
+        return before.negative_log_evidence;
     }
-    let mut begin = tuned.solution.clone();
-    begin.take(&proposal.knobs, &before.solution);
-    let without = tune_until(given, &before.knobs, &begin, by, LONG_SKETCH);
-    let surprise = without.map_or(f64::INFINITY, |tuned| tuned.surprise);
-    before.surprise.min(surprise)
+    let mut begin = fit.solution.clone();
+    begin.take(&proposal.coefficients, &before.solution);
+    let without = fit_until(problem, &before.coefficients, &begin, by, LONG_PARTIAL_FIT);
+    let negative_log_evidence = without.map_or(f64::INFINITY, |fit| fit.negative_log_evidence);
+    before.negative_log_evidence.min(negative_log_evidence)
 }
 
 /// The given model with the place where a proposal acts. `None` where it cannot act there.
 #[must_use]
-pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
-    let mut given = given.clone();
+pub fn placed<'a>(problem: &Problem<'a>, proposal: &Proposal) -> Option<Problem<'a>> {
+    let mut problem = problem.clone();
     let Some(extent) = &proposal.extent else {
-        return Some(given);
+        return Some(problem);
     };
     let mut effects: Vec<usize> = proposal
-        .knobs
+        .coefficients
         .iter()
-        .map(|knob| given.candidates.knobs[*knob].effect)
+        .map(|coefficient| problem.candidates.coefficients[*coefficient].effect)
         .collect();
     effects.sort_unstable();
     effects.dedup();
-    let model = &mut given.nominal.effects;
+    let model = &mut problem.nominal.effects;
     let extent = match *extent {
         Extent::Beyond {
             direction,
@@ -253,10 +287,10 @@ pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
             let name = |name: &str| ParameterName::find(&format!("terrain_change.{name}"));
             model.set(name("direction")?, direction).ok()?;
             model.set(name("position")?, position).ok()?;
-            return Some(given);
+            return Some(problem);
         }
         Extent::Time(at) | Extent::Run(at) => {
-            let runs = |recording: usize| given.recordings[recording].runs.len();
+            let runs = |recording: usize| problem.recordings[recording].runs.len();
             let before: usize = (0..at.recording).map(runs).sum::<usize>() + at.run;
             let clock = CLOCK * before as f64;
             effects::Extent::Time {
@@ -275,7 +309,7 @@ pub fn placed<'a>(given: &Given<'a>, proposal: &Proposal) -> Option<Given<'a>> {
             .ok()?;
     }
     model.window = Some(Window { effects, extent });
-    Some(given)
+    Some(problem)
 }
 
 fn is_change(effect: usize) -> bool {

@@ -7,16 +7,18 @@
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
 use super::edges::settle_under_own_noise;
 use super::naming::Named;
-use super::proposal::{Kind, Proposal};
+use super::proposal::{Proposal, ProposalKind};
 use super::prune::{prune, without};
-use super::stage::{Stage, look_again};
+use super::stage::{Stage, screen_again};
 use super::trial::try_all;
-use super::{Member, NOTHING};
-use crate::diagnosis::hypothesis::Given;
-use crate::diagnosis::hypothesis::likelihood::{HELD, Tuned, tune, tune_on, tune_with_noise};
-use crate::diagnosis::hypothesis::part::Part;
+use super::{AcceptedEffect, NOTHING};
+use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::likelihood::{
+    FittedHypothesis, HELD, fit_hypothesis, fit_on, fit_with_noise,
+};
+use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 
 /// Rounds at most.
 const ROUNDS: usize = 4;
@@ -27,9 +29,9 @@ pub struct Path<'a> {
     /// The hypothesis.
     pub stage: Stage<'a>,
     /// Noise and weights.
-    pub by: Weighing,
+    pub by: NoiseModel,
     /// What was found.
-    pub members: Vec<Member>,
+    pub accepted: Vec<AcceptedEffect>,
     /// What was fitted and not taken in the last round, with log Bayes factors and priors.
     pub refused: Vec<(Subject, f64)>,
     reach: Reach<'a>,
@@ -41,19 +43,19 @@ enum Reach<'a> {
     /// All.
     Whole,
     /// After the next finding a part.
-    Narrowing(Part),
+    Narrowing(Subsample),
     /// A part; what was found first on all.
-    Narrowed(Part, Box<(Given<'a>, Tuned, Weighing)>),
+    Narrowed(Subsample, Box<(Problem<'a>, FittedHypothesis, NoiseModel)>),
 }
 
 impl<'a> Path<'a> {
     /// Nothing found yet.
     #[must_use]
-    pub fn new(stage: Stage<'a>, by: Weighing) -> Self {
+    pub fn new(stage: Stage<'a>, by: NoiseModel) -> Self {
         Self {
             stage,
             by,
-            members: Vec::new(),
+            accepted: Vec::new(),
             refused: Vec::new(),
             reach: Reach::Whole,
         }
@@ -71,9 +73,9 @@ impl<'a> Path<'a> {
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
         let firsts = [Prefer::Nothing, Prefer::Names].map(|p| choose(&fitted, &self.stage, p));
-        let throughout = |named: &&Named| named.proposal.kind() != Kind::Local;
+        let throughout = |named: &&Named| named.proposal.kind() != ProposalKind::Local;
         if firsts.iter().flatten().all(throughout)
-            && let Some(part) = Part::of(&self.stage.given)
+            && let Some(part) = Subsample::of(&self.stage.problem)
         {
             self.reach = Reach::Narrowing(part);
         }
@@ -84,9 +86,10 @@ impl<'a> Path<'a> {
         } else {
             walk(self, fitted, Prefer::Nothing)?
         };
-        let law = |member: &Member| member.proposal.kind() == Kind::Law;
-        if let Some(law) = path.members.iter().position(law)
-            && path.members.len() > 1
+        let law =
+            |accepted_effect: &AcceptedEffect| accepted_effect.proposal.kind() == ProposalKind::Law;
+        if let Some(law) = path.accepted.iter().position(law)
+            && path.accepted.len() > 1
             && !progress.is_late()
             && let Some(renamed) = path.renamed(law, options, progress)?
         {
@@ -106,33 +109,35 @@ impl<'a> Path<'a> {
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
-        while self.members.len() < self.rounds() {
+        while self.accepted.len() < self.rounds() {
             let Some(mut best) = choose(&fitted, &self.stage, prefer).cloned() else {
                 self.refused = self.rivals(&fitted);
                 break;
             };
             settle_under_own_noise(&mut best, &self.by);
-            self.members.push(Member {
+            self.accepted.push(AcceptedEffect {
                 proposal: best.proposal,
                 gain: self.on_all(best.gain),
                 rivals: self.rivals(&fitted),
             });
-            let (placed, tuned) = self.narrowed(best.given, best.tuned);
-            self.stage = self.looked_at(placed, tuned, options, progress)?;
+            let (placed, fit) = self.narrowed(best.problem, best.fit);
+            self.stage = self.looked_at(placed, fit, options, progress)?;
             fitted = self.what_else(progress)?;
         }
         progress.step("what can be left out again")?;
         let ratio = self.on_all(1.0);
-        let (before, knobs) = (self.members.clone(), self.stage.tuned.knobs.clone());
-        prune(&mut self.stage, &mut self.members, &self.by, ratio);
-        if self.members.is_empty() {
-            let rivals = before.into_iter().flat_map(|member| member.rivals);
+        let (before, coefficients) = (self.accepted.clone(), self.stage.fit.coefficients.clone());
+        prune(&mut self.stage, &mut self.accepted, &self.by, ratio);
+        if self.accepted.is_empty() {
+            let rivals = before
+                .into_iter()
+                .flat_map(|accepted_effect| accepted_effect.rivals);
             let refused = rivals.map(|(subject, odds)| (subject, odds.min(0.0)));
             self.refused.extend(refused);
         }
-        if self.stage.tuned.knobs != knobs {
-            let Stage { given, tuned, .. } = self.stage.clone();
-            self.stage = self.looked_at(given, tuned, options, progress)?;
+        if self.stage.fit.coefficients != coefficients {
+            let Stage { problem, fit, .. } = self.stage.clone();
+            self.stage = self.looked_at(problem, fit, options, progress)?;
         }
         Ok(self)
     }
@@ -140,13 +145,13 @@ impl<'a> Path<'a> {
     /// A hypothesis with what is seen beside it.
     fn looked_at(
         &mut self,
-        given: Given<'a>,
-        tuned: Tuned,
+        problem: Problem<'a>,
+        fit: FittedHypothesis,
         options: &Options,
         progress: &Progress,
     ) -> Result<Stage<'a>, DiagnosisError> {
-        let before = &self.stage.looked;
-        look_again(before, given, tuned, &mut self.by, options, progress)
+        let before = &self.stage.screening;
+        screen_again(before, problem, fit, &mut self.by, options, progress)
     }
 
     /// How many things may be found. Of what is found on a part, all of it has a word as well.
@@ -176,35 +181,39 @@ impl<'a> Path<'a> {
 
     /// Fits what may be missing beside what was found; nothing where no more may be found, or time is up.
     fn what_else(&mut self, progress: &'a Progress) -> Result<Vec<Named<'a>>, DiagnosisError> {
-        if self.members.len() >= self.rounds() || progress.is_late() {
+        if self.accepted.len() >= self.rounds() || progress.is_late() {
             return Ok(Vec::new());
         }
         progress.step("what else")?;
         if let Reach::Narrowed(..) = self.reach {
             // What acts for some seconds only may lie between the stretches.
             let proposals = &mut self.stage.proposals;
-            proposals.retain(|proposal| proposal.kind() != Kind::Local);
+            proposals.retain(|proposal| proposal.kind() != ProposalKind::Local);
         }
         try_all(&self.stage, &self.by, progress)
     }
 
     /// What was found first, on a part where that is to be gone on with; noise and weights move along.
-    fn narrowed(&mut self, given: Given<'a>, tuned: Tuned) -> (Given<'a>, Tuned) {
+    fn narrowed(
+        &mut self,
+        problem: Problem<'a>,
+        fit: FittedHypothesis,
+    ) -> (Problem<'a>, FittedHypothesis) {
         let Reach::Narrowing(part) = &self.reach else {
-            return (given, tuned);
+            return (problem, fit);
         };
-        if given.deadline.is_over() {
+        if problem.deadline.is_over() {
             self.reach = Reach::Whole;
-            return (given, tuned);
+            return (problem, fit);
         }
-        let (some, by) = (part.given(&given), part.weighing(&self.by));
-        let begin = part.solution(&tuned.solution);
-        let Ok(narrow) = tune(&some, &tuned.knobs, &begin, &by) else {
+        let (some, by) = (part.problem(&problem), part.noise_model(&self.by));
+        let begin = part.solution(&fit.solution);
+        let Ok(narrow) = fit_hypothesis(&some, &fit.coefficients, &begin, &by) else {
             self.reach = Reach::Whole;
-            return (given, tuned);
+            return (problem, fit);
         };
         let whole = std::mem::replace(&mut self.by, by);
-        self.reach = Reach::Narrowed(part.clone(), Box::new((given, tuned, whole)));
+        self.reach = Reach::Narrowed(part.clone(), Box::new((problem, fit, whole)));
         (some, narrow)
     }
 
@@ -218,27 +227,31 @@ impl<'a> Path<'a> {
         let Reach::Narrowed(part, whole) = std::mem::replace(&mut self.reach, Reach::Whole) else {
             return Ok(self);
         };
-        let (first, tuned, by) = *whole;
+        let (first, fit, by) = *whole;
         progress.step("what else")?;
         self.by.weights = by.weights;
-        let given = Given {
+        let problem = Problem {
             segments: first.segments.clone(),
-            ..self.stage.given.clone()
+            ..self.stage.problem.clone()
         };
-        let knobs = &self.stage.tuned.knobs;
+        let coefficients = &self.stage.fit.coefficients;
         // What was found first may be off by now.
-        let all: Vec<usize> = (0..given.candidates.knobs.len()).collect();
-        let begin = part.widened(&self.stage.tuned.solution, &all, &tuned.solution);
-        let (given, tuned) = match tune(&given, knobs, &begin, &self.by) {
-            Ok(widened) => (given, widened),
+        let all: Vec<usize> = (0..problem.candidates.coefficients.len()).collect();
+        let begin = part.widened(&self.stage.fit.solution, &all, &fit.solution);
+        let (problem, fit) = match fit_hypothesis(&problem, coefficients, &begin, &self.by) {
+            Ok(widened) => (problem, widened),
             Err(_) => {
-                self.members
-                    .retain(|m| m.proposal.knobs.iter().all(|k| tuned.knobs.contains(k)));
+                self.accepted.retain(|m| {
+                    m.proposal
+                        .coefficients
+                        .iter()
+                        .all(|k| fit.coefficients.contains(k))
+                });
                 self.by.noise = by.noise;
-                (first, tuned)
+                (first, fit)
             }
         };
-        self.stage = self.looked_at(given, tuned, options, progress)?;
+        self.stage = self.looked_at(problem, fit, options, progress)?;
         let fitted = self.what_else(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
@@ -250,24 +263,24 @@ impl<'a> Path<'a> {
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
-        if self.members.is_empty() || progress.is_late() {
+        if self.accepted.is_empty() || progress.is_late() {
             return Ok(self);
         }
         progress.step("noise")?;
-        let Stage { given, tuned, .. } = self.stage.clone();
+        let Stage { problem, fit, .. } = self.stage.clone();
         let mut own = self.by.clone();
-        let settled = tune_with_noise(&given, &tuned.knobs, &tuned.solution, &mut own);
+        let settled = fit_with_noise(&problem, &fit.coefficients, &fit.solution, &mut own);
         if progress.is_late() {
             return Ok(self);
         }
-        let tuned = match settled {
+        let fit = match settled {
             Ok(settled) => {
                 self.by = own;
                 settled
             }
-            Err(_) => tuned,
+            Err(_) => fit,
         };
-        self.stage = self.looked_at(given, tuned, options, progress)?;
+        self.stage = self.looked_at(problem, fit, options, progress)?;
         let fitted = self.what_else(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
@@ -279,20 +292,24 @@ impl<'a> Path<'a> {
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
-        let all = self.members.iter().map(|m| &m.proposal);
-        let all: Vec<_> = all.map(|p| (p.subject, p.knobs.clone())).collect();
-        for (subject, knobs) in all {
+        let all = self.accepted.iter().map(|m| &m.proposal);
+        let all: Vec<_> = all.map(|p| (p.subject, p.coefficients.clone())).collect();
+        for (subject, coefficients) in all {
             // Two may be without a name, one of them with fewer terms than when it was found.
-            let has = |proposal: &Proposal| knobs.iter().all(|k| proposal.knobs.contains(k));
+            let has = |proposal: &Proposal| {
+                coefficients
+                    .iter()
+                    .all(|k| proposal.coefficients.contains(k))
+            };
             let is = |proposal: &Proposal| {
                 proposal.subject == subject && (subject != Subject::Unknown || has(proposal))
             };
-            let mut members = self.members.iter();
-            let place = members.position(|member| is(&member.proposal));
-            let Some(index) = place.filter(|_| self.members.len() > 1) else {
+            let mut accepted = self.accepted.iter();
+            let place = accepted.position(|accepted_effect| is(&accepted_effect.proposal));
+            let Some(index) = place.filter(|_| self.accepted.len() > 1) else {
                 continue;
             };
-            let close = self.members[index].close();
+            let close = self.accepted[index].close();
             if close.len() < 2 || progress.is_late() {
                 continue;
             }
@@ -309,7 +326,7 @@ impl<'a> Path<'a> {
             match choose(&fitted, &path.stage, Prefer::Nothing) {
                 Some(best) if is(&best.proposal) => {
                     let rivals = path.rivals(&fitted);
-                    self.members[index].stand_anew(&rivals);
+                    self.accepted[index].stand_anew(&rivals);
                 }
                 Some(_) => {
                     let other = path.walk(fitted, Prefer::Nothing, options, progress)?;
@@ -336,7 +353,7 @@ impl<'a> Path<'a> {
             return Ok(None);
         };
         let mut fitted = path.what_else(progress)?;
-        fitted.retain(|named| named.proposal.kind() != Kind::Law);
+        fitted.retain(|named| named.proposal.kind() != ProposalKind::Law);
         if choose(&fitted, &path.stage, Prefer::Names).is_none() {
             return Ok(None);
         }
@@ -352,10 +369,10 @@ impl<'a> Path<'a> {
         progress: &'a Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
         let mut path = self.clone();
-        let gone = path.members.remove(index).proposal;
-        let (given, tuned) = without(&path.stage, &gone, &path.by);
-        let Ok(tuned) = tuned else { return Ok(None) };
-        path.stage = path.looked_at(given, tuned, options, progress)?;
+        let gone = path.accepted.remove(index).proposal;
+        let (problem, fit) = without(&path.stage, &gone, &path.by);
+        let Ok(fit) = fit else { return Ok(None) };
+        path.stage = path.looked_at(problem, fit, options, progress)?;
         Ok(Some(path))
     }
 
@@ -364,11 +381,11 @@ impl<'a> Path<'a> {
         let advantage = named.advantage(&self);
         let advantage = named.on_all(advantage);
         // Fits that were ended early do not compare.
-        if advantage < 0.0 || self.stage.given.deadline.is_over() {
+        if advantage < 0.0 || self.stage.problem.deadline.is_over() {
             return self;
         }
-        for member in &mut named.members {
-            member.outdo_law(advantage);
+        for accepted_effect in &mut named.accepted {
+            accepted_effect.outdo_law(advantage);
         }
         named
     }
@@ -376,15 +393,18 @@ impl<'a> Path<'a> {
     /// Log odds of this path over another, under the noise of both on average.
     fn advantage(&self, other: &Self) -> f64 {
         let price = |path: &Self| -> f64 {
-            let members = path.members.iter().map(|member| &member.proposal);
-            members.map(|m| NOTHING - m.log_prior() + m.price).sum()
+            let accepted = path
+                .accepted
+                .iter()
+                .map(|accepted_effect| &accepted_effect.proposal);
+            accepted.map(|m| NOTHING - m.log_prior() + m.price).sum()
         };
-        let surprise = |path: &Self, by: &Weighing| -> f64 {
+        let negative_log_evidence = |path: &Self, by: &NoiseModel| -> f64 {
             let stage = &path.stage;
-            tune_on(&stage.given, &stage.tuned, by, HELD).surprise + price(path)
+            fit_on(&stage.problem, &stage.fit, by, HELD).negative_log_evidence + price(path)
         };
         [&self.by, &other.by]
-            .map(|by| 0.5 * (surprise(other, by) - surprise(self, by)))
+            .map(|by| 0.5 * (negative_log_evidence(other, by) - negative_log_evidence(self, by)))
             .iter()
             .sum()
     }

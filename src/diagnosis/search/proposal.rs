@@ -3,7 +3,7 @@
 use super::load::place_load;
 use super::view::View;
 use crate::diagnosis::Subject;
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::screening::law::{Law, law};
 use crate::diagnosis::screening::locate::{Extent, Found, locate, scanned};
 use crate::diagnosis::screening::screen::{Projected, Projection, Score};
@@ -17,7 +17,7 @@ pub struct Proposal {
     /// What.
     pub subject: Subject,
     /// The knobs that it turns.
-    pub knobs: Vec<usize>,
+    pub coefficients: Vec<usize>,
     /// Where it acts, if not everywhere.
     pub extent: Option<Extent>,
     /// Steps of its knobs by the linearised problem.
@@ -64,18 +64,23 @@ const BETTER_LOCAL: f64 = 3.0;
 #[must_use]
 pub fn screened(view: &View) -> Vec<Screened> {
     let View {
-        given,
+        problem,
         system,
         projection,
         by,
         on,
     } = view;
-    let subjects = given.candidates.subjects.iter();
+    let subjects = problem.candidates.subjects.iter();
     subjects
         .filter_map(|subject| {
-            let knobs = given.candidates.of(*subject);
-            let knobs: Vec<usize> = knobs.filter(|knob| !on.contains(knob)).collect();
-            let unknowns: Vec<usize> = knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+            let coefficients = problem.candidates.of(*subject);
+            let coefficients: Vec<usize> = coefficients
+                .filter(|coefficient| !on.contains(coefficient))
+                .collect();
+            let unknowns: Vec<usize> = coefficients
+                .iter()
+                .flat_map(|k| system.unknowns(*k))
+                .collect();
             if unknowns.is_empty() {
                 return None;
             }
@@ -83,7 +88,7 @@ pub fn screened(view: &View) -> Vec<Screened> {
             let score = projection.score(&projected);
             Some(Screened {
                 subject: *subject,
-                price: slow::price(given, system, &projected, by),
+                price: slow::price(problem, system, &projected, by),
                 projected,
                 score,
             })
@@ -95,7 +100,7 @@ pub fn screened(view: &View) -> Vec<Screened> {
 #[must_use]
 pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) -> Vec<Proposal> {
     let View {
-        given,
+        problem,
         system,
         projection,
         on,
@@ -105,10 +110,15 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
         .iter()
         .map(|one| Proposal {
             subject: one.subject,
-            knobs: given.candidates.of(one.subject).collect(),
+            coefficients: problem.candidates.of(one.subject).collect(),
             extent: None,
-            steps: steps(given, system, one),
-            soil: soil_after(given, projection, &one.projected.unknowns, &one.score.step),
+            steps: steps(problem, system, one),
+            soil: soil_after(
+                problem,
+                projection,
+                &one.projected.unknowns,
+                &one.score.step,
+            ),
             hidden: false,
             anew: false,
             // What a scatter of its own says is for the reader: laws and local effects have none.
@@ -117,19 +127,24 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
             stability: Vec::new(),
         })
         .collect();
-    place_load(given, &mut all);
+    place_load(problem, &mut all);
     let throughout = all.clone();
-    if given.nominal.effects.window.is_none() {
+    if problem.nominal.effects.window.is_none() {
         let throughout = |subject: Subject| {
             let same = throughout.iter().find(|one| one.subject == subject);
             same.map_or(0.0, |one| one.evidence.max(0.0))
         };
-        let found = locate(given, system, projection, &scanned(given, system, soil, on));
-        let mut found = placed_locally(given, found);
+        let found = locate(
+            problem,
+            system,
+            projection,
+            &scanned(problem, system, soil, on),
+        );
+        let mut found = placed_locally(problem, found);
         found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
         all.extend(found);
     }
-    if let Some(law) = law(given, system, projection.nuisance(), seed) {
+    if let Some(law) = law(problem, system, projection.nuisance(), seed) {
         all.push(unnamed(view, law));
     }
     all.retain(|proposal| proposal.evidence > FAINT);
@@ -144,47 +159,47 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
 #[must_use]
 pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
     let View {
-        given,
+        problem,
         system,
         projection,
         ..
     } = view;
     let propose = |one: &Screened| {
-        let knobs: Vec<usize> = given.candidates.of(one.subject).collect();
+        let coefficients: Vec<usize> = problem.candidates.of(one.subject).collect();
         let unknowns = &one.projected.unknowns;
-        let takes_up = |knob: &usize| {
-            let own = system.unknowns(*knob);
+        let takes_up = |coefficient: &usize| {
+            let own = system.unknowns(*coefficient);
             let places = unknowns.iter().enumerate();
             let mut places = places.filter(|(_, unknown)| own.contains(unknown));
             places.any(|(place, _)| one.projected.absorbed(place) > HIDDEN)
         };
         let whole = one.score.absorbed > HIDDEN;
-        let seen = steps(given, system, one);
-        let step = |(knob, seen): &(usize, DVector<f64>)| {
-            let about = &given.candidates.knobs[*knob];
+        let seen = steps(problem, system, one);
+        let step = |(coefficient, seen): &(usize, DVector<f64>)| {
+            let about = &problem.candidates.coefficients[*coefficient];
             let parameter = &about.parameter;
             let off = parameter.prior_coordinate();
-            let away = if !whole && !takes_up(knob) && about.secant.is_none() {
+            let away = if !whole && !takes_up(coefficient) && about.secant.is_none() {
                 0.0
             } else {
                 away(about.typical - off, seen.sum(), off, parameter.bounds())
             };
-            (*knob, DVector::repeat(seen.len(), away))
+            (*coefficient, DVector::repeat(seen.len(), away))
         };
         let steps: Vec<(usize, DVector<f64>)> = seen.iter().map(step).collect();
-        let moved = system.step(unknowns, &knobs, |knob, recording| {
-            let own = steps.iter().find(|(other, _)| *other == knob);
+        let moved = system.step(unknowns, &coefficients, |coefficient, recording| {
+            let own = steps.iter().find(|(other, _)| *other == coefficient);
             own.map_or(0.0, |(_, step)| step[recording])
         });
         Proposal {
             subject: one.subject,
-            knobs,
+            coefficients,
             extent: None,
             steps,
             evidence: 0.0,
             price: one.price,
             stability: Vec::new(),
-            soil: soil_after(given, projection, unknowns, &moved),
+            soil: soil_after(problem, projection, unknowns, &moved),
             hidden: true,
             anew: false,
         }
@@ -206,54 +221,54 @@ fn away(typical: f64, seen: f64, off: f64, (low, high): (f64, f64)) -> f64 {
 
 /// How the soil follows a step of some unknowns.
 fn soil_after(
-    given: &Given,
+    problem: &Problem,
     projection: &Projection,
     unknowns: &[usize],
     step: &DVector<f64>,
 ) -> DVector<f64> {
     let follows = projection.following(unknowns, step);
-    follows.rows(0, given.soil.len()).into_owned()
+    follows.rows(0, problem.soil.len()).into_owned()
 }
 
 /// The unknowns of a screened candidate as steps of knobs.
-fn steps(given: &Given, system: &System, one: &Screened) -> Vec<(usize, DVector<f64>)> {
+fn steps(problem: &Problem, system: &System, one: &Screened) -> Vec<(usize, DVector<f64>)> {
     let at = |unknown: usize| {
         let place = one.projected.unknowns.iter().position(|u| *u == unknown);
         place.map_or(0.0, |place| one.score.step[place])
     };
-    let knobs = given.candidates.of(one.subject);
-    knobs
-        .map(|knob| {
-            let column = system.layout.soil + knob;
+    let coefficients = problem.candidates.of(one.subject);
+    coefficients
+        .map(|coefficient| {
+            let column = system.layout.soil + coefficient;
             let each = system
                 .places
                 .iter()
                 .map(|places| places[column].map_or(0.0, at));
-            (knob, DVector::from_vec(each.collect()))
+            (coefficient, DVector::from_vec(each.collect()))
         })
         .collect()
 }
 
 /// What was found in one place or for some time, as proposals.
 #[must_use]
-pub fn placed_locally(given: &Given, found: Vec<Found>) -> Vec<Proposal> {
+pub fn placed_locally(problem: &Problem, found: Vec<Found>) -> Vec<Proposal> {
     let each = found.into_iter();
-    let mut all: Vec<Proposal> = each.map(|one| local(one, given.soil.len())).collect();
-    place_load(given, &mut all);
+    let mut all: Vec<Proposal> = each.map(|one| local(one, problem.soil.len())).collect();
+    place_load(problem, &mut all);
     all
 }
 
 fn local(found: Found, soil: usize) -> Proposal {
-    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
     Proposal {
         subject: found.subject,
         steps: found
-            .knobs
+            .coefficients
             .iter()
             .zip(found.score.step.iter())
             .map(each)
             .collect(),
-        knobs: found.knobs,
+        coefficients: found.coefficients,
         price: found.score.evidence - found.evidence,
         evidence: found.evidence,
         extent: Some(found.extent),
@@ -267,23 +282,32 @@ fn local(found: Found, soil: usize) -> Proposal {
 
 fn unnamed(view: &View, law: Law) -> Proposal {
     let View {
-        given,
+        problem,
         system,
         projection,
         ..
     } = view;
-    let unknowns: Vec<usize> = law.knobs.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let unknowns: Vec<usize> = law
+        .coefficients
+        .iter()
+        .flat_map(|k| system.unknowns(*k))
+        .collect();
     let score = projection.score_with(&projection.of(&unknowns), 1.0);
-    let each = |(knob, step): (&usize, &f64)| (*knob, DVector::repeat(1, *step));
+    let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
     Proposal {
         subject: Subject::Unknown,
-        steps: law.knobs.iter().zip(score.step.iter()).map(each).collect(),
-        knobs: law.knobs,
+        steps: law
+            .coefficients
+            .iter()
+            .zip(score.step.iter())
+            .map(each)
+            .collect(),
+        coefficients: law.coefficients,
         extent: None,
         price: score.evidence - law.evidence,
         evidence: law.evidence,
         stability: law.stability,
-        soil: soil_after(given, projection, &unknowns, &score.step),
+        soil: soil_after(problem, projection, &unknowns, &score.step),
         hidden: false,
         anew: false,
     }
@@ -295,9 +319,9 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     let mut list: Vec<&Proposal> = Vec::new();
     let [far, near] = BEHIND;
     for (kind, most, behind) in [
-        (Kind::Throughout, 6, far),
-        (Kind::Local, 8, near),
-        (Kind::Law, 1, near),
+        (ProposalKind::Throughout, 6, far),
+        (ProposalKind::Local, 8, near),
+        (ProposalKind::Law, 1, near),
     ] {
         let of_kind = proposals.iter().filter(|p| p.kind() == kind);
         let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
@@ -315,7 +339,7 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
 
 /// What sort of proposal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum ProposalKind {
     /// An effect that acts throughout.
     Throughout,
     /// Something that acts in one place or for some time.
@@ -332,31 +356,31 @@ const LOCAL: f64 = 1.0;
 impl Proposal {
     /// What sort it is.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ProposalKind {
         match (&self.extent, self.subject) {
             // A boundary on the map is a change of terrain's own place.
-            (Some(Extent::Beyond { .. }), _) => Kind::Throughout,
-            (Some(_), _) => Kind::Local,
-            (None, Subject::Unknown) => Kind::Law,
-            (None, _) => Kind::Throughout,
+            (Some(Extent::Beyond { .. }), _) => ProposalKind::Throughout,
+            (Some(_), _) => ProposalKind::Local,
+            (None, Subject::Unknown) => ProposalKind::Law,
+            (None, _) => ProposalKind::Throughout,
         }
     }
 
     /// Takes a term out of a law.
     pub fn without_term(&mut self, place: usize) {
-        let knob = self.knobs.remove(place);
+        let coefficient = self.coefficients.remove(place);
         self.stability.remove(place);
-        self.steps.retain(|(other, _)| *other != knob);
+        self.steps.retain(|(other, _)| *other != coefficient);
     }
 
     /// Logarithm of its prior beside that of an effect of the catalogue.
     #[must_use]
     pub fn log_prior(&self) -> f64 {
         match self.kind() {
-            Kind::Throughout => 0.0,
-            Kind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
-            Kind::Local => -LOCAL,
-            Kind::Law => -TERM * self.knobs.len() as f64,
+            ProposalKind::Throughout => 0.0,
+            ProposalKind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
+            ProposalKind::Local => -LOCAL,
+            ProposalKind::Law => -TERM * self.coefficients.len() as f64,
         }
     }
 }

@@ -1,14 +1,14 @@
 //! What can be left out again.
 
-use super::proposal::{Kind, Proposal};
+use super::proposal::{Proposal, ProposalKind};
 use super::stage::Stage;
 use super::trial::CLOSE;
-use super::{Member, NOTHING};
-use crate::diagnosis::hypothesis::likelihood::{Tuned, scattered, tune};
-use crate::diagnosis::hypothesis::{Given, What};
+use super::{AcceptedEffect, NOTHING};
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, scattered};
+use crate::diagnosis::hypothesis::{Problem, What};
 use crate::diagnosis::screening::screen::Projection;
 use crate::fit::predictor::PredictionError;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
@@ -18,39 +18,41 @@ const SURE_TERM: f64 = 2.0;
 /// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
 /// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to. Where time
 /// is up, what was not yet looked at stays.
-pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio: f64) {
-    if stage.given.deadline.is_over() {
+pub fn prune(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseModel, ratio: f64) {
+    if stage.problem.deadline.is_over() {
         return;
     }
     let mut index = 0;
-    while index < members.len() {
-        let gone = &members[index].proposal;
+    while index < accepted.len() {
+        let gone = &accepted[index].proposal;
         let price = NOTHING - gone.log_prior() + gone.price;
-        let loss = linear_loss(stage, &gone.knobs);
+        let loss = linear_loss(stage, &gone.coefficients);
         if loss > SURELY * price + CLOSE {
-            if members.len() > 1 {
+            if accepted.len() > 1 {
                 // What was found since may explain most of what it was taken for.
                 let gain = ratio * loss - gone.price;
-                members[index].gain = members[index].gain.min(gain);
+                accepted[index].gain = accepted[index].gain.min(gain);
             }
             index += 1;
             continue;
         }
-        let (given, without) = without(stage, gone, by);
-        if given.deadline.is_over() {
+        let (problem, without) = without(stage, gone, by);
+        if problem.deadline.is_over() {
             // A fit that was ended early understates what the rest explains.
             break;
         }
         match without {
-            Ok(without) if without.surprise - stage.tuned.surprise < price => {
-                members.remove(index);
-                stage.given = given;
-                stage.tuned = without;
+            Ok(without)
+                if without.negative_log_evidence - stage.fit.negative_log_evidence < price =>
+            {
+                accepted.remove(index);
+                stage.problem = problem;
+                stage.fit = without;
                 index = 0;
             }
             Ok(without) => {
-                let lost = without.surprise - stage.tuned.surprise;
-                members[index].gain = ratio * lost - gone.price;
+                let lost = without.negative_log_evidence - stage.fit.negative_log_evidence;
+                accepted[index].gain = ratio * lost - gone.price;
                 index += 1;
             }
             Err(_) => index += 1,
@@ -58,67 +60,80 @@ pub fn prune(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing, ratio:
     }
     // A part tells less of how sure they are.
     if ratio == 1.0 {
-        trim_laws(stage, members, by);
+        trim_laws(stage, accepted, by);
     }
-    members.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    accepted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
 }
 
 /// Takes terms out of laws that are less than so many standard errors from none. The likelihood takes segments for
 /// independent; what pulls some of them one way and others the other is worth less than it says.
-fn trim_laws(stage: &mut Stage, members: &mut Vec<Member>, by: &Weighing) {
+fn trim_laws(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseModel) {
     let mut index = 0;
-    while index < members.len() {
-        let law = &members[index].proposal;
-        let doubtful = doubtful_term(&stage.given, &stage.tuned, law, by);
+    while index < accepted.len() {
+        let law = &accepted[index].proposal;
+        let doubtful = doubtful_term(&stage.problem, &stage.fit, law, by);
         let Some(place) = doubtful else {
             index += 1;
             continue;
         };
         let term = Proposal {
-            knobs: vec![law.knobs[place]],
+            coefficients: vec![law.coefficients[place]],
             ..law.clone()
         };
-        let (given, Ok(without)) = without(stage, &term, by) else {
+        let (problem, Ok(without)) = without(stage, &term, by) else {
             index += 1;
             continue;
         };
-        if given.deadline.is_over() {
+        if problem.deadline.is_over() {
             break;
         }
-        let lost = without.surprise - stage.tuned.surprise;
+        let lost = without.negative_log_evidence - stage.fit.negative_log_evidence;
         // So it is where the way without it gets lost.
         if lost.is_nan() || lost >= SURELY * (NOTHING - term.log_prior()) {
             index += 1;
             continue;
         }
-        let member = &mut members[index];
-        member.lose(lost + term.log_prior());
-        member.gain -= lost;
-        member.proposal.without_term(place);
-        if member.proposal.knobs.is_empty() {
-            members.remove(index);
+        let accepted_effect = &mut accepted[index];
+        accepted_effect.lose(lost + term.log_prior());
+        accepted_effect.gain -= lost;
+        accepted_effect.proposal.without_term(place);
+        if accepted_effect.proposal.coefficients.is_empty() {
+            accepted.remove(index);
         }
-        stage.given = given;
-        stage.tuned = without;
+        stage.problem = problem;
+        stage.fit = without;
     }
 }
 
 /// Place of a law's term that is least sure, if it is not sure.
-fn doubtful_term(given: &Given, tuned: &Tuned, law: &Proposal, by: &Weighing) -> Option<usize> {
-    if law.kind() != Kind::Law {
+fn doubtful_term(
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    law: &Proposal,
+    by: &NoiseModel,
+) -> Option<usize> {
+    if law.kind() != ProposalKind::Law {
         return None;
     }
-    let covariance = scattered(given, tuned, by);
-    let predictor = given.predictor(&tuned.knobs);
-    let problem = given.problem(&predictor, &tuned.knobs);
-    let mut sure = vec![0.0_f64; law.knobs.len()];
-    given.visit(&problem, &tuned.knobs, |unknown, recording, what| {
-        let What::Knob(knob) = what else { return };
-        let Some(place) = law.knobs.iter().position(|other| *other == knob) else {
+    let covariance = scattered(problem, fit, by);
+    let predictor = problem.predictor(&fit.coefficients);
+    let shooting = problem.shooting(&predictor, &fit.coefficients);
+    let mut sure = vec![0.0_f64; law.coefficients.len()];
+    problem.visit(&shooting, &fit.coefficients, |unknown, recording, what| {
+        let What::CandidateParameter(coefficient) = what else {
             return;
         };
-        let off = given.candidates.knobs[knob].parameter.prior_coordinate();
-        let size = (tuned.solution.knobs[recording][knob] - off).abs();
+        let Some(place) = law
+            .coefficients
+            .iter()
+            .position(|other| *other == coefficient)
+        else {
+            return;
+        };
+        let off = problem.candidates.coefficients[coefficient]
+            .parameter
+            .prior_coordinate();
+        let size = (fit.solution.coefficients[recording][coefficient] - off).abs();
         let errors = size / covariance[(unknown, unknown)].max(0.0).sqrt();
         sure[place] = sure[place].max(errors);
     });
@@ -130,47 +145,54 @@ fn doubtful_term(given: &Given, tuned: &Tuned, law: &Proposal, by: &Weighing) ->
 pub fn without<'a>(
     stage: &Stage<'a>,
     gone: &Proposal,
-    by: &Weighing,
-) -> (Given<'a>, Result<Tuned, PredictionError>) {
-    let knobs = stage.tuned.knobs.iter().copied();
-    let knobs: Vec<usize> = knobs.filter(|k| !gone.knobs.contains(k)).collect();
-    let mut given = stage.given.clone();
-    if gone.kind() == Kind::Local {
-        given.nominal.effects.window = None;
+    by: &NoiseModel,
+) -> (Problem<'a>, Result<FittedHypothesis, PredictionError>) {
+    let coefficients = stage.fit.coefficients.iter().copied();
+    let coefficients: Vec<usize> = coefficients
+        .filter(|k| !gone.coefficients.contains(k))
+        .collect();
+    let mut problem = stage.problem.clone();
+    if gone.kind() == ProposalKind::Local {
+        problem.nominal.effects.window = None;
     }
-    let mut begin = stage.tuned.solution.clone();
-    for recording in &mut begin.knobs {
-        for knob in &gone.knobs {
-            recording[*knob] = given.candidates.knobs[*knob].parameter.prior_coordinate();
+    let mut begin = stage.fit.solution.clone();
+    for recording in &mut begin.coefficients {
+        for coefficient in &gone.coefficients {
+            recording[*coefficient] = problem.candidates.coefficients[*coefficient]
+                .parameter
+                .prior_coordinate();
         }
     }
-    let tuned = tune(&given, &knobs, &begin, by);
-    (given, tuned)
+    let fit = fit_hypothesis(&problem, &coefficients, &begin, by);
+    (problem, fit)
 }
 
 /// What switching some knobs off costs of the log likelihood by the linearised problem.
-fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
-    let system = &stage.looked.system;
+fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
+    let system = &stage.screening.system;
     let others: Vec<usize> = stage
-        .tuned
-        .knobs
+        .fit
+        .coefficients
         .iter()
-        .filter(|knob| !knobs.contains(knob))
-        .flat_map(|knob| system.unknowns(*knob))
+        .filter(|coefficient| !coefficients.contains(coefficient))
+        .flat_map(|coefficient| system.unknowns(*coefficient))
         .collect();
     let Some(projection) = Projection::over_all(system, &others) else {
         return 0.0;
     };
     // Along a line a product of a size and a shape would be taken away twice.
-    let all = &stage.given.candidates.knobs;
-    let sizes = knobs.iter().copied().filter(|knob| !all[*knob].is_shape());
+    let all = &stage.problem.candidates.coefficients;
+    let sizes = coefficients
+        .iter()
+        .copied()
+        .filter(|coefficient| !all[*coefficient].is_shape());
     let sizes: Vec<usize> = sizes.collect();
     let unknowns: Vec<usize> = sizes.iter().flat_map(|k| system.unknowns(*k)).collect();
-    let step = system.step(&unknowns, &sizes, |knob, recording| {
-        let off = stage.given.candidates.knobs[knob]
+    let step = system.step(&unknowns, &sizes, |coefficient, recording| {
+        let off = stage.problem.candidates.coefficients[coefficient]
             .parameter
             .prior_coordinate();
-        stage.tuned.solution.knobs[recording][knob] - off
+        stage.fit.solution.coefficients[recording][coefficient] - off
     });
     let matrix = projection.of(&unknowns).matrix;
     0.5 * step.dot(&(matrix * &step))
@@ -178,10 +200,10 @@ fn linear_loss(stage: &Stage, knobs: &[usize]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::tests::retuned;
+    use super::super::stage::tests::refitted;
     use super::*;
     use crate::diagnosis::Subject;
-    use crate::diagnosis::hypothesis::candidate::Knob;
+    use crate::diagnosis::hypothesis::candidate::CandidateParameter;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::effects::{CATALOGUE, ParameterName};
     use crate::terrain::Terrain;
@@ -189,26 +211,40 @@ mod tests {
     use nalgebra::DVector;
 
     /// What stays of a finding of these numbers and so much gain on a drive of this model, and the numbers that are on.
-    fn left(truth: &Specification, names: &[&str], gain: f64) -> (Vec<Member>, Vec<String>) {
+    fn left(
+        truth: &Specification,
+        names: &[&str],
+        gain: f64,
+    ) -> (Vec<AcceptedEffect>, Vec<String>) {
         let nominal =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
         let recordings = [driven(truth, "spiral")];
-        let (mut stage, by) = retuned(&nominal, &recordings);
-        let all = stage.given.candidates.knobs.clone();
-        let whole = |knob: &Knob| format!("{}.{}", CATALOGUE[knob.effect].name, knob.name);
-        let named = |name: &&str| all.iter().position(|knob| whole(knob) == *name).unwrap();
-        let knobs: Vec<usize> = names.iter().map(named).collect();
+        let (mut stage, by) = refitted(&nominal, &recordings);
+        let all = stage.problem.candidates.coefficients.clone();
+        let whole = |coefficient: &CandidateParameter| {
+            format!(
+                "{}.{}",
+                CATALOGUE[coefficient.effect].name, coefficient.name
+            )
+        };
+        let named = |name: &&str| {
+            all.iter()
+                .position(|coefficient| whole(coefficient) == *name)
+                .unwrap()
+        };
+        let coefficients: Vec<usize> = names.iter().map(named).collect();
         let law = names[0].starts_with("residual_");
         let subject = if law {
             Subject::Unknown
         } else {
-            Subject::Effect(all[knobs[0]].effect)
+            Subject::Effect(all[coefficients[0]].effect)
         };
-        stage.tuned = tune(&stage.given, &knobs, &stage.tuned.solution, &by).unwrap();
+        stage.fit =
+            fit_hypothesis(&stage.problem, &coefficients, &stage.fit.solution, &by).unwrap();
         let proposal = Proposal {
             subject,
-            stability: vec![1.0; if law { knobs.len() } else { 0 }],
-            knobs,
+            stability: vec![1.0; if law { coefficients.len() } else { 0 }],
+            coefficients,
             extent: None,
             steps: Vec::new(),
             evidence: gain,
@@ -218,14 +254,18 @@ mod tests {
             anew: false,
         };
         let rivals = vec![(subject, gain)];
-        let mut members = vec![Member {
+        let mut accepted = vec![AcceptedEffect {
             proposal,
             gain,
             rivals,
         }];
-        prune(&mut stage, &mut members, &by, 1.0);
-        let on = stage.tuned.knobs.iter().map(|knob| whole(&all[*knob]));
-        (members, on.collect())
+        prune(&mut stage, &mut accepted, &by, 1.0);
+        let on = stage
+            .fit
+            .coefficients
+            .iter()
+            .map(|coefficient| whole(&all[*coefficient]));
+        (accepted, on.collect())
     }
 
     #[test]
@@ -233,16 +273,16 @@ mod tests {
         let plain =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
         let ratio = "left_right_soil.ratio";
-        let (members, knobs) = left(&plain, &[ratio], 26.0);
-        assert!(members.is_empty() && knobs.is_empty());
+        let (accepted, coefficients) = left(&plain, &[ratio], 26.0);
+        assert!(accepted.is_empty() && coefficients.is_empty());
         let mut truth = plain;
         let name = ParameterName::find(ratio).unwrap();
         truth.effects.set(name, 0.6).unwrap();
         let gain = 1e6;
-        let (members, knobs) = left(&truth, &[ratio], gain);
-        assert!(members.len() == 1 && !knobs.is_empty());
+        let (accepted, coefficients) = left(&truth, &[ratio], gain);
+        assert!(accepted.len() == 1 && !coefficients.is_empty());
         // Nothing was found since that may explain a part of it.
-        assert_eq!(members[0].gain, gain);
+        assert_eq!(accepted[0].gain, gain);
     }
 
     #[test]
@@ -255,10 +295,10 @@ mod tests {
         ];
         let pull = ParameterName::find(terms[0]).unwrap();
         truth.effects.set(pull, 0.03).unwrap();
-        let (members, knobs) = left(&truth, &terms, 1e6);
-        assert_eq!(knobs, terms[..1]);
-        assert_eq!(members[0].proposal.knobs.len(), 1);
-        assert_eq!(members[0].proposal.stability.len(), 1);
-        assert!(members[0].gain > 20.0);
+        let (accepted, coefficients) = left(&truth, &terms, 1e6);
+        assert_eq!(coefficients, terms[..1]);
+        assert_eq!(accepted[0].proposal.coefficients.len(), 1);
+        assert_eq!(accepted[0].proposal.stability.len(), 1);
+        assert!(accepted[0].gain > 20.0);
     }
 }

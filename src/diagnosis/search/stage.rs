@@ -5,22 +5,22 @@ use super::given_soil::seen_from_given_soil;
 use super::proposal::{Proposal, Screened, hidden, proposals, screened, shortlist};
 use super::view::View;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
-use crate::diagnosis::hypothesis::likelihood::{Tuned, tune_restarted};
-use crate::diagnosis::hypothesis::part::Part;
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_restarted};
+use crate::diagnosis::hypothesis::subsample::Subsample;
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::noise;
 use crate::diagnosis::screening::screen::chance;
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::{System, linearise, weigh};
-use crate::diagnosis::screening::wrench::{Wandering, wandering};
+use crate::diagnosis::screening::wrench::{LatentWrench, latent_wrench};
 use crate::diagnosis::{DiagnosisError, Options, Progress};
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 use std::sync::Arc;
 use std::time::Duration;
 
 /// What a candidate looked like under the re-tuned model.
 #[derive(Debug, Clone)]
-pub struct Looked {
+pub struct Screening {
     /// What the screen saw.
     pub screened: Vec<Screened>,
     /// The largest chi-square that chance alone gives.
@@ -28,7 +28,7 @@ pub struct Looked {
     /// The linearised problem.
     pub system: Arc<System>,
     /// A wrench that comes and goes; `None` also where there was no time to look for it.
-    pub wandering: Option<Wandering>,
+    pub latent_wrench: Option<LatentWrench>,
     /// How long it took.
     pub took: Duration,
 }
@@ -45,11 +45,11 @@ const ASTRAY: [f64; 6] = [0.2, 0.2, 0.05, 0.1, 0.1, 0.1];
 #[derive(Debug, Clone)]
 pub struct Stage<'a> {
     /// The given model with the places of what is on.
-    pub given: Given<'a>,
+    pub problem: Problem<'a>,
     /// The hypothesis, fitted.
-    pub tuned: Tuned,
+    pub fit: FittedHypothesis,
     /// What everything else looks like beside it.
-    pub looked: Arc<Looked>,
+    pub screening: Arc<Screening>,
     /// What may be missing.
     pub proposals: Vec<Proposal>,
     /// How it predicts what it was not fitted to.
@@ -62,52 +62,52 @@ pub struct Stage<'a> {
 /// # Errors
 /// Somebody wants it to end, the hypothesis' deadline has passed (noise and weights are then as before), numbers that are
 /// not finite.
-pub fn look<'a>(
-    given: Given<'a>,
-    tuned: Tuned,
-    by: &mut Weighing,
+pub fn screen<'a>(
+    problem: Problem<'a>,
+    fit: FittedHypothesis,
+    by: &mut NoiseModel,
     options: &Options,
     progress: &Progress,
 ) -> Result<Stage<'a>, DiagnosisError> {
     progress.step("sensitivities to every candidate")?;
     let begin = progress.elapsed();
-    let in_time = || progress.in_time(given.deadline);
+    let in_time = || progress.in_time(problem.deadline);
     let mut own = by.clone();
-    let on = tuned.knobs.clone();
-    let layout = Layout::new(&given, &on);
-    let mut tables = sensitivities(&given, &layout, &tuned.solution);
+    let on = fit.coefficients.clone();
+    let layout = Layout::new(&problem, &on);
+    let mut tables = sensitivities(&problem, &layout, &fit.solution);
     in_time()?;
-    weigh(&given, &on, &tuned.tables, &mut own);
+    weigh(&problem, &on, &fit.tables, &mut own);
     progress.step("noise")?;
-    let system = linearise(&given, &layout, &tables, &tuned.solution, &own);
+    let system = linearise(&problem, &layout, &tables, &fit.solution, &own);
     in_time()?;
-    noise::update(&given, &system, &tables, &tuned.solution, &mut own);
+    noise::update(&problem, &system, &tables, &fit.solution, &mut own);
     drop(system);
     in_time()?;
     progress.step("re-tuning the soil")?;
-    let again = tune_restarted(&given, &tuned, &own);
+    let again = fit_restarted(&problem, &fit, &own);
     in_time()?;
     progress.step("sensitivities to every candidate")?;
-    let mut at = tuned.solution.clone();
-    if moved(&given, &at, &again.solution) > MOVED {
+    let mut at = fit.solution.clone();
+    if moved(&problem, &at, &again.solution) > MOVED {
         at = again.solution.clone();
         // Both at once would be most of what a diagnosis needs of memory.
         drop(tables);
-        tables = sensitivities(&given, &layout, &at);
+        tables = sensitivities(&problem, &layout, &at);
     } else if let Some(part) = strayed(&at, &again.solution) {
         for place in part.places() {
             at.starts[*place] = again.solution.starts[*place];
         }
-        let anew = sensitivities(&part.given(&given), &layout, &part.solution(&at));
+        let anew = sensitivities(&part.problem(&problem), &layout, &part.solution(&at));
         for (place, table) in part.places().iter().zip(anew) {
             tables[*place] = table;
         }
     }
     in_time()?;
-    let system = linearise(&given, &layout, &tables, &at, &own);
+    let system = linearise(&problem, &layout, &tables, &at, &own);
     drop(tables);
     in_time()?;
-    let view = View::new(&given, &system, &on, &own).ok_or(DiagnosisError::NotFinite)?;
+    let view = View::new(&problem, &system, &on, &own).ok_or(DiagnosisError::NotFinite)?;
     progress.step("screening and locating")?;
     let screened = screened(&view);
     let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
@@ -117,60 +117,60 @@ pub fn look<'a>(
     let all = proposals(&view, &screened, soil, seed);
     in_time()?;
     let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
-    let wandering = wandering(&given, &system);
+    let latent_wrench = latent_wrench(&problem, &system);
     let took = progress.elapsed().saturating_sub(begin);
     if on.is_empty() {
         proposals.extend(hidden(&view, &screened));
         if !progress.lacks(took) {
-            let further = seen_from_given_soil(&given, &again, &own, &proposals, seed);
+            let further = seen_from_given_soil(&problem, &again, &own, &proposals, seed);
             in_time()?;
             proposals.extend(further);
         }
     }
-    let scores = scores(&given, &again, &own);
+    let scores = scores(&problem, &again, &own);
     *by = own;
     Ok(Stage {
-        looked: Arc::new(Looked {
+        screening: Arc::new(Screening {
             screened,
             threshold,
             system: Arc::new(system),
-            wandering,
+            latent_wrench,
             took,
         }),
         proposals,
         scores,
-        tuned: again,
-        given,
+        fit: again,
+        problem,
     })
 }
 
-/// As [`look`] after another look. Where time is up, the hypothesis stands as it was fitted, and nothing is known of what
+/// As [`screen`] after another look. Where time is up, the hypothesis stands as it was fitted, and nothing is known of what
 /// is left over beside it.
 ///
 /// # Errors
 /// Somebody wants it to end, numbers that are not finite.
-pub fn look_again<'a>(
-    before: &Arc<Looked>,
-    given: Given<'a>,
-    tuned: Tuned,
-    by: &mut Weighing,
+pub fn screen_again<'a>(
+    before: &Arc<Screening>,
+    problem: Problem<'a>,
+    fit: FittedHypothesis,
+    by: &mut NoiseModel,
     options: &Options,
     progress: &Progress,
 ) -> Result<Stage<'a>, DiagnosisError> {
     if progress.limit().is_none() {
-        return look(given, tuned, by, options, progress);
+        return screen(problem, fit, by, options, progress);
     }
     if !progress.lacks(before.took) {
-        match look(given.clone(), tuned.clone(), by, options, progress) {
+        match screen(problem.clone(), fit.clone(), by, options, progress) {
             Err(DiagnosisError::OutOfTime) => {}
-            looked => return looked,
+            screening => return screening,
         }
     }
     Ok(Stage {
-        given,
-        tuned,
-        looked: Arc::new(Looked {
-            wandering: None,
+        problem,
+        fit,
+        screening: Arc::new(Screening {
+            latent_wrench: None,
             ..before.as_ref().clone()
         }),
         proposals: Vec::new(),
@@ -179,51 +179,51 @@ pub fn look_again<'a>(
 }
 
 /// How far the soil moved, in standard deviations of its prior.
-fn moved(given: &Given, from: &Solution, to: &Solution) -> f64 {
-    let scales = given.soil_parameters();
+fn moved(problem: &Problem, from: &Solution, to: &Solution) -> f64 {
+    let scales = problem.soil_parameters();
     let pairs = from.soil.iter().zip(&to.soil).zip(&scales);
     let each = pairs.map(|((a, b), scale)| (a - b).abs() / scale.prior.deviation);
     each.fold(0.0, f64::max)
 }
 
 /// The stretches whose start was found elsewhere: what it leaves over there is another thing.
-fn strayed(from: &Solution, to: &Solution) -> Option<Part> {
+fn strayed(from: &Solution, to: &Solution) -> Option<Subsample> {
     let pairs = from.starts.iter().zip(&to.starts).enumerate();
     let strayed = pairs.filter(|(_, (a, b))| {
         let mut each = a.iter().zip(b.iter()).zip(ASTRAY);
         each.any(|((a, b), limit)| (a - b).abs() > limit)
     });
     let places = strayed.map(|(place, _)| place).collect();
-    Part::some(places, from.starts.len())
+    Subsample::some(places, from.starts.len())
 }
 
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use crate::diagnosis::hypothesis::likelihood::tune_with_noise;
+    use crate::diagnosis::hypothesis::likelihood::fit_with_noise;
     use crate::diagnosis::hypothesis::prepare::prepare;
     use crate::recording::Recording;
     use crate::vehicle::Specification;
 
     /// The re-tuned model of recordings, looked at, and the noise that it leaves.
-    pub fn retuned<'a>(
+    pub fn refitted<'a>(
         nominal: &Specification,
         recordings: &'a [Recording],
-    ) -> (Stage<'a>, Weighing) {
-        retuned_with(nominal, recordings, &Options::default())
+    ) -> (Stage<'a>, NoiseModel) {
+        refitted_with(nominal, recordings, &Options::default())
     }
 
     /// The same with other options.
-    pub fn retuned_with<'a>(
+    pub fn refitted_with<'a>(
         nominal: &Specification,
         recordings: &'a [Recording],
         options: &Options,
-    ) -> (Stage<'a>, Weighing) {
-        let mut given = Given::new(nominal, recordings);
+    ) -> (Stage<'a>, NoiseModel) {
+        let mut problem = Problem::new(nominal, recordings);
         let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut by) = prepare(&mut given, options, &progress).unwrap();
-        let fitted = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-        let stage = look(given, fitted, &mut by, options, &progress).unwrap();
+        let (_, mut by) = prepare(&mut problem, options, &progress).unwrap();
+        let fitted = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
+        let stage = screen(problem, fitted, &mut by, options, &progress).unwrap();
         (stage, by)
     }
 
@@ -231,7 +231,7 @@ pub mod tests {
     fn stretches_whose_start_was_found_elsewhere_are_looked_at_anew() {
         let before = Solution {
             soil: Vec::new(),
-            knobs: Vec::new(),
+            coefficients: Vec::new(),
             starts: vec![[0.0; 6]; 3],
         };
         assert!(strayed(&before, &before).is_none());

@@ -1,16 +1,16 @@
 //! What may be missing, fitted beside a hypothesis: all begin, the promising ones are finished.
 
-use super::company::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
-use super::contest::contend;
+use super::colocated::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
 use super::edges::settle_edges;
 use super::given_soil::from_given_soil;
-use super::naming::{Named, Sketch, finish, sketch};
-use super::proposal::{Kind, Proposal};
-use super::scout::Scouts;
+use super::naming::{Named, PartialFit, finish, partial_fit};
+use super::proposal::{Proposal, ProposalKind};
+use super::rerank::rerank;
 use super::stage::Stage;
-use crate::diagnosis::hypothesis::Given;
+use super::subsample_search::SubsampleSearch;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::{DiagnosisError, Progress};
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 
 /// Fits that are further behind after their first steps are not finished, or not widened to all stretches.
 const NEAR: f64 = 0.75;
@@ -36,36 +36,36 @@ const FIRST_STEPS: f64 = 0.6;
 /// Somebody wants it to end.
 pub fn try_all<'a>(
     stage: &Stage<'a>,
-    by: &Weighing,
+    by: &NoiseModel,
     progress: &'a Progress,
 ) -> Result<Vec<Named<'a>>, DiagnosisError> {
-    let Stage { given, tuned, .. } = stage;
-    let hasty = Given {
+    let Stage { problem, fit, .. } = stage;
+    let hasty = Problem {
         deadline: progress.share_of_search(FIRST_STEPS),
-        ..given.clone()
+        ..problem.clone()
     };
-    let mut begun = match Scouts::new(&hasty, tuned, by) {
-        Some(scouts) => scouted(&hasty, stage, &scouts, by),
+    let mut begun = match SubsampleSearch::new(&hasty, fit, by) {
+        Some(subsample_search) => scouted(&hasty, stage, &subsample_search, by),
         None => {
             let all = stage.proposals.iter();
             let all = all.take_while(|_| !hasty.deadline.is_over());
-            sketched(all, NEAR, |one, least| {
-                sketch(&hasty, one, tuned, by, 1.0, least)
+            partially_fitted(all, NEAR, |one, least| {
+                partial_fit(&hasty, one, fit, by, 1.0, least)
             })
         }
     };
-    for sketch in &mut begun {
-        sketch.given.deadline = given.deadline;
+    for partial_fit in &mut begun {
+        partial_fit.problem.deadline = problem.deadline;
     }
     let best = |fitted: &[Named]| fitted.iter().map(Named::odds).fold(0.0, f64::max);
     let (mut fitted, mut unfinished) = (Vec::new(), Vec::new());
-    for sketch in promising(begun, NEAR, MOST) {
+    for partial_fit in promising(begun, NEAR, MOST) {
         progress.go_on()?;
         if progress.is_late() {
-            unfinished.push(sketch.unfinished());
+            unfinished.push(partial_fit.unfinished());
             continue;
         }
-        let finished = finish(from_given_soil(sketch, tuned, by), tuned, by);
+        let finished = finish(from_given_soil(partial_fit, fit, by), fit, by);
         let list = if progress.is_late() {
             &mut unfinished
         } else {
@@ -91,7 +91,7 @@ pub fn try_all<'a>(
         }
     }
     if unfinished.is_empty() {
-        contend(&mut fitted, by);
+        rerank(&mut fitted, by);
     }
     let largest = best(&fitted);
     let unfinished = unfinished.into_iter();
@@ -102,43 +102,43 @@ pub fn try_all<'a>(
 /// The first steps on a long recording: what acts throughout takes them on a part, and on all of it where it
 /// keeps its promise; what acts at some time or place only takes all, where it may come near.
 fn scouted<'a>(
-    given: &Given<'a>,
+    problem: &Problem<'a>,
     stage: &Stage<'a>,
-    scouts: &Scouts<'a>,
-    by: &Weighing,
-) -> Vec<Sketch<'a>> {
-    let Stage {
-        tuned, proposals, ..
-    } = stage;
-    let begins = || !given.deadline.is_over();
+    subsample_search: &SubsampleSearch<'a>,
+    by: &NoiseModel,
+) -> Vec<PartialFit<'a>> {
+    let Stage { fit, proposals, .. } = stage;
+    let initial_guess = || !problem.deadline.is_over();
     let (throughout, local): (Vec<_>, Vec<_>) = proposals.iter().partition(|p| p.extent.is_none());
-    let throughout = throughout.into_iter().take_while(|_| begins());
-    let begun = sketched(throughout, NEAR_ON_A_PART, |one, least| {
-        scouts.sketch(one, least)
+    let throughout = throughout.into_iter().take_while(|_| initial_guess());
+    let begun = partially_fitted(throughout, NEAR_ON_A_PART, |one, least| {
+        subsample_search.partial_fit(one, least)
     });
     let near = promising(begun, NEAR_ON_A_PART, 2 * MOST);
-    let further = near.iter().map(|sketch| scouts.further(sketch));
+    let further = near
+        .iter()
+        .map(|partial_fit| subsample_search.further(partial_fit));
     let near = promising(further.collect(), NEAR_ON_A_PART, MOST);
     let bar = Bar::of(&near);
-    let widened = near.iter().take_while(|_| begins());
-    let widened = widened.filter_map(|sketch| {
-        let least = bar.least(sketch.proposal.kind(), NEAR);
-        scouts.widened(sketch, given, tuned, by, least)
+    let widened = near.iter().take_while(|_| initial_guess());
+    let widened = widened.filter_map(|partial_fit| {
+        let least = bar.least(partial_fit.proposal.kind(), NEAR);
+        subsample_search.widened(partial_fit, problem, fit, by, least)
     });
     let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.least(p.kind(), NEAR_ON_A_PART);
     let local = local.into_iter().filter(may_be_near);
-    let local = local.take_while(|_| begins());
+    let local = local.take_while(|_| initial_guess());
     let least = |one: &Proposal| bar.least(one.kind(), NEAR_ON_A_PART);
-    let local = local.filter_map(|one| sketch(given, one, tuned, by, 1.0, least(one)));
+    let local = local.filter_map(|one| partial_fit(problem, one, fit, by, 1.0, least(one)));
     widened.chain(local).collect()
 }
 
 /// Those whose fit could begin. Each is followed as far as it may come to this share of the best so far.
-fn sketched<'a, 'p>(
+fn partially_fitted<'a, 'p>(
     proposals: impl Iterator<Item = &'p Proposal>,
     share: f64,
-    begin: impl Fn(&Proposal, f64) -> Option<Sketch<'a>>,
-) -> Vec<Sketch<'a>> {
+    begin: impl Fn(&Proposal, f64) -> Option<PartialFit<'a>>,
+) -> Vec<PartialFit<'a>> {
     let mut begun = Vec::new();
     for proposal in proposals {
         let least = Bar::of(&begun).least(proposal.kind(), share);
@@ -148,19 +148,25 @@ fn sketched<'a, 'p>(
 }
 
 /// Those that may come to this share of the best, the most promising first, at most so many.
-fn promising<'a>(mut sketches: Vec<Sketch<'a>>, share: f64, most: usize) -> Vec<Sketch<'a>> {
+fn promising<'a>(
+    mut sketches: Vec<PartialFit<'a>>,
+    share: f64,
+    most: usize,
+) -> Vec<PartialFit<'a>> {
     sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     // What was proposed twice, as seen and as hidden, and came to the same is finished once.
-    let mut once: Vec<Sketch> = Vec::new();
-    for sketch in sketches {
-        if !once.iter().any(|earlier| sketch.is_twin_of(earlier)) {
-            once.push(sketch);
+    let mut once: Vec<PartialFit> = Vec::new();
+    for partial_fit in sketches {
+        if !once.iter().any(|earlier| partial_fit.is_twin_of(earlier)) {
+            once.push(partial_fit);
         }
     }
     let mut sketches = once;
     let bar = Bar::of(&sketches);
     sketches.truncate(most);
-    sketches.retain(|sketch| sketch.promise() > bar.least(sketch.proposal.kind(), share));
+    sketches.retain(|partial_fit| {
+        partial_fit.promise() > bar.least(partial_fit.proposal.kind(), share)
+    });
     sketches
 }
 
@@ -171,10 +177,10 @@ struct Bar {
 }
 
 impl Bar {
-    fn of(sketches: &[Sketch]) -> Self {
-        let is_law = |sketch: &&Sketch| sketch.proposal.kind() == Kind::Law;
-        let (laws, names): (Vec<&Sketch>, Vec<&Sketch>) = sketches.iter().partition(is_law);
-        let best = |of: Vec<&Sketch>| of.into_iter().map(Sketch::odds).fold(0.0, f64::max);
+    fn of(sketches: &[PartialFit]) -> Self {
+        let is_law = |partial_fit: &&PartialFit| partial_fit.proposal.kind() == ProposalKind::Law;
+        let (laws, names): (Vec<&PartialFit>, Vec<&PartialFit>) = sketches.iter().partition(is_law);
+        let best = |of: Vec<&PartialFit>| of.into_iter().map(PartialFit::odds).fold(0.0, f64::max);
         Self {
             law: best(laws),
             name: best(names),
@@ -183,9 +189,9 @@ impl Bar {
 
     /// What comes to less is not gone on with: less than this share of the best. Of what has a name the best with a
     /// name counts, where that explains a good part of what a law does.
-    fn least(&self, kind: Kind, share: f64) -> f64 {
+    fn least(&self, kind: ProposalKind, share: f64) -> f64 {
         let best = match kind {
-            Kind::Law => share * self.law.max(self.name),
+            ProposalKind::Law => share * self.law.max(self.name),
             _ => (share * self.name).max(GOOD_PART * self.law),
         };
         best - CLOSE
@@ -199,7 +205,7 @@ mod tests {
     #[test]
     fn a_law_does_not_set_the_bar_for_names() {
         let bar = |law, name| Bar { law, name };
-        for kind in [Kind::Throughout, Kind::Local] {
+        for kind in [ProposalKind::Throughout, ProposalKind::Local] {
             // Two effects at once: a law has the most of both, each name two thirds or less.
             let least = bar(1000.0, 400.0).least(kind, NEAR);
             assert!((300.0 - CLOSE - least).abs() < 1e-9);
@@ -207,7 +213,7 @@ mod tests {
             let least = bar(1000.0, 10.0).least(kind, NEAR);
             assert!((GOOD_PART * 1000.0 - CLOSE - least).abs() < 1e-9);
         }
-        let least = |law, name| bar(law, name).least(Kind::Law, NEAR);
+        let least = |law, name| bar(law, name).least(ProposalKind::Law, NEAR);
         assert!((least(1000.0, 400.0) - least(400.0, 1000.0)).abs() < 1e-9);
     }
 }

@@ -1,21 +1,21 @@
 //! What a search looks at: the linearised problem beside what is on.
 
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::screening::system::System;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 
 /// The linearised problem beside what is on.
 #[derive(Debug)]
 pub struct View<'a, 'g> {
     /// The given model.
-    pub given: &'a Given<'g>,
+    pub problem: &'a Problem<'g>,
     /// The normal equations.
     pub system: &'a System,
     /// Soil and what is on, projected out.
     pub projection: Projection<'a>,
     /// The noise.
-    pub by: &'a Weighing,
+    pub by: &'a NoiseModel,
     /// Knobs that are on.
     pub on: &'a [usize],
 }
@@ -24,15 +24,15 @@ impl<'a, 'g> View<'a, 'g> {
     /// Projects out what is on. `None` where numbers are not finite.
     #[must_use]
     pub fn new(
-        given: &'a Given<'g>,
+        problem: &'a Problem<'g>,
         system: &'a System,
         on: &'a [usize],
-        by: &'a Weighing,
+        by: &'a NoiseModel,
     ) -> Option<Self> {
         let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
         let projection = Projection::over_all(system, &further)?;
         Some(Self {
-            given,
+            problem,
             system,
             projection,
             by,

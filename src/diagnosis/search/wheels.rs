@@ -9,11 +9,11 @@
 //! Both are therefore tried with more and more smoothing, as long as the recordings become likelier.
 
 use crate::diagnosis::Progress;
-use crate::diagnosis::hypothesis::Given;
-use crate::diagnosis::hypothesis::likelihood::{Tuned, tune, tune_with_noise};
+use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, fit_with_noise};
 use crate::diagnosis::hypothesis::thin::FIRST_LOOK;
 use crate::diagnosis::hypothesis::wheels::Wheels;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -26,62 +26,62 @@ const UNLIKELY: f64 = 3.0;
 /// what was tried by then.
 #[must_use]
 pub fn reconstructed<'a>(
-    given: &Given<'a>,
-    tuned: Tuned,
-    by: &mut Weighing,
+    problem: &Problem<'a>,
+    fit: FittedHypothesis,
+    by: &mut NoiseModel,
     progress: &Progress,
-) -> (Given<'a>, Tuned) {
+) -> (Problem<'a>, FittedHypothesis) {
     let mut took = Duration::ZERO;
-    let mut best: Option<(Given, Tuned, f64)> = None;
+    let mut best: Option<(Problem, FittedHypothesis, f64)> = None;
     for counted in [false, true] {
         let mut least = f64::INFINITY;
         for smoothing in SMOOTHINGS {
             let price = if smoothing > 0.0 { UNLIKELY } else { 0.0 };
             let as_it_is = !counted && smoothing == 0.0;
             let (other, fitted) = if as_it_is {
-                (given.clone(), Ok(tuned.clone()))
+                (problem.clone(), Ok(fit.clone()))
             } else {
                 if progress.lacks(took + progress.passes(FIRST_LOOK)) {
                     break;
                 }
                 let before = progress.elapsed();
-                let begin = best.as_ref().map_or(&tuned, |(_, tuned, _)| tuned);
-                let other = with_wheels(given, counted, smoothing);
-                let fitted = tune(&other, &tuned.knobs, &begin.solution, by);
+                let begin = best.as_ref().map_or(&fit, |(_, fit, _)| fit);
+                let other = with_wheels(problem, counted, smoothing);
+                let fitted = fit_hypothesis(&other, &fit.coefficients, &begin.solution, by);
                 took = progress.elapsed().saturating_sub(before);
                 (other, fitted)
             };
             let Ok(fitted) = fitted else { continue };
-            if fitted.surprise >= least {
+            if fitted.negative_log_evidence >= least {
                 break;
             }
-            least = fitted.surprise;
+            least = fitted.negative_log_evidence;
             if best.as_ref().is_none_or(|(.., best)| least + price < *best) {
                 best = Some((other, fitted, least + price));
             }
         }
     }
-    let Some((mut given, fitted, _)) = best else {
-        return (given.clone(), tuned);
+    let Some((mut problem, fitted, _)) = best else {
+        return (problem.clone(), fit);
     };
-    let Some(wheels) = &mut given.wheels else {
-        return (given, tuned);
+    let Some(wheels) = &mut problem.wheels else {
+        return (problem, fit);
     };
-    wheels.likelier = tuned.surprise - fitted.surprise;
+    wheels.likelier = fit.negative_log_evidence - fitted.negative_log_evidence;
     let mut own = by.clone();
-    let fitted = match tune_with_noise(&given, &fitted.knobs, &fitted.solution, &mut own) {
+    let fitted = match fit_with_noise(&problem, &fitted.coefficients, &fitted.solution, &mut own) {
         Ok(settled) => {
             *by = own;
             settled
         }
         Err(_) => fitted,
     };
-    (given, fitted)
+    (problem, fitted)
 }
 
 /// The same recordings, the speeds of their wheels between samples reconstructed.
-fn with_wheels<'a>(given: &Given<'a>, counted: bool, smoothing: f64) -> Given<'a> {
-    let mut other = given.clone();
+fn with_wheels<'a>(problem: &Problem<'a>, counted: bool, smoothing: f64) -> Problem<'a> {
+    let mut other = problem.clone();
     let mut last = None;
     for segment in &mut other.segments {
         let run = (segment.recording, segment.run);
@@ -163,14 +163,14 @@ mod tests {
         let whole = driven(&model, "slalom");
         let likelier = |recording: Recording| {
             let recordings = [recording];
-            let mut given = Given::new(&model, &recordings);
+            let mut problem = Problem::new(&model, &recordings);
             let progress = Progress::new(&|_: &'static str| {});
-            let (_, mut by) = prepare(&mut given, &Options::default(), &progress).unwrap();
-            let tuned = tune_with_noise(&given, &[], &given.begin(), &mut by).unwrap();
-            let (found, again) = reconstructed(&given, tuned.clone(), &mut by, &progress);
+            let (_, mut by) = prepare(&mut problem, &Options::default(), &progress).unwrap();
+            let fit = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
+            let (found, again) = reconstructed(&problem, fit.clone(), &mut by, &progress);
             assert_eq!(
                 found.wheels.is_some(),
-                found.segments[0].drive != given.segments[0].drive
+                found.segments[0].drive != problem.segments[0].drive
             );
             (found.wheels, again.misfit)
         };

@@ -1,8 +1,8 @@
 use super::*;
-use crate::import::container::{Channel, Container, Ending};
+use crate::import::container::{Connection, Container, Ending};
 
 fn topic(name: &str, message_type: &str, messages: u64, joints: &str) -> Topic {
-    let channel = Channel {
+    let channel = Connection {
         topic: name.into(),
         message_type: message_type.into(),
         encoding: "cdr".into(),
@@ -30,7 +30,7 @@ fn survey() -> Survey {
     }
 }
 
-fn chosen(kind: Kind, wish: &Wish) -> Option<String> {
+fn chosen(kind: MessageKind, wish: &Wish) -> Option<String> {
     let survey = survey();
     let choice = choose(&survey, kind, wish, &WheelJoints::default()).unwrap();
     choice.map(|choice| choice.topic.name.clone())
@@ -67,13 +67,19 @@ fn names_tell_where_a_pose_is_from() {
 #[test]
 fn the_order_of_preference() {
     // Wheels before more messages; no wheel odometry, then more messages.
-    assert_eq!(chosen(Kind::Joints, &Wish::Any).as_deref(), Some("/wheels"));
-    assert_eq!(chosen(Kind::Odometry, &Wish::Any).as_deref(), Some("/odom"));
-    assert_eq!(chosen(Kind::Imu, &Wish::Any), None);
-    assert_eq!(chosen(Kind::Odometry, &Wish::Without), None);
+    assert_eq!(
+        chosen(MessageKind::Joints, &Wish::Any).as_deref(),
+        Some("/wheels")
+    );
+    assert_eq!(
+        chosen(MessageKind::Odometry, &Wish::Any).as_deref(),
+        Some("/odom")
+    );
+    assert_eq!(chosen(MessageKind::Imu, &Wish::Any), None);
+    assert_eq!(chosen(MessageKind::Odometry, &Wish::Without), None);
     let named = Wish::Named("odom/slow".into());
     assert_eq!(
-        chosen(Kind::Odometry, &named).as_deref(),
+        chosen(MessageKind::Odometry, &named).as_deref(),
         Some("/odom/slow")
     );
 }
@@ -86,7 +92,13 @@ fn inertial_sensors_of_cameras_and_lidars_go_last() {
     };
     let mut survey = survey();
     let chosen = |survey: &Survey| -> String {
-        let choice = choose(survey, Kind::Imu, &Wish::Any, &WheelJoints::default()).unwrap();
+        let choice = choose(
+            survey,
+            MessageKind::Imu,
+            &Wish::Any,
+            &WheelJoints::default(),
+        )
+        .unwrap();
         choice.unwrap().topic.name.clone()
     };
     survey.topics = vec![
@@ -106,7 +118,7 @@ fn inertial_sensors_of_cameras_and_lidars_go_last() {
 fn a_choice_among_several_is_told() {
     let survey = survey();
     let none = WheelJoints::default();
-    let choice = choose(&survey, Kind::Odometry, &Wish::Any, &none)
+    let choice = choose(&survey, MessageKind::Odometry, &Wish::Any, &none)
         .unwrap()
         .unwrap();
     let note = choice.note().unwrap();
@@ -115,7 +127,7 @@ fn a_choice_among_several_is_told() {
         "{note}"
     );
     let named = Wish::Named("/odom".into());
-    let choice = choose(&survey, Kind::Odometry, &named, &none)
+    let choice = choose(&survey, MessageKind::Odometry, &named, &none)
         .unwrap()
         .unwrap();
     assert_eq!(choice.note(), None);

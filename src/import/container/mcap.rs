@@ -1,6 +1,6 @@
 //! MCAP, through the format's own crate.
 
-use super::{BLOCK, Channel, Ending, Input, LONGEST_NAME, Progress, Visit};
+use super::{BLOCK, Connection, Ending, Input, LONGEST_NAME, ReadProgress, Visit};
 use crate::import::ImportError;
 use mcap::McapError;
 use mcap::records::op;
@@ -13,7 +13,7 @@ const LATEST: u64 = i64::MAX as u64 / 2;
 /// Shows every message; the summary at the end is not needed.
 pub(super) fn read(
     mut input: Input,
-    progress: &mut Progress,
+    progress: &mut ReadProgress,
     visit: &mut Visit,
 ) -> Result<Ending, ImportError> {
     // A chunk is checked before its messages are shown.
@@ -69,10 +69,10 @@ const UNREADABLE: &str = "a record does not parse";
 #[derive(Default)]
 struct Channels {
     schemas: HashMap<u16, String>,
-    channels: HashMap<u16, Channel>,
+    channels: HashMap<u16, Connection>,
 }
 
-type Shown<'c, 'd> = (&'c Channel, i64, &'d [u8]);
+type Shown<'c, 'd> = (&'c Connection, i64, &'d [u8]);
 
 impl Channels {
     /// Learns from a record, or returns it if it is a message.
@@ -102,7 +102,7 @@ impl Channels {
             }
             op::CHANNEL => {
                 let (id, schema) = (fields.u16()?, fields.u16()?);
-                let known = Channel {
+                let known = Connection {
                     topic: fields.text()?,
                     message_type: self.schemas.get(&schema).cloned().unwrap_or_default(),
                     encoding: fields.text()?,
@@ -175,7 +175,7 @@ mod tests {
         for (opcode, data) in &RECORDS[..2] {
             assert_eq!(channels.take(*opcode, data), Ok(None));
         }
-        let channel = Channel {
+        let channel = Connection {
             topic: "topic".into(),
             message_type: "type".into(),
             encoding: "cdr".into(),

@@ -44,7 +44,7 @@ pub enum Ending {
 
 /// The topic of a message.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Channel {
+pub(super) struct Connection {
     pub topic: String,
     /// Name of the message's type.
     pub message_type: String,
@@ -53,10 +53,10 @@ pub(super) struct Channel {
 }
 
 /// Is shown every message: its topic, when it was logged \[ns\] since 1970, and its bytes.
-pub(super) type Visit<'v> = dyn FnMut(&Channel, i64, &[u8]) -> Result<(), ImportError> + 'v;
+pub(super) type Visit<'v> = dyn FnMut(&Connection, i64, &[u8]) -> Result<(), ImportError> + 'v;
 
 /// Is told how many bytes have been read, and of how many.
-pub type Progress<'p> = dyn FnMut(u64, u64) + 'p;
+pub type ReadProgress<'p> = dyn FnMut(u64, u64) + 'p;
 
 /// Bytes that are asked of the file at once.
 const BLOCK: usize = 1 << 18;
@@ -200,7 +200,7 @@ pub(super) fn container(path: &Path) -> Result<Container, ImportError> {
 pub(super) fn read(
     path: &Path,
     container: Container,
-    progress: &mut Progress,
+    progress: &mut ReadProgress,
     visit: &mut Visit,
 ) -> Result<Ending, ImportError> {
     let input = Input::open(path)?;

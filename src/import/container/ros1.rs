@@ -5,7 +5,7 @@
 //! The crate `rosbag` maps the file into memory and panics where a bag was cut off or never
 //! closed, which is why it is not used.
 
-use super::{Channel, Ending, Input, LONGEST_NAME, Progress, Visit};
+use super::{Connection, Ending, Input, LONGEST_NAME, ReadProgress, Visit};
 use crate::display::shortened;
 use crate::import::ImportError;
 use std::collections::HashMap;
@@ -43,7 +43,7 @@ fn broken<T>(reason: impl Into<String>) -> Result<T, Stop> {
 /// Shows every message.
 pub(super) fn read(
     mut input: Input,
-    progress: &mut Progress,
+    progress: &mut ReadProgress,
     visit: &mut Visit,
 ) -> Result<Ending, ImportError> {
     input.skip(MAGIC.len() as u32)?;
@@ -72,7 +72,7 @@ struct Buffers {
 /// What the file has said so far.
 #[derive(Default)]
 struct Bag {
-    channels: HashMap<u32, Channel>,
+    channels: HashMap<u32, Connection>,
     /// Where the tables of contents begin; zero in a bag that was never closed.
     index: Option<u64>,
 }
@@ -125,7 +125,7 @@ impl Bag {
     fn take(&mut self, fields: &Fields, data: &[u8], visit: &mut Visit) -> Result<(), Stop> {
         match fields.op()? {
             op::CONNECTION => {
-                let channel = Channel {
+                let channel = Connection {
                     topic: fields.text("topic")?,
                     message_type: Fields(data).text("type")?,
                     encoding: "ros1".into(),

@@ -53,11 +53,17 @@ fn bytes(hexadecimal: &str) -> Vec<u8> {
 
 #[test]
 fn types_of_both_systems_are_the_same() {
-    assert_eq!(Kind::of_type("sensor_msgs/Imu"), Some(Kind::Imu));
-    assert_eq!(Kind::of_type("sensor_msgs/msg/Imu"), Some(Kind::Imu));
-    assert_eq!(Kind::of_type("sensor_msgs/msg/Image"), None);
-    for kind in Kind::ALL {
-        assert_eq!(Kind::of_type(kind.message_type()), Some(kind));
+    assert_eq!(
+        MessageKind::of_type("sensor_msgs/Imu"),
+        Some(MessageKind::Imu)
+    );
+    assert_eq!(
+        MessageKind::of_type("sensor_msgs/msg/Imu"),
+        Some(MessageKind::Imu)
+    );
+    assert_eq!(MessageKind::of_type("sensor_msgs/msg/Image"), None);
+    for kind in MessageKind::ALL {
+        assert_eq!(MessageKind::of_type(kind.message_type()), Some(kind));
     }
 }
 

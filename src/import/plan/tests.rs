@@ -2,7 +2,7 @@ use super::*;
 use crate::import::Clock;
 use crate::import::attitude::Yaw;
 use crate::import::collect::{FixSample, JointSample, WheelSample};
-use crate::import::container::Channel;
+use crate::import::container::Connection;
 use crate::import::convert::convert;
 use crate::import::side::WheelJoints;
 use crate::import::survey::Topic;
@@ -10,8 +10,8 @@ use crate::import::survey::Topic;
 const STEP: i64 = 100_000_000;
 
 /// Twenty seconds of a topic, logged as measured.
-fn stream<T>(kind: Kind, name: &str, value: impl Fn(f64) -> T) -> Stream<T> {
-    let channel = Channel {
+fn stream<T>(kind: MessageKind, name: &str, value: impl Fn(f64) -> T) -> Stream<T> {
+    let channel = Connection {
         topic: name.into(),
         message_type: kind.message_type().into(),
         encoding: "cdr".into(),
@@ -44,19 +44,21 @@ fn collected(odometry: &str, slip: f64, deviation: Option<f64>) -> Collected {
     };
     let speed = |time: f64| 0.15 * (wheel_speed(time) + slip * (0.7 * time).cos());
     Collected {
-        joints: stream(Kind::Joints, "/joints", joints),
+        joints: stream(MessageKind::Joints, "/joints", joints),
         wheels: WheelJoints {
             left: vec!["l".into()],
             right: vec!["r".into()],
         },
-        odometry: Some(stream(Kind::Odometry, odometry, |time| OdometrySample {
-            position: [time, 0.0],
-            yaw: Yaw::Of(0.0),
-            velocity: [speed(time), 0.01],
-            yaw_rate: 0.01,
+        odometry: Some(stream(MessageKind::Odometry, odometry, |time| {
+            OdometrySample {
+                position: [time, 0.0],
+                yaw: Yaw::Of(0.0),
+                velocity: [speed(time), 0.01],
+                yaw_rate: 0.01,
+            }
         })),
         imu: None,
-        fix: Some(stream(Kind::Fix, "/fix", |_| FixSample {
+        fix: Some(stream(MessageKind::Fix, "/fix", |_| FixSample {
             status: 0,
             place: [48.0, 11.0, 500.0],
             deviation,

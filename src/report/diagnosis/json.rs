@@ -152,7 +152,7 @@ fn candidate(candidate: &Candidate) -> Value {
 fn held_out(held_out: &HeldOut) -> Value {
     object!({
         "nominal": errors(&held_out.nominal),
-        "retuned": errors(&held_out.retuned),
+        "retuned": errors(&held_out.refitted),
         "augmented": errors(&held_out.augmented),
         "gain": {
             "value": held_out.gain.0,
@@ -172,20 +172,20 @@ fn errors(errors: &Errors) -> Value {
     })
 }
 
-fn soil((retuned, augmented): &(Estimate, Estimate)) -> Value {
+fn soil((refitted, augmented): &(Estimate, Estimate)) -> Value {
     let fitted = |estimate: &Estimate| {
         object!({
             "value": estimate.value,
             "low": estimate.low,
             "high": estimate.high,
-            "width_over_prior": estimate.told,
+            "width_over_prior": estimate.posterior_prior_ratio,
         })
     };
     object!({
-        "parameter": retuned.parameter.name,
-        "unit": retuned.parameter.unit,
-        "nominal": retuned.nominal,
-        "retuned": fitted(retuned),
+        "parameter": refitted.parameter.name,
+        "unit": refitted.parameter.unit,
+        "nominal": refitted.nominal,
+        "retuned": fitted(refitted),
         "augmented": fitted(augmented),
     })
 }

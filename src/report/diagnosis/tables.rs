@@ -161,13 +161,13 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     }
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (name, unit, of) in words::MEASURES {
-        if !of(&held_out.retuned).is_finite() {
+        if !of(&held_out.refitted).is_finite() {
             continue;
         }
         let mut row = vec![format!("error of {name}, rms")];
         row.extend(models.iter().map(|(_, errors)| with_unit(of(errors), unit)));
         if found {
-            let left = of(&held_out.augmented) / of(&held_out.retuned);
+            let left = of(&held_out.augmented) / of(&held_out.refitted);
             row.push(if left.is_finite() {
                 format!("{:.0} %", 100.0 * left)
             } else {
@@ -200,8 +200,8 @@ pub fn soil(diagnosis: &Diagnosis) -> String {
         header.extend(["with what was found", "90 % interval"]);
     }
     header.push("left of the prior's width");
-    let rows = diagnosis.soil.iter().map(|(retuned, augmented)| {
-        let parameter = &retuned.parameter;
+    let rows = diagnosis.soil.iter().map(|(refitted, augmented)| {
+        let parameter = &refitted.parameter;
         let (factor, unit) = shown(parameter.unit);
         let cells = |estimate: &Estimate| {
             let [value, low, high] =
@@ -212,16 +212,16 @@ pub fn soil(diagnosis: &Diagnosis) -> String {
         let mut row = vec![
             parameter.name.replace('_', " "),
             unit.to_owned(),
-            digits(retuned.nominal * factor, 3),
+            digits(refitted.nominal * factor, 3),
         ];
-        row.extend(cells(retuned));
+        row.extend(cells(refitted));
         let last = if found {
             row.extend(cells(augmented));
             augmented
         } else {
-            retuned
+            refitted
         };
-        row.push(percent(last.told));
+        row.push(percent(last.posterior_prior_ratio));
         row
     });
     table(&header, rows)

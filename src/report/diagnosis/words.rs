@@ -152,7 +152,7 @@ pub fn has_model(diagnosis: &Diagnosis) -> bool {
 pub fn models(held_out: &HeldOut, diagnosis: &Diagnosis) -> Vec<(&'static str, Errors)> {
     let mut models = vec![
         ("as given", held_out.nominal),
-        ("re-tuned", held_out.retuned),
+        ("re-tuned", held_out.refitted),
     ];
     if has_model(diagnosis) {
         models.push(("with what was found", held_out.augmented));
@@ -174,7 +174,7 @@ pub const MEASURES: [Measure; 3] = [
 pub fn improvement(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = models(held_out, diagnosis);
     let told = MEASURES.iter().filter_map(|(name, unit, of)| {
-        if !of(&held_out.retuned).is_finite() {
+        if !of(&held_out.refitted).is_finite() {
             return None;
         }
         let values = models

@@ -3,7 +3,7 @@
 use crate::contact::WheelLaw;
 use crate::effects::{ActiveEffects, Soil};
 use crate::scalar::Scalar;
-use crate::vehicle::{Parameter, Specification, TerrainParameter, VehicleParameter};
+use crate::vehicle::{ModelParameter, Specification, TerrainParameter, VehicleParameter};
 
 /// A vehicle on a soil with its effects applied, generic over the scalar.
 #[derive(Debug, Clone)]
@@ -33,17 +33,17 @@ pub(crate) struct ChassisWheel<S> {
 
 impl<S: Scalar> Chassis<S> {
     /// Applies the effects; `seed` makes parameters variable.
-    pub fn new(specification: &Specification, seed: impl Fn(Parameter) -> Option<S>) -> Self {
-        let lifted = |parameter: Parameter| {
+    pub fn new(specification: &Specification, seed: impl Fn(ModelParameter) -> Option<S>) -> Self {
+        let lifted = |parameter: ModelParameter| {
             seed(parameter).unwrap_or(S::constant(parameter.get(specification)))
         };
         let vehicle = &specification.vehicle;
         let effects = specification
             .effects
-            .active(|parameter, _| seed(Parameter::Effect(parameter)));
+            .active(|parameter, _| seed(ModelParameter::Effect(parameter)));
         let [mass, yaw_inertia, radius, half_track, offset, height] =
-            VehicleParameter::ALL.map(|number| lifted(Parameter::Vehicle(number)));
-        let terrain = TerrainParameter::ALL.map(|number| lifted(Parameter::Terrain(number)));
+            VehicleParameter::ALL.map(|number| lifted(ModelParameter::Vehicle(number)));
+        let terrain = TerrainParameter::ALL.map(|number| lifted(ModelParameter::Terrain(number)));
         let soil = Soil::from_terrain(&terrain, S::constant(vehicle.wheel_width));
         let zero = S::constant(0.0);
         let one = S::constant(1.0);

@@ -1,6 +1,6 @@
 //! A direction in which a wrench is differentiated.
 
-use crate::vehicle::Parameter;
+use crate::vehicle::ModelParameter;
 
 /// What is varied.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,7 +16,7 @@ pub(crate) enum Direction {
     Time,
     /// One of the remembered numbers.
     Memory(usize),
-    Parameter(Parameter),
+    Parameter(ModelParameter),
 }
 
 impl Direction {

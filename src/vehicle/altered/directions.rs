@@ -12,7 +12,7 @@ use crate::contact::{Detail, FORCE_COUNT, WheelForces, WheelMemory};
 use crate::scalar::{Dual, Scalar};
 use crate::vehicle::newton::solve_2x2;
 use crate::vehicle::{
-    Balance, Motion, Parameter, Specification, VehicleModel, WheelOutputs, Wrench,
+    Balance, ModelParameter, Motion, Specification, VehicleModel, WheelOutputs, Wrench,
 };
 
 /// Directions are taken so many at a time.
@@ -44,7 +44,7 @@ impl Directions {
         let effects = &altered.specification.effects;
         // What is off there has no derivatives either.
         let felt = |parameter| match parameter {
-            Parameter::Effect(name) => !effects.is_windowed(name.effect()),
+            ModelParameter::Effect(name) => !effects.is_windowed(name.effect()),
             _ => true,
         };
         let outside = altered.outside.iter().flat_map(|outside| {
@@ -115,7 +115,7 @@ fn differentiated(
     chassis: &Chassis<f64>,
     specification: &Specification,
     list: &[Direction],
-    felt: impl Fn(Parameter) -> bool,
+    felt: impl Fn(ModelParameter) -> bool,
 ) -> Vec<Chassis<Lane>> {
     let constant: Chassis<Lane> = chassis.lift(specification);
     let chunks = list.chunks(CHUNK).map(|chunk| {

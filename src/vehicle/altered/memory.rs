@@ -176,7 +176,7 @@ impl MemoryLayout {
                 // The shortest one is the wheel's, not that of the larger circle on which a flat tyre stands.
                 let shortest = (law.radius / contact.circle).scale(SHORTEST_ARC);
                 let whole = contact.entry * law.rebound.offset(1.0);
-                let arc = whole.most(shortest);
+                let arc = whole.max(shortest);
                 let rate = effect.rate(
                     &memory.displacement,
                     &drive,

@@ -4,7 +4,7 @@
 //! The balance is found in the specific force s = sum F / m that the ground exerts; the loads follow
 //! from it as in (28), and gravity on a slope, drag and drawbar add to the acceleration.
 
-mod came;
+mod approach_path;
 mod chassis;
 mod direction;
 mod directions;
@@ -15,8 +15,8 @@ mod solve;
 mod surroundings;
 mod tracks;
 
-pub(crate) use came::Came;
-pub use came::seen_from;
+pub(crate) use approach_path::ApproachPath;
+pub use approach_path::seen_from;
 pub(crate) use chassis::Chassis;
 pub(crate) use direction::Direction;
 pub(crate) use directions::{Differentiated, Directions};

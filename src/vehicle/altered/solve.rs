@@ -89,8 +89,8 @@ impl Altered {
         let profile = effects.slope_profile.as_ref();
         let window = effects.window.as_ref();
         let grains = [
-            profile.and_then(SlopeProfile::grain),
-            window.and_then(|window| window.extent.grain()),
+            profile.and_then(SlopeProfile::min_feature_length),
+            window.and_then(|window| window.extent.min_feature_length()),
         ];
         let shortest = grains.into_iter().flatten().reduce(f64::min);
         Ok(Self {

@@ -1,6 +1,6 @@
 //! Where the wheels' tracks lie, seen from the vehicle.
 
-use super::came::{came_with, steady_seconds};
+use super::approach_path::{came_with, steady_seconds};
 use super::{Chassis, Situation};
 use crate::scalar::{Elementary, Scalar};
 
@@ -15,10 +15,10 @@ const ALONG: f64 = 1e-9;
 
 /// The tracks that the wheels left behind; by default none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Tracks<'a>(Kind<'a>);
+pub struct Tracks<'a>(TrackKind<'a>);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind<'a> {
+enum TrackKind<'a> {
     Left {
         samples: &'a [f64],
         points: &'a [[f64; 2]],
@@ -27,7 +27,7 @@ enum Kind<'a> {
     Along(&'a [[f64; 3]]),
 }
 
-impl Default for Kind<'_> {
+impl Default for TrackKind<'_> {
     fn default() -> Self {
         Self::Left {
             samples: &[],
@@ -38,18 +38,18 @@ impl Default for Kind<'_> {
 
 impl<'a> Tracks<'a> {
     /// As if the vehicle had come here in its present motion, each wheel as deep as now.
-    pub(crate) const STEADY: Self = Self(Kind::Steady);
+    pub(crate) const STEADY: Self = Self(TrackKind::Steady);
 
     /// As if the vehicle had come here over poses, the oldest first, seen from the present one: ahead, to the left \[m\] and
     /// turned \[rad\]; each wheel as deep as now.
     pub(crate) fn along(course: &'a [[f64; 3]]) -> Self {
-        Self(Kind::Along(course))
+        Self(TrackKind::Along(course))
     }
 
     /// Samples, the oldest first: of each x, y \[m\] and heading \[rad\] of the vehicle, then the depth \[m\] below the
     /// untouched surface to which each wheel pressed the soil there; and where the wheels were, east and north \[m\].
     pub(crate) fn left(samples: &'a [f64], points: &'a [[f64; 2]]) -> Self {
-        Self(Kind::Left { samples, points })
+        Self(TrackKind::Left { samples, points })
     }
 }
 
@@ -238,7 +238,7 @@ impl<'a> View<'a> {
             points: Vec::new(),
         };
         match tracks.0 {
-            Kind::Left { samples, points } => {
+            TrackKind::Left { samples, points } => {
                 view.samples = samples;
                 let [x, y, heading] = at.place;
                 let (sin, cos) = heading.sin_cos();
@@ -248,7 +248,7 @@ impl<'a> View<'a> {
                 };
                 view.points.extend(points.iter().map(seen));
             }
-            Kind::Steady => {
+            TrackKind::Steady => {
                 view.seconds = steady_seconds(&places, at.velocity, at.yaw_rate).collect();
                 for seconds in &view.seconds {
                     let placed = Placed::before(*seconds, at.velocity, at.yaw_rate);
@@ -256,7 +256,7 @@ impl<'a> View<'a> {
                     view.points.extend(points);
                 }
             }
-            Kind::Along(course) => {
+            TrackKind::Along(course) => {
                 view.course = course;
                 for pose in course {
                     let placed = Placed::at(*pose);

@@ -8,7 +8,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 use ugv_terrain::effects::CATALOGUE;
-use ugv_terrain::effects::Kind;
+use ugv_terrain::effects::EffectKind;
 use ugv_terrain::terrain::Terrain;
 
 /// What marks a file with the truth.
@@ -142,8 +142,8 @@ fn truth(case: &Case, name: &str) -> Value {
 fn effect(one: &Ingredient) -> Value {
     let known = CATALOGUE.iter().find(|effect| effect.name == one.name);
     let kind = match known.map(|effect| effect.kind) {
-        Some(Kind::Physics) => "physics",
-        Some(Kind::Measurement) => "measurement",
+        Some(EffectKind::Physics) => "physics",
+        Some(EffectKind::Measurement) => "measurement",
         None => "outside",
     };
     let mut parameters: Map<String, Value> = one

@@ -57,8 +57,11 @@ impl Case {
     /// Whether as much shows as the effects' sizes promise.
     fn is_plain_enough(&self) -> bool {
         let all = self.plan.ingredients.iter().chain(&self.plan.faults);
-        let promised = all.filter_map(|one| PLAIN.iter().find(|(size, _)| *size == one.size));
-        let least = promised.map(|(_, least)| *least).fold(0.0, f64::max);
+        let predicted_reduction =
+            all.filter_map(|one| PLAIN.iter().find(|(size, _)| *size == one.size));
+        let least = predicted_reduction
+            .map(|(_, least)| *least)
+            .fold(0.0, f64::max);
         self.family == Family::Poor || self.signal_left() >= least
     }
 

@@ -2,11 +2,11 @@
 
 use super::draw::{SIZE_COUNT, ingredient, with_switches};
 use super::family::Family;
-use super::law::{Kind, Law};
+use super::law::{EffectKind, Law};
 use super::manoeuvres::Style;
 use super::random::Random;
 use super::world::{Ingredient, Region};
-use ugv_terrain::effects::{CATALOGUE, Kind as Of};
+use ugv_terrain::effects::{CATALOGUE, EffectKind as Of};
 use ugv_terrain::vehicle::Vehicle;
 
 /// Where the first ingredient acts, to be found once the path is known.
@@ -135,7 +135,7 @@ fn physics() -> Vec<&'static str> {
         .collect()
 }
 
-fn of_law(kind: Kind, size: usize, vehicle: &Vehicle, random: &mut Random) -> Ingredient {
+fn of_law(kind: EffectKind, size: usize, vehicle: &Vehicle, random: &mut Random) -> Ingredient {
     let (name, strength) = STRENGTHS[size];
     let strength = strength * random.scaled(0.85, 1.18);
     Ingredient {
@@ -219,9 +219,9 @@ impl Plan {
             }
             Family::Lookalike => Self::lookalike(number, vehicle, random),
             Family::Out => {
-                let (which, size) = turn(Kind::LASTING.len());
+                let (which, size) = turn(EffectKind::LASTING.len());
                 let mut plan = Self::plain(&["unknown_physics"]);
-                plan.add(of_law(Kind::LASTING[which], size, vehicle, random));
+                plan.add(of_law(EffectKind::LASTING[which], size, vehicle, random));
                 plan
             }
             Family::TerrainChange => {
@@ -270,7 +270,7 @@ impl Plan {
         };
         if name == "push" {
             plan.expected = vec!["unknown_physics"];
-            plan.add(of_law(Kind::Push, size, vehicle, random));
+            plan.add(of_law(EffectKind::UnmodelledForce, size, vehicle, random));
         } else {
             plan.add(ingredient(name, size, vehicle, random));
         }

@@ -101,7 +101,7 @@ impl<'a> Seen<'a> {
                 if which > 0 {
                     offsets[which - 1] += DIFFERENCE;
                 }
-                VehicleModel::new(self.vehicle.clone(), tuned(self.terrain, &offsets)).ok()
+                VehicleModel::new(self.vehicle.clone(), fit(self.terrain, &offsets)).ok()
             })
             .collect();
         let mut sums = Sums::default();
@@ -127,7 +127,7 @@ impl<'a> Seen<'a> {
 type Offsets = SVector<f64, { Terrain::COUNT }>;
 
 /// The soil at some offsets.
-fn tuned(terrain: Terrain, offsets: &Offsets) -> Terrain {
+fn fit(terrain: Terrain, offsets: &Offsets) -> Terrain {
     let change = |k: usize| offsets[k] * PRIOR[k];
     Terrain {
         cohesion: terrain.cohesion * change(0).exp(),

@@ -52,14 +52,14 @@ impl Parameter {
     }
 }
 
-struct Problem<'p> {
+struct ShootingProblem<'p> {
     rig: &'p Rig,
     law: &'p Law,
     trials: &'p [Trial],
     scatter: [f64; 3],
 }
 
-impl Problem<'_> {
+impl ShootingProblem<'_> {
     /// Of each trial traction, side force, sinkage and load not carried; then the priors.
     fn residuals(&self, inner: &DVector<f64>) -> DVector<f64> {
         let parameters = &self.law.parameters;
@@ -232,7 +232,7 @@ fn weight(residual: f64) -> f64 {
 /// Fits a law to trials, from its own start and from other fits, of whose parameters it takes
 /// those that it has: the valleys are flat, and one start may end before the lowest place.
 pub fn fit(rig: &Rig, law: &Law, trials: &[Trial], scatter: [f64; 3], from: &[&Fit]) -> Fit {
-    let problem = Problem {
+    let problem = ShootingProblem {
         rig,
         law,
         trials,

@@ -22,17 +22,17 @@ fn rivals(most: usize) -> impl Strategy<Value = Vec<(Subject, f64)>> {
 }
 
 prop_compose! {
-    fn member()(
+    fn accepted_effect()(
         subject in subject(),
         own in odds(),
         gain in odds(),
         mut rivals in rivals(5),
-    ) -> Member {
+    ) -> AcceptedEffect {
         rivals.push((subject, own));
-        Member {
+        AcceptedEffect {
             proposal: Proposal {
                 subject,
-                knobs: vec![0],
+                coefficients: vec![0],
                 extent: None,
                 steps: Vec::new(),
                 evidence: 0.0,
@@ -53,7 +53,7 @@ proptest! {
 
     #[test]
     fn the_verdict_agrees_with_the_probabilities(
-        members in prop::collection::vec(member(), 0..4),
+        accepted in prop::collection::vec(accepted_effect(), 0..4),
         refused in rivals(8),
         left in prop_oneof![0.0..20.0, 6.0..9.0, 0.0..500.0],
         explained in 0.0..500.0,
@@ -63,7 +63,7 @@ proptest! {
     ) {
         let physics = (0..CATALOGUE.len()).map(Subject::Effect);
         let judgement = Evidence {
-            members: &members,
+            accepted: &accepted,
             refused: &refused,
             left,
             explained,
@@ -83,7 +83,7 @@ proptest! {
         let Some(place) = leading else {
             prop_assert!(matches!(verdict, Verdict::NothingMissing | Verdict::InsufficientData));
             if *verdict == Verdict::NothingMissing {
-                prop_assert!(findings.is_empty() && members.is_empty());
+                prop_assert!(findings.is_empty() && accepted.is_empty());
                 prop_assert!(nothing >= SURE && nothing == likeliest);
                 prop_assert!(tested && tried && seen >= ENOUGH);
             }

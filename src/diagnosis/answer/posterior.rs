@@ -22,9 +22,9 @@ fn temperature(top: f64) -> f64 {
 
 /// Probabilities of subjects; they sum to 1.
 #[derive(Debug, Clone)]
-pub struct Odds(pub Vec<(Subject, f64)>);
+pub struct Posterior(pub Vec<(Subject, f64)>);
 
-impl Odds {
+impl Posterior {
     /// From log odds of subjects, and those of nothing.
     #[must_use]
     pub fn new(weighed: &[(Subject, f64)], nothing: f64) -> Self {
@@ -63,10 +63,10 @@ impl Odds {
         let Some(own) = self.0.iter_mut().find(|(other, _)| *other == from) else {
             return self;
         };
-        let given = if among.is_empty() { 0.0 } else { part * own.1 };
-        own.1 -= given;
+        let problem = if among.is_empty() { 0.0 } else { part * own.1 };
+        own.1 -= problem;
         for subject in among {
-            let each = given / among.len() as f64;
+            let each = problem / among.len() as f64;
             match self.0.iter_mut().find(|(other, _)| other == subject) {
                 Some((_, share)) => *share += each,
                 None => self.0.push((*subject, each)),
@@ -92,7 +92,7 @@ impl Odds {
 /// Of several findings, each weighed by its evidence: what explains little is a small part of what was missing. That
 /// nothing is missing takes all of them to be wrong.
 #[must_use]
-pub fn mean(each: &[(Odds, f64)]) -> Option<Odds> {
+pub fn mean(each: &[(Posterior, f64)]) -> Option<Posterior> {
     let total: f64 = each.iter().map(|(_, gain)| gain).sum();
     let mut sum: Vec<(Subject, f64)> = Vec::new();
     for (odds, gain) in each {
@@ -113,7 +113,7 @@ pub fn mean(each: &[(Odds, f64)]) -> Option<Odds> {
             .iter()
             .map(|(odds, _)| odds.of(Subject::Nothing))
             .product();
-        let nothing = Odds(sum.clone()).of(Subject::Nothing);
+        let nothing = Posterior(sum.clone()).of(Subject::Nothing);
         for (subject, share) in &mut sum {
             *share = match subject {
                 Subject::Nothing => all_wrong,
@@ -121,7 +121,7 @@ pub fn mean(each: &[(Odds, f64)]) -> Option<Odds> {
             };
         }
     }
-    (!sum.is_empty()).then_some(Odds(sum))
+    (!sum.is_empty()).then_some(Posterior(sum))
 }
 
 #[cfg(test)]
@@ -131,19 +131,19 @@ mod tests {
     #[test]
     fn probabilities_sum_to_one_and_follow_the_evidence() {
         let (a, b) = (Subject::Effect(0), Subject::Effect(1));
-        let odds = Odds::new(&[(a, 20.0), (b, 4.0), (a, 3.0)], NOTHING);
+        let odds = Posterior::new(&[(a, 20.0), (b, 4.0), (a, 3.0)], NOTHING);
         let sum: f64 = odds.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12);
         assert!(odds.of(a) > 0.95 && odds.of(b) < odds.of(a));
         assert!((odds.of(Subject::Unknown) - DOUBT).abs() < 1e-12);
         // The same lead says less where more is at stake.
-        let ahead = |top: f64| Odds::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
+        let ahead = |top: f64| Posterior::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
         assert!(ahead(20.0) > ahead(200.0) && ahead(200.0) > ahead(2000.0));
         assert!(ahead(2000.0) > 0.5);
         let shared = odds.with(Subject::Unknown, 0.5);
         let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
-        let nothing = Odds::new(&[], NOTHING).of(Subject::Nothing);
+        let nothing = Posterior::new(&[], NOTHING).of(Subject::Nothing);
         assert!((nothing - (1.0 - DOUBT)).abs() < 1e-12);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::noise::ChannelNoise;
 use super::predictor::Predictor;
-use super::problem::{Problem, Tables, Weighing};
+use super::problem::{NoiseModel, ShootingProblem, Tables};
 use super::robust;
 use super::segment::{NoiseGroup, Segment};
 
@@ -23,7 +23,7 @@ pub struct NoiseEstimate {
     pub outliers: f64,
 }
 
-impl Weighing {
+impl NoiseModel {
     /// That of some segments.
     #[must_use]
     pub fn of(&self, segments: &[usize]) -> Self {
@@ -35,7 +35,7 @@ impl Weighing {
 }
 
 /// Noise as of a fair sensor and model, and every sample counting alike.
-pub fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
+pub fn first_noise_model<P: Predictor>(problem: &ShootingProblem<P>) -> NoiseModel {
     let noise = NoiseGroup::ALL.map(|group| ChannelNoise {
         white: group.first_guess(),
         coloured: group.first_guess(),
@@ -47,14 +47,14 @@ pub fn first_weighing<P: Predictor>(problem: &Problem<P>) -> Weighing {
             .map(|samples| vec![1.0; samples.time.len()])
             .collect()
     };
-    Weighing {
+    NoiseModel {
         noise: vec![noise; problem.recordings.len()],
         weights: problem.segments.iter().map(ones).collect(),
     }
 }
 
 /// Sets every sample's weight to what its residual asks for.
-pub fn reweigh<P: Predictor>(problem: &Problem<P>, tables: &[Tables], by: &mut Weighing) {
+pub fn reweigh<P: Predictor>(problem: &ShootingProblem<P>, tables: &[Tables], by: &mut NoiseModel) {
     let parts = problem.segments.iter().zip(tables).zip(&mut by.weights);
     for ((segment, tables), weights) in parts {
         reweigh_segment(segment, tables, &by.noise[segment.recording], weights);
@@ -78,9 +78,9 @@ pub fn reweigh_segment(
 
 /// What is told of every recording's channels.
 pub fn noise_estimates<P: Predictor>(
-    problem: &Problem<P>,
+    problem: &ShootingProblem<P>,
     tables: &[Tables],
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Vec<NoiseEstimate> {
     let mut all = Vec::new();
     for recording in 0..problem.recordings.len() {

@@ -4,15 +4,15 @@
 //! off: a slope that all but stops a vehicle promises less than half of what it comes to, at another time than it acts, and
 //! would never be fitted. So whatever the scan promises elsewhere, everything is begun where the likeliest acts as well.
 
-use super::begins::cheapest;
-use super::contest::AT_STAKE;
-use super::naming::{Named, Sketch, finish, placed, sketch};
-use super::proposal::{BEHIND, FAR_BEHIND, Kind, Proposal, placed_locally};
+use super::initial_guess::cheapest;
+use super::naming::{Named, PartialFit, finish, partial_fit, placed};
+use super::proposal::{BEHIND, FAR_BEHIND, Proposal, ProposalKind, placed_locally};
+use super::rerank::AT_STAKE;
 use super::stage::Stage;
-use crate::diagnosis::hypothesis::likelihood::{SKETCH, Tuned, tune_until};
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, PARTIAL_FIT, fit_until};
 use crate::diagnosis::screening::locate::{Extent, Found, Scanned, locate, located_at, scanned};
 use crate::diagnosis::screening::screen::Projection;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 use nalgebra::DVector;
 
 /// Two times or places that differ by less than this \[s, m\] are one.
@@ -28,7 +28,13 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
     };
     let at = (extent, best.proposal.price);
     let mut there = found(stage, |projection, asked| {
-        located_at(&stage.given, &stage.looked.system, projection, asked, at)
+        located_at(
+            &stage.problem,
+            &stage.screening.system,
+            projection,
+            asked,
+            at,
+        )
     });
     let most = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
     there.retain(|one| {
@@ -50,12 +56,12 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
     let mut there = found(stage, |projection, asked| {
         let same = |one: &&Scanned| one.subject == best.proposal.subject;
         let asked: Vec<Scanned> = asked.iter().filter(same).cloned().collect();
-        locate(&stage.given, &stage.looked.system, projection, &asked)
+        locate(&stage.problem, &stage.screening.system, projection, &asked)
     });
     let is_place = |extent: &Extent| matches!(extent, Extent::Place { .. });
     let other = |one: &Proposal| {
         let is_other = |other: &Extent| is_place(other) != is_place(extent);
-        one.kind() == Kind::Local && one.extent.as_ref().is_some_and(is_other)
+        one.kind() == ProposalKind::Local && one.extent.as_ref().is_some_and(is_other)
     };
     there.retain(other);
     there
@@ -64,7 +70,7 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
 /// The likeliest where it acts somewhere only and something is at stake.
 pub fn likeliest<'n, 'a>(fitted: &'n [Named<'a>]) -> Option<(&'n Named<'a>, &'n Extent)> {
     let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
-    let local = best.odds() > AT_STAKE && best.proposal.kind() == Kind::Local;
+    let local = best.odds() > AT_STAKE && best.proposal.kind() == ProposalKind::Local;
     Some((best, best.proposal.extent.as_ref().filter(|_| local)?))
 }
 
@@ -75,17 +81,19 @@ pub fn fitted_there<'a>(
     proposals: &[Proposal],
     likeliest: &Named,
     least: f64,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Vec<Named<'a>> {
-    let before = &stage.tuned;
+    let before = &stage.fit;
     let begun = proposals.iter();
     let begun = begun.filter_map(|proposal| begun_there(stage, proposal, likeliest, least, by));
-    let mut begun: Vec<Sketch> = begun.filter(|sketch| sketch.promise() > least).collect();
+    let mut begun: Vec<PartialFit> = begun
+        .filter(|partial_fit| partial_fit.promise() > least)
+        .collect();
     begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     begun.truncate(MOST);
     let finished = begun.into_iter();
     finished
-        .filter_map(|sketch| finish(sketch, before, by))
+        .filter_map(|partial_fit| finish(partial_fit, before, by))
         .map(|one| on_a_par(one, likeliest, before))
         .collect()
 }
@@ -97,49 +105,52 @@ fn begun_there<'a>(
     proposal: &Proposal,
     likeliest: &Named,
     least: f64,
-    by: &Weighing,
-) -> Option<Sketch<'a>> {
-    let Stage { given, tuned, .. } = stage;
-    let placed = placed(given, proposal)?;
-    let mut knobs = tuned.knobs.clone();
-    knobs.extend(&proposal.knobs);
-    let mut begin = likeliest.tuned.solution.clone();
-    if proposal.knobs != likeliest.proposal.knobs {
-        begin.take(&likeliest.proposal.knobs, &tuned.solution);
+    by: &NoiseModel,
+) -> Option<PartialFit<'a>> {
+    let Stage { problem, fit, .. } = stage;
+    let placed = placed(problem, proposal)?;
+    let mut coefficients = fit.coefficients.clone();
+    coefficients.extend(&proposal.coefficients);
+    let mut begin = likeliest.fit.solution.clone();
+    if proposal.coefficients != likeliest.proposal.coefficients {
+        begin.take(&likeliest.proposal.coefficients, &fit.solution);
         let knobs_alone = Proposal {
             soil: DVector::zeros(0),
             ..proposal.clone()
         };
-        begin = cheapest(&placed, &knobs_alone, &knobs, &begin, by)?;
+        begin = cheapest(&placed, &knobs_alone, &coefficients, &begin, by)?;
     }
-    match tune_until(&placed, &knobs, &begin, by, SKETCH) {
-        Ok(begun) if begun.surprise.is_finite() => {
-            Some(Sketch::new(proposal, &placed, begun, tuned))
+    match fit_until(&placed, &coefficients, &begin, by, PARTIAL_FIT) {
+        Ok(begun) if begun.negative_log_evidence.is_finite() => {
+            Some(PartialFit::new(proposal, &placed, begun, fit))
         }
-        _ => sketch(given, proposal, tuned, by, 1.0, least),
+        _ => partial_fit(problem, proposal, fit, by, 1.0, least),
     }
 }
 
 /// The same measured against the hypothesis without it where the likeliest is: that one's soil may have turned out better
 /// than the re-tuned one without what is proposed, which is nobody's merit.
-fn on_a_par<'a>(one: Named<'a>, likeliest: &Named, before: &Tuned) -> Named<'a> {
-    let without = likeliest.gain + likeliest.tuned.surprise + likeliest.proposal.price;
+fn on_a_par<'a>(one: Named<'a>, likeliest: &Named, before: &FittedHypothesis) -> Named<'a> {
+    let without = likeliest.gain + likeliest.fit.negative_log_evidence + likeliest.proposal.price;
     Named {
-        gain: one.gain - (before.surprise - without).max(0.0),
+        gain: one.gain - (before.negative_log_evidence - without).max(0.0),
         ..one
     }
 }
 
 /// What a scan finds, as proposals.
 fn found(stage: &Stage, scan: impl Fn(&Projection, &[Scanned]) -> Vec<Found>) -> Vec<Proposal> {
-    let Stage { given, tuned, .. } = stage;
-    let system = &stage.looked.system;
-    let on = tuned.knobs.iter().flat_map(|knob| system.unknowns(*knob));
+    let Stage { problem, fit, .. } = stage;
+    let system = &stage.screening.system;
+    let on = fit
+        .coefficients
+        .iter()
+        .flat_map(|coefficient| system.unknowns(*coefficient));
     let Some(projection) = Projection::over_all(system, &on.collect::<Vec<_>>()) else {
         return Vec::new();
     };
-    let asked = scanned(given, system, &tuned.solution.soil, &tuned.knobs);
-    placed_locally(given, scan(&projection, &asked))
+    let asked = scanned(problem, system, &fit.solution.soil, &fit.coefficients);
+    placed_locally(problem, scan(&projection, &asked))
 }
 
 /// Whether two places or times are the same for what acts there.
@@ -162,7 +173,8 @@ fn are_alike(one: Option<&Extent>, other: &Extent) -> bool {
 pub fn join<'a>(fitted: &mut Vec<Named<'a>>, there: Vec<Named<'a>>) {
     for one in there {
         let same = |other: &Named| {
-            other.proposal.kind() == Kind::Local && other.proposal.subject == one.proposal.subject
+            other.proposal.kind() == ProposalKind::Local
+                && other.proposal.subject == one.proposal.subject
         };
         match fitted.iter().position(same) {
             Some(place) if fitted[place].odds() >= one.odds() => {}
@@ -178,12 +190,12 @@ mod tests {
     use crate::diagnosis::screening::locate::Stretch;
     use crate::diagnosis::search::edges::tests::{drag, slowed};
     use crate::diagnosis::search::naming::ANY;
-    use crate::diagnosis::search::stage::tests::retuned;
+    use crate::diagnosis::search::stage::tests::refitted;
 
     #[test]
     fn everything_is_proposed_where_the_likeliest_acts() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = retuned(&nominal, &recordings);
+        let (stage, by) = refitted(&nominal, &recordings);
         let fitted = [drag(&stage, &by)];
         let there = beside_the_likeliest(&stage, &fitted);
         let extent = &fitted[0].proposal.extent;
@@ -209,12 +221,13 @@ mod tests {
     #[test]
     fn first_steps_there_lead_as_far_as_from_the_re_tuned_soil() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = retuned(&nominal, &recordings);
+        let (stage, by) = refitted(&nominal, &recordings);
         let fitted = [drag(&stage, &by)];
         let mut compared = 0;
         for proposal in beside_the_likeliest(&stage, &fitted) {
             let there = begun_there(&stage, &proposal, &fitted[0], ANY, &by).unwrap();
-            let Some(before) = sketch(&stage.given, &proposal, &stage.tuned, &by, 1.0, ANY) else {
+            let Some(before) = partial_fit(&stage.problem, &proposal, &stage.fit, &by, 1.0, ANY)
+            else {
                 continue;
             };
             let name = proposal.subject.name();
@@ -228,11 +241,12 @@ mod tests {
     #[test]
     fn a_soil_that_turned_out_better_is_nobodys_merit() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = retuned(&nominal, &recordings);
+        let (stage, by) = refitted(&nominal, &recordings);
         let one = drag(&stage, &by);
         // Measured against the re-tuned model, and 30 better than that without anything.
-        let before = &stage.tuned;
-        let gain = before.surprise - one.tuned.surprise - one.proposal.price;
+        let before = &stage.fit;
+        let gain =
+            before.negative_log_evidence - one.fit.negative_log_evidence - one.proposal.price;
         let with = |gain: f64| Named {
             gain,
             ..one.clone()
@@ -246,7 +260,7 @@ mod tests {
     #[test]
     fn of_each_candidate_the_likelier_place_stays() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = retuned(&nominal, &recordings);
+        let (stage, by) = refitted(&nominal, &recordings);
         let one = drag(&stage, &by);
         let with = |gain: f64| Named {
             gain,

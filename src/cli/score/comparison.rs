@@ -7,7 +7,7 @@ use ugv_terrain::identification::{
 };
 
 /// A recording's windows and the models that are to predict them.
-pub struct Contest {
+pub struct Comparison {
     pub name: String,
     pub latencies: Latencies,
     /// How the windows are cut.
@@ -19,8 +19,8 @@ pub struct Contest {
 }
 
 /// A contest with its results.
-pub struct Outcome<'a> {
-    pub contest: &'a Contest,
+pub struct ModelScore<'a> {
+    pub comparison: &'a Comparison,
     /// Windows that all models predicted: those that count.
     pub counted: usize,
     /// In the order of the entries.
@@ -53,7 +53,7 @@ pub struct Pooled {
     pub scores: Scores,
 }
 
-impl Contest {
+impl Comparison {
     /// Number of predictions.
     pub fn work(&self) -> u64 {
         (self.halves.judged.len() * self.entries.len()) as u64
@@ -61,7 +61,7 @@ impl Contest {
 
     /// Lets every model predict every window that is to be judged; on all cores, with results
     /// that do not depend on how many there are.
-    pub fn run(&self, done: impl Fn() + Sync) -> Outcome<'_> {
+    pub fn run(&self, done: impl Fn() + Sync) -> ModelScore<'_> {
         let windows: Vec<&Window> = self
             .halves
             .judged
@@ -102,8 +102,8 @@ impl Contest {
                 blocks: blocks.clone(),
             }
         };
-        Outcome {
-            contest: self,
+        ModelScore {
+            comparison: self,
             counted: counting.len(),
             results: predictions
                 .into_par_iter()
@@ -129,7 +129,7 @@ impl Scores {
 
 /// The windows of all recordings taken together, for the models that predicted some of each;
 /// `None` for a single recording.
-pub fn pool(outcomes: &[Outcome]) -> Option<Vec<Pooled>> {
+pub fn pool(outcomes: &[ModelScore]) -> Option<Vec<Pooled>> {
     let (first, _) = outcomes
         .split_first()
         .filter(|(_, rest)| !rest.is_empty())?;
@@ -153,7 +153,7 @@ pub fn pool(outcomes: &[Outcome]) -> Option<Vec<Pooled>> {
     };
     Some(
         first
-            .contest
+            .comparison
             .entries
             .iter()
             .enumerate()

@@ -7,8 +7,8 @@
 //! gain; the others stand behind it by so much.
 
 use super::naming::Named;
-use crate::diagnosis::hypothesis::likelihood::{SKETCH, own_noise, tune_on};
-use crate::fit::problem::Weighing;
+use crate::diagnosis::hypothesis::likelihood::{PARTIAL_FIT, fit_on, own_noise};
+use crate::fit::problem::NoiseModel;
 
 /// They are close within so much and this share of the largest log odds ...
 const CLOSE: f64 = 4.5;
@@ -25,7 +25,7 @@ pub fn close_to(best: f64) -> f64 {
 }
 
 /// Settles which of some fits is the likeliest where several are close.
-pub fn contend(fitted: &mut [Named], by: &Weighing) {
+pub fn rerank(fitted: &mut [Named], by: &NoiseModel) {
     fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
     let Some(best) = fitted.first().map(Named::odds) else {
         return;
@@ -39,11 +39,13 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
     if count < 2 {
         return;
     }
-    let own = |named: &Named| own_noise(&named.given, &named.tuned, by);
-    let noises: Vec<Weighing> = close.iter().map(own).collect();
+    let own = |named: &Named| own_noise(&named.problem, &named.fit, by);
+    let noises: Vec<NoiseModel> = close.iter().map(own).collect();
     let total = |place: usize| {
         let named = &close[place];
-        let under = |noise: &Weighing| tune_on(&named.given, &named.tuned, noise, SKETCH).surprise;
+        let under = |noise: &NoiseModel| {
+            fit_on(&named.problem, &named.fit, noise, PARTIAL_FIT).negative_log_evidence
+        };
         let sum: f64 = noises.iter().map(under).sum();
         sum / noises.len() as f64 + named.proposal.price - named.proposal.log_prior()
     };
@@ -52,7 +54,7 @@ pub fn contend(fitted: &mut [Named], by: &Weighing) {
     let Some(winner) = places.min_by(|a, b| totals[*a].total_cmp(&totals[*b])) else {
         return;
     };
-    if close[winner].given.deadline.is_over() {
+    if close[winner].problem.deadline.is_over() {
         // Fits that were ended early do not compare.
         return;
     }

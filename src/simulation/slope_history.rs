@@ -7,13 +7,13 @@ use std::collections::VecDeque;
 
 /// For each sample that is kept the derivatives of its pose and depths (rows) by all that derivatives are taken by.
 #[derive(Debug, Clone, Default)]
-pub(super) struct LeftSlopes {
+pub(super) struct SlopeHistory {
     samples: VecDeque<DMatrix<f64>>,
     /// Samples since the last beginning that have been taken note of.
     begun: u64,
 }
 
-impl LeftSlopes {
+impl SlopeHistory {
     /// Begins anew.
     pub fn clear(&mut self) {
         self.samples.clear();

@@ -5,12 +5,12 @@
 
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::candidate::Target;
-use crate::diagnosis::hypothesis::likelihood::{SKETCH, Tuned, cost, tune_until};
-use crate::diagnosis::hypothesis::part::Part;
-use crate::diagnosis::hypothesis::{Given, Solution};
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, PARTIAL_FIT, cost, fit_until};
+use crate::diagnosis::hypothesis::subsample::Subsample;
+use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::locate::Extent;
 use crate::fit::optimiser::Stop;
-use crate::fit::problem::Weighing;
+use crate::fit::problem::NoiseModel;
 
 /// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
 /// lost its way.
@@ -29,22 +29,22 @@ const STROLL: Stop = Stop::after(3, 1.0).without_renewals();
 /// leads nowhere.
 #[must_use]
 pub fn cheapest(
-    given: &Given,
+    problem: &Problem,
     proposal: &Proposal,
-    knobs: &[usize],
+    coefficients: &[usize],
     before: &Solution,
-    by: &Weighing,
+    by: &NoiseModel,
 ) -> Option<Solution> {
-    let touched = touched(given, proposal);
+    let touched = touched(problem, proposal);
     let some = touched
         .as_ref()
-        .map(|part| (part, part.given(given), part.weighing(by)));
+        .map(|part| (part, part.problem(problem), part.noise_model(by)));
     let cost = |at: &Solution| match &some {
-        Some((part, given, by)) => cost(given, knobs, &part.solution(at), by),
-        None => cost(given, knobs, at, by),
+        Some((part, problem, by)) => cost(problem, coefficients, &part.solution(at), by),
+        None => cost(problem, coefficients, at, by),
     };
     let at = |share: f64| {
-        let begin = begin(given, proposal, before, share);
+        let begin = begin(problem, proposal, before, share);
         (cost(&begin), begin)
     };
     let cheaper = |a: &(f64, Solution), b: &(f64, Solution)| a.0.total_cmp(&b.0);
@@ -57,12 +57,12 @@ pub fn cheapest(
     }
     // What is hidden tells its sign no more than its size. Small steps come first: where those lead
     // nowhere, larger ones are hardly to be driven, which takes long.
-    let hopeless = cost(before) + HOPELESS;
+    let cost_ceiling = cost(before) + HOPELESS;
     let mut found = Vec::new();
     for sign in [1.0, -1.0] {
         for share in SHARES.iter().rev() {
             let begin = at(sign * share);
-            if begin.0 > hopeless {
+            if begin.0 > cost_ceiling {
                 break;
             }
             found.push(begin);
@@ -72,7 +72,7 @@ pub fn cheapest(
 }
 
 /// The stretches that what acts for some seconds reaches, where nothing else of the proposal changes the others.
-fn touched(given: &Given, proposal: &Proposal) -> Option<Part> {
+fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
     let (Some(Extent::Time(at) | Extent::Run(at)), true) = (
         &proposal.extent,
         proposal.soil.iter().all(|step| *step == 0.0),
@@ -80,28 +80,29 @@ fn touched(given: &Given, proposal: &Proposal) -> Option<Part> {
         return None;
     };
     let span = [at.start - REACH, at.end + REACH];
-    Part::within(given, (at.recording, at.run), span)
+    Subsample::within(problem, (at.recording, at.run), span)
 }
 
 /// A share of a proposal's steps away from what was before.
 #[must_use]
-pub fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) -> Solution {
+pub fn begin(problem: &Problem, proposal: &Proposal, before: &Solution, share: f64) -> Solution {
     let mut begin = before.clone();
-    let soil = begin.soil.iter_mut().zip(given.soil_parameters());
+    let soil = begin.soil.iter_mut().zip(problem.soil_parameters());
     for ((value, parameter), step) in soil.zip(proposal.soil.iter()) {
         let (low, high) = parameter.bounds();
         *value = (*value + share * step).clamp(low, high);
     }
-    for (knob, steps) in &proposal.steps {
-        let parameter = &given.candidates.knobs[*knob].parameter;
+    for (coefficient, steps) in &proposal.steps {
+        let parameter = &problem.candidates.coefficients[*coefficient].parameter;
         let (low, high) = parameter.bounds();
-        for (recording, knobs) in begin.knobs.iter_mut().enumerate() {
+        for (recording, coefficients) in begin.coefficients.iter_mut().enumerate() {
             let step = steps
                 .get(recording)
                 .or(steps.get(0))
                 .copied()
                 .unwrap_or(0.0);
-            knobs[*knob] = (knobs[*knob] + share * step).clamp(low, high);
+            coefficients[*coefficient] =
+                (coefficients[*coefficient] + share * step).clamp(low, high);
         }
     }
     begin
@@ -113,21 +114,21 @@ pub fn begin(given: &Given, proposal: &Proposal, before: &Solution, share: f64) 
 /// there.
 #[must_use]
 pub fn settled(
-    given: &Given,
+    problem: &Problem,
     proposal: &Proposal,
-    before: &Tuned,
-    by: &Weighing,
+    before: &FittedHypothesis,
+    by: &NoiseModel,
 ) -> Option<Solution> {
     let of_a_run = matches!(proposal.extent, Some(Extent::Run(_)));
-    if !of_a_run && !is_unseen(given, proposal) {
+    if !of_a_run && !is_unseen(problem, proposal) {
         return None;
     }
     let begin = Solution {
-        knobs: begin(given, proposal, &before.solution, 1.0).knobs,
-        ..given.begin()
+        coefficients: begin(problem, proposal, &before.solution, 1.0).coefficients,
+        ..problem.begin()
     };
-    let stop = SKETCH.without_renewals();
-    Some(beside(given, proposal, begin, before, by, stop)?.solution)
+    let stop = PARTIAL_FIT.without_renewals();
+    Some(beside(problem, proposal, begin, before, by, stop)?.solution)
 }
 
 /// Where effects are proposed that have no derivative while they are off: the likeliest place on the way from off
@@ -136,26 +137,28 @@ pub fn settled(
 /// the way from the given soil. `None` where the way leads up.
 #[must_use]
 pub fn walked(
-    given: &Given,
+    problem: &Problem,
     proposal: &Proposal,
-    before: &Tuned,
-    by: &Weighing,
+    before: &FittedHypothesis,
+    by: &NoiseModel,
 ) -> Option<Solution> {
     let mut at = before.solution.clone();
-    let mut best: Option<Tuned> = None;
+    let mut best: Option<FittedHypothesis> = None;
     for step in 1..=WALK {
         let share = f64::from(step) / f64::from(WALK);
-        at.knobs = begin(given, proposal, &before.solution, share).knobs;
-        let Some(here) = beside(given, proposal, at, before, by, STROLL) else {
+        at.coefficients = begin(problem, proposal, &before.solution, share).coefficients;
+        let Some(here) = beside(problem, proposal, at, before, by, STROLL) else {
             break;
         };
-        if here.surprise - here.promised > before.surprise + LOST {
+        if here.negative_log_evidence - here.predicted_reduction
+            > before.negative_log_evidence + LOST
+        {
             break;
         }
         at = here.solution.clone();
         if best
             .as_ref()
-            .is_none_or(|best| here.surprise < best.surprise)
+            .is_none_or(|best| here.negative_log_evidence < best.negative_log_evidence)
         {
             best = Some(here);
         }
@@ -165,49 +168,58 @@ pub fn walked(
 
 /// Whether it is hidden and has no derivative while it is off.
 #[must_use]
-pub fn is_unseen(given: &Given, proposal: &Proposal) -> bool {
-    let mut own = proposal.knobs.iter();
-    proposal.hidden && own.any(|knob| given.candidates.knobs[*knob].secant.is_some())
+pub fn is_unseen(problem: &Problem, proposal: &Proposal) -> bool {
+    let mut own = proposal.coefficients.iter();
+    proposal.hidden
+        && own.any(|coefficient| {
+            problem.candidates.coefficients[*coefficient]
+                .secant
+                .is_some()
+        })
 }
 
 /// The fit of everything else beside a proposal whose knobs are held where they begin. `None` where that cannot be
 /// driven.
 fn beside(
-    given: &Given,
+    problem: &Problem,
     proposal: &Proposal,
     begin: Solution,
-    before: &Tuned,
-    by: &Weighing,
+    before: &FittedHypothesis,
+    by: &NoiseModel,
     stop: Stop,
-) -> Option<Tuned> {
-    let knobs = &given.candidates.knobs;
-    let mut held = given.clone();
-    for knob in &proposal.knobs {
-        if let Target::Model(parameter) = knobs[*knob].target {
-            let value = knobs[*knob].parameter.value(begin.knobs[0][*knob]);
+) -> Option<FittedHypothesis> {
+    let coefficients = &problem.candidates.coefficients;
+    let mut held = problem.clone();
+    for coefficient in &proposal.coefficients {
+        if let Target::Model(parameter) = coefficients[*coefficient].target {
+            let value = coefficients[*coefficient]
+                .parameter
+                .value(begin.coefficients[0][*coefficient]);
             parameter.set(&mut held.nominal, value).ok()?;
         }
     }
-    let fitted = tune_until(&held, &before.knobs, &begin, by, stop);
-    fitted.ok().filter(|fitted| fitted.surprise.is_finite())
+    let fitted = fit_until(&held, &before.coefficients, &begin, by, stop);
+    fitted
+        .ok()
+        .filter(|fitted| fitted.negative_log_evidence.is_finite())
 }
 
 /// Where latencies are proposed: they are what comparing the curves tells. A search from zero may
 /// end where motions are matched with their neighbours.
 #[must_use]
-pub fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option<Solution> {
+pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Option<Solution> {
     let mut begin = before.clone();
     let mut told = false;
-    for knob in &proposal.knobs {
-        let Target::Sensor(sensor) = given.candidates.knobs[*knob].target else {
+    for coefficient in &proposal.coefficients {
+        let Target::Sensor(sensor) = problem.candidates.coefficients[*coefficient].target else {
             continue;
         };
-        let each = begin.knobs.iter_mut().zip(&given.late);
-        for ((values, late), recording) in each.zip(given.recordings) {
+        let each = begin.coefficients.iter_mut().zip(&problem.late);
+        for ((values, late), recording) in each.zip(problem.recordings) {
             if !sensor.is_told_by(recording) {
                 continue;
             }
-            values[*knob] += late[sensor.index()];
+            values[*coefficient] += late[sensor.index()];
             told |= late[sensor.index()] != 0.0;
         }
     }
@@ -216,11 +228,11 @@ pub fn compared(given: &Given, proposal: &Proposal, before: &Solution) -> Option
 
 #[cfg(test)]
 mod tests {
-    use super::super::naming::{ANY, placed, sketch};
+    use super::super::naming::{ANY, partial_fit, placed};
     use super::super::stage::Stage;
-    use super::super::stage::tests::retuned;
+    use super::super::stage::tests::refitted;
     use super::*;
-    use crate::diagnosis::hypothesis::likelihood::LONG_SKETCH;
+    use crate::diagnosis::hypothesis::likelihood::LONG_PARTIAL_FIT;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::effects::{Effects, ParameterName};
     use crate::terrain::Terrain;
@@ -236,16 +248,21 @@ mod tests {
             ..nominal.clone()
         };
         let recordings = [driven(&towing, "slalom")];
-        let (stage, by) = retuned(&nominal, &recordings);
+        let (stage, by) = refitted(&nominal, &recordings);
         let for_some_seconds = |one: &&Proposal| matches!(one.extent, Some(Extent::Time(_)));
         let proposal = stage.proposals.iter().find(for_some_seconds).unwrap();
-        let given = placed(&stage.given, proposal).unwrap();
-        let part = touched(&given, proposal).unwrap();
-        assert!(part.places().len() < given.segments.len());
-        let (some, own, knobs) = (part.given(&given), part.weighing(&by), &proposal.knobs);
+        let problem = placed(&stage.problem, proposal).unwrap();
+        let part = touched(&problem, proposal).unwrap();
+        assert!(part.places().len() < problem.segments.len());
+        let (some, own, coefficients) = (
+            part.problem(&problem),
+            part.noise_model(&by),
+            &proposal.coefficients,
+        );
         let elsewhere = SHARES.map(|share| {
-            let at = begin(&given, proposal, &stage.tuned.solution, share);
-            cost(&given, knobs, &at, &by) - cost(&some, knobs, &part.solution(&at), &own)
+            let at = begin(&problem, proposal, &stage.fit.solution, share);
+            cost(&problem, coefficients, &at, &by)
+                - cost(&some, coefficients, &part.solution(&at), &own)
         });
         let differs = |one: &f64| (one - elsewhere[0]).abs() > 1e-6 * elsewhere[0].abs();
         assert!(!elsewhere.iter().any(differs), "{elsewhere:?}");
@@ -276,15 +293,23 @@ mod tests {
         truth.terrain.frictional_modulus /= 0.7;
         truth.terrain.shear_modulus *= 0.7;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        let (stage, by) = retuned(&nominal, &recordings);
+        let (stage, by) = refitted(&nominal, &recordings);
         let tyres = |one: &&Proposal| one.hidden && one.subject.name() == "tyre_compliance";
         let proposal = stage.proposals.iter().find(tyres).unwrap();
-        let Stage { given, tuned, .. } = &stage;
-        let found = sketch(given, proposal, tuned, &by, 1.0, ANY).unwrap();
-        assert!(found.tuned.surprise < tuned.surprise - 1000.0);
-        let begin = walked(given, proposal, tuned, &by).unwrap();
-        let walked = tune_until(given, &proposal.knobs, &begin, &by, LONG_SKETCH).unwrap();
-        let gained = (tuned.surprise - walked.surprise) / (tuned.surprise - found.tuned.surprise);
+        let Stage { problem, fit, .. } = &stage;
+        let found = partial_fit(problem, proposal, fit, &by, 1.0, ANY).unwrap();
+        assert!(found.fit.negative_log_evidence < fit.negative_log_evidence - 1000.0);
+        let begin = walked(problem, proposal, fit, &by).unwrap();
+        let walked = fit_until(
+            problem,
+            &proposal.coefficients,
+            &begin,
+            &by,
+            LONG_PARTIAL_FIT,
+        )
+        .unwrap();
+        let gained = (fit.negative_log_evidence - walked.negative_log_evidence)
+            / (fit.negative_log_evidence - found.fit.negative_log_evidence);
         assert!(gained > MOST, "{gained}");
     }
 }

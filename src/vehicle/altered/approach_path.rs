@@ -16,15 +16,15 @@ const BACK_SAMPLES: f64 = 0.5 * SAMPLES_PER_BASE;
 
 /// How a vehicle came here.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Came {
+pub(crate) enum ApproachPath {
     /// In its present motion, whatever it is.
     Steadily,
     /// Over these poses, the oldest first, seen from the present one: ahead, to the left \[m\] and turned \[rad\].
     Along(Vec<[f64; 3]>),
 }
 
-impl Came {
-    /// Over a course of poses as of [`Came::Along`], of which enough are kept for tracks; straight on to where it begins.
+impl ApproachPath {
+    /// Over a course of poses as of [`ApproachPath::Along`], of which enough are kept for tracks; straight on to where it begins.
     pub fn along(places: &[[f64; 2]], course: &[[f64; 3]]) -> Self {
         Self::Along(course_samples(places, course))
     }

@@ -1,12 +1,12 @@
 //! Something that was found, with what else may stand in its place.
 
-use super::contest::close_to;
 use super::proposal::Proposal;
+use super::rerank::close_to;
 use crate::diagnosis::Subject;
 
 /// Something that was found.
 #[derive(Debug, Clone)]
-pub struct Member {
+pub struct AcceptedEffect {
     /// What was proposed.
     pub proposal: Proposal,
     /// Log Bayes factor against the hypothesis without it.
@@ -15,7 +15,7 @@ pub struct Member {
     pub rivals: Vec<(Subject, f64)>,
 }
 
-impl Member {
+impl AcceptedEffect {
     /// Log odds of a subject in its place.
     fn odds(&self, subject: Subject) -> f64 {
         let own = self.rivals.iter().filter(|(other, _)| *other == subject);
@@ -80,12 +80,12 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    fn member(rivals: &[(usize, f64)]) -> Member {
+    fn accepted_effect(rivals: &[(usize, f64)]) -> AcceptedEffect {
         let subject = |(effect, odds): &(usize, f64)| (Subject::Effect(*effect), *odds);
-        Member {
+        AcceptedEffect {
             proposal: Proposal {
                 subject: Subject::Effect(0),
-                knobs: Vec::new(),
+                coefficients: Vec::new(),
                 extent: None,
                 steps: Vec::new(),
                 evidence: 0.0,
@@ -102,16 +102,16 @@ mod tests {
 
     #[test]
     fn what_came_close_is_asked_for_again() {
-        let one = member(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
+        let one = accepted_effect(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
         assert_eq!(one.close(), [Subject::Effect(0), Subject::Effect(1)]);
-        assert_eq!(member(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
+        assert_eq!(accepted_effect(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
         // The same name, for some seconds and throughout, is one.
-        assert_eq!(member(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
+        assert_eq!(accepted_effect(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
     }
 
     #[test]
     fn odds_of_a_later_fit_count_and_the_rest_stays_as_far_behind() {
-        let mut one = member(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
+        let mut one = accepted_effect(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
         one.stand_anew(&[(Subject::Effect(1), 900.0), (Subject::Effect(0), 1000.0)]);
         let odds: Vec<f64> = one.rivals.iter().map(|(_, odds)| *odds).collect();
         assert_eq!(odds, [1000.0, 900.0, 960.0]);

@@ -4,8 +4,8 @@
 //! for all where it is to be seen which way to go; what acts for some seconds changes the cost of those alone.
 
 use super::prepare::seconds;
-use super::{Given, Solution};
-use crate::fit::problem::Weighing;
+use super::{Problem, Solution};
+use crate::fit::problem::NoiseModel;
 
 /// Stretches of more than this together are many, and of those this is enough \[s\]; but not fewer of them than so many.
 const MANY: f64 = 240.0;
@@ -14,17 +14,17 @@ const FEWEST: usize = 20;
 
 /// Some stretches of many.
 #[derive(Debug, Clone)]
-pub struct Part {
+pub struct Subsample {
     places: Vec<usize>,
     count: usize,
 }
 
-impl Part {
+impl Subsample {
     /// `None` where there are not many.
     #[must_use]
-    pub fn of(given: &Given) -> Option<Self> {
-        let count = given.segments.len();
-        let seconds = seconds(given);
+    pub fn of(problem: &Problem) -> Option<Self> {
+        let count = problem.segments.len();
+        let seconds = seconds(problem);
         let enough = ENOUGH / seconds * count as f64;
         let enough = (enough.round() as usize).max(FEWEST);
         (seconds > MANY && count > enough).then(|| Self {
@@ -35,14 +35,14 @@ impl Part {
 
     /// The stretches of a run that reach into a span of time \[s\]. `None` where there is none or are no others.
     #[must_use]
-    pub fn within(given: &Given, run: (usize, usize), [start, end]: [f64; 2]) -> Option<Self> {
-        let count = given.segments.len();
+    pub fn within(problem: &Problem, run: (usize, usize), [start, end]: [f64; 2]) -> Option<Self> {
+        let count = problem.segments.len();
         let reaches = |place: &usize| {
-            let segment = &given.segments[*place];
+            let segment = &problem.segments[*place];
             (segment.recording, segment.run) == run && segment.start < end && segment.end > start
         };
         let places: Vec<usize> = (0..count).filter(reaches).collect();
-        Self::some(places, count).filter(|part| part.places.len() < count)
+        Self::some(places, count).filter(|subsample| subsample.places.len() < count)
     }
 
     /// These stretches of all. `None` where there is none.
@@ -65,9 +65,9 @@ impl Part {
 
     /// These stretches alone.
     #[must_use]
-    pub fn given<'a>(&self, whole: &Given<'a>) -> Given<'a> {
+    pub fn problem<'a>(&self, whole: &Problem<'a>) -> Problem<'a> {
         let segments = self.places.iter().map(|k| whole.segments[*k].clone());
-        Given {
+        Problem {
             segments: segments.collect(),
             ..whole.clone()
         }
@@ -75,7 +75,7 @@ impl Part {
 
     /// Noise, and the weights of these stretches.
     #[must_use]
-    pub fn weighing(&self, whole: &Weighing) -> Weighing {
+    pub fn noise_model(&self, whole: &NoiseModel) -> NoiseModel {
         whole.of(&self.places)
     }
 
@@ -90,10 +90,10 @@ impl Part {
 
     /// What these stretches told of the soil and of some knobs, on all of them; everything else stays as it was.
     #[must_use]
-    pub fn widened(&self, told: &Solution, knobs: &[usize], whole: &Solution) -> Solution {
+    pub fn widened(&self, told: &Solution, coefficients: &[usize], whole: &Solution) -> Solution {
         let mut widened = whole.clone();
         widened.soil.clone_from(&told.soil);
-        widened.take(knobs, told);
+        widened.take(coefficients, told);
         for (place, start) in self.places.iter().zip(&told.starts) {
             widened.starts[*place] = *start;
         }

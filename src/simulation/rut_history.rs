@@ -2,13 +2,13 @@
 
 use super::{Simulation, State};
 use crate::vehicle::{
-    Came, TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing,
+    ApproachPath, TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing,
     wheel_places, wheel_travel,
 };
 
 /// The samples of the tracks that are kept, a sample for each of so many metres driven.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct LeftTracks {
+pub(super) struct RutHistory {
     /// Numbers of [`Tracks::left`]; none where tracks are not kept.
     numbers: Vec<f64>,
     /// Where the wheels were, sample by sample, east and north \[m\].
@@ -16,12 +16,12 @@ pub(super) struct LeftTracks {
     /// How many samples there have been since the last beginning.
     begun: u64,
     /// How the vehicle came here, as long as all is still as it was meanwhile.
-    came: Option<Came>,
+    approach_path: Option<ApproachPath>,
     /// Where the wheels are on the vehicle; none where tracks are not kept.
     places: Vec<[f64; 2]>,
 }
 
-impl LeftTracks {
+impl RutHistory {
     /// No track yet.
     pub fn new(model: &VehicleModel) -> Self {
         let vehicle = model.vehicle();
@@ -37,8 +37,8 @@ impl LeftTracks {
 
     /// As models see them.
     pub fn tracks(&self) -> Tracks<'_> {
-        match &self.came {
-            Some(came) => came.tracks(),
+        match &self.approach_path {
+            Some(approach_path) => approach_path.tracks(),
             None => Tracks::left(&self.numbers, &self.points),
         }
     }
@@ -53,35 +53,37 @@ impl LeftTracks {
         self.numbers.clear();
         self.points.clear();
         self.begun = 0;
-        self.came = None;
+        self.approach_path = None;
     }
 
-    /// From here on, or until [`LeftTracks::came_here`], tracks are as if the vehicle had come here over these poses, seen
+    /// From here on, or until [`RutHistory::came_here`], tracks are as if the vehicle had come here over these poses, seen
     /// from the present one, each wheel as deep as now; without any, in its present motion.
     pub fn arrive(&mut self, course: &[[f64; 3]]) {
         self.clear();
         if !self.places.is_empty() {
-            self.came = Some(if course.is_empty() {
-                Came::Steadily
+            self.approach_path = Some(if course.is_empty() {
+                ApproachPath::Steadily
             } else {
-                Came::along(&self.places, course)
+                ApproachPath::along(&self.places, course)
             });
         }
     }
 
     /// Leaves the tracks of a vehicle that came here so, the wheels as deep as now.
     pub fn came_here(&mut self, state: &State, wrench: &Wrench) {
-        if let Some(came) = self.came.take() {
-            for pose in came.poses(&self.places, state.to_array()) {
+        if let Some(approach_path) = self.approach_path.take() {
+            for pose in approach_path.poses(&self.places, state.to_array()) {
                 self.push(pose, wrench);
             }
         }
     }
 
-    /// Derivatives by the state of the poses in which [`LeftTracks::came_here`] would leave samples.
+    /// Derivatives by the state of the poses in which [`RutHistory::came_here`] would leave samples.
     pub fn came_slopes(&self, state: &State) -> Vec<[[f64; State::COUNT]; 3]> {
-        let came = self.came.as_ref();
-        came.map_or_else(Vec::new, |came| came.slopes(&self.places, state.to_array()))
+        let approach_path = self.approach_path.as_ref();
+        approach_path.map_or_else(Vec::new, |approach_path| {
+            approach_path.slopes(&self.places, state.to_array())
+        })
     }
 
     /// Leaves a sample.

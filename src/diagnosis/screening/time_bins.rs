@@ -1,7 +1,7 @@
 //! Gates: the short times in which each effect's signal is resolved, with where the vehicle was.
 
 use super::system::System;
-use crate::diagnosis::hypothesis::Given;
+use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::maps::Maps;
 use crate::fit::segment::SAME_TIME;
 use crate::recording::Channel;
@@ -11,11 +11,11 @@ const POINTS: usize = 5;
 
 /// One gate.
 #[derive(Debug, Clone, Copy)]
-pub struct Gate {
+pub struct TimeBin {
     /// Place among the system's segments.
     pub segment: usize,
     /// Place within the segment.
-    pub gate: usize,
+    pub time_bin: usize,
     /// Beginning \[s\], by the run's clock.
     pub start: f64,
     /// End \[s\].
@@ -23,7 +23,7 @@ pub struct Gate {
     places: [Option<[f64; 2]>; POINTS],
 }
 
-impl Gate {
+impl TimeBin {
     /// Length \[s\].
     #[must_use]
     pub fn seconds(&self) -> f64 {
@@ -59,17 +59,17 @@ pub struct Chain {
     /// Run.
     pub run: usize,
     /// The gates in their order.
-    pub gates: Vec<Gate>,
+    pub time_bins: Vec<TimeBin>,
 }
 
 /// Gates in their order, run by run.
 #[must_use]
-pub fn chains(given: &Given, system: &System) -> Vec<Chain> {
+pub fn chains(problem: &Problem, system: &System) -> Vec<Chain> {
     let mut chains: Vec<Chain> = Vec::new();
     for (place_of_segment, segment) in system.segments.iter().enumerate() {
-        let data = &given.segments[segment.index];
+        let data = &problem.segments[segment.index];
         let follows = chains.last().is_some_and(|chain| {
-            let end = chain.gates.last().map(|gate| gate.end);
+            let end = chain.time_bins.last().map(|time_bin| time_bin.end);
             (chain.recording, chain.run) == (data.recording, data.run)
                 && end.is_some_and(|end| (end - segment.edges[0]).abs() < SAME_TIME)
         });
@@ -77,25 +77,25 @@ pub fn chains(given: &Given, system: &System) -> Vec<Chain> {
             chains.push(Chain {
                 recording: data.recording,
                 run: data.run,
-                gates: Vec::new(),
+                time_bins: Vec::new(),
             });
         }
-        let run = &given.recordings[data.recording].runs[data.run];
+        let run = &problem.recordings[data.recording].runs[data.run];
         let at = |channel, time| run.series(channel).and_then(|series| series.at(time));
         let Some(chain) = chains.last_mut() else {
             continue;
         };
-        for (gate, edges) in segment.edges.windows(2).enumerate() {
+        for (time_bin, edges) in segment.edges.windows(2).enumerate() {
             let place = |point: usize| {
                 let share = (point as f64 + 0.5) / POINTS as f64;
                 let time = edges[0] + share * (edges[1] - edges[0]);
                 let pair = at(Channel::X, time).zip(at(Channel::Y, time));
-                pair.filter(|_| given.maps == Maps::One)
+                pair.filter(|_| problem.maps == Maps::One)
                     .map(|(x, y)| [x, y])
             };
-            chain.gates.push(Gate {
+            chain.time_bins.push(TimeBin {
                 segment: place_of_segment,
-                gate,
+                time_bin,
                 start: edges[0],
                 end: edges[1],
                 places: std::array::from_fn(place),
