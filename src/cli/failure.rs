@@ -56,8 +56,6 @@ pub enum Failure {
     Simulation(SimulationError),
     /// A file that cannot be written.
     Write { target: String, source: io::Error },
-    /// A picture that cannot be drawn.
-    Plot(String),
 }
 
 impl Failure {
@@ -68,8 +66,7 @@ impl Failure {
             Self::Fit(FitError::NotFinite)
             | Self::Diagnosis(DiagnosisError::NotFinite)
             | Self::Simulation(_)
-            | Self::Write { .. }
-            | Self::Plot(_) => FAILED,
+            | Self::Write { .. } => FAILED,
             _ => BAD_INPUT,
         }
     }
@@ -223,7 +220,6 @@ impl fmt::Display for Failure {
             Self::Model(error) => error.fmt(f),
             Self::Simulation(error) => error.fmt(f),
             Self::Write { target, .. } => write!(f, "cannot write {target}"),
-            Self::Plot(reason) => write!(f, "cannot draw the picture: {reason}"),
         }
     }
 }

@@ -1,13 +1,12 @@
 //! `ugv import`: makes a recording of a robot's log.
 
 use super::output::{Output, finish_all, print};
+use super::progress::Progress;
 use super::{Failure, tell};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 use ugv_terrain::display::visible_line;
 use ugv_terrain::import::{
     self, Clock, Ending, Heading, Imported, MessageKind, Options, Pose, Survey, Wish,
@@ -173,17 +172,17 @@ impl Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let options = args.options();
     let files = (!args.list).then(|| Files::new(args)).transpose()?;
-    let mut bar = Bar::new(args.quiet);
-    let surveyed = import::survey(&args.input, &mut |done, of| bar.show(done, 2 * of));
+    let progress = Progress::bytes(args.quiet);
+    let surveyed = import::survey(&args.input, &mut |done, of| progress.reach(done, 2 * of));
     let survey = surveyed.map_err(Failure::Import)?;
     let Some(files) = files else {
-        bar.finish();
+        progress.finish();
         return list(&args.input, &survey, &options);
     };
     let imported = import::import(&args.input, &survey, &options, &mut |done, of| {
-        bar.show(of + done, 2 * of);
+        progress.reach(of + done, 2 * of);
     });
-    bar.finish();
+    progress.finish();
     let imported = imported.map_err(Failure::Import)?;
     let rows = files.write(&imported, &args.input, &survey)?;
     if !args.quiet {
@@ -352,43 +351,4 @@ fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure>
         ));
     }
     Ok(())
-}
-
-/// Files that are read sooner need no bar.
-const PATIENCE: Duration = Duration::from_secs(1);
-
-/// How far reading has come; shown only on a terminal, and only if it takes long.
-struct Bar {
-    started: Instant,
-    quiet: bool,
-    bar: Option<ProgressBar>,
-}
-
-impl Bar {
-    fn new(quiet: bool) -> Self {
-        Self {
-            started: Instant::now(),
-            quiet,
-            bar: None,
-        }
-    }
-
-    fn show(&mut self, done: u64, of: u64) {
-        if self.quiet || (self.bar.is_none() && self.started.elapsed() < PATIENCE) {
-            return;
-        }
-        let bar = self.bar.get_or_insert_with(|| {
-            let template = "{bar:40} {binary_bytes} of {binary_total_bytes}, {eta} left";
-            let style = ProgressStyle::with_template(template);
-            // It goes to standard error, and hides where that is no terminal.
-            ProgressBar::new(of).with_style(style.expect("the template is valid"))
-        });
-        bar.set_position(done);
-    }
-
-    fn finish(self) {
-        if let Some(bar) = self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }

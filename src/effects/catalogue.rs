@@ -275,8 +275,7 @@ impl Effects {
     pub fn remembers(&self, effect: usize) -> bool {
         let is = |other: &Declaration| CATALOGUE[effect].name == other.name;
         let over_distance = matches!(self.slope_profile, Some(SlopeProfile::Distance(_)));
-        is(&TransientShear::<f64>::DECLARATION)
-            || is(&Multipass::<f64>::DECLARATION)
+        CATALOGUE[effect].memory
             || is(&TerrainChange::<f64>::DECLARATION) && self.boundary == Boundary::Distance
             || is(&Grade::<f64>::DECLARATION) && over_distance
     }
@@ -314,8 +313,8 @@ mod tests {
         let mut names = HashSet::new();
         for effect in CATALOGUE {
             assert!(names.insert(effect.name), "{}", effect.name);
-            for text in [effect.lifts, effect.equation, effect.source] {
-                assert!(text.len() > 7, "{}", effect.name);
+            for text in [effect.phrase, effect.lifts, effect.equation, effect.source] {
+                assert!(text.len() > 5, "{}", effect.name);
             }
             assert!(
                 effect.parameters.iter().any(|p| p.switches),

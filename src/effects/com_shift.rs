@@ -6,7 +6,8 @@ effect! {
     /// The centre of mass lies ahead of, or beside, the one that the vehicle's parameters give.
     ///
     /// The position, heading and velocities stay those of the point where it was thought to be.
-    ComShift: "com_shift", Physics,
+    ComShift: "com_shift", Wheels,
+    phrase "a shifted centre of mass",
     lifts "known centre of mass",
     equation "X_i, Y_i in the loads and moments less the shift; a at the reference point by rigid-body kinematics",
     source "rigid-body mechanics",

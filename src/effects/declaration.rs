@@ -1,6 +1,7 @@
-//! What is said of an effect: its parameters, its equation and source, and the assumption that
-//! it lifts.
+//! The declaration of an effect: its parameters with range and prior, its equation and source, the assumption that it
+//! lifts, what it acts on, and its name in reports. Everything that other modules need to know of an effect stands here.
 
+use super::Soil;
 use crate::parameter::{Bounds, ParameterError};
 
 /// Physics of the vehicle and the ground, or a property of the measurement.
@@ -10,6 +11,58 @@ pub enum EffectKind {
     Physics,
     /// Changes what the sensors report; never to be blamed on the soil.
     Measurement,
+}
+
+/// What an effect acts on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Acts {
+    /// On forces, loads or geometry of the wheels.
+    Wheels,
+    /// On the vehicle's body alone.
+    Body,
+    /// On the body, by a slope of the ground: it depends on the place, and belongs to the place of each drive.
+    Slope,
+    /// On the soil under a wheel, by the wheel's place.
+    SoilByPlace,
+    /// On the body, as an empirical residual model along this axis: it describes physics that the catalogue lacks.
+    Residual(Axis),
+    /// On what the sensors report.
+    Sensors,
+}
+
+/// Axis of a residual model: its force or moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Force along X.
+    Longitudinal,
+    /// Force along Y.
+    Lateral,
+    /// Moment about Z.
+    Yaw,
+}
+
+/// A wheel at rest on level soil: what the size of a first step may depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StandingWheel {
+    /// The soil.
+    pub soil: Soil<f64>,
+    /// Load \[N\].
+    pub load: f64,
+    /// Radius \[m\].
+    pub radius: f64,
+    /// Width \[m\].
+    pub width: f64,
+}
+
+/// How an effect that is off is differenced by a parameter.
+#[derive(Debug, Clone, Copy)]
+pub enum FirstStep {
+    /// By its derivative.
+    Derivative,
+    /// By the difference to this value: the derivative does not exist while the effect is off.
+    To(f64),
+    /// By the difference to a value that depends on the wheel and its soil.
+    Of(fn(&StandingWheel) -> f64),
 }
 
 /// What is believed of a parameter before any data.
@@ -32,15 +85,15 @@ pub enum Prior {
 }
 
 /// One parameter of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct ParameterDeclaration {
     /// Name in files.
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,
-    /// Least value.
+    /// Smallest value.
     pub low: f64,
-    /// Greatest value.
+    /// Largest value.
     pub high: f64,
     /// Value where none is given.
     pub default: f64,
@@ -51,6 +104,12 @@ pub struct ParameterDeclaration {
     pub prior: Prior,
     /// Meaning.
     pub description: &'static str,
+    /// How the effect is differenced by it while it is off.
+    pub first_step: FirstStep,
+    /// A shape that is estimated with the effect: with another lever the same moment is another force.
+    pub estimated_shape: bool,
+    /// Whether it has a direction on the map.
+    pub on_map: bool,
 }
 
 impl ParameterDeclaration {
@@ -73,12 +132,18 @@ impl ParameterDeclaration {
 }
 
 /// One effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Declaration {
     /// Name in files and in the diagnosis.
     pub name: &'static str,
     /// Physics or measurement.
     pub kind: EffectKind,
+    /// What it acts on.
+    pub acts: Acts,
+    /// Its name in plain words, for reports.
+    pub phrase: &'static str,
+    /// Whether it adds states to the model: the vehicle or its ground remembers.
+    pub memory: bool,
     /// The paper's assumption that it lifts.
     pub lifts: &'static str,
     /// Its equation.
@@ -89,18 +154,31 @@ pub struct Declaration {
     pub parameters: &'static [ParameterDeclaration],
 }
 
+impl Acts {
+    /// Physics of the vehicle and its ground, or a property of the sensors.
+    #[must_use]
+    pub const fn kind(self) -> EffectKind {
+        match self {
+            Self::Sensors => EffectKind::Measurement,
+            _ => EffectKind::Physics,
+        }
+    }
+}
+
 /// Declares an effect: the struct of its parameters, generic over the scalar, and its
 /// [`Declaration`].
 macro_rules! effect {
     (
         $(#[$doc:meta])*
-        $name:ident: $key:literal, $kind:ident,
+        $name:ident: $key:literal, $acts:ident $(($axis:ident))? $(+ $memory:ident)?,
+        phrase $phrase:literal,
         lifts $lifts:literal,
         equation $equation:literal,
         source $source:literal,
         {
             $($field:ident [$unit:literal] $low:literal..$high:literal, $role:ident $default:literal,
-                $prior:ident($centre:literal, $deviation:literal), $what:literal;)*
+                $prior:ident($centre:literal, $deviation:literal), $what:literal
+                $(, $flag:ident $(($step:expr))?)?;)*
         }
     ) => {
         $(#[$doc])*
@@ -113,7 +191,10 @@ macro_rules! effect {
             /// What is declared of it.
             pub const DECLARATION: $crate::effects::Declaration = $crate::effects::Declaration {
                 name: $key,
-                kind: $crate::effects::EffectKind::$kind,
+                kind: $crate::effects::Acts::$acts $(($crate::effects::Axis::$axis))?.kind(),
+                acts: $crate::effects::Acts::$acts $(($crate::effects::Axis::$axis))?,
+                phrase: $phrase,
+                memory: effect!(@memory $($memory)?),
                 lifts: $lifts,
                 equation: $equation,
                 source: $source,
@@ -126,6 +207,9 @@ macro_rules! effect {
                     switches: effect!(@switches $role),
                     prior: effect!(@prior $prior, $centre, $deviation),
                     description: $what,
+                    first_step: effect!(@step $($flag $(($step))?)?),
+                    estimated_shape: effect!(@shape $($flag)?),
+                    on_map: effect!(@map $($flag)?),
                 },)*],
             };
 
@@ -135,8 +219,23 @@ macro_rules! effect {
                 $(let $field = values.next().expect("as many values as the declaration has");)*
                 Self { $($field),* }
             }
+
+            /// The parameters in the order of the declaration.
+            #[allow(dead_code)]
+            pub(crate) fn to_array(&self) -> [S; $name::<f64>::DECLARATION.parameters.len()] {
+                [$(self.$field),*]
+            }
         }
     };
+    (@memory memory) => { true };
+    (@memory) => { false };
+    (@step first_step_to($value:expr)) => { $crate::effects::FirstStep::To($value) };
+    (@step first_step_of($function:expr)) => { $crate::effects::FirstStep::Of($function) };
+    (@step $($flag:ident)?) => { $crate::effects::FirstStep::Derivative };
+    (@shape estimated) => { true };
+    (@shape $($flag:ident)?) => { false };
+    (@map on_map) => { true };
+    (@map $($flag:ident)?) => { false };
     (@switches off) => { true };
     (@switches shape) => { false };
     (@prior normal, $mean:literal, $deviation:literal) => {

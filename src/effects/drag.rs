@@ -5,7 +5,8 @@ use crate::scalar::{Elementary, Scalar};
 
 effect! {
     /// Quadratic drag at the centre of mass, of air, water or high grass.
-    Drag: "drag", Physics,
+    Drag: "drag", Body,
+    phrase "drag that grows with the square of the speed",
     lifts "no aerodynamic force",
     equation "F = -k |V| V, k = rho C_d A / 2 for air (about 0.7 for a plate of a square metre); the prior spans water and high grass",
     source "quadratic drag; Wong, Theory of Ground Vehicles, 3.2",

@@ -8,7 +8,8 @@ effect! {
     /// The contact reaches from -theta_2 to theta_1, and the greatest stress moves with its
     /// middle. At a share of 1 the normal stress is symmetric about the axle, and its horizontal
     /// parts cancel: no compaction drag.
-    ElasticRebound: "elastic_rebound", Physics,
+    ElasticRebound: "elastic_rebound", Wheels,
+    phrase "soil that springs back behind the wheel",
     lifts "theta_2 = 0",
     equation "theta_2 = share theta_1; sigma over -theta_2..theta_1 with (3) and (4), whose theta_2 is -theta_2 here, about theta_m = (theta_1 - theta_2)/2, with stress_peak about theta_m = (a0 + a1 abs(i)) (theta_1 + theta_2) - theta_2, 0 at least",
     source "Wong, Theory of Ground Vehicles, ch. 2 (exit angle); the stress behind theta_m as in Wong & Reece, J. Terramechanics 4 (1967)",

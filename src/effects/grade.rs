@@ -8,7 +8,8 @@ effect! {
     ///
     /// Positions are measured along the surface. The loads follow from the forces of the ground,
     /// which now hold a part of the weight: m h (a - g) in place of m h a in (28).
-    Grade: "grade", Physics,
+    Grade: "grade", Slope,
+    phrase "sloping ground",
     lifts "flat ground",
     equation "F_X += m g_X, F_Y += m g_Y, g = -9.81 q / sqrt(1 + |q|^2) turned into the body by psi, q = (tan slope_east, tan slope_north); sum F_Z = m 9.81 / sqrt(1 + |q|^2)",
     source "statics of a body on an inclined plane (derived here; Wong, Theory of Ground Vehicles, 3.1, has the one-dimensional case)",

@@ -4,11 +4,12 @@ use super::declaration::effect;
 
 effect! {
     /// The heading is reported with a constant offset.
-    HeadingOffset: "heading_offset", Measurement,
+    HeadingOffset: "heading_offset", Sensors,
+    phrase "a heading that is turned",
     lifts "perfect measurement: the sensor's axis is the vehicle's",
     equation "reported = psi + offset",
     source "definition",
     {
-        offset ["rad"] -0.5..0.5, off 0.0, normal(0.0, 0.03), "Offset, counter-clockwise";
+        offset ["rad"] -0.8..0.8, off 0.0, normal(0.0, 0.05), "Offset, counter-clockwise";
     }
 }

@@ -6,7 +6,8 @@ use crate::scalar::{Elementary, Scalar};
 
 effect! {
     /// The left wheels run on stronger soil than the right ones, or on weaker.
-    LeftRightSoil: "left_right_soil", Physics,
+    LeftRightSoil: "left_right_soil", Wheels,
+    phrase "different soil left and right",
     lifts "homogeneous ground across the track",
     equation "c, tan phi and k times sqrt(ratio) on the left, over sqrt(ratio) on the right",
     source "modelling assumption: the geometric mean of both sides is the terrain",

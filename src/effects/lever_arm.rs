@@ -5,13 +5,14 @@ use crate::scalar::{Elementary, Scalar};
 
 effect! {
     /// The position is that of another point of the vehicle.
-    LeverArm: "lever_arm", Measurement,
+    LeverArm: "lever_arm", Sensors,
+    phrase "an antenna off the reference point",
     lifts "perfect measurement: pose of the reference point",
     equation "x_reported = x + x_a cos psi - y_a sin psi, y_reported = y + x_a sin psi + y_a cos psi",
     source "rigid-body kinematics",
     {
-        ahead ["m"] -3.0..3.0, off 0.0, normal(0.0, 0.3), "Place of the antenna ahead of the reference point";
-        left ["m"] -3.0..3.0, off 0.0, normal(0.0, 0.3), "Place of the antenna to its left";
+        ahead ["m"] -5.0..5.0, off 0.0, normal(0.0, 0.3), "Place of the antenna ahead of the reference point";
+        left ["m"] -5.0..5.0, off 0.0, normal(0.0, 0.3), "Place of the antenna to its left";
     }
 }
 

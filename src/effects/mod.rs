@@ -39,7 +39,9 @@ mod yaw_rate_bias;
 pub use bulldozing::Bulldozing;
 pub use catalogue::{ActiveEffects, CATALOGUE, Effects, PARAMETER_COUNT, ParameterName};
 pub use com_shift::ComShift;
-pub use declaration::{Declaration, EffectKind, ParameterDeclaration, Prior};
+pub use declaration::{
+    Acts, Axis, Declaration, EffectKind, FirstStep, ParameterDeclaration, Prior, StandingWheel,
+};
 pub use drag::Drag;
 pub use drawbar::Drawbar;
 pub use elastic_rebound::ElasticRebound;

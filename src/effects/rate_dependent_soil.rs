@@ -7,7 +7,8 @@ effect! {
     ///
     /// Each of N wheels adds -c_x V_X / N and -c_y V_Y / N at its place, so that the lateral part
     /// resists turning too.
-    RateDependentSoil: "rate_dependent_soil", Physics,
+    RateDependentSoil: "rate_dependent_soil", Wheels,
+    phrase "soil that resists in proportion to the speed",
     lifts "stresses independent of the speed",
     equation "F_Xi += -c_x V_Xi / N, F_Yi += -c_y V_Yi / N",
     source "linearised rate effect of saturated soils; cf. Grahn, J. Terramechanics 28 (1991), on the rate dependence of the pressure-sinkage law",

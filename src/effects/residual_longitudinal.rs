@@ -8,7 +8,8 @@ effect! {
     /// A force along the body's X axis at the centre of mass: a sum of features of the motion.
     ///
     /// It says how unknown physics acts, not what it is.
-    ResidualLongitudinal: "residual_longitudinal", Physics,
+    ResidualLongitudinal: "residual_longitudinal", Residual(Longitudinal),
+    phrase "an empirical force along the vehicle",
     lifts "nothing acts along the vehicle but what the model names",
     equation "F_X += m g (constant + direction s(V_X) + speed u + speed_squared u|u| + turning s(V_X)|q| + turning_squared s(V_X) q^2 + speed_turning u|q| + sideways_turning w q + slip p + slip_squared p|p| + east cos psi + north sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_L + omega_R) / 2 - V_X) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x); the bracket within -1 and 1",
     source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
@@ -23,8 +24,8 @@ effect! {
         sideways_turning ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the lateral speed times the yaw rate, as an added mass";
         slip ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the rims' mean speed over the ground";
         slip_squared ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the square of the rims' mean speed over the ground";
-        east ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the east";
-        north ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the north";
+        east ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the east", on_map;
+        north ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A push towards the north", on_map;
     }
 }
 
@@ -51,21 +52,7 @@ impl<S: Scalar> ResidualLongitudinal<S> {
 
     /// Force ahead as a share of the weight m g.
     pub fn share(&self, at: &ResidualMotion<S>) -> S {
-        let coefficients = [
-            self.constant,
-            self.direction,
-            self.speed,
-            self.speed_squared,
-            self.turning,
-            self.turning_squared,
-            self.speed_turning,
-            self.sideways_turning,
-            self.slip,
-            self.slip_squared,
-            self.east,
-            self.north,
-        ];
-        weighted(coefficients, Self::features(at))
+        weighted(self.to_array(), Self::features(at))
     }
 }
 
@@ -84,17 +71,5 @@ mod tests {
                 0.86603, 0.5,
             ],
         );
-    }
-
-    #[test]
-    fn each_coefficient_weighs_its_own_feature() {
-        let at = example();
-        let features = ResidualLongitudinal::features(&at);
-        for (index, feature) in features.into_iter().enumerate() {
-            let mut coefficients = [0.0; 12];
-            coefficients[index] = -0.2;
-            let share = ResidualLongitudinal::from_slice(&coefficients).share(&at);
-            assert!((share + 0.2 * feature).abs() < 1e-15, "{index}");
-        }
     }
 }

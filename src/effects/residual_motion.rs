@@ -109,6 +109,23 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn each_coefficient_weighs_its_own_feature() {
+        use crate::effects::{ResidualLateral, ResidualLongitudinal, ResidualYaw};
+        let at = example();
+        macro_rules! check {
+            ($($effect:ident),*) => {$(
+                for (index, feature) in $effect::features(&at).into_iter().enumerate() {
+                    let mut coefficients = $effect::<f64>::DECLARATION.parameters.iter().map(|_| 0.0).collect::<Vec<_>>();
+                    coefficients[index] = -0.2;
+                    let share = $effect::from_slice(&coefficients).share(&at);
+                    assert!((share + 0.2 * feature).abs() < 1e-15, "{index}");
+                }
+            )*};
+        }
+        check!(ResidualLateral, ResidualLongitudinal, ResidualYaw);
+    }
+
+    #[test]
     fn motions_are_scaled_by_gravity_and_half_the_track() {
         let at = example();
         compare(

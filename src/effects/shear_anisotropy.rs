@@ -6,7 +6,8 @@ effect! {
     /// Across the wheel the soil needs another displacement to be sheared, and resists differently.
     ///
     /// Grousers and treads shear soil against soil along the wheel, while its flanks slide.
-    ShearAnisotropy: "shear_anisotropy", Physics,
+    ShearAnisotropy: "shear_anisotropy", Wheels,
+    phrase "soil that shears differently along and across the wheel",
     lifts "one K, and one strength, in all directions",
     equation "tau = tau_max (1 - exp(-sqrt((j_X^2 + j_Z^2)/K_X^2 + j_Y^2/K_Y^2))); tau_Y times the strength ratio; K_X = K",
     source "elliptic form of Janosi & Hanamoto, as in Wong, Theory of Ground Vehicles, ch. 2, and Schwanghart, J. Terramechanics 5 (1968), for K_Y /= K_X",

@@ -5,7 +5,8 @@ use crate::scalar::Scalar;
 
 effect! {
     /// The greatest stress lies elsewhere than in the middle of the contact, and moves with slip.
-    StressPeak: "stress_peak", Physics,
+    StressPeak: "stress_peak", Wheels,
+    phrase "pressure that peaks elsewhere",
     lifts "theta_m = theta_1 / 2",
     equation "theta_m = (a0 + a1 abs(i)) theta_1",
     source "Wong & Reece, J. Terramechanics 4 (1967), part I, driven wheels: a0 0.43, a1 0.32 in compact sand (0.18, 0.32 in loose sand, which is below the range here); for braking wheels abs(i) is assumed",

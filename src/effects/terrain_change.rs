@@ -9,7 +9,8 @@ effect! {
     ///
     /// A wheel's soil passes from one to the other by the quintic step, in the logarithms of its
     /// parameters.
-    TerrainChange: "terrain_change", Physics,
+    TerrainChange: "terrain_change", SoilByPlace,
+    phrase "a change of soil on the way",
     lifts "homogeneous ground",
     equation "c, tan phi, k, K times factor^w, w the quintic step of (u - position) / transition; u the time, the distance driven, or the wheel's x cos(direction) + y sin(direction)",
     source "modelling assumption: soil parameters vary monotonously across a boundary of finite width",

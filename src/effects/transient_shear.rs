@@ -15,12 +15,13 @@ effect! {
     /// r omega: exact in the steady state and for the mean displacement of a locked wheel, of first
     /// order in between. Soil sheared beyond 10 K slides on without storing more. A scale below 0.01 counts as 0.01: the
     /// displacement then follows within 0.4 ms at 5 rad/s.
-    TransientShear: "transient_shear", Physics,
+    TransientShear: "transient_shear", Wheels + memory,
+    phrase "shear that builds up over a distance",
     lifts "velocities constant while a point of the rim is in contact",
     equation "dJ/dt = 2/(s L) (V - abs(omega) J), j as in (14) with J for V/abs(omega), L the angle of contact, theta_1 or theta_1 + theta_2; what is sheared beyond 10 K stores no more; s is 0.01 at least",
     source "transport equation of the brush model (Pacejka, Tyre and Vehicle Dynamics, ch. 2), projected here",
     {
-        relaxation ["1"] 0.0..5.0, off 0.0, lognormal(1.0, 0.4), "Scale s of the relaxation length, 1 as derived; 0 is the steady state of the paper";
+        relaxation ["1"] 0.0..5.0, off 0.0, lognormal(1.0, 0.4), "Scale s of the relaxation length, 1 as derived; 0 is the steady state of the paper", first_step_to(1.0);
     }
 }
 

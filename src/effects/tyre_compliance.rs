@@ -1,5 +1,6 @@
 //! A tyre that flattens where the ground is harder than it.
 
+use super::StandingWheel;
 use super::declaration::effect;
 use super::soil::Soil;
 use crate::scalar::{Elementary, Scalar};
@@ -19,13 +20,28 @@ effect! {
     /// The contact of a soft tyre on stiff clay is so large that the whole cohesion would hold it with several times its
     /// load; no load transfer is in balance with that. Our own bound, set by no measurement:
     /// the cohesion under a tyre is p / 2 at most.
-    TyreCompliance: "tyre_compliance", Physics,
+    TyreCompliance: "tyre_compliance", Wheels,
+    phrase "tyres that flatten",
     lifts "rigid wheels",
     equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), W what the normal stress carries; c = min(c, p / 2)",
     source "rigid limit: Wong, Theory of Ground Vehicles (2001), ch. 2, after Bekker (moderate sinkage, n up to about 1.3); the substitute circle: Schmid, J. Terramechanics 32 (1995)",
     {
-        pressure ["Pa"] 15000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; 2 MPa switches it off: the wheel is then rigid on any ground";
+        pressure ["Pa"] 15000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; 2 MPa switches it off: the wheel is then rigid on any ground", first_step_of(soft);
     }
+}
+
+/// A pressure at which tyres are soft on the given soil, as a share of the pressure above which they are rigid there:
+/// 60 kPa is rigid on sand, and on clay so flat that no descent leads there.
+const SOFT_SHARE: f64 = 0.65;
+
+fn soft(wheel: &StandingWheel) -> f64 {
+    let StandingWheel {
+        soil,
+        load,
+        radius,
+        width,
+    } = wheel;
+    SOFT_SHARE * TyreCompliance::rigid_limit(soil, *load, *radius, *width)
 }
 
 impl<S: Scalar> TyreCompliance<S> {

@@ -5,7 +5,8 @@ use super::declaration::effect;
 effect! {
     /// The wheels of a side are smaller or larger than known. An encoder that counts a wrong number
     /// of ticks per turn looks the same (but for the sinkage), and is not to be told from it.
-    WheelRadius: "wheel_radius", Physics,
+    WheelRadius: "wheel_radius", Wheels,
+    phrase "wheels of another radius",
     lifts "known wheel radius, equal on both sides",
     equation "r times the side's factor: in r omega, and in the contact",
     source "geometry",

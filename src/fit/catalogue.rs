@@ -145,7 +145,10 @@ pub fn describe(parameter: vehicle::ModelParameter, nominal: &Specification) -> 
 
 /// An effect that works by a factor has a logarithmic scale, which does not reach "off": the
 /// scale ends far below anything that matters.
-fn describe_effect(name: String, declared: &effects::ParameterDeclaration) -> FreeParameter {
+pub(super) fn describe_effect(
+    name: String,
+    declared: &effects::ParameterDeclaration,
+) -> FreeParameter {
     const FAR: f64 = 5.0;
     let (scale, median, deviation, low) = match declared.prior {
         effects::Prior::Normal { mean, deviation } => {

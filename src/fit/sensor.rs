@@ -1,8 +1,10 @@
 //! The sensors' parameters: what a recording says beside what the vehicle did.
 
+use super::catalogue::describe_effect;
 use super::error::FitError;
-use super::parameter::{FreeParameter, Prior, Scale};
+use super::parameter::FreeParameter;
 use super::segment::Signal;
+use crate::effects::ParameterName;
 use crate::identification::{Latencies, Signals};
 use crate::recording::{Channel, Recording};
 use crate::spelling::nearest;
@@ -60,6 +62,20 @@ impl SensorParameter {
         }
     }
 
+    /// What is declared of it among the effects of sensors.
+    #[must_use]
+    pub fn declared(self) -> ParameterName {
+        let name = match self {
+            Self::PoseLatency => "latency.pose",
+            Self::WheelLatency => "latency.wheels",
+            Self::YawRateBias => "yaw_rate_bias.bias",
+            Self::LeverArmX => "lever_arm.ahead",
+            Self::LeverArmY => "lever_arm.left",
+            Self::HeadingOffset => "heading_offset.offset",
+        };
+        ParameterName::find(name).expect("a test looks up every name")
+    }
+
     /// The parameter of a name.
     ///
     /// # Errors
@@ -85,28 +101,12 @@ impl SensorParameter {
         }
     }
 
-    /// The parameter to be fitted for a recording. Priors: a pose from lidar or a filter
-    /// trails by tenths of a second, encoders by less, a warm MEMS gyro is off by some mrad/s.
+    /// The parameter to be fitted for a recording, as its effect declares it.
     #[must_use]
     pub fn parameter(self, recording: &str) -> FreeParameter {
-        let (unit, deviation, reach) = match self {
-            Self::PoseLatency => ("s", 0.4, 1.5),
-            Self::WheelLatency => ("s", 0.2, 1.0),
-            Self::YawRateBias => ("rad/s", 0.02, 0.3),
-            Self::LeverArmX | Self::LeverArmY => ("m", 0.3, 5.0),
-            Self::HeadingOffset => ("rad", 0.05, 0.8),
-        };
-        FreeParameter {
-            name: format!("{recording}.{}", self.name()),
-            unit,
-            scale: Scale::Linear,
-            prior: Prior {
-                median: 0.0,
-                deviation,
-            },
-            low: -reach,
-            high: reach,
-        }
+        let declared = self.declared().declaration().1;
+        let name = format!("{recording}.{}", self.name());
+        describe_effect(name, declared)
     }
 }
 
@@ -157,6 +157,9 @@ mod tests {
         for (place, parameter) in SensorParameter::ALL.into_iter().enumerate() {
             assert_eq!(parameter.index(), place);
             assert_eq!(SensorParameter::parse(parameter.name()), Ok(parameter));
+            let declared = parameter.declared().declaration().1;
+            assert!(declared.low < 0.0 && declared.high == -declared.low);
+            assert_eq!(parameter.parameter("drive").prior.median, declared.default);
         }
         assert_eq!(SensorParameter::parse("pose_lag"), Err("pose_latency"));
     }

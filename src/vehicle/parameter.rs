@@ -1,10 +1,7 @@
 //! What a model is made of, and each of its numbers by name.
 
 use super::Vehicle;
-use crate::effects::{
-    Drag, Drawbar, EffectKind, Effects, Grade, ParameterName, ResidualLateral,
-    ResidualLongitudinal, ResidualYaw, TerrainChange,
-};
+use crate::effects::{Acts, EffectKind, Effects, ParameterName};
 use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
 
@@ -176,41 +173,27 @@ impl ModelParameter {
             return false;
         };
         let (effect, declared) = parameter.declaration();
-        let of_one = |names: &[&str]| names.contains(&effect.name);
-        // Of a law without a name only what points somewhere on the map.
-        of_one(&[
-            Grade::<f64>::DECLARATION.name,
-            TerrainChange::<f64>::DECLARATION.name,
-        ]) || of_one(&[
-            ResidualLongitudinal::<f64>::DECLARATION.name,
-            ResidualLateral::<f64>::DECLARATION.name,
-            ResidualYaw::<f64>::DECLARATION.name,
-        ]) && ["east", "north"].contains(&declared.name)
+        matches!(effect.acts, Acts::Slope | Acts::SoilByPlace) || declared.on_map
     }
 
     /// Whether it belongs to an effect that acts on the vehicle's body alone: gravity on a slope,
-    /// drag, what is towed, laws without a name.
+    /// drag, what is towed, residual models.
     pub(crate) fn acts_on_body(self) -> bool {
-        const BODY: [&str; 6] = [
-            Grade::<f64>::DECLARATION.name,
-            Drag::<f64>::DECLARATION.name,
-            Drawbar::<f64>::DECLARATION.name,
-            ResidualLongitudinal::<f64>::DECLARATION.name,
-            ResidualLateral::<f64>::DECLARATION.name,
-            ResidualYaw::<f64>::DECLARATION.name,
-        ];
-        self.is_of(&BODY)
+        matches!(
+            self.acts(),
+            Some(Acts::Slope | Acts::Body | Acts::Residual(_))
+        )
     }
 
     /// Whether it belongs to an effect by which the soil under a wheel depends on its place.
     pub(crate) fn changes_soil_by_place(self) -> bool {
-        self.is_of(&[TerrainChange::<f64>::DECLARATION.name])
+        self.acts() == Some(Acts::SoilByPlace)
     }
 
-    fn is_of(self, effects: &[&str]) -> bool {
+    fn acts(self) -> Option<Acts> {
         match self {
-            Self::Effect(parameter) => effects.contains(&parameter.declaration().0.name),
-            _ => false,
+            Self::Effect(parameter) => Some(parameter.declaration().0.acts),
+            _ => None,
         }
     }
 
@@ -218,12 +201,7 @@ impl ModelParameter {
     /// not to a sensor.
     #[must_use]
     pub fn is_physics(self) -> bool {
-        match self {
-            Self::Effect(parameter) => {
-                parameter.declaration().0.kind == crate::effects::EffectKind::Physics
-            }
-            _ => true,
-        }
+        self.acts() != Some(Acts::Sensors)
     }
 }
 

@@ -1,13 +1,12 @@
 //! `ugv diagnose`: what physics did the model leave out?
 
 mod folder;
-mod progress;
 
 use super::nominal::{NominalArgs, fitted_to};
 use super::output::{Output, finish_all, print};
+use super::progress::Progress as Terminal;
 use super::{Failure, tell};
 use folder::Folder;
-use progress::Bar;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -81,8 +80,8 @@ enum Limit {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let bar = Bar::new(args.quiet);
-    let show = |step| bar.show(step);
+    let terminal = Terminal::steps(args.quiet);
+    let show = |step| terminal.step(step);
     let mut progress = Progress::new(&show);
     let named = args.nominal.load()?;
     let recordings = named.read(&args.recordings)?;
@@ -110,7 +109,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let outputs = files.map(|name| Output::of(Some(&args.out.join(name)), read()));
     let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
-    bar.finish();
+    terminal.finish();
     let mut to = fitted_to(&recordings, true);
     let mut diagnosis = match found {
         Err(

@@ -1,19 +1,18 @@
 //! `ugv fit`: soil parameters from recordings.
 
 mod names;
-mod progress;
 mod report;
 mod summary;
 
 use super::nominal::{NominalArgs, fitted_to};
 use super::output::{Output, finish_all, print};
+use super::progress::Progress;
 use super::{Failure, tell};
 use names::{Wanted, print_names};
-use progress::Progress;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use ugv_terrain::fit::{Fit, Fitted, Options, fit_model};
+use ugv_terrain::fit::{Fit, Fitted, Options, Stage, fit_model};
 use ugv_terrain::identification::{Cut, fitted_part};
 use ugv_terrain::recording::Recording;
 
@@ -144,9 +143,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         });
     }
     let started = Instant::now();
-    let progress = Progress::new(args.starts, args.quiet);
+    let progress = Progress::steps(args.quiet);
     let pool = super::jobs::pool(args.jobs)?;
-    let show = |stage| progress.show(stage);
+    let show = |stage| {
+        progress.step(match stage {
+            Stage::Turn(turn) => format!("fitting motion and noise, turn {turn}"),
+            Stage::Start(start) => format!("random start {} of {}", start + 1, args.starts),
+        });
+    };
     let found = pool.install(|| fit_model(&nominal, &wanted.model, &recordings, &options, &show));
     let Fitted { model, fit: fitted } = found.map_err(Failure::Fit)?;
     progress.finish();

@@ -132,7 +132,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         contests.push(comparison);
     }
     different_names(contests.iter().map(|one| one.name.as_str())).map_err(Failure::SameName)?;
-    let progress = Progress::new(contests.iter().map(Comparison::work).sum(), args.quiet);
+    let progress = Progress::counting(contests.iter().map(Comparison::work).sum(), args.quiet);
     let run = || contests.iter().map(|c| c.run(|| progress.count()));
     let outcomes: Vec<ModelScore> = threads.install(|| run().collect());
     progress.finish();

@@ -2,18 +2,17 @@
 
 mod drive;
 mod input;
-mod progress;
 mod table;
 
 use super::initial::{Initial, initial_state};
 use super::model::{ModelArgs, names};
 use super::output::{Output, finish_all};
 use super::plot::{self, Trace};
+use super::progress::Progress;
 use super::{Failure, tell};
 pub use drive::Stop;
 use drive::{Schedule, drive};
 pub use input::{doubts, filled, read_file, read_input};
-use progress::Progress;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -119,7 +118,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut trace = picture
         .is_some()
         .then(|| Trace::new(model.vehicle(), state));
-    let mut progress = Progress::new(&recording, args.quiet);
+    let progress = Progress::counting(0, args.quiet);
     let mut simulation = Simulation::new(model);
     let midst = course.or(args.settled.then(Vec::new));
     begin(&mut simulation, &recording, state, midst.as_deref()).map_err(Failure::Simulation)?;
@@ -129,7 +128,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .map_err(|source| table.failure(source))?;
     drive(&recording, schedule, &mut simulation, |stop| {
         summary.visit(stop);
-        progress.visit(stop);
+        let share = (stop.time - recording.time[0]) / recording.duration();
+        progress.reach((1e3 * share) as u64, 1000);
         if let Some(trace) = &mut trace {
             trace.visit(stop);
         }
@@ -143,7 +143,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
     let mut outputs = vec![table];
     if let (Some(trace), Some(picture)) = (&trace, picture) {
-        let svg = plot::draw(trace, &args.model.ground()).map_err(Failure::Plot)?;
+        let svg = plot::draw(trace, &args.model.ground());
         outputs.push(picture.with(&svg)?);
     }
     finish_all(outputs)?;

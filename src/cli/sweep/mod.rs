@@ -171,7 +171,7 @@ fn sweep(
     output: &mut Output,
 ) -> Result<Summary, Failure> {
     let pool = pool(args.jobs)?;
-    let progress = Progress::new(samples.rows.len() as u64, args.quiet);
+    let progress = Progress::counting(samples.rows.len() as u64, args.quiet);
     let one = |sample: &Sample| -> Result<DriveResult, Failure> {
         let (model, start) = setup.prepare(sample)?;
         let outcome = outcome::drive(drive, model, start);

@@ -3,47 +3,17 @@
 use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
 use crate::effects::CATALOGUE;
 
-/// Names that say less than they should.
-const PHRASES: [(&str, &str); 21] = [
-    ("grade", "sloping ground"),
-    ("terrain_change", "a change of soil on the way"),
-    ("left_right_soil", "different soil left and right"),
-    ("bulldozing", "soil pushed ahead and aside by the wheels"),
-    ("slip_sinkage", "wheels that dig in as they slip"),
-    ("multipass", "rear wheels in the front wheels' rut"),
-    ("elastic_rebound", "soil that springs back behind the wheel"),
-    ("stress_peak", "pressure that peaks elsewhere"),
-    ("tyre_compliance", "tyres that flatten"),
-    (
-        "shear_anisotropy",
-        "soil that shears differently along and across the wheel",
-    ),
-    ("transient_shear", "shear that builds up over a distance"),
-    (
-        "rate_dependent_soil",
-        "soil that resists in proportion to the speed",
-    ),
-    ("drag", "drag that grows with the square of the speed"),
-    ("drawbar", "a towed load"),
-    ("payload", "an added load"),
-    ("com_shift", "a shifted centre of mass"),
-    ("wheel_radius", "wheels of another radius"),
-    ("latency", "sensors that trail each other"),
-    ("lever_arm", "an antenna off the reference point"),
-    ("yaw_rate_bias", "a gyro that is off at rest"),
-    ("heading_offset", "a heading that is turned"),
-];
-
 /// A subject in plain words, with its name.
 #[must_use]
 pub fn phrase(subject: Subject) -> String {
-    let name = match subject {
-        Subject::Unknown => "something that the catalogue does not have",
-        Subject::Nothing => "nothing missing",
-        Subject::Effect(_) => subject.name(),
-    };
-    let found = PHRASES.iter().find(|(known, _)| *known == name);
-    found.map_or_else(|| name.into(), |(_, words)| format!("{words} ({name})"))
+    match subject {
+        Subject::Unknown => "something that the catalogue does not have".into(),
+        Subject::Nothing => "nothing missing".into(),
+        Subject::Effect(effect) => {
+            let declared = CATALOGUE[effect];
+            format!("{} ({})", declared.phrase, declared.name)
+        }
+    }
 }
 
 /// One plain sentence.
@@ -143,17 +113,4 @@ fn significant(value: f64) -> String {
         (2 - value.abs().log10().floor() as i32).clamp(0, 5)
     };
     format!("{value:.*}", digits as usize)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_phrase_is_of_an_effect() {
-        for (name, phrase) in PHRASES {
-            assert!(CATALOGUE.iter().any(|effect| effect.name == name), "{name}");
-            assert!(!phrase.is_empty());
-        }
-    }
 }

@@ -6,7 +6,8 @@
 use super::maps::Maps;
 use crate::diagnosis::Subject;
 use crate::effects::{
-    CATALOGUE, Declaration, EffectKind, Effects, ParameterName, Prior, Soil, TyreCompliance,
+    Acts, CATALOGUE, EffectKind, Effects, FirstStep, ParameterDeclaration, ParameterName, Prior,
+    Soil, StandingWheel, TerrainChange,
 };
 use crate::fit::parameter::{self, Scale};
 use crate::fit::sensor::SensorParameter;
@@ -51,32 +52,17 @@ pub struct Candidates {
     pub subjects: Vec<Subject>,
 }
 
-/// Names of the effects that are laws without a name begin so.
-pub const LAW: &str = "residual_";
-
 /// The effect whose place has to be found before it can be asked about.
-pub const TERRAIN_CHANGE: &str = "terrain_change";
-
-/// Parameters without a derivative while their effect is off, with a value to compare with.
-const SECANTS: [(&str, f64); 2] = [
-    ("multipass.memory", 1.0),
-    ("transient_shear.relaxation", 1.0),
-];
-/// The same of tyres, as a share of the pressure above which they are rigid on the given soil: 60 kPa is rigid
-/// on sand, and on clay so flat that no way leads there.
-const SOFT_TYRES: (&str, f64) = ("tyre_compliance.pressure", 0.65);
-/// Shapes that are fitted along with an effect that is on: with another lever the same moment is another force.
-const SHAPES: [&str; 3] = ["drawbar.hitch_behind", "payload.ahead", "payload.left"];
-/// Effects whose parameters belong to the place of a drive.
-const PLACE_BOUND: [&str; 1] = ["grade"];
-/// Terms of laws that have a direction on the map.
-const DIRECTIONS: [&str; 2] = ["east", "north"];
+pub const TERRAIN_CHANGE: &str = TerrainChange::<f64>::DECLARATION.name;
 
 impl CandidateParameter {
-    /// Whether it shapes an effect that another knob switches on and off.
+    /// Whether it shapes an effect that another parameter switches on and off.
     #[must_use]
     pub fn is_shape(&self) -> bool {
-        SHAPES.contains(&self.parameter.name.as_str())
+        match self.target {
+            Target::Model(ModelParameter::Effect(name)) => name.declaration().1.estimated_shape,
+            _ => false,
+        }
     }
 }
 
@@ -88,19 +74,14 @@ impl Candidates {
     pub fn new(nominal: &Specification, maps: Maps) -> Self {
         let (mut coefficients, mut subjects) = (Vec::new(), Vec::new());
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
-            let lost = PLACE_BOUND.contains(&declaration.name) && maps == Maps::OfRuns;
+            let lost = declaration.acts == Acts::Slope && maps == Maps::OfRuns;
             if nominal.effects.is_on(effect) || lost {
                 continue;
             }
             let first = coefficients.len();
             match declaration.kind {
-                EffectKind::Physics => {
-                    let all = physics(effect, declaration, nominal).into_iter();
-                    coefficients.extend(all.filter(|coefficient| {
-                        maps == Maps::One || !DIRECTIONS.contains(&coefficient.name)
-                    }));
-                }
-                EffectKind::Measurement => coefficients.extend(sensors(effect, declaration)),
+                EffectKind::Physics => coefficients.extend(physics(effect, nominal, maps)),
+                EffectKind::Measurement => coefficients.extend(sensors(effect)),
             }
             // A change of terrain begins at a boundary that has to be found first: see `boundary`.
             let waits = declaration.name == TERRAIN_CHANGE;
@@ -134,7 +115,7 @@ impl Candidates {
 /// Whether an effect is a law for what has no name.
 #[must_use]
 pub fn is_law(effect: usize) -> bool {
-    CATALOGUE[effect].name.starts_with(LAW)
+    matches!(CATALOGUE[effect].acts, Acts::Residual(_))
 }
 
 /// Sets every number of an effect as it is among others.
@@ -150,21 +131,18 @@ pub fn copy(effects: &mut Effects, effect: usize, from: &Effects) -> Result<(), 
     Ok(())
 }
 
-fn physics(
-    effect: usize,
-    declaration: &'static Declaration,
-    nominal: &Specification,
-) -> Vec<CandidateParameter> {
+fn physics(effect: usize, nominal: &Specification, maps: Maps) -> Vec<CandidateParameter> {
+    let declaration = CATALOGUE[effect];
     let coefficient =
         |(place, declared): (usize, &'static crate::effects::ParameterDeclaration)| {
             let name = ParameterName::at(effect, place)?;
             let full = name.full_name();
-            if !declared.switches && !SHAPES.contains(&full.as_str()) {
+            let free = declared.switches || declared.estimated_shape;
+            if !free || declared.on_map && maps != Maps::One {
                 return None;
             }
             let off = nominal.effects.get(name);
-            let secant =
-                secant(&full, nominal).map(|value| value.clamp(declared.low, declared.high));
+            let secant = secant(declared, nominal);
             // A pressure is known to a factor; everything else enters as it is.
             let scale = if off == declared.high && declared.low > 0.0 {
                 Scale::Log
@@ -206,7 +184,7 @@ fn physics(
                     high: declared.high,
                 },
                 secant,
-                own: PLACE_BOUND.contains(&declaration.name),
+                own: declaration.acts == Acts::Slope,
             })
         };
     declaration
@@ -218,43 +196,36 @@ fn physics(
 }
 
 /// What to compare a parameter with that has no derivative while its effect is off.
-fn secant(full: &str, nominal: &Specification) -> Option<f64> {
-    let (tyres, share) = SOFT_TYRES;
-    if full == tyres {
-        let vehicle = &nominal.vehicle;
-        let (radius, width) = (vehicle.wheel_radius, vehicle.wheel_width);
-        let load = vehicle.mass * GRAVITY / vehicle.wheel_count() as f64;
-        let soil = Soil::from_terrain(&nominal.terrain.to_array(), width);
-        return Some(share * TyreCompliance::rigid_limit(&soil, load, radius, width));
-    }
-    let found = SECANTS.iter().find(|(secant, _)| *secant == full);
-    found.map(|(_, value)| *value)
+fn secant(declared: &ParameterDeclaration, nominal: &Specification) -> Option<f64> {
+    let value = match declared.first_step {
+        FirstStep::Derivative => return None,
+        FirstStep::To(value) => value,
+        FirstStep::Of(value) => {
+            let vehicle = &nominal.vehicle;
+            let (radius, width) = (vehicle.wheel_radius, vehicle.wheel_width);
+            value(&StandingWheel {
+                soil: Soil::from_terrain(&nominal.terrain.to_array(), width),
+                load: vehicle.mass * GRAVITY / vehicle.wheel_count() as f64,
+                radius,
+                width,
+            })
+        }
+    };
+    Some(value.clamp(declared.low, declared.high))
 }
 
-fn sensors(effect: usize, declaration: &'static Declaration) -> Vec<CandidateParameter> {
-    let turned: &[(&'static str, SensorParameter)] = match declaration.name {
-        "latency" => &[
-            ("pose", SensorParameter::PoseLatency),
-            ("wheels", SensorParameter::WheelLatency),
-        ],
-        "lever_arm" => &[
-            ("ahead", SensorParameter::LeverArmX),
-            ("left", SensorParameter::LeverArmY),
-        ],
-        "yaw_rate_bias" => &[("bias", SensorParameter::YawRateBias)],
-        "heading_offset" => &[("offset", SensorParameter::HeadingOffset)],
-        _ => &[],
-    };
-    let coefficient = |&(name, sensor): &(&'static str, SensorParameter)| CandidateParameter {
+fn sensors(effect: usize) -> impl Iterator<Item = CandidateParameter> {
+    let own = SensorParameter::ALL.into_iter();
+    let own = own.filter(move |sensor| sensor.declared().effect() == effect);
+    own.map(move |sensor| CandidateParameter {
         effect,
         target: Target::Sensor(sensor),
-        name,
+        name: sensor.declared().declaration().1.name,
         parameter: sensor.parameter(""),
         typical: 0.0,
         secant: None,
         own: true,
-    };
-    turned.iter().map(coefficient).collect()
+    })
 }
 
 #[cfg(test)]
@@ -265,16 +236,15 @@ mod tests {
 
     #[test]
     fn tyres_are_compared_with_softer_ones_than_the_ground() {
+        let pressure = ParameterName::find("tyre_compliance.pressure").unwrap();
         let at = |terrain: &str| {
             let terrain = Terrain::preset(terrain).unwrap();
-            secant(
-                SOFT_TYRES.0,
-                &Specification::plain(Vehicle::tran2007(), terrain),
-            )
+            let nominal = Specification::plain(Vehicle::tran2007(), terrain);
+            secant(pressure.declaration().1, &nominal).unwrap()
         };
         // 31.8 kPa on sand by hand (`tyre_compliance`).
-        assert!((at("dry_sand").unwrap() / (SOFT_TYRES.1 * 31.8e3) - 1.0).abs() < 5e-3);
-        assert!(at("dry_clay") > Some(200e3));
+        assert!((at("dry_sand") / (0.65 * 31.8e3) - 1.0).abs() < 5e-3);
+        assert!(at("dry_clay") > 200e3);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::screen::Projection;
 use super::system::System;
 use crate::diagnosis::Channel;
 use crate::diagnosis::hypothesis::Problem;
-use crate::effects::CATALOGUE;
+use crate::effects::{Acts, Axis, CATALOGUE};
 use rayon::prelude::*;
 
 /// A law of few terms.
@@ -141,9 +141,9 @@ pub fn group(effect: usize, name: &str) -> String {
 /// What a law's knob pushes.
 #[must_use]
 pub fn channel(effect: usize) -> Channel {
-    match CATALOGUE[effect].name {
-        "residual_longitudinal" => Channel::Longitudinal,
-        "residual_lateral" => Channel::Lateral,
+    match CATALOGUE[effect].acts {
+        Acts::Residual(Axis::Longitudinal) => Channel::Longitudinal,
+        Acts::Residual(Axis::Lateral) => Channel::Lateral,
         _ => Channel::Yaw,
     }
 }
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn every_term_of_a_law_has_its_group() {
         for (index, effect) in CATALOGUE.iter().enumerate() {
-            if !effect.name.starts_with("residual_") {
+            if !matches!(effect.acts, Acts::Residual(_)) {
                 continue;
             }
             for parameter in effect.parameters {

@@ -85,17 +85,24 @@ impl Chart {
     /// The chart as an HTML figure with a legend; nothing where no line has a point.
     #[must_use]
     pub fn figure(&self) -> String {
-        let Some((x, y)) = self.ranges() else {
+        let Some((drawing, legend)) = self.draw() else {
             return String::new();
         };
+        let opening = opening(&self.title, &self.in_words(), self.height);
+        opening + &drawing + "</svg>" + &legend.html() + "</figure>\n"
+    }
+
+    /// Axes, marks and lines, and what stands in the legend.
+    fn draw(&self) -> Option<(String, Legend)> {
+        let (x, y) = self.ranges()?;
         let frame = Frame::new((SIZE.0, self.height), x, y, self.is_map);
-        let mut html = opening(&self.title, &self.in_words(), self.height);
+        let mut svg = String::new();
         let mut legend = Legend::default();
         for (name, mark) in &self.marks {
-            frame.mark(&mut html, mark);
+            frame.mark(&mut svg, mark);
             legend.add(2, name, mark.class().into());
         }
-        frame.axes(&mut html, &self.x_label, &self.y_label);
+        frame.axes(&mut svg, &self.x_label, &self.y_label);
         let mut coloured: Vec<&str> = Vec::new();
         for line in self.lines.iter().filter(|line| !line.parts.is_empty()) {
             let place = coloured
@@ -105,7 +112,7 @@ impl Chart {
             if matches!(line.stroke, Stroke::Line | Stroke::Dots) && place == coloured.len() {
                 coloured.push(&line.name);
             }
-            frame.line(&mut html, line, place);
+            frame.line(&mut svg, line, place);
             let (rank, swatch) = match line.stroke {
                 Stroke::Line | Stroke::Dots => (0, format!("s{place}")),
                 Stroke::Step(step) => (0, format!("m{step}")),
@@ -114,8 +121,7 @@ impl Chart {
             };
             legend.add(rank, &line.name, swatch);
         }
-        html += "</svg>";
-        html + &legend.html() + "</figure>\n"
+        Some((svg, legend))
     }
 
     /// What it shows, for those who do not see it: the axes, and from where to where each line goes.
@@ -184,6 +190,50 @@ fn opening(title: &str, words: &str, height: f64) -> String {
     )
 }
 
+/// Charts in two columns as an SVG file that stands alone, with the colours of the page's style sheet.
+#[must_use]
+pub fn sheet(title: &str, charts: &[Chart]) -> String {
+    const HEADER: f64 = 42.0;
+    const MARGIN: f64 = 14.0;
+    let height = charts
+        .iter()
+        .fold(0.0, |most: f64, chart| most.max(chart.height));
+    let cell = (SIZE.0 + 2.0 * MARGIN, height + HEADER + MARGIN);
+    let (width, total) = (
+        2.0 * cell.0,
+        30.0 + cell.1 * charts.len().div_ceil(2) as f64,
+    );
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {width} {total}\">\n\
+         <style>{SHEET_STYLE}</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\
+         <text class=\"title\" x=\"{MARGIN}\" y=\"22\">{2}</text>\n",
+        1.5 * width,
+        1.5 * total,
+        escape(title)
+    );
+    for (place, chart) in charts.iter().enumerate() {
+        let (x, y) = (
+            cell.0 * (place % 2) as f64 + MARGIN,
+            30.0 + cell.1 * (place / 2) as f64,
+        );
+        let (drawing, legend) = chart.draw().unwrap_or_default();
+        let _ = writeln!(
+            svg,
+            "<g transform=\"translate({x} {y})\"><text class=\"name\" y=\"14\">{}</text>{}\
+             <g transform=\"translate(0 {HEADER})\">\n{drawing}</g></g>",
+            escape(&chart.title),
+            legend.svg(32.0)
+        );
+    }
+    svg + "</svg>\n"
+}
+
+/// The style sheet of a [`sheet`]: the light colours of the page's.
+const SHEET_STYLE: &str = "\
+    text{font:11px sans-serif;fill:#63636a}.name,.title{fill:#1c1c1e;font-weight:600}.title{font-size:14px}\
+    path{fill:none;stroke-linejoin:round;stroke-linecap:round;stroke-width:1.3}.grid{stroke:#e0e0e6;stroke-width:1}\
+    .points{stroke:#1c1c1e;stroke-width:9}.s0{stroke:#1f69b4}.s1{stroke:#c74a0a}.s2{stroke:#288c50}.s3{stroke:#823c96}";
+
 /// Names with their swatches, each once: lines, what marks parts of them, what lies beneath.
 #[derive(Default)]
 struct Legend(Vec<(usize, String, String)>);
@@ -193,6 +243,20 @@ impl Legend {
         if !name.is_empty() && self.0.iter().all(|entry| entry.1 != name) {
             self.0.push((rank, name.into(), swatch));
         }
+    }
+
+    /// In a row of an SVG file, whose letters are about so wide.
+    fn svg(&self, y: f64) -> String {
+        const LETTER: f64 = 5.6;
+        let mut x = 0.0;
+        let entries = self.0.iter().map(|(_, name, swatch)| {
+            let (line, text) = (x, x + 20.0);
+            x = text + LETTER * name.chars().count() as f64 + 12.0;
+            let middle = y - 4.0;
+            let name = escape(name);
+            format!("<path class=\"{swatch}\" d=\"M{line} {middle}h16\"/><text x=\"{text}\" y=\"{y}\">{name}</text>")
+        });
+        entries.collect()
     }
 
     fn html(mut self) -> String {

@@ -7,7 +7,7 @@ use ugv_terrain::vehicle::{GRAVITY, Vehicle};
 
 /// What pushes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EffectKind {
+pub enum LawKind {
     /// Wind from somewhere on the map, in gusts.
     Wind,
     /// Something that drags on one side now and then.
@@ -19,10 +19,10 @@ pub enum EffectKind {
     /// A lateral force that grows with the speed times the yaw rate's magnitude.
     SpeedTimesTurning,
     /// Somebody pushes, for a few seconds.
-    UnmodelledForce,
+    Push,
 }
 
-impl EffectKind {
+impl LawKind {
     /// Those that act throughout a drive.
     pub const LASTING: [Self; 5] = [
         Self::Wind,
@@ -39,7 +39,7 @@ impl EffectKind {
             Self::Rut => "rut",
             Self::Sloshing => "sloshing",
             Self::SpeedTimesTurning => "speed_times_turning",
-            Self::UnmodelledForce => "push",
+            Self::Push => "push",
         }
     }
 }
@@ -47,7 +47,7 @@ impl EffectKind {
 /// A force and moment along a drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
-    pub kind: EffectKind,
+    pub kind: LawKind,
     /// Names and values, for the truth.
     pub parameters: Vec<(&'static str, f64)>,
     /// What varies by chance along the drive, one value per command.
@@ -59,38 +59,38 @@ const CREEP: f64 = 0.1;
 
 impl Law {
     /// A law of this strength: 1 is plain to see, 0.3 hardly.
-    pub fn draw(kind: EffectKind, strength: f64, vehicle: &Vehicle, random: &mut Random) -> Self {
+    pub fn draw(kind: LawKind, strength: f64, vehicle: &Vehicle, random: &mut Random) -> Self {
         let weight = vehicle.mass * GRAVITY;
         let length =
             vehicle.row_positions[0] - vehicle.row_positions[vehicle.row_positions.len() - 1];
         let turn = random.between(-3.1, 3.1);
         let side = random.sign();
         let parameters = match kind {
-            EffectKind::Wind => vec![
+            LawKind::Wind => vec![
                 ("mean_N", 0.015 * strength * weight),
                 ("gusts_N", 0.05 * strength * weight),
                 ("towards_rad", turn),
                 ("correlation_s", random.between(1.5, 5.0)),
             ],
-            EffectKind::SideDrag => vec![
+            LawKind::SideDrag => vec![
                 ("force_N", 0.1 * strength * weight),
                 ("left_m", side * vehicle.half_track),
             ],
-            EffectKind::Rut => vec![
+            LawKind::Rut => vec![
                 ("moment_Nm", 0.06 * strength * weight * length),
                 ("heading_rad", turn),
             ],
-            EffectKind::Sloshing => vec![
+            LawKind::Sloshing => vec![
                 ("forward_N", 0.06 * strength * weight),
                 ("lateral_N", 0.02 * strength * weight),
                 ("frequency_Hz", random.scaled(0.25, 0.8)),
                 ("phase_rad", turn),
             ],
-            EffectKind::SpeedTimesTurning => {
+            LawKind::SpeedTimesTurning => {
                 // At 1 m/s and 0.5 rad/s a tenth of the weight.
                 vec![("coefficient_kg_per_rad", side * 0.2 * strength * weight)]
             }
-            EffectKind::UnmodelledForce => vec![
+            LawKind::Push => vec![
                 ("forward_N", 0.12 * strength * weight * turn.cos()),
                 ("lateral_N", 0.12 * strength * weight * turn.sin()),
                 (
@@ -112,8 +112,8 @@ impl Law {
     pub fn redraw(&mut self, random: &mut Random) {
         const COUNT: usize = 4000;
         self.course = match self.kind {
-            EffectKind::Wind => random.coloured(COUNT, STEP, self.value(3)),
-            EffectKind::SideDrag => switched(COUNT, random),
+            LawKind::Wind => random.coloured(COUNT, STEP, self.value(3)),
+            LawKind::SideDrag => switched(COUNT, random),
             _ => Vec::new(),
         };
     }
@@ -134,21 +134,21 @@ impl Law {
         let speed = state.v_x.hypot(state.v_y);
         let moving = speed / speed.hypot(CREEP);
         match self.kind {
-            EffectKind::Wind => {
+            LawKind::Wind => {
                 let force = self.value(0) + self.value(1) * self.course(time);
                 let towards = self.value(2) - state.heading;
                 [force * towards.cos(), force * towards.sin(), 0.0]
             }
-            EffectKind::SideDrag => {
+            LawKind::SideDrag => {
                 let ahead = state.v_x - state.yaw_rate * self.value(1);
                 let force = -self.value(0) * self.course(time) * ahead / ahead.hypot(CREEP);
                 [force, 0.0, -self.value(1) * force]
             }
-            EffectKind::Rut => {
+            LawKind::Rut => {
                 let moment = self.value(0) * (self.value(1) - state.heading).sin();
                 [0.0, 0.0, moving * moment]
             }
-            EffectKind::Sloshing => {
+            LawKind::Sloshing => {
                 let phase = std::f64::consts::TAU * self.value(2) * time + self.value(3);
                 [
                     self.value(0) * phase.sin(),
@@ -156,10 +156,10 @@ impl Law {
                     0.0,
                 ]
             }
-            EffectKind::SpeedTimesTurning => {
+            LawKind::SpeedTimesTurning => {
                 [0.0, self.value(0) * state.v_x * state.yaw_rate.abs(), 0.0]
             }
-            EffectKind::UnmodelledForce => [self.value(0), self.value(1), self.value(2)],
+            LawKind::Push => [self.value(0), self.value(1), self.value(2)],
         }
     }
 }

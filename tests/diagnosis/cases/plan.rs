@@ -2,7 +2,7 @@
 
 use super::draw::{SIZE_COUNT, ingredient, with_switches};
 use super::family::Family;
-use super::law::{EffectKind, Law};
+use super::law::{Law, LawKind};
 use super::manoeuvres::Style;
 use super::random::Random;
 use super::world::{Ingredient, Region};
@@ -135,7 +135,7 @@ fn physics() -> Vec<&'static str> {
         .collect()
 }
 
-fn of_law(kind: EffectKind, size: usize, vehicle: &Vehicle, random: &mut Random) -> Ingredient {
+fn of_law(kind: LawKind, size: usize, vehicle: &Vehicle, random: &mut Random) -> Ingredient {
     let (name, strength) = STRENGTHS[size];
     let strength = strength * random.scaled(0.85, 1.18);
     Ingredient {
@@ -219,9 +219,9 @@ impl Plan {
             }
             Family::Lookalike => Self::lookalike(number, vehicle, random),
             Family::Out => {
-                let (which, size) = turn(EffectKind::LASTING.len());
+                let (which, size) = turn(LawKind::LASTING.len());
                 let mut plan = Self::plain(&["unknown_physics"]);
-                plan.add(of_law(EffectKind::LASTING[which], size, vehicle, random));
+                plan.add(of_law(LawKind::LASTING[which], size, vehicle, random));
                 plan
             }
             Family::TerrainChange => {
@@ -270,7 +270,7 @@ impl Plan {
         };
         if name == "push" {
             plan.expected = vec!["unknown_physics"];
-            plan.add(of_law(EffectKind::UnmodelledForce, size, vehicle, random));
+            plan.add(of_law(LawKind::Push, size, vehicle, random));
         } else {
             plan.add(ingredient(name, size, vehicle, random));
         }
