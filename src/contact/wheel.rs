@@ -1,8 +1,7 @@
 //! Forces on one wheel, in any direction of travel and rotation.
 
-use super::patch::{PatchLaw, PatchMotion, small_angle_support};
+use super::patch::{Footprint, PatchLaw, PatchMotion, small_angle_support};
 use super::quadrature::{Quadrature, Resolution};
-use super::rows::Footprint;
 use super::sums::PatchSums;
 use crate::parameter::{Bounds, ParameterError};
 use crate::scalar::Scalar;

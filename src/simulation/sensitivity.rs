@@ -1,7 +1,8 @@
 //! A drive with the exact derivatives of its motion: by the initial state, by parameters of the
 //! vehicle, the soil and the effects, and by a delay of the wheel speeds.
 
-use super::last_step::{Derivatives, LastStep};
+use super::last_step::LastStep;
+use super::linearised::Derivatives;
 use super::linearised::Columns;
 use super::memory::directions;
 use super::settled::check_course;

@@ -5,16 +5,12 @@
 //! function theorem) and linear in between. It is integrated by Alexander's L-stable SDIRK method of
 //! order 2 (R. Alexander, SIAM J. Numer. Anal. 14 (1977)).
 
-use super::last_step::{Derivatives, share};
-use super::linearised::{Columns, Linearised};
+use super::linearised::{Columns, Derivatives, GAMMA, Linearised, share};
 use super::settled::Settling;
 use super::slope_history::SlopeHistory;
 use super::{Simulation, State};
 use crate::vehicle::{Differentiated, Direction, Directions};
 use nalgebra::{DMatrix, Vector2};
-
-/// gamma = 1 - 1/sqrt(2) of the method.
-pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 #[derive(Debug, Clone)]
 pub(super) struct Variation {

@@ -17,7 +17,6 @@ mod loads;
 mod model;
 mod newton;
 mod parameter;
-mod trend;
 mod unusual;
 mod wrench;
 
@@ -27,13 +26,13 @@ pub(crate) use altered::{
 };
 pub use altered::{Surroundings, Tracks, seen_from};
 pub use balance::Balance;
+pub(crate) use balance::Trend;
 pub use geometry::Vehicle;
 pub use linear::Linearisation;
 pub use loads::{GRAVITY, LoadPlane};
 pub use model::VehicleModel;
 pub use newton::BalanceError;
 pub use parameter::{ModelParameter, Specification, TerrainParameter, VehicleParameter};
-pub(crate) use trend::Trend;
 pub use unusual::{USUAL_SOIL, Unusual};
 pub use wrench::{WheelOutputs, Wrench};
 

@@ -1,7 +1,8 @@
 //! Newton's method on the balance of all wheels.
 
 use super::altered::Prepared;
-use super::{Balance, Motion, Surroundings, VehicleModel};
+use super::balance::ENTRY_ANGLE_RANGE;
+use super::{Balance, Motion, Surroundings, VehicleModel, Wrench};
 use crate::contact::{Detail, WheelForces, WheelMotion};
 use crate::display::rounded;
 use crate::scalar::Dual;
@@ -97,10 +98,61 @@ const MAX_ITERATIONS: usize = 60;
 /// So many steps are taken whole, and then none shorter than this share.
 const UNDAMPED_ITERATIONS: usize = 6;
 const SHORTEST_DAMPING: f64 = 1e-9;
-/// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
-pub(super) const MAX_LOG_STEP: f64 = 0.7;
-/// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
-pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-12, 1.8);
+
+impl Balance {
+    /// A first guess: no acceleration, and entry angles from the loads at rest.
+    #[must_use]
+    pub fn new(model: &VehicleModel) -> Self {
+        Self::of_wheels(model.vehicle().wheel_count())
+    }
+
+    /// Fills a wrench with what this balance means at its motion.
+    pub fn wrench(&self, model: &VehicleModel, motion: &Motion, wrench: &mut Wrench) {
+        self.wrench_at(model, motion, &Surroundings::default(), wrench);
+    }
+
+    /// As [`Balance::wrench`], in surroundings on which effects may depend.
+    pub fn wrench_at(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        surroundings: &Surroundings,
+        wrench: &mut Wrench,
+    ) {
+        let prepared = model.prepare(motion, surroundings);
+        self.wrench_of(model, motion, prepared.as_ref(), wrench);
+    }
+
+    /// As [`Balance::wrench_at`], where effects are prepared already.
+    pub(crate) fn wrench_of(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        prepared: Option<&Prepared>,
+        wrench: &mut Wrench,
+    ) {
+        if let Some(prepared) = prepared {
+            return prepared.wrench(self, model.regularisation(), wrench);
+        }
+        wrench.sum(model.vehicle(), &self.forces);
+        for (index, wheel) in self.wheels.iter().enumerate() {
+            let entry_angle = if wheel.load > 0.0 {
+                wheel.entry_angle
+            } else {
+                0.0
+            };
+            wrench.set_contact(model.vehicle().wheel_radius, index, wheel.load, entry_angle);
+        }
+        wrench.set_slips(model, motion);
+    }
+
+    /// Writes the rates of what the vehicle and its ground remember.
+    pub(crate) fn memory_rates(&self, prepared: Option<&Prepared>, rates: &mut Vec<f64>) {
+        if let (Some(prepared), false) = (prepared, rates.is_empty()) {
+            prepared.memory_rates(self, rates);
+        }
+    }
+}
 
 impl VehicleModel {
     /// Finds the balance at a motion, starting from what `balance` holds.

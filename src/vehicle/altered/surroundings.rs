@@ -1,7 +1,7 @@
 //! Where and how a vehicle stands, and what acts on it besides the ground's stresses.
 
 use super::loads::LoadTargets;
-use super::{Chassis, MemoryLayout, Tracks};
+use super::{Chassis, MemoryLayout, Situation, Tracks};
 use crate::contact::{WheelLaw, WheelMotion};
 use crate::effects::{Boundary, Effects, ResidualMotion, SlopeGravity, Unscaled};
 use crate::scalar::Scalar;
@@ -20,18 +20,6 @@ pub struct Surroundings<'a> {
     pub memory: &'a [f64],
     /// The tracks that the wheels left.
     pub tracks: Tracks<'a>,
-}
-
-/// Motion and surroundings, generic over the scalar.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Situation<S> {
-    pub velocity: [S; 2],
-    pub yaw_rate: S,
-    pub wheel_speeds: [S; 2],
-    pub position: [S; 2],
-    pub heading: S,
-    pub time: S,
-    pub distance: S,
 }
 
 /// What acts on the vehicle besides the stresses under its wheels.
