@@ -5,6 +5,7 @@ use super::identifiability::{Limit, limits};
 use super::noise_estimate;
 use super::noise_model::{NoiseEstimate, first_noise_model, noise_estimates, reweigh};
 use super::optimiser::{Stop, minimise};
+use super::options::{Options, Stage};
 use super::parameter::FreeParameter;
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
@@ -13,42 +14,6 @@ use super::sensor::{SensorParameter, SensorValues, free_sensors};
 use super::starts::{Starts, beginning, search};
 use super::uncertainty::{Uncertainty, uncertainty};
 use crate::recording::{Recording, different_names};
-
-/// What to fit, and how.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// Free parameters of each recording's sensors, where the recording can tell of them.
-    pub sensors: Vec<SensorParameter>,
-    /// Length of a segment \[s\].
-    pub segment: f64,
-    /// Number of random starts.
-    pub starts: usize,
-    /// Seed of the random starts.
-    pub seed: u64,
-    /// Whether samples far off count less.
-    pub robust: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            sensors: SensorParameter::DEFAULT_FREE.to_vec(),
-            segment: 5.0,
-            starts: 20,
-            seed: 1,
-            robust: true,
-        }
-    }
-}
-
-/// How far a fit has come.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stage {
-    /// In this turn of motion, noise and weights.
-    Turn(usize),
-    /// So many random starts done.
-    Start(usize),
-}
 
 /// A fitted parameter; it never travels without its interval.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,7 +13,7 @@ use super::linearised::Linearised;
 use super::noise::ChannelNoise;
 use super::normal::{Eliminated, Normal};
 use super::problem::{NoiseModel, Tables};
-use super::segment::NoiseGroup;
+use super::signal::NoiseGroup;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 

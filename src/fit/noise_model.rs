@@ -4,7 +4,8 @@ use super::noise::ChannelNoise;
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, ShootingProblem, Tables};
 use super::robust;
-use super::segment::{NoiseGroup, Segment};
+use super::segment::Segment;
+use super::signal::NoiseGroup;
 
 /// The noise of a recording's channels, and what is left of them.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,9 @@
 //! What the sensors report of a trajectory, and its derivatives.
 
 use super::predictor::{PredictionError, Predictor, Request, Trajectory};
-use super::segment::{Samples, Segment, Signal};
+use super::segment::{Samples, Segment};
 use super::sensor::{SensorParameter, SensorValues};
+use super::signal::Signal;
 use crate::simulation::State;
 
 /// Number of derivatives besides those by the model's parameters: the start and the sensors.

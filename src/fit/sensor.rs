@@ -3,7 +3,7 @@
 use super::catalogue::describe_effect;
 use super::error::FitError;
 use super::parameter::FreeParameter;
-use super::segment::Signal;
+use super::signal::Signal;
 use crate::effects::ParameterName;
 use crate::identification::{Latencies, Signals};
 use crate::recording::{Channel, Recording};
@@ -146,6 +146,18 @@ pub fn free_sensors(
     }
     let tells = |sensor: &SensorParameter| sensor.is_told_by(recording);
     Ok(wanted.iter().copied().filter(tells).collect())
+}
+
+impl Signal {
+    /// How late it is \[s\].
+    #[must_use]
+    pub const fn latency(self, sensors: &SensorValues) -> f64 {
+        if self.is_pose() {
+            sensors[SensorParameter::PoseLatency.index()]
+        } else {
+            0.0
+        }
+    }
 }
 
 #[cfg(test)]

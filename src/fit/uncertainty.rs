@@ -13,7 +13,7 @@ use super::parameter::NORMAL_95;
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::robust;
-use super::segment::NoiseGroup;
+use super::signal::NoiseGroup;
 use nalgebra::{DMatrix, DVector};
 
 /// M counts for as much as so many segments per parameter do.

@@ -1,8 +1,8 @@
 //! Derivatives of the state's rate of change.
 
-use super::memory::{MemoryJacobian, directions};
 use super::evaluation::Evaluation;
 use super::integrator::Stages;
+use super::memory::{MemoryJacobian, directions};
 use super::state::{InputMatrix, State, StateMatrix};
 use crate::vehicle::{
     Differentiated, Direction, Directions, Linearisation, Motion, Surroundings, Trend,
@@ -73,7 +73,12 @@ impl Work {
         jacobian
     }
 
-    pub(super) fn along(&mut self, model: &VehicleModel, at: &Evaluation, direction: &Motion) -> &Wrench {
+    pub(super) fn along(
+        &mut self,
+        model: &VehicleModel,
+        at: &Evaluation,
+        direction: &Motion,
+    ) -> &Wrench {
         let Self {
             linearisation,
             partial,

@@ -6,7 +6,11 @@
 //! several steps; and its last stage is the next step's first, so that a step costs two
 //! evaluations of the forces.
 
-use super::integrator::{Counters, Integrator, Stages, D, E32, ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, LONGEST_STEP, LONGEST_CALL, SMALLEST_STEP, SMALLEST_SHARE, SAFETY, SHRINK, GROW, JACOBIAN_STEPS, JACOBIAN_ERROR};
+use super::integrator::{
+    ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
+    LONGEST_CALL, LONGEST_STEP, RELATIVE_TOLERANCE, SAFETY, SHRINK, SMALLEST_SHARE, SMALLEST_STEP,
+    Stages,
+};
 use super::memory::{StageSystem, worst_error};
 use super::state::{State, StateVector, WheelSpeeds};
 use super::{Simulation, SimulationError};

@@ -2,8 +2,8 @@
 
 use super::state::State;
 use crate::vehicle::{
-    ApproachPath, TRACK_SAMPLES, Tracks, VehicleModel, Wrench, sample_size, spacing,
-    wheel_places, wheel_travel,
+    ApproachPath, TRACK_SAMPLES, Tracks, VehicleModel, Wrench, sample_size, spacing, wheel_places,
+    wheel_travel,
 };
 
 /// The samples of the tracks that are kept, a sample for each of so many metres driven.

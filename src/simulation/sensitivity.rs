@@ -2,8 +2,8 @@
 //! vehicle, the soil and the effects, and by a delay of the wheel speeds.
 
 use super::last_step::LastStep;
-use super::linearised::Derivatives;
 use super::linearised::Columns;
+use super::linearised::Derivatives;
 use super::memory::directions;
 use super::settled::check_course;
 use super::slope_history::SlopeHistory;

@@ -1,7 +1,7 @@
 //! State and inputs of the vehicle, and the state's rate of change.
 
-use nalgebra::{SMatrix, SVector};
 use crate::vehicle::{Motion, Surroundings, Tracks, Wrench};
+use nalgebra::{SMatrix, SVector};
 
 pub(crate) type StateVector = SVector<f64, { State::COUNT }>;
 pub(super) type StateMatrix = SMatrix<f64, { State::COUNT }, { State::COUNT }>;

@@ -144,13 +144,7 @@ impl Wrench {
     }
 
     /// Sets one wheel's load and entry angle, and the sinkage that follows.
-    pub(super) fn set_contact(
-        &mut self,
-        radius: f64,
-        index: usize,
-        load: f64,
-        entry: f64,
-    ) {
+    pub(super) fn set_contact(&mut self, radius: f64, index: usize, load: f64, entry: f64) {
         let wheel = &mut self.wheels[index];
         wheel.load = load;
         wheel.entry_angle = entry;

@@ -20,9 +20,11 @@ pub(crate) use direction::Direction;
 pub(crate) use directions::{Differentiated, Directions};
 pub(crate) use memory::{MemoryLayout, Remembered};
 pub(crate) use rut::TrackSlope;
-pub(crate) use solve::{Altered, Prepared};
 pub(crate) use situation::Situation;
+pub(crate) use solve::{Altered, Prepared};
 pub(crate) use surroundings::Environment;
 pub use surroundings::Surroundings;
+pub(crate) use tracks::{
+    ApproachPath, TRACK_SAMPLES, sample_size, spacing, wheel_places, wheel_travel,
+};
 pub use tracks::{Tracks, seen_from};
-pub(crate) use tracks::{ApproachPath, TRACK_SAMPLES, sample_size, spacing, wheel_places, wheel_travel};
