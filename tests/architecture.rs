@@ -409,3 +409,38 @@ fn no_files_import_each_other_in_a_circle() {
         tied.join("\n")
     );
 }
+
+#[test]
+fn every_equation_of_the_paper_is_found_by_its_number() {
+    let index = include_str!("../src/lib.rs");
+    let rows: Vec<&str> = index
+        .lines()
+        .filter(|line| line.starts_with("//! | ("))
+        .collect();
+    let comments: Vec<String> = all()
+        .into_iter()
+        .filter(|(_, module, _)| ["terrain", "contact", "vehicle"].contains(&module.as_str()))
+        .flat_map(|(_, _, text)| {
+            let lines = product(&text).lines();
+            let comments = lines.filter_map(|line| Some(line.split_once("//")?.1.to_owned()));
+            comments.collect::<Vec<_>>()
+        })
+        .collect();
+    for number in 1..=28 {
+        let name = format!("({number})");
+        let of_row = |row: &&str| {
+            row.split('|')
+                .nth(1)
+                .is_some_and(|cell| cell.contains(&name))
+        };
+        assert!(
+            rows.iter().any(|row| of_row(&row)),
+            "src/lib.rs has no row for {name}"
+        );
+        let found = comments.iter().any(|comment| comment.contains(&name));
+        assert!(
+            found,
+            "no comment in terrain, contact or vehicle names {name}"
+        );
+    }
+}

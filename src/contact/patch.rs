@@ -43,9 +43,9 @@ struct Column<P> {
     cos: P,
     /// Normal stress sigma, weighted.
     stress: P,
-    /// Shear strength c + sigma tan phi, weighted.
+    /// Shear strength c + sigma tan phi of (6), weighted.
     strength: P,
-    /// cos theta - cos theta_1.
+    /// cos theta - cos theta_1 of (2).
     rise: P,
     /// (cos theta + cos theta_1) / 2.
     mean_cos: P,
@@ -105,6 +105,7 @@ impl PatchLaw {
             let weight = packed_entry.scale_lanes(weight);
             let front = f64x8::simd_from(simd, nodes.front);
             let column = self.column(simd, motion, &arc, angle, front, weight);
+            // Components of the normal stress (17).
             sums.normal[0] += column.stress * column.sin;
             sums.normal[1] += column.stress * column.cos;
             let rows = self.footprint.rows(width, motion).enumerate();
@@ -145,7 +146,8 @@ impl PatchLaw {
         let entry_squared = arc.half_sine_squared.splat(simd);
         let rise = (entry_squared - sine_squared).scale(2.0);
         let travelled = arc.entry.splat(simd) - angle;
-        // (5) is (3) at the angle theta_1 - theta.
+        // In front sigma is (3); behind it is (5), which is (4) for theta_2 = 0 and theta_m = theta_1 / 2, and
+        // (3) at the angle theta_1 - theta.
         let mirrored =
             arc.half_sine.splat(simd) * half_cosine - arc.half_cosine.splat(simd) * half_sine;
         let from_middle = mirrored + (half_sine - mirrored).scale_lanes(front);
@@ -191,14 +193,14 @@ impl PatchLaw {
         let (mut along, mut across, mut twist) = (zero, zero, zero);
         for row in rows {
             let forward = row.forward.splat(simd);
-            // Tangential slip velocity (12), along (cos theta, sin theta).
+            // The rim's tangential velocity (11), negated: the slip velocity (12) along (cos theta, sin theta).
             let tangential = forward * column.cos - rim;
             // Shear displacement (14), with sin 2a - sin 2b and cos 2a - cos 2b expanded.
             let x = forward * column.stretch - column.rolled;
             let z = (forward * column.mean_cos - rim) * column.rise;
             let path_squared = x * x + z * z + column.path_squared;
             let path = path_squared * path_squared.inverse_sqrt();
-            // -(1 - exp(-j / K)), for the shear is opposite to the slip velocity.
+            // -(1 - exp(-j / K)) of (6) with j of (15): the shear is opposite to the slip velocity.
             let mobilised = (path * rate).decay().offset(-1.0);
             let speed_squared = tangential * tangential + column.sideways_squared;
             let factor = (mobilised * speed_squared.inverse_sqrt()).scale(row.weight);

@@ -105,7 +105,7 @@ pub struct WheelForces<S> {
     pub vertical: S,
     /// Integral of y tau_X \[N m\] about the wheel's middle plane.
     pub width_moment: S,
-    /// Integral of r sin theta tau_Y \[N m\] about the wheel's axle.
+    /// Integral of x_i tau_Y \[N m\] about the wheel's axle, x_i = r sin theta (8).
     pub arc_moment: S,
     /// Horizontal force of the normal stress against the wheel's travel \[N\] (21).
     pub rolling_resistance: S,

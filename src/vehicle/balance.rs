@@ -1,5 +1,5 @@
-//! The balance of all wheels: every wheel carries its load, the loads follow from the
-//! accelerations, and the accelerations from the wheels' forces.
+//! The balance of all wheels: the vertical force of every wheel carries its load (22), the loads follow from the
+//! accelerations (28), and the accelerations from the wheels' forces (19), (20).
 
 use super::Wrench;
 use crate::contact::WheelForces;

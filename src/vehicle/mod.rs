@@ -39,11 +39,11 @@ pub use wrench::{WheelOutputs, Wrench};
 /// Velocities of the vehicle and speeds of its wheels: what the ground's forces depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
-    /// Velocity of the centre of mass along X, V_X \[m/s\].
+    /// Velocity of the centre of mass along X, V_X \[m/s\] (9).
     pub v_x: f64,
     /// Velocity of the centre of mass along Y, V_Y \[m/s\].
     pub v_y: f64,
-    /// Yaw rate Omega \[rad/s\].
+    /// Yaw rate Omega \[rad/s\] (9).
     pub yaw_rate: f64,
     /// Angular speed of the left wheels \[rad/s\].
     pub omega_left: f64,
