@@ -4,7 +4,7 @@ use super::deadline::Deadline;
 use crate::parameter::ParameterError;
 use crate::recording::Drive;
 use crate::simulation::{SimulationError, State};
-use std::fmt;
+use thiserror::Error;
 
 /// A trajectory that is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -85,44 +85,15 @@ pub trait Predictor: Send + Sync {
 }
 
 /// Why there is no trajectory for these parameters.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum PredictionError {
     /// A parameter out of range.
-    FreeParameter(ParameterError),
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// A drive that ends early.
-    Simulation(SimulationError),
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
     /// The deadline has passed: see [`Predictor::deadline`].
+    #[error("time was up")]
     OutOfTime,
-}
-
-impl fmt::Display for PredictionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::FreeParameter(error) => error.fmt(f),
-            Self::Simulation(error) => error.fmt(f),
-            Self::OutOfTime => f.write_str("time was up"),
-        }
-    }
-}
-
-impl std::error::Error for PredictionError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::FreeParameter(error) => Some(error),
-            Self::Simulation(error) => Some(error),
-            Self::OutOfTime => None,
-        }
-    }
-}
-
-impl From<ParameterError> for PredictionError {
-    fn from(error: ParameterError) -> Self {
-        Self::FreeParameter(error)
-    }
-}
-
-impl From<SimulationError> for PredictionError {
-    fn from(error: SimulationError) -> Self {
-        Self::Simulation(error)
-    }
 }

@@ -1,13 +1,14 @@
 //! Why a simulation cannot go on.
 
 use crate::vehicle::{BalanceError, Unusual};
-use std::fmt;
+use thiserror::Error;
 
 /// Why a simulation cannot go on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
     /// The wheels find no balance at this time \[s\].
+    #[error("at {time} s: {source}")]
     Balance {
         /// Simulated time \[s\].
         time: f64,
@@ -15,8 +16,10 @@ pub enum SimulationError {
         source: BalanceError,
     },
     /// A step that is negative, not finite or longer than 1e6 s \[s\].
+    #[error("cannot step by {0} s: a step lies between 0 and 1e6 s")]
     StepSize(f64),
     /// An input or state that is not finite.
+    #[error("{what} = {value} is not finite")]
     NotFinite {
         /// What it is.
         what: &'static str,
@@ -24,6 +27,7 @@ pub enum SimulationError {
         value: f64,
     },
     /// The error control asks for steps below the resolution of the time \[s\].
+    #[error("at {time} s the motion changes faster than the smallest step can follow{}", doubt(suspect.as_ref()))]
     StepTooSmall {
         /// Simulated time \[s\].
         time: f64,
@@ -31,6 +35,7 @@ pub enum SimulationError {
         suspect: Option<Unusual>,
     },
     /// The motion changes so fast that a second of driving takes too many steps ([`Simulation::limit_work`]).
+    #[error("at {time} s the motion changes so fast that one second of driving takes too many steps{}", doubt(suspect.as_ref()))]
     TooStiff {
         /// Simulated time \[s\].
         time: f64,
@@ -38,57 +43,15 @@ pub enum SimulationError {
         suspect: Option<Unusual>,
     },
     /// More steps are needed than [`Simulation::limit_steps`] allows.
+    #[error("at {time} s the number of steps that was set as a limit is used up")]
     StepBudget {
         /// Simulated time \[s\].
         time: f64,
     },
 }
 
-impl fmt::Display for SimulationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Balance { time, source } => write!(f, "at {time} s: {source}"),
-            Self::StepSize(step) => {
-                write!(
-                    f,
-                    "cannot step by {step} s: a step lies between 0 and 1e6 s"
-                )
-            }
-            Self::NotFinite { what, value } => write!(f, "{what} = {value} is not finite"),
-            Self::StepTooSmall { time, suspect } => {
-                write!(
-                    f,
-                    "at {time} s the motion changes faster than the smallest step can follow"
-                )?;
-                doubt(f, suspect.as_ref())
-            }
-            Self::TooStiff { time, suspect } => {
-                write!(
-                    f,
-                    "at {time} s the motion changes so fast that one second of driving takes too many steps"
-                )?;
-                doubt(f, suspect.as_ref())
-            }
-            Self::StepBudget { time } => write!(
-                f,
-                "at {time} s the number of steps that was set as a limit is used up"
-            ),
-        }
-    }
-}
-
-fn doubt(f: &mut fmt::Formatter<'_>, suspect: Option<&Unusual>) -> fmt::Result {
-    match suspect {
-        Some(suspect) => write!(f, "; the likely cause is {suspect}"),
-        None => Ok(()),
-    }
-}
-
-impl std::error::Error for SimulationError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Balance { source, .. } => Some(source),
-            _ => None,
-        }
-    }
+fn doubt(suspect: Option<&Unusual>) -> String {
+    suspect.map_or(String::new(), |suspect| {
+        format!("; the likely cause is {suspect}")
+    })
 }

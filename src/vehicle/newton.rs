@@ -8,12 +8,13 @@ use crate::display::rounded;
 use crate::scalar::Dual;
 use fearless_simd::{Simd, dispatch};
 use std::f64::consts::FRAC_PI_2;
-use std::fmt;
+use thiserror::Error;
 
 /// Why the wheels find no balance.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum BalanceError {
     /// A wheel would sink to its axle: its entry angle passes pi/2.
+    #[error("the vehicle is bogged: wheel {wheel} sinks to its axle under its load of {load:.0} N; {}", bogged(*load, *bearing))]
     Bogged {
         /// Number of the wheel, from 1.
         wheel: usize,
@@ -23,69 +24,29 @@ pub enum BalanceError {
         bearing: f64,
     },
     /// A velocity or wheel speed is not finite, or too large for finite forces.
+    #[error("no finite forces at {}", words(.0))]
     NotFinite(Motion),
     /// Newton's method did not settle.
+    #[error("the balance of loads and accelerations was not found at {}; the ground may hold the wheels so firmly that the vehicle tips", words(.0))]
     NotConverged(Motion),
 }
 
-impl fmt::Display for BalanceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Bogged {
-                wheel,
-                load,
-                bearing,
-            } => {
-                write!(
-                    f,
-                    "the vehicle is bogged: wheel {wheel} sinks to its axle under its load of {load:.0} N; "
-                )?;
-                if bearing > load {
-                    write!(
-                        f,
-                        "the soil bears {bearing:.0} N at rest, but the shear under the slipping wheel drags it down"
-                    )
-                } else {
-                    write!(
-                        f,
-                        "the soil is too soft for this vehicle: it bears {bearing:.0} N even there"
-                    )
-                }
-            }
-            Self::NotFinite(motion) => write!(f, "no finite forces at {}", Words(motion)),
-            Self::NotConverged(motion) => {
-                write!(
-                    f,
-                    "the balance of loads and accelerations was not found at {}; the ground may hold the wheels so firmly that the vehicle tips",
-                    Words(motion)
-                )
-            }
-        }
-    }
-}
-
-/// A motion for people.
-struct Words<'a>(&'a Motion);
-
-impl fmt::Display for Words<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Motion {
-            v_x,
-            v_y,
-            yaw_rate,
-            omega_left,
-            omega_right,
-        } = self.0;
-        let [v_x, v_y, yaw_rate, left, right] =
-            [v_x, v_y, yaw_rate, omega_left, omega_right].map(|value| rounded(*value, 4));
-        write!(
-            f,
-            "v_x {v_x} m/s, v_y {v_y} m/s, yaw rate {yaw_rate} rad/s, wheels {left} and {right} rad/s"
+fn bogged(load: f64, bearing: f64) -> String {
+    if bearing > load {
+        format!(
+            "the soil bears {bearing:.0} N at rest, but the shear under the slipping wheel drags it down"
         )
+    } else {
+        format!("the soil is too soft for this vehicle: it bears {bearing:.0} N even there")
     }
 }
 
-impl std::error::Error for BalanceError {}
+fn words(motion: &Motion) -> String {
+    let [v_x, v_y, yaw_rate, left, right] = motion.to_array().map(|value| rounded(value, 4));
+    format!(
+        "v_x {v_x} m/s, v_y {v_y} m/s, yaw rate {yaw_rate} rad/s, wheels {left} and {right} rad/s"
+    )
+}
 
 /// Relative change of the entry angles, and change of the accelerations \[m/s^2\], below which
 /// Newton's method stops. It applies that last step too, so what remains is its square.
