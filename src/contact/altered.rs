@@ -161,7 +161,7 @@ impl<S: Scalar> ContactArc<S> {
 impl<S: Scalar> WheelLaw<S> {
     /// The arc on which a wheel stands that reaches so far into the ground: `reach` is theta_1 \[rad\] of a rigid
     /// wheel. Beyond the reach at which a tyre is flat the sinkage stays, and the contact grows with the square
-    /// of (sin reach/2)^2: a tyre may be flat over a thousand times the length at which it begins to be, and the
+    /// of (sin reach/2)^2: a tyre may be flat over a thousand times the length at which it starts to be, and the
     /// reach stays an angle.
     #[inline(always)]
     pub fn arc(&self, reach: S) -> ContactArc<S> {

@@ -28,7 +28,7 @@ macro_rules! catalogue {
         }
 
         impl<S: Scalar> ActiveEffects<S> {
-            /// From the values of all parameters; `on` tells, for each effect of the catalogue,
+            /// From the values of all parameters; `on` answers, for each effect of the catalogue,
             /// whether it is.
             fn new(values: &[S; PARAMETER_COUNT], on: impl Fn(usize) -> bool) -> Self {
                 let (mut effect, mut first) = (0, 0);

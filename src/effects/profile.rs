@@ -24,7 +24,7 @@ pub struct Points {
 }
 
 impl SlopeProfile {
-    /// The first moment after `time` \[s\] at which the slope begins to change otherwise, whatever the vehicle does.
+    /// The first moment after `time` \[s\] at which the slope changes its rate, whatever the vehicle does.
     #[must_use]
     pub fn next_knot(&self, time: f64) -> Option<f64> {
         let Self::Time(points) = self else {
@@ -34,7 +34,7 @@ impl SlopeProfile {
         points.at.get(next).copied()
     }
 
-    /// The shortest way \[m\] from where the slope begins to change otherwise to the next such place; `None` where there is
+    /// The shortest way \[m\] between places where the slope changes its rate; `None` where there is
     /// no such way.
     #[must_use]
     pub fn min_feature_length(&self) -> Option<f64> {

@@ -5,9 +5,9 @@ use crate::recording::{RecordingFault, SameName};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
-/// Less driving than this cannot tell a soil from the noise \[s\].
+/// Less driving than this does not distinguish a soil from the noise \[s\].
 pub const SHORTEST: f64 = 3.0;
-/// Segments may be as long as this \[s\]: shorter ones tell nothing beside their starts, longer ones drift.
+/// Segments may be as long as this \[s\]: shorter ones determine nothing beside their starts, longer ones drift.
 pub(crate) const LENGTHS: RangeInclusive<f64> = 2.0..=60.0;
 /// Message about effects that depend on when a drive began.
 pub(crate) const DEPENDS_ON_BEGINNING: &str =
@@ -32,7 +32,7 @@ pub enum FitError {
         /// Seconds with wheel speeds and samples.
         seconds: f64,
     },
-    /// A model that cannot drive along the wheel speeds to begin with.
+    /// A model that cannot follow the wheel speeds from its initial values.
     #[error("the fit cannot start with this vehicle and terrain: {0}")]
     Start(#[source] PredictionError),
     /// Numbers that left the range of the machine.
@@ -47,7 +47,7 @@ pub enum FitError {
     /// A length of segments \[s\] that is none, or too short or too long.
     #[error("segments of {0} s: expected {min} to {max} s", min = LENGTHS.start(), max = LENGTHS.end())]
     SegmentLength(f64),
-    /// Effects that depend on when a drive began: segments begin anywhere.
+    /// Effects that depend on when a drive began: segments start anywhere.
     #[error("{}", DEPENDS_ON_BEGINNING)]
     DependsOnBeginning,
     /// A parameter that is named twice.
@@ -56,7 +56,7 @@ pub enum FitError {
         /// Its name.
         name: String,
     },
-    /// As many values to begin with as parameters are needed.
+    /// Another number of initial values than of parameters.
     #[error("{values} initial values for {parameters} parameters")]
     Values {
         /// Number of parameters.

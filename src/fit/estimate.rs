@@ -65,7 +65,7 @@ pub struct Fit {
 
 /// Turns at most.
 const TURNS: usize = 12;
-/// A turn that comes to rest after lowering the cost, a chi-square, by less than this, and moves
+/// A turn that stops after lowering the cost, a chi-square, by less than this, and moves
 /// no noise by more than this factor's logarithm, is the last.
 const STILL: f64 = 0.5;
 const STILL_NOISE: f64 = 0.1;
@@ -80,11 +80,11 @@ const LATER: f64 = 0.03;
 
 /// Fits a model's free parameters to recordings.
 ///
-/// `model` are the predictor's parameters, in its order, and `nominal` their values to begin with. For a vehicle on a soil
+/// `model` are the predictor's parameters, in its order, and `nominal` their initial values. For a vehicle on a soil
 /// [`fit_model`](super::fit_model) puts these together.
 ///
 /// # Errors
-/// Recordings that tell nothing, and a model that cannot even begin; a length of segments that makes no sense, another
+/// Recordings without information, a model that cannot drive from its initial values, a length of segments out of range, another
 /// number of parameters or values than the predictor has.
 pub fn fit<P: Predictor>(
     predictor: &P,

@@ -161,7 +161,7 @@ impl Trajectory {
 /// Something that drives.
 trait Driven {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
-    /// The drive begins in the midst of another.
+    /// The drive starts in the middle of another.
     fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError>;
     fn advance(&mut self, seconds: f64, look: impl FnMut(&LastStep))
     -> Result<(), SimulationError>;

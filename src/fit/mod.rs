@@ -5,9 +5,9 @@
 //! ([`observation`]), and the parameters that all segments share are found by
 //! Levenberg–Marquardt with the starts eliminated ([`optimiser`], [`bounded`], [`normal`]). The noise of
 //! each channel, white and coloured, comes from the data ([`noise`], [`noise_estimate`]),
-//! heavy tails by weights ([`robust`]). What the data fix, and how well, is told by
+//! heavy tails by weights ([`robust`]). What the data determine, and how well, is in
 //! [`uncertainty`] and [`identifiability`]; [`starts`] asks whether there is another answer, [`restart`] whether
-//! a segment's start has gone astray.
+//! a segment's start is in a wrong minimum.
 //!
 //! Segments are computed side by side and summed in their order: the result does not depend
 //! on the number of threads.

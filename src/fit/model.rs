@@ -40,7 +40,7 @@ pub struct Fitted {
 /// ```
 ///
 /// # Errors
-/// As [`fit`]; a parameter that is named twice; a model whose effects depend on when a drive began, for segments begin
+/// As [`fit`]; a parameter that is named twice; a model whose effects depend on when a drive began, for segments start
 /// anywhere.
 pub fn fit_model(
     nominal: &Specification,

@@ -5,7 +5,7 @@ use super::sensor::SensorParameter;
 /// What to fit, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Free parameters of each recording's sensors, where the recording can tell of them.
+    /// Free parameters of each recording's sensors, where the recording determines them.
     pub sensors: Vec<SensorParameter>,
     /// Length of a segment \[s\].
     pub segment: f64,

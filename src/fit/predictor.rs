@@ -21,7 +21,7 @@ pub struct Request<'a> {
     pub clock: f64,
     /// Recorded wheel speeds, linear between rows and held beyond the ends.
     pub drive: &'a Drive,
-    /// The wheels at time t turn as the drive tells of t + `wheel_latency` \[s\].
+    /// The wheels at time t turn as recorded at t + `wheel_latency` \[s\].
     pub wheel_latency: f64,
     /// Times at which the state is wanted \[s\], increasing.
     pub times: &'a [f64],

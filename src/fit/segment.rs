@@ -41,7 +41,7 @@ pub struct Segment {
     pub drive: Arc<Drive>,
     /// What was measured.
     pub samples: Vec<Samples>,
-    /// Poses as the sensor told them, over which the vehicle came to the start, that one the last; empty where not known.
+    /// Measured poses of the approach to the start, the start last; empty where not known.
     pub course: Arc<[[f64; 3]]>,
     /// What is known of the start before the fit: read off the sensors, with wide standard
     /// deviations, as the same samples take part in the fit.
@@ -101,7 +101,7 @@ const STILL_SECONDS: [f64; 2] = [0.1, 0.4];
 const LONGEST_GAP: f64 = 1.5;
 /// Longer gaps are none of the drive: the clock was set, or the recorder waited \[s\].
 const PAUSE: f64 = 60.0;
-/// Runs' stretches of the model's clock begin so far apart \[s\].
+/// Offset between the runs on the model's clock \[s\].
 pub const CLOCK: f64 = 1e6;
 /// Segments with less samples or shorter ones than this are not worth a free start.
 const FEWEST_SAMPLES: usize = 12;
@@ -118,7 +118,7 @@ pub struct Cut {
     pub unusable: f64,
 }
 
-/// Cuts recordings into segments of about `length` seconds. `sensors` tells for each recording
+/// Cuts recordings into segments of about `length` seconds. `sensors` holds for each recording
 /// how late its pose is: samples go to the segment in which they were true.
 #[must_use]
 pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> Cut {
@@ -208,7 +208,7 @@ impl Cut {
     }
 }
 
-/// Where the vehicle was in a run, as far as that is told.
+/// Where the vehicle was in a run, as far as it is measured.
 fn course(run: &Run) -> Course {
     let series = [Channel::X, Channel::Y, Channel::Heading].map(|channel| run.series(channel));
     let [Some(x), Some(y), Some(heading)] = series else {
@@ -246,7 +246,7 @@ fn samples(run: &Run, sensors: &SensorValues, from: f64, to: f64) -> Vec<Samples
 pub const START_DEVIATION: [f64; 6] = [5.0, 5.0, 0.3, 0.5, 0.4, 0.5];
 /// The same for velocities that follow from the wheel speeds alone.
 const GUESSED_VELOCITY: [f64; 3] = [2.0, 1.0, 1.0];
-/// Standard deviation of a heading that nothing tells of \[rad\].
+/// Standard deviation of a heading that is not measured \[rad\].
 const GUESSED_HEADING: f64 = 3.0;
 /// A vehicle that moves faster than this \[m/s\] heads where it goes, or where it comes from if its wheels turn backwards.
 const COURSE_SPEED: f64 = 0.3;
@@ -255,13 +255,13 @@ const SLOPE_SECONDS: f64 = 0.4;
 /// The same where the wheels stand still: the vehicle does, too. A start that slides on locked
 /// wheels is often one that no soil bears.
 pub const AT_REST: f64 = 0.005;
-/// Samples further apart than this, and than so many usual intervals, do not tell what was in between \[s\]; nor does one
-/// that is further away tell what was here.
+/// Samples further apart than this, and than so many usual intervals, are not interpolated \[s\]; nor does one
+/// that is further away count here.
 const KNOWN: (f64, f64) = (1.0, 2.5);
 /// Standard deviation of a position of another time \[m\].
 const GUESSED_POSITION: f64 = 20.0;
 
-/// Reads the start off the sensors. Where none tells the heading it is the course, or that of later where the vehicle does
+/// Reads the start off the sensors. Without a measured heading it is the course, or that of later where the vehicle does
 /// not move yet.
 pub fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Segment {
     let time = segment.start;
@@ -317,7 +317,7 @@ pub fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Se
         heads = moves(0).is_some();
         let steps = 0..((segment.end - time) / SLOPE_SECONDS) as i32;
         pose[2] = steps.into_iter().find_map(moves).unwrap_or(0.0);
-        // On the turn of the headings that are told later.
+        // On the same turn as the later headings.
         if let Some(told) = about(Channel::Heading) {
             pose[2] += TAU * ((told - pose[2]) / TAU).round();
         }
@@ -346,7 +346,7 @@ pub fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Se
     segment
 }
 
-/// The value at a time, between samples that are near enough to tell it.
+/// The value at a time, between samples that are near enough.
 fn known(series: &Series, time: f64) -> Option<f64> {
     let after = series.time.partition_point(|sample| *sample <= time);
     let interval = |next: usize| {
@@ -373,7 +373,7 @@ mod tests {
         assert_eq!(known(&series, 4.0), None);
         assert_eq!(known(&series, 7.0), series.at(7.0));
         assert_eq!(known(&series, -1.0), None);
-        // A sensor that tells its value every other second tells it.
+        // A sensor that reports every other second is near enough.
         let slow: Series = (0..5).map(|k| (2.0 * f64::from(k), 1.0)).collect();
         assert_eq!(known(&slow, 3.0), Some(1.0));
     }

@@ -99,7 +99,7 @@ impl NoiseGroup {
         }
     }
 
-    /// Noise to begin with: what such a sensor and a fair model leave.
+    /// Initial noise: that of a fair sensor and model.
     #[must_use]
     pub const fn first_guess(self) -> f64 {
         match self {

@@ -45,7 +45,7 @@ impl OtherMinimum {
     }
 }
 
-/// Where a fit begins: the model's parameters at these values, latencies at what comparing the curves tells.
+/// Where a fit begins: the model's parameters at these values, latencies from correlating the sensors.
 #[must_use]
 pub fn beginning<P: Predictor>(
     problem: &ShootingProblem<P>,

@@ -145,7 +145,7 @@ fn overdispersion(
 }
 
 /// Weights whose information is the curvature of the objective: a sample's pull grows more
-/// slowly than its weight tells, see [`robust::curvature`].
+/// slowly than its weight, see [`robust::curvature`].
 fn with_curvature<P: Predictor>(
     problem: &ShootingProblem<P>,
     tables: &[Tables],

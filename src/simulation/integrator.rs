@@ -90,7 +90,7 @@ pub(super) struct Stages {
     pub end: Evaluation,
     /// What is remembered at the end.
     pub memory: Vec<f64>,
-    /// The state at the beginning, and the slopes k_1 and k_2.
+    /// The state at the start, and the slopes k_1 and k_2.
     pub from: StateVector,
     pub slopes: [StateVector; 2],
 }

@@ -13,12 +13,12 @@ use super::{Simulation, State, StateVector};
 pub struct LastStep<'a> {
     pub(super) simulation: &'a Simulation,
     pub(super) variation: Option<&'a Variation>,
-    /// Its length \[s\]; 0 where another window of effects begins.
+    /// Its length \[s\]; 0 where another window of effects starts.
     pub(super) length: f64,
 }
 
 impl LastStep<'_> {
-    /// How long it was \[s\]; 0 where another window of effects begins.
+    /// How long it was \[s\]; 0 where another window of effects starts.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length

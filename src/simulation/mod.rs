@@ -174,7 +174,7 @@ impl Simulation {
     }
 
     /// Sets the rates at which the wheel speeds change within the next steps \[rad/s^2\];
-    /// zero at the beginning.
+    /// zero initially.
     ///
     /// # Errors
     /// A value that is not finite; then nothing has changed.

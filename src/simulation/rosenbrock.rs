@@ -22,7 +22,7 @@ impl Simulation {
         self.integrator.counters
     }
 
-    /// Gives up with [`SimulationError::StepBudget`] once more steps than this are done from the beginning,
+    /// Gives up with [`SimulationError::StepBudget`] once more steps than this are done from the start,
     /// rejected ones counted: for a search among models of which some are hardly drivable.
     pub fn limit_steps(&mut self, most: u64) {
         self.integrator.most_steps = most;
@@ -99,7 +99,7 @@ impl Simulation {
             let reached = if last { goal } else { done + step };
             let end_speeds = speeds.after(self.input_rates, reached);
             let passed = event.filter(|_| last && knot.is_none());
-            // Up to the event holds what held before it; a knot is met as it is told, so that none comes twice.
+            // Up to the event holds what held before it; a knot is met as it is given, so that none is met twice.
             let end_time = match (passed, knot.filter(|_| last)) {
                 (Some(event), _) => event.next_down(),
                 (None, Some(knot)) => knot,
@@ -159,7 +159,7 @@ impl Simulation {
             if error > JACOBIAN_ERROR {
                 integrator.jacobian_age = JACOBIAN_STEPS;
             }
-            // A step cut short by the caller says nothing against longer ones.
+            // A step cut short by the caller is no argument against longer ones.
             let proposed = (step * factor).min(LONGEST_STEP);
             integrator.next_step = if step < integrator.next_step {
                 proposed.max(integrator.next_step)

@@ -13,7 +13,7 @@ pub(super) struct RutHistory {
     numbers: Vec<f64>,
     /// Where the wheels were, sample by sample, east and north \[m\].
     points: Vec<[f64; 2]>,
-    /// How many samples there have been since the last beginning.
+    /// Number of samples since the last restart.
     begun: u64,
     /// How the vehicle came here, as long as all is still as it was meanwhile.
     approach_path: Option<ApproachPath>,
@@ -43,7 +43,7 @@ impl RutHistory {
         }
     }
 
-    /// How many samples there have been since the last beginning.
+    /// Number of samples since the last restart.
     pub fn begun(&self) -> u64 {
         self.begun
     }

@@ -19,7 +19,7 @@ pub(super) struct Variation {
     pub places: Vec<Vec<usize>>,
     pub results: Vec<Differentiated>,
     pub columns: Columns,
-    /// Derivatives of the state and what is remembered (rows) by what [`Columns`] tells.
+    /// Derivatives of the state and what is remembered (rows) by the [`Columns`].
     pub by: DMatrix<f64>,
     /// Where the last step ended.
     pub last: Option<Linearised>,
@@ -119,7 +119,7 @@ impl Variation {
         }
     }
 
-    /// What is remembered follows the beginning's motion and the parameters: its rates stay zero.
+    /// What is remembered follows the initial motion and the parameters: its rates stay zero.
     pub fn settle(&mut self, simulation: &mut Simulation) {
         let now = self.linearise(simulation);
         let memory = self.by.nrows() - State::COUNT;

@@ -123,7 +123,7 @@ impl VehicleModel {
         effects.window.as_ref()?.extent.next_edge(time)
     }
 
-    /// The first moment after `time` \[s\] at which a slope that is told over time begins to change otherwise: a step
+    /// The first moment after `time` \[s\] at which a slope over time changes its rate: a step
     /// that is longer might miss a bump.
     pub(crate) fn next_knot(&self, time: f64) -> Option<f64> {
         let effects = &self.altered()?.specification.effects;
@@ -238,7 +238,7 @@ impl Wrench {
 
     /// Sets the slips (13) of every wheel: S_X = -V_jX / (r omega), S_Y = -V_jY / (r omega),
     /// with omega kept away from zero as in the contact time; at omega = 0 as for a wheel
-    /// that just begins to roll forward.
+    /// that just starts to roll forward.
     pub(super) fn set_slips(&mut self, model: &VehicleModel, motion: &Motion) {
         for (index, wheel) in self.wheels.iter_mut().enumerate() {
             let local = model.wheel_motion(motion, index);

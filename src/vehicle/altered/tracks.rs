@@ -330,9 +330,9 @@ impl<'a> View<'a> {
 /// Slowest speed \[m/s\] at which a vehicle is taken to have come here.
 const CRAWL: f64 = 0.01;
 /// For how long the present motion is taken to have lasted, and how far a vehicle is taken to have come straight on to
-/// where a course begins, in samples.
+/// where a course starts, in samples.
 const STEADY_SAMPLES: usize = 3 * SAMPLES_PER_BASE as usize;
-/// A vehicle came backwards to where a course begins if that leads backwards by so many samples at least.
+/// A vehicle approached the start of a course in reverse if the course leads backwards by at least so many samples.
 const BACK_SAMPLES: f64 = 0.5 * SAMPLES_PER_BASE;
 
 /// How a vehicle came here.
@@ -345,7 +345,7 @@ pub(crate) enum ApproachPath {
 }
 
 impl ApproachPath {
-    /// Over a course of poses as of [`ApproachPath::Along`], of which enough are kept for tracks; straight on to where it begins.
+    /// Over a course of poses as of [`ApproachPath::Along`], of which enough are kept for tracks; straight up to its start.
     pub fn along(places: &[[f64; 2]], course: &[[f64; 3]]) -> Self {
         Self::Along(course_samples(places, course))
     }
