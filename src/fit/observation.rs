@@ -45,7 +45,7 @@ pub fn observe(
     sensors: &SensorValues,
     derivatives: bool,
 ) -> Result<Vec<Residuals>, PredictionError> {
-    observe_gated(
+    observe_binned(
         predictor,
         segment,
         start,
@@ -56,12 +56,12 @@ pub fn observe(
     )
 }
 
-/// As [`observe`], with the derivatives by gated parameters after those by the parameters; see
+/// As [`observe`], with the derivatives by binned parameters after those by the parameters; see
 /// [`Request::time_bins`].
 ///
 /// # Errors
 /// As [`Predictor::predict`].
-pub fn observe_gated(
+pub fn observe_binned(
     predictor: &impl Predictor,
     segment: &Segment,
     start: &[f64; 6],

@@ -25,7 +25,7 @@ pub struct Request<'a> {
     pub wheel_latency: f64,
     /// Times at which the state is wanted \[s\], increasing.
     pub times: &'a [f64],
-    /// Times at which one gate closes and the next opens \[s\], increasing, for derivatives by
+    /// Times at which one time bin closes and the next opens \[s\], increasing, for derivatives by
     /// parameters as they act within each.
     pub time_bins: &'a [f64],
     /// Whether derivatives are wanted besides the states.
@@ -42,7 +42,7 @@ pub struct Trajectory {
     /// Derivatives by the start: for each time one state's worth per component of the start.
     pub by_start: Vec<[[f64; 6]; 6]>,
     /// Derivatives by the parameters: for each time one state's worth per parameter, all in
-    /// one list; those by gated parameters follow, gate by gate.
+    /// one list; those by binned parameters follow, bin by bin.
     pub by_parameter: Vec<[f64; 6]>,
     /// Derivatives by the wheels' latency.
     pub by_wheel_latency: Vec<[f64; 6]>,

@@ -28,7 +28,7 @@ impl Derivatives {
         self.0.column(DELAY).into_owned().into()
     }
 
-    /// By each parameter: those that act throughout, then the gated ones, gate by gate.
+    /// By each parameter: those that act throughout, then the binned ones, bin by bin.
     pub fn by_parameters(&self) -> impl Iterator<Item = [f64; State::COUNT]> + '_ {
         let columns = self.0.column_iter().skip(DELAY + 1);
         columns.map(|column| column.into_owned().into())
@@ -42,18 +42,18 @@ impl Derivatives {
 }
 
 /// What the derivatives are taken by: the initial state, the delay of the wheel speeds, the
-/// parameters that act throughout, and those that act in one gate after another, gate by gate.
+/// parameters that act throughout, and those that act in one time bin after another, bin by bin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns {
     pub throughout: usize,
     pub binned: usize,
     pub time_bins: usize,
-    /// The gate that is open.
+    /// The time bin that is open.
     pub time_bin: usize,
 }
 
 impl Columns {
-    /// First column of the parameters that act throughout, and of those of the gate that is open.
+    /// First column of the parameters that act throughout, and of those of the time bin that is open.
     pub fn parameters(&self) -> [usize; 2] {
         let first = DELAY + 1;
         [first, first + self.throughout + self.time_bin * self.binned]
@@ -63,7 +63,7 @@ impl Columns {
         DELAY + 1 + self.throughout + self.binned * self.time_bins
     }
 
-    /// Number of columns that are not zero yet: all before the next gate's.
+    /// Number of columns that are not zero yet: all before the next time bin's.
     pub fn begun(&self) -> usize {
         DELAY + 1 + self.throughout + self.binned * (self.time_bin + 1)
     }
@@ -76,7 +76,7 @@ pub(super) struct Linearised {
     pub by_state: DMatrix<f64>,
     /// By the left and right wheel speed.
     pub by_speeds: DMatrix<f64>,
-    /// By the parameters that act throughout, then by the gated ones: B.
+    /// By the parameters that act throughout, then by the binned ones: B.
     pub by_parameters: DMatrix<f64>,
     /// Through the tracks that were left, by all that derivatives are taken by; empty where there are none.
     pub by_tracks: DMatrix<f64>,
@@ -125,7 +125,7 @@ pub(super) fn share(length: f64, back: f64) -> f64 {
     }
 }
 
-/// Adds what parameters do: those that act throughout, then the gated ones in the gate that is open.
+/// Adds what parameters do: those that act throughout, then the binned ones in the time bin that is open.
 fn add_parameters(target: &mut DMatrix<f64>, by_parameters: &DMatrix<f64>, columns: &Columns) {
     let [throughout, open] = columns.parameters();
     let counts = [columns.throughout, columns.binned];
