@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# External controllers around the FMU (src/docs/controllers.md). What must be there: target/ugv.fmu (scripts/package.sh).
+# External controllers around the FMU (docs/how-to/controllers.md). What must be there: target/ugv.fmu (scripts/package.sh).
 #   scripts/controllers.sh slip_control [--help]   an SSP with a controller FMU that limits slip, run by fmpy and libcosim
 #   scripts/controllers.sh slalom [--help]         a gymnasium environment, and an agent that learns a slalom in it
 # Tools that only these need go into virtual environments of their own: target/venv-ssp, target/venv-slalom.

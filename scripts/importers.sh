@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Has every importer drive the FMU, each in a virtual environment of its own, and compares it with the library itself:
 # `scripts/importers.sh [NAME...]`, `scripts/importers.sh --help`. The first time it installs and compiles (some minutes, 2 GB in
-# target/importers). `--page src/docs/importers.md` puts the table into the docs. UGV_HELD_DRIVE names a built example held_drive.
+# target/importers). `--page docs/contributing/importers.md` puts the table into the docs. UGV_HELD_DRIVE names a built example held_drive.
 set -euo pipefail
 caller=$PWD
 # A relative one is the caller's, as for cargo.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fits the soil to one half of every recording in UGV_DATA, scores it on the other, prints Markdown tables.
 
-What src/docs/recordings.md shows. Needs target/release/ugv (./scripts/package.sh); takes some minutes.
+What docs/explanation/recordings.md shows. Needs target/release/ugv (./scripts/package.sh); takes some minutes.
 """
 
 import json

@@ -1,4 +1,4 @@
-//! What a real wheel in sand says of the contact law and its effects (src/docs/single_wheel.md):
+//! What a real wheel in sand says of the contact law and its effects (docs/explanation/single_wheel.md):
 //! fitted to one half of the trials, judged by the other. Needs the data (`UGV_DATA`).
 
 #[path = "studies/wheel/data.rs"]

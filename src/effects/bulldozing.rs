@@ -19,7 +19,7 @@ effect! {
     /// The blades of the flank stand side by side along X = r sin theta, so each is
     /// dX = r cos theta dtheta wide. The source has r - h cos theta in its place, which is nearly
     /// nothing below the axle of a wheel that is buried to it; against a measured wheel both do
-    /// about as well (src/docs/single_wheel.md).
+    /// about as well (docs/explanation/single_wheel.md).
     Bulldozing: "bulldozing", Physics,
     lifts "no bulldozing",
     equation "F_Y = -lateral int R_b(h) r cos theta sin(beta) dtheta, F_X = -frontal b R_b(h_0) cos(beta); R_b = D1 (c h + D2 gamma h^2 / 2), sin(beta) = V_Y / |V|",

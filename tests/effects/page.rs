@@ -26,7 +26,7 @@ the yaw acceleration, not in R_r, M_r or the turning moment; frontal bulldozing 
 x and y lie along the surface, not in the horizontal: at 10 deg a map is 1.5 % shorter.
 
 Priors: m ± s is normal, m ×/÷ f log-normal with ln f the standard deviation of the logarithm; `ugv fit` uses those of the physics, `ugv diagnose`
-[others around \"off\"](method.md#1-the-likelihood). Besides the paper's symbols: N wheels of width b, half a track B,
+[others around \"off\"](../explanation/method.md#priors). Besides the paper's symbols: N wheels of width b, half a track B,
 a sinkage h_0 under the axle, v_0 = 0.01 m/s, and after Hegedus D1 = 2 q, D2 = q + q^2 tan phi with
 q = sqrt(1 + tan^2 phi) + tan phi.
 
@@ -107,13 +107,13 @@ fn the_page_says_what_the_declarations_say() {
             section(&mut page, effect);
         }
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/docs/effects.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reference/effects.md");
     if std::env::var_os("UGV_BLESS").is_some() {
         std::fs::write(&path, &page).unwrap();
     }
     let written = std::fs::read_to_string(&path).unwrap();
     assert!(
         written == page,
-        "src/docs/effects.md is out of date: UGV_BLESS=1 cargo test --test effects page"
+        "docs/reference/effects.md is out of date: UGV_BLESS=1 cargo test --test effects page"
     );
 }

@@ -1,4 +1,4 @@
-"""scripts/controllers/slalom: the gymnasium environment and its scripted driver. Training is run by hand (src/docs/controllers.md)."""
+"""scripts/controllers/slalom: the gymnasium environment and its scripted driver. Training is run by hand (docs/how-to/controllers.md)."""
 
 import os
 import sys
