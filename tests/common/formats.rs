@@ -1,4 +1,4 @@
-//! `docs/reference/formats.md` against what is written.
+//! `docs/reference/formats.md` against the files that are written.
 
 use serde_json::Value;
 
