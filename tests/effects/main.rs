@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/page.rs"]
+mod generated;
 
 mod by_hand;
 mod dense;
@@ -12,6 +14,7 @@ mod page;
 mod properties;
 mod ruts;
 mod signs;
+mod variables_page;
 mod window;
 
 use ugv_terrain::effects::Effects;
