@@ -35,8 +35,16 @@ fn unit(variable: &Variable) -> &str {
 
 fn range(variable: &Variable) -> String {
     match (variable.attributes.min, variable.attributes.max) {
-        (Some(min), Some(max)) => format!("{min:e} to {max:e}"),
+        (Some(min), Some(max)) => format!("{} to {}", short(min), short(max)),
         _ => String::new(),
+    }
+}
+
+fn short(bound: f64) -> String {
+    if bound.abs() < 1e5 {
+        bound.to_string()
+    } else {
+        format!("{bound:e}")
     }
 }
 
