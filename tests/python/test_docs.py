@@ -21,7 +21,7 @@ RUNS = re.compile(r"^<!-- runs( nightly)? -->\n```(sh|python)\n(.*?)^```$", re.M
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 CODE_SPAN = re.compile(r"`[^`\n]+`")
 PATH = re.compile(r"(?<![\w/.-])(?:\./)?((?:scripts|tests|src|docs|modelDescription|\.github)/[\w./-]*\w)")
-LIMIT_S = 600
+LIMIT_S = {False: 600, True: 3600}  # of a block, by day and at night: against a hang alone
 
 
 def name(page: Path) -> str:
@@ -95,7 +95,7 @@ def run_blocks(page: Path, folder: Path, nightly: bool) -> None:
         if bool(at_night) != nightly:
             continue
         command = ["bash", "-euo", "pipefail", "-c", code] if language == "sh" else [PYTHON / "python", "-c", code]
-        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=LIMIT_S, check=False)
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=LIMIT_S[nightly], check=False)
         assert done.returncode == 0, f"{name(page)}:\n{code}\n{done.stdout}\n{done.stderr}"
 
 
