@@ -42,5 +42,5 @@ target/venv/bin/python -m zipfile -e "$fmu" "$work"
 guid=$(sed -nE 's/.* guid="([^"]+)".*/\1/p' "$work/modelDescription.xml")
 [[ -n $guid ]] || fail "$fmu is no FMU of FMI 2.0; name one that ugv package made without --fmi 3"
 headers=$(dirname "$(find target/venv/lib/ -path '*/fmpy/c-code/fmi3Functions.h')")
-gcc -std=c11 -D_GNU_SOURCE -O2 -I "$headers" -I modelDescription -o "$work/soak" tests/fmu_soak.c -ldl -lm
+gcc -std=c11 -D_GNU_SOURCE -O2 -I "$headers" -I modelDescription -o "$work/soak" tests/fmu/soak.c -ldl -lm
 "$work/soak" "$work/binaries/linux64/ugv.so" "$work/resources/" "file://$work/resources" "$guid" "$steps" "$instances"
