@@ -1,4 +1,4 @@
-//! Many steps and instances with flat memory (`soak.c`; `scripts/soak.sh` is the long run), and many
+//! Many steps and instances with flat memory (`soak.c`; `scripts/tools/soak.sh` is the long run), and many
 //! instances in many threads (`threads.c`), from C, through both versions of the standard.
 
 use crate::support::host::Host;

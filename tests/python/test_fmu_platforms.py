@@ -241,7 +241,7 @@ class Workflow(unittest.TestCase):
             needed = job.get("needs", [])
             self.assertLessEqual({needed} if isinstance(needed, str) else set(needed), set(jobs))
         commands = "\n".join(step["run"] for step in steps if "run" in step)
-        scripts = set(re.findall(r"\./scripts/[\w.]+", commands))
+        scripts = set(re.findall(r"\./scripts/[\w./]+", commands))
         self.assertIn("./scripts/package.sh", scripts)
         for script in scripts:
             self.assertTrue(os.access(REPOSITORY / script, os.X_OK), script)

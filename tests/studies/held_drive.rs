@@ -1,5 +1,5 @@
 //! Drives the library itself with wheel speeds that are held from one row to the next, which is what
-//! `scripts/importers.sh` compares importers of the FMU with:
+//! `scripts/tools/importers.sh` compares importers of the FMU with:
 //!
 //! ```text
 //! cargo run --release --example held_drive -- DRIVE.csv START.json MOTION.csv

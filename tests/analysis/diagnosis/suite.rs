@@ -1,13 +1,10 @@
-//! The whole command on a hundred drives whose truth is known: minutes, and in release only.
+//! The whole command on a hundred drives whose truth is known, for hours:
 //!
 //! ```text
-//! UGV_SUITE=whole cargo test --release --test diagnosis_suite -- --nocapture
+//! cargo test --release --test analysis suite -- --ignored --nocapture
 //! ```
 //!
-//! `UGV_SUITE=third` runs a third of the cases of the large families, no `UGV_SUITE` some of every
-//! family but the long drives; all by the same bounds.
-//!
-//! Where a limit is missed, the table above the message tells what was said of each case; all files
+//! Where a limit is missed, the table above the message shows the answer to each case; all files
 //! stay in `target/tmp/diagnosis_suite`.
 
 use super::cases::Family;
@@ -17,9 +14,8 @@ use std::fs;
 use std::process::Command;
 use ugv_terrain::effects::{CATALOGUE, Kind};
 
-/// Answers that may be wrong of so many drives with one effect of the catalogue.
+/// Answers that may be wrong, of 66 drives with one effect of the catalogue.
 const EFFECTS_WRONG: usize = 10;
-const EFFECTS: usize = 66;
 /// What shows as plainly as this \[standard deviations of the noise\] ...
 const PLAIN: f64 = 8.0;
 /// ... is named, and nothing else with it, this often.
@@ -45,77 +41,27 @@ const LONG: [f64; 2] = [300.0, 310.0];
 /// Seconds that a drive lasts that is longer than any interval that is scanned.
 const OVER_FORTY: [f64; 2] = [50.0, 55.0];
 
-/// How many of the cases run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Some,
-    Third,
-    Whole,
-}
-
-impl Part {
-    /// What `UGV_SUITE` names.
-    fn asked() -> Self {
-        match std::env::var("UGV_SUITE").as_deref() {
-            Ok("whole") => Self::Whole,
-            Ok("third") => Self::Third,
-            Ok(other) => panic!("UGV_SUITE is {other}, where whole, third, or nothing is known"),
-            Err(_) => Self::Some,
-        }
-    }
-
-    /// Every so many-th case of a large family runs.
-    fn step(self) -> usize {
-        match self {
-            Self::Some => 16,
-            Self::Third => 3,
-            Self::Whole => 1,
-        }
-    }
-}
-
 /// The first cases of a family.
 fn first(family: Family, count: usize) -> Vec<(Family, usize)> {
     (0..count).map(|number| (family, number)).collect()
-}
-
-/// Those of these cases that run.
-fn these(all: Vec<(Family, usize)>) -> Vec<(Family, usize)> {
-    all.into_iter().step_by(Part::asked().step()).collect()
-}
-
-/// Those that run of what has one case or a few for each effect: all but where only some of everything runs.
-fn these_few(all: Vec<(Family, usize)>) -> Vec<(Family, usize)> {
-    let step = if Part::asked() == Part::Some { 5 } else { 1 };
-    all.into_iter().step_by(step).collect()
-}
-
-/// The first five cases of a family, or three where only some of everything runs.
-fn five_or_three(family: Family) -> Vec<(Family, usize)> {
-    first(family, if Part::asked() == Part::Some { 3 } else { 5 })
-}
-
-/// What is so many of a whole family, of those that ran.
-fn scaled(bound: usize, family: usize, told: &[Told]) -> f64 {
-    bound as f64 * told.len() as f64 / family as f64
 }
 
 fn count(told: &[Told], is: impl Fn(&Told) -> bool) -> usize {
     told.iter().filter(|one| is(one)).count()
 }
 
-/// At most so many answers of a whole family are neither right nor honest.
-fn assert_honest(told: &[Told], bound: usize, family: usize) {
+/// At most so many answers are neither right nor honest.
+fn assert_honest(told: &[Told], bound: usize) {
     let wrong = count(told, |one| !one.answer().is_honest());
-    let (all, most) = (told.len(), scaled(bound, family, told));
+    let all = told.len();
     assert!(
-        wrong as f64 <= most,
-        "{wrong} of {all} answers are wrong, {most:.1} may be"
+        wrong <= bound,
+        "{wrong} of {all} answers are wrong, {bound} may be"
     );
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn every_effect_is_named_at_three_sizes() {
     let named = CATALOGUE
         .iter()
@@ -125,27 +71,18 @@ fn every_effect_is_named_at_three_sizes() {
         let everywhere = effect.name != "terrain_change" && named.contains(&effect.name);
         effect.kind == Kind::Physics && everywhere
     });
-    // Of three rounds, each with every effect and all sizes, the first; or some of that.
-    let part = Part::asked();
-    let rounds = if part == Part::Whole { 3 } else { 1 };
-    let mut all = these_few(first(Family::Single, rounds * physics.count()));
-    all.extend(these_few(first(Family::Sensor, rounds * 5)));
-    let changes = [0, 1, 4].map(|number| (Family::TerrainChange, number));
-    all.extend(changes.into_iter().take(rounds));
+    // Three rounds, each with every effect, which has another size in each.
+    let mut all = first(Family::Single, 3 * physics.count());
+    all.extend(first(Family::Sensor, 3 * 5));
+    all.extend([0, 1, 4].map(|number| (Family::TerrainChange, number)));
     let told = diagnosed("every_effect", &all);
     let covered: BTreeSet<(&str, &str)> = told.iter().flat_map(Told::effects).collect();
-    // Some cases alone do not hold every effect in every size.
-    for name in named.into_iter().filter(|_| part != Part::Some) {
-        let sizes = ["small", "medium", "large"].map(|size| covered.contains(&(name, size)));
-        let missing = sizes.iter().filter(|there| !**there).count();
-        let may_miss = match part {
-            Part::Whole => 0,
-            Part::Third => 2,
-            Part::Some => 3,
-        };
-        assert!(missing <= may_miss, "there is no {name} of {missing} sizes");
+    for name in named {
+        for size in ["small", "medium", "large"] {
+            assert!(covered.contains(&(name, size)), "there is no {size} {name}");
+        }
     }
-    assert_honest(&told, EFFECTS_WRONG, EFFECTS);
+    assert_honest(&told, EFFECTS_WRONG);
     let plain = |one: &Told| one.signal() >= PLAIN;
     let share = count(&told, |one| plain(one) && one.answer() == Answer::Named) as f64
         / count(&told, plain) as f64;
@@ -165,38 +102,31 @@ fn every_effect_is_named_at_three_sizes() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn where_nothing_is_missing_nothing_is_found() {
-    let all = first(Family::Nothing, 40);
-    let family = all.len();
-    let told = diagnosed("nothing", &these(all));
+    let told = diagnosed("nothing", &first(Family::Nothing, 40));
     let alarms = count(&told, |one| !one.found().is_empty());
-    assert!(
-        alarms as f64 <= scaled(FALSE_ALARMS, family, &told),
-        "{alarms} false alarms"
-    );
+    assert!(alarms <= FALSE_ALARMS, "{alarms} false alarms");
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn two_effects_are_found() {
-    let all = first(Family::Pair, 12);
-    let family = all.len();
-    let told = diagnosed("pairs", &these(all));
-    assert_honest(&told, PAIRS_WRONG, family);
+    let told = diagnosed("pairs", &first(Family::Pair, 12));
+    assert_honest(&told, PAIRS_WRONG);
     let both = count(&told, Told::is_complete);
     assert!(
-        both as f64 >= scaled(BOTH_FOUND, family, &told),
+        both >= BOTH_FOUND,
         "both are found on {both} of {} drives",
         told.len()
     );
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn what_acts_for_some_seconds_is_located() {
-    let told = diagnosed("local", &five_or_three(Family::Local));
-    assert_honest(&told, LOCAL_WRONG, 5);
+    let told = diagnosed("local", &first(Family::Local, 5));
+    assert_honest(&told, LOCAL_WRONG);
     let mut overlaps: Vec<f64> = told.iter().filter_map(Told::overlap).collect();
     overlaps.sort_by(f64::total_cmp);
     assert_eq!(overlaps.len(), told.len());
@@ -206,10 +136,10 @@ fn what_acts_for_some_seconds_is_located() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn what_the_catalogue_does_not_have_is_called_unknown() {
-    let told = diagnosed("outside", &five_or_three(Family::Out));
-    assert_honest(&told, OUTSIDE_WRONG, 5);
+    let told = diagnosed("outside", &first(Family::Out, 5));
+    assert_honest(&told, OUTSIDE_WRONG);
     let lawful = |one: &Told| {
         let model = fs::read_to_string(one.folder.join("out/model.json")).unwrap();
         model.contains("residual_")
@@ -219,24 +149,23 @@ fn what_the_catalogue_does_not_have_is_called_unknown() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn the_way_back_parts_look_alikes() {
     // Every other one has a second drive, the other way round.
     let with_second = (0..16).step_by(2).map(|number| (Family::Lookalike, number));
     let all: Vec<_> = with_second.collect();
-    let family = all.len();
-    let told = diagnosed("look_alikes", &these(all));
+    let told = diagnosed("look_alikes", &all);
     assert!(
         told.iter()
             .all(|one| one.folder.join("drive2.csv").is_file())
     );
-    assert_honest(&told, LOOKALIKES_WRONG, family);
+    assert_honest(&told, LOOKALIKES_WRONG);
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn what_one_of_two_drives_has_is_named_there() {
-    let told = diagnosed_lasting(OVER_FORTY, "one_drive", &these(first(Family::OneDrive, 3)));
+    let told = diagnosed_lasting(OVER_FORTY, "one_drive", &first(Family::OneDrive, 3));
     for one in &told {
         assert_eq!(one.answer(), Answer::Named, "{}", one.folder.display());
         let place = &one.said["findings"][0]["where"][0];
@@ -248,14 +177,10 @@ fn what_one_of_two_drives_has_is_named_there() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn of_long_drives_a_part_tells_which_way_to_go() {
-    if Part::asked() == Part::Some {
-        println!("skipped: long drives run where UGV_SUITE is third or whole");
-        return;
-    }
     let cases = [(Family::Pair, 5), (Family::Single, 0), (Family::Sensor, 1)];
-    let told = diagnosed_lasting(LONG, "long", &these(cases.into()));
+    let told = diagnosed_lasting(LONG, "long", &cases);
     let named = count(&told, |one| one.answer() == Answer::Named);
     assert_eq!(named, told.len(), "long drives tell more than short ones");
     let complete = count(&told, Told::is_complete);
@@ -267,10 +192,10 @@ fn of_long_drives_a_part_tells_which_way_to_go() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes; cargo test --release")]
+#[ignore = "nightly: diagnoses for minutes"]
 fn the_answer_does_not_depend_on_the_number_of_threads() {
     let cases = [(Family::Single, 1), (Family::Pair, 0), (Family::Local, 1)];
-    for one in diagnosed("threads", &these(cases.into())) {
+    for one in diagnosed("threads", &cases) {
         let again = one.folder.join("again");
         diagnose(&one.folder, &again, 2);
         for file in ["diagnosis.json", "model.json"] {
