@@ -10,8 +10,8 @@ command -v cargo >/dev/null || {
 }
 
 echo "demo 1/3: Python tools into target/venv (1.9 GB the first time)"
-./scripts/setup.sh
+./scripts/setup.sh demo
 echo "demo 2/3: the FMU, target/ugv.fmu (the first time some minutes of compiling)"
 ./scripts/package.sh
 echo "demo 3/3: six seconds of driving on each of four terrains, then a controlled figure of eight"
-target/venv/bin/python scripts/demo.py --fmu "${CARGO_TARGET_DIR:-target}/ugv.fmu" --output target/demo
+target/venv/bin/python scripts/examples/demo.py --fmu "${CARGO_TARGET_DIR:-target}/ugv.fmu" --output target/demo

@@ -1,0 +1,8 @@
+//! The packaged FMU: its library, its header, its numbers beside the Rust library's.
+
+mod endurance;
+mod fmpy_equivalence;
+mod header;
+mod lean;
+mod random_calls;
+mod support;
