@@ -63,10 +63,16 @@ done
 [[ $platforms == linux64 ]] || portable=--portable
 "$here/setup.sh" ${portable:+platforms}
 [[ ${#others[@]} -eq 0 ]] || "$here/tools/setup_platforms.sh" "${others[@]}"
+# The library is optimised as a whole, on one core; the tool is compiled on the others meanwhile.
 for platform in ${platforms//,/ }; do
     "$here/tools/build_fmu_library.sh" "$platform" $portable
-done
-cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet
+done &
+libraries_built=$!
+cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet || {
+    kill "$libraries_built" 2>/dev/null
+    fail "the tool could not be built (message above)"
+}
+wait "$libraries_built"
 package=("$target/release/ugv" package "${libraries[@]}")
 "${package[@]}" "${arguments[@]+"${arguments[@]}"}" --fmi 3 --output "${output%.fmu}-fmi3.fmu"
 "${package[@]}" "${arguments[@]+"${arguments[@]}"}" --output "$output"

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Drives target/ugv.fmu through fmpy as the paper does, and leaves target/demo/index.html.
+"""Drives target/ugv.fmu through fmpy, diagnoses a shipped recording, and leaves target/demo/index.html.
 
-The manoeuvre is of the kind of Fig. 3 in T. H. Tran, N. M. Kwok, S. Scheding, Q. P. Ha, "Dynamic
+The first manoeuvre is of the kind of Fig. 3 in T. H. Tran, N. M. Kwok, S. Scheding, Q. P. Ha, "Dynamic
 Modelling of Wheel-Terrain Interaction of a UGV", IEEE CASE 2007: straight ahead from rest, then a
 right turn, with the same wheel speeds on four terrains. What the paper finds is checked.
 """
@@ -16,6 +16,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import concealed
 import matplotlib
 import numpy as np
 import path_follower
@@ -312,6 +313,7 @@ th { text-align: left; font-weight: normal; }
 td { text-align: right; }
 tr:first-child > * { font-weight: bold; vertical-align: bottom; }
 pre { white-space: pre-wrap; }
+blockquote { margin-left: 0; padding-left: 1rem; border-left: 3px solid var(--good); max-width: 46rem; }
 ul { list-style: none; padding: 0; }
 li { margin-bottom: 0.6rem; }
 small { display: block; opacity: 0.8; }
@@ -319,16 +321,35 @@ b { color: var(--good); }
 b.fails { color: var(--bad); }
 .eight { max-width: 34rem; }
 """
+PRODUCT = (
+    "It simulates a skid-steer vehicle on soil, and finds from a recording which physics the simulation leaves out."
+)
+DIAGNOSIS = """<h2>What did the model leave out?</h2>
+<p>{scene} The tool gets two recordings ({length:.0f} s in all, wheel speeds, position, heading and yaw rate) and a
+soil that is wrong, but not that the vehicle tows. It answers after {seconds:.0f} s on this machine:</p>
+<blockquote>{statement}</blockquote>
+<p>{measured} <a href="diagnosis/report.html">The whole report</a> shows the candidates, the residuals and the map.</p>
+<p>Then the wheel speeds of a drive that the tool has not seen move two FMUs. After {drive:.0f} s the given one is
+{given:.2f} m from the recorded position, the mended one {mended:.2f} m (RMS over the drive: {given_rms:.2f} m and
+{mended_rms:.2f} m).</p>
+<figure class="eight">
+{picture}
+</figure>
+<p>The recordings come from an independent simulator, <code>scripts/prove.sh draw</code>; they lie in
+<code>scripts/examples/recordings</code>. For your own: <code>target/release/ugv diagnose rec.csv --vehicle mine.json</code>.</p>
+"""
 PAGE = """<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>A skid-steer vehicle on four soils</title>
+<title>ugv-terrain: what it does</title>
 <style>{css}</style>
 </head>
 <body>
-<h1>A skid-steer vehicle on four soils</h1>
+<h1>ugv-terrain</h1>
+<p><strong>{product}</strong></p>
+<h2>A skid-steer vehicle on four soils</h2>
 <p>The FMU <code>ugv.fmu</code>, driven through fmpy along the kind of manoeuvre that Tran, Kwok,
 Scheding and Ha show in Fig.&nbsp;3 of &ldquo;Dynamic Modelling of Wheel-Terrain Interaction of a
 UGV&rdquo; (IEEE CASE 2007): from rest straight ahead for {turn:g} s, then a right turn. The wheel
@@ -342,7 +363,7 @@ with it, not values.</p>
 <div class="panels">
 {panels}
 </div>
-<h2>What the paper finds</h2>
+<h3>What the paper finds</h3>
 <p>{holding} of {total} statements hold here. The wheel speeds were chosen so that they can be seen:
 with others the short distances and the order of the rolling resistances stay, that of the turning
 resistances nearly always, while the slips and the order of the distances depend on the
@@ -357,8 +378,9 @@ steers the FMU around a figure of eight on dry sand. It starts half a metre besi
 <figure class="eight">
 {eight}
 </figure>
-<h2>Again, and otherwise</h2>
-<p>All of this, from a fresh machine; only the drives and this page; the controller elsewhere:</p>
+{diagnosis}
+<h2>Run it again</h2>
+<p>All of this from a fresh machine; this page alone; the controller on another soil:</p>
 <pre>./scripts/demo.sh
 target/venv/bin/python scripts/examples/demo.py
 target/venv/bin/python scripts/examples/path_follower.py --terrain dry_clay --laps 2</pre>
@@ -368,11 +390,39 @@ target/venv/bin/python scripts/examples/path_follower.py --terrain dry_clay --la
 """
 
 
+def diagnosis_section(answer: concealed.Answer, picture: str) -> str:
+    """What the tool finds in the shipped recordings, and what that is worth."""
+    given, mended = answer.followed
+    vehicle, effect = answer.truth["vehicle_numbers"], answer.effect
+    force = effect["parameters"]["force"]
+    measured = "It does not name the tow."
+    if answer.finding and answer.finding["effect"] == effect["effect"]:
+        found = answer.finding["parameters"]["force"]
+        measured = (
+            f"The force that it finds is {found['value']:.0f} N, with 90 % probability between "
+            f"{found['low']:.0f} N and {found['high']:.0f} N."
+        )
+    return DIAGNOSIS.format(
+        scene=f"A vehicle of {vehicle['mass']:.0f} kg tows a load with {force:.0f} N over {label(answer.truth['ground'])}.",
+        length=answer.length,
+        seconds=answer.seconds,
+        statement=html.escape(answer.said["statement"]),
+        measured=measured,
+        drive=given.seconds,
+        given=given.last,
+        mended=mended.last,
+        given_rms=given.rms,
+        mended_rms=mended.rms,
+        picture=picture,
+    )
+
+
 def page(
     drives: dict[str, Drive],
     ideal: Drive,
     findings: list[Finding],
     eight: np.ndarray,
+    answer: concealed.Answer,
     pictures: dict[str, str],
 ) -> str:
     """The page, all in one file."""
@@ -402,20 +452,24 @@ def page(
         rms=100 * rms,
         largest=100 * largest,
         eight=pictures["figure_of_eight"],
+        product=PRODUCT,
+        diagnosis=diagnosis_section(answer, pictures["follow"]),
     )
 
 
 def main() -> None:
-    """Drives, checks, draws, and prints a line per terrain."""
+    """Drives, checks, diagnoses, draws, and prints what comes of it."""
     root = Path(__file__).resolve().parents[2]
     target = Path(os.environ.get("CARGO_TARGET_DIR", root / "target"))
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     add = parser.add_argument
     add("--fmu", type=Path, default=target / "ugv.fmu", help="default: target/ugv.fmu")
+    add("--tool", type=Path, default=target / "release" / "ugv", help="default: target/release/ugv")
     add("--output", type=Path, default=target / "demo", help="folder (default: target/demo)")
     arguments = parser.parse_args()
-    if not arguments.fmu.is_file():
-        sys.exit(f"demo: {arguments.fmu} is missing; run ./scripts/package.sh first")
+    for path in (arguments.fmu, arguments.tool):
+        if not path.is_file():
+            sys.exit(f"demo: {path} is missing; run ./scripts/package.sh first")
 
     ideal = no_slip(arguments.fmu)
     drives = {terrain: drive(arguments.fmu, terrain) for terrain in TERRAINS}
@@ -438,13 +492,17 @@ def main() -> None:
         figures = {name: draw([name], drives, ideal) for name in PANELS}
         figures["demo"] = draw(list(PANELS), drives, ideal)
         figures["figure_of_eight"] = path_follower.draw(eight)
-        for name in ("demo", "figure_of_eight"):
+        answer = concealed.diagnose(arguments.tool.resolve(), arguments.output)
+        figures["follow"] = answer.figure
+        for name in ("demo", "figure_of_eight", "follow"):
             figures[name].savefig(arguments.output / f"{name}.png", dpi=150)
         pictures = {name: as_svg(figure, name) for name, figure in figures.items()}
     for name, svg in pictures.items():
         (arguments.output / f"{name}.svg").write_text(standalone(svg), encoding="utf-8")
     index = arguments.output / "index.html"
-    index.write_text(page(drives, ideal, findings, eight, pictures), encoding="utf-8")
+    index.write_text(page(drives, ideal, findings, eight, answer, pictures), encoding="utf-8")
+    print(f"{answer.said['statement']} ({answer.seconds:.0f} s)")
+    print(*answer.followed, sep="\n")
     print(f"pictures: {arguments.output}/*.png, *.svg; page: {index}")
 
 

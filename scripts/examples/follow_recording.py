@@ -9,10 +9,12 @@ import argparse
 import csv
 import math
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.figure import Figure
 
 STEP = 0.01  # s between two settings of the wheel speeds
@@ -23,6 +25,19 @@ COLORS = ["#d97706", "#059669", "#2563eb", "#9333ea"]
 NEEDED = ("omega_left", "omega_right", "x", "y", "heading")
 
 Series = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Followed:
+    """How far an FMU is from the recorded path [m]."""
+
+    name: str
+    rms: float
+    last: float
+    seconds: float
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.rms:.3f} m RMS, {self.last:.3f} m after {self.seconds:.0f} s"
 
 
 class Refused(Exception):
@@ -111,15 +126,16 @@ def save(figure: Figure, path: Path) -> None:
         raise Refused(f"{path} cannot be written ({error}); name another picture with --output") from error
 
 
-def follow(recording: Path, fmus: list[Path], seconds: float) -> Figure:
-    """Drives and draws, and prints a line for each FMU."""
+def follow(recording: Path, fmus: list[Path], seconds: float) -> tuple[Figure, list[Followed]]:
+    """Drives and draws; how far each FMU gets from the path."""
+    followed = []
     series = read(recording)
     figure = Figure(figsize=(6, 7), layout="constrained")
     ground, error = figure.subplots(2, height_ratios=[3, 1])
     (time, east), (other, north) = series["x"], series["y"]
     north = np.interp(time, other, north)
     shown = time < time[0] + seconds
-    ground.plot(east[shown], north[shown], color="black", linewidth=3, alpha=0.35, label=f"recorded: {recording.name}")
+    ground.plot(east[shown], north[shown], color=rcParams["text.color"], linewidth=3, alpha=0.35, label=f"recorded: {recording.name}")
     for fmu, color in zip(fmus, COLORS * len(fmus), strict=False):
         clock, x, y = drive(fmu, series, seconds)
         at = shown & (time >= clock[0]) & (time <= clock[-1])
@@ -128,11 +144,11 @@ def follow(recording: Path, fmus: list[Path], seconds: float) -> Figure:
         away = np.hypot(np.interp(time[at], clock, x) - east[at], np.interp(time[at], clock, y) - north[at])
         ground.plot(x, y, color=color, label=fmu.name)
         error.plot(time[at], away, color=color)
-        print(f"{fmu.name}: {np.sqrt(np.mean(away**2)):.3f} m RMS, {away[-1]:.3f} m after {time[at][-1] - time[at][0]:.0f} s")
+        followed.append(Followed(fmu.name, float(np.sqrt(np.mean(away**2))), float(away[-1]), float(time[at][-1] - time[at][0])))
     ground.set(xlabel="East (m)", ylabel="North (m)", aspect="equal")
     ground.legend(frameon=False)
     error.set(xlabel="Time (s)", ylabel="Distance (m)")
-    return figure
+    return figure, followed
 
 
 def main() -> None:
@@ -152,7 +168,9 @@ def main() -> None:
     if arguments.output.is_dir():
         parser.error(f"--output {arguments.output} is a folder; name a picture, such as {arguments.output / 'follow.png'}")
     try:
-        save(follow(arguments.recording, arguments.fmus, arguments.seconds), arguments.output)
+        figure, followed = follow(arguments.recording, arguments.fmus, arguments.seconds)
+        save(figure, arguments.output)
+        print(*followed, sep="\n")
     except Refused as error:
         sys.exit(f"follow_recording: {error}")
 

@@ -4,6 +4,8 @@
 mod formats;
 #[path = "../common/measured.rs"]
 mod measured;
+#[path = "../common/skipped.rs"]
+mod skipped;
 
 mod baselines;
 mod diagnosis;

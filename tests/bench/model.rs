@@ -279,7 +279,9 @@ fn knots(table: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 fn drives(c: &mut Criterion) {
     let Some(table) = drive_table() else {
-        eprintln!("UGV_DRIVE names no drive; the drives are skipped (scripts/tools/bench.sh sets it)");
+        eprintln!(
+            "UGV_DRIVE names no drive; the drives are skipped (scripts/tools/bench.sh sets it)"
+        );
         return;
     };
     let start = Simulation::new(clayed(Resolution::default(), 4));

@@ -21,6 +21,7 @@ from unittest import mock
 
 import fmpy
 import numpy as np
+import pytest
 from fmpy.util import add_remoting
 from fmi3_support import fmi3, fmi3_path
 from fmu_support import REPOSITORY, fmu, fmu_path, scratch
@@ -142,6 +143,7 @@ def farthest(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.max(np.abs(one - other) / np.maximum(1.0, np.abs(one).max(axis=0))))
 
 
+@pytest.mark.nightly
 class Elsewhere(unittest.TestCase):
     """One manoeuvre on every platform."""
 

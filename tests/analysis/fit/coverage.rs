@@ -6,6 +6,7 @@ const FREE: [&str; 3] = ["cohesion", "friction_angle", "shear_modulus"];
 const SEEDS: u64 = 20;
 
 #[test]
+#[ignore = "nightly: twenty fits"]
 fn ninety_percent_intervals_hold_the_truth_nine_times_in_ten() {
     let truth = nominal("sandy_loam");
     let (mut held, mut all) = (0, 0);

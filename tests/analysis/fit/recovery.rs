@@ -18,44 +18,54 @@ fn misses(fit: &Fit, truths: &[f64]) -> Vec<f64> {
     each.collect()
 }
 
-#[test]
-fn terrains_come_back_with_all_that_sensors_do() {
-    for (seed, terrain) in (1..).zip(["dry_sand", "sandy_loam", "clayed_soil"]) {
-        let by = Sensors {
-            seed,
-            pose_latency: 0.3,
-            wheel_latency: 0.12,
-            yaw_rate_bias: 0.02,
-            coloured: [0.01, 0.003, 0.005],
-            outliers: 0.02,
-            missing: 0.1,
-            ..QUIET
-        };
-        let truth = nominal(terrain);
-        let mut begin = truth.clone();
-        begin.terrain.cohesion *= 2.0;
-        begin.terrain.friction_angle += 0.1;
-        begin.terrain.shear_modulus *= 0.5;
-        let fit = fitted(&begin, &FREE, &[record(&truth, 40.0, &by)], &plain()).unwrap();
-        assert!(fit.converged, "{terrain}");
-        let misses = misses(&fit, &truths(&fit, &truth, &by));
-        // Of a normal distribution 1.645 deviations wide intervals, 3.5 deviations: once in
-        // two thousand.
-        // A weakly known cohesion is not normal in its logarithm, and its interval too narrow.
-        let limits = std::iter::once(3.0).chain(std::iter::repeat(2.1));
-        let within = misses.iter().zip(limits).all(|(miss, limit)| *miss < limit);
-        assert!(within, "{terrain} {misses:?}");
-        // Latencies to a hundredth of a second.
-        for (estimate, late) in fit.estimates[3..5].iter().zip([0.3, 0.12]) {
-            assert!(
-                (estimate.value - late).abs() < 0.01,
-                "{terrain} {estimate:?}"
-            );
-        }
-        // The fit begins at what comparing the curves tells; of the wheels that is little here.
-        let pose = &fit.estimates[3];
-        assert!((pose.nominal - 0.3).abs() < 0.04, "{terrain} {pose:?}");
+/// A terrain is fitted from a wrong one, with all that sensors do.
+fn comes_back(seed: u64, terrain: &str) {
+    let by = Sensors {
+        seed,
+        pose_latency: 0.3,
+        wheel_latency: 0.12,
+        yaw_rate_bias: 0.02,
+        coloured: [0.01, 0.003, 0.005],
+        outliers: 0.02,
+        missing: 0.1,
+        ..QUIET
+    };
+    let truth = nominal(terrain);
+    let mut begin = truth.clone();
+    begin.terrain.cohesion *= 2.0;
+    begin.terrain.friction_angle += 0.1;
+    begin.terrain.shear_modulus *= 0.5;
+    let fit = fitted(&begin, &FREE, &[record(&truth, 40.0, &by)], &plain()).unwrap();
+    assert!(fit.converged, "{terrain}");
+    let misses = misses(&fit, &truths(&fit, &truth, &by));
+    // Of a normal distribution 1.645 deviations wide intervals, 3.5 deviations: once in
+    // two thousand.
+    // A weakly known cohesion is not normal in its logarithm, and its interval too narrow.
+    let limits = std::iter::once(3.0).chain(std::iter::repeat(2.1));
+    let within = misses.iter().zip(limits).all(|(miss, limit)| *miss < limit);
+    assert!(within, "{terrain} {misses:?}");
+    // Latencies to a hundredth of a second.
+    for (estimate, late) in fit.estimates[3..5].iter().zip([0.3, 0.12]) {
+        assert!(
+            (estimate.value - late).abs() < 0.01,
+            "{terrain} {estimate:?}"
+        );
     }
+    // The fit begins at what comparing the curves tells; of the wheels that is little here.
+    let pose = &fit.estimates[3];
+    assert!((pose.nominal - 0.3).abs() < 0.04, "{terrain} {pose:?}");
+}
+
+#[test]
+fn dry_sand_comes_back_with_all_that_sensors_do() {
+    comes_back(1, "dry_sand");
+}
+
+#[test]
+#[ignore = "nightly: two more fits of the same kind"]
+fn other_terrains_come_back_with_all_that_sensors_do() {
+    comes_back(2, "sandy_loam");
+    comes_back(3, "clayed_soil");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 pub mod host;
 pub mod outputs;
 
-use std::io::Write;
+use crate::skipped::skipped;
 use std::path::{Path, PathBuf};
 
 /// The FMU under test: `UGV_FMU`, or what scripts/package.sh leaves.
@@ -14,7 +14,7 @@ pub fn fmu() -> Option<PathBuf> {
     let path = named.unwrap_or_else(|| root().join("target/ugv.fmu"));
     if !path.is_file() {
         let path = path.display();
-        skip(&format!(
+        skipped(&format!(
             "there is no FMU at {path}; scripts/package.sh builds it, UGV_FMU names another"
         ));
         return None;
@@ -27,7 +27,7 @@ pub fn python() -> Option<PathBuf> {
     let path = root().join("target/venv/bin/python");
     if !path.is_file() {
         let path = path.display();
-        skip(&format!("there is no {path}; scripts/setup.sh installs it"));
+        skipped(&format!("there is no {path}; scripts/setup.sh installs it"));
         return None;
     }
     Some(path)
@@ -57,7 +57,7 @@ pub fn has(program: &str, package: &str) -> bool {
         .output()
         .is_ok();
     if !found {
-        skip(&format!(
+        skipped(&format!(
             "{program} is missing (Debian: apt-get install {package})"
         ));
     }
@@ -75,11 +75,4 @@ pub fn member(fmu: &Path, name: &str) -> Vec<u8> {
 /// The package's folder.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// Says that a test does nothing, past the test harness, which would swallow it.
-fn skip(reason: &str) {
-    let test = std::thread::current();
-    let name = test.name().unwrap_or("a test");
-    writeln!(std::io::stderr(), "SKIPPED {name}: {reason}").expect("stderr can be written");
 }

@@ -1,6 +1,4 @@
 //! Whatever legal vehicle, soil, effects and wheel speeds: every drive ends, in time, or says why it cannot.
-//!
-//! `UGV_DRIVES` is the number of random drives and motions of each kind (default 60; 2000 for a campaign).
 
 mod draw;
 
@@ -13,10 +11,9 @@ use ugv_terrain::vehicle::{
     Balance, BalanceError, Motion, Specification, Vehicle, VehicleModel, Wrench,
 };
 
-fn count() -> u64 {
-    let asked = std::env::var("UGV_DRIVES").ok();
-    asked.and_then(|text| text.parse().ok()).unwrap_or(60)
-}
+/// Random drives and motions of each kind in every run, and in a campaign.
+const SOME: u64 = 60;
+const MANY: u64 = 2000;
 
 fn is_bogged(error: &SimulationError) -> bool {
     let SimulationError::Balance { source, .. } = error else {
@@ -26,8 +23,8 @@ fn is_bogged(error: &SimulationError) -> bool {
 }
 
 /// Drives them all: none may end but by bogging down.
-fn all_end(drives: impl Fn(u64) -> Drive + Sync) {
-    let failures: Vec<String> = (0..count())
+fn all_end(count: u64, drives: impl Fn(u64) -> Drive + Sync) {
+    let failures: Vec<String> = (0..count)
         .into_par_iter()
         .filter_map(|seed| {
             let drive = drives(seed);
@@ -40,12 +37,19 @@ fn all_end(drives: impl Fn(u64) -> Drive + Sync) {
 
 #[test]
 fn plausible_drives_end_or_bog_down() {
-    all_end(draw::plausible);
+    all_end(SOME, draw::plausible);
 }
 
 #[test]
 fn effects_at_the_ends_of_their_ranges_can_be_driven() {
-    all_end(draw::at_ends);
+    all_end(SOME, draw::at_ends);
+}
+
+#[test]
+#[ignore = "nightly: thousands of drives"]
+fn a_campaign_of_drives_ends_or_bogs_down() {
+    all_end(MANY, draw::plausible);
+    all_end(MANY, draw::at_ends);
 }
 
 /// Firm clay with a load-bearing that grows about as the sinkage does: a braked wheel is dragged down.
@@ -62,11 +66,21 @@ fn clay(cohesion: f64, exponent: f64) -> Terrain {
 
 #[test]
 fn every_motion_on_cohesive_soil_has_a_balance_or_a_wheel_that_cannot_carry_its_load() {
+    balances(SOME);
+}
+
+#[test]
+#[ignore = "nightly: thousands of motions"]
+fn a_campaign_of_motions_on_cohesive_soil_has_a_balance_or_such_a_wheel() {
+    balances(MANY);
+}
+
+fn balances(count: u64) {
     let mut rng = fastrand::Rng::with_seed(5);
     for cohesion in [5e3, 10e3, 20e3, 30e3, 50e3, 70e3] {
         for exponent in [0.3, 0.8, 1.0, 1.1, 1.3] {
             let model = VehicleModel::new(Vehicle::tran2007(), clay(cohesion, exponent)).unwrap();
-            for _ in 0..count() / 3 {
+            for _ in 0..count / 3 {
                 let mut within = |size: f64| size * (2.0 * rng.f64() - 1.0);
                 let motion = Motion::from_array([2.0, 0.5, 1.5, 8.0, 8.0].map(&mut within));
                 let mut balance = Balance::new(&model);
