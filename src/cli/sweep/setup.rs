@@ -112,7 +112,7 @@ fn quantity(base: &Configuration, name: &str) -> Result<Quantity, Failure> {
             shortened(name)
         ),
         hint: Some(format!(
-            "the nearest is {}; README.md lists soil.*, vehicle.* and initial.*, `ugv effects` the \
+            "the nearest is {}; docs/reference/fmu_variables.md lists soil.*, vehicle.* and initial.*, `ugv effects` the \
              effects.*, of which those that remember must be on in --effects or --model",
             meant.unwrap_or_default()
         )),
