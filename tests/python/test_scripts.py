@@ -73,6 +73,14 @@ class Package(Project):
             for order in ([*words, "--vehicle", "mine.json"], ["--vehicle", "mine.json", *words]):
                 self.assertEqual(self.outputs(*order), expected, order)
 
+    def test_zig_is_set_up_where_the_library_is_handed_on(self) -> None:
+        for words, group, portable in (([], "", ""), (["--portable"], "platforms", "--portable"), (["--platforms", "darwin64"], "platforms", "--portable")):
+            self.call("package.sh", *words)
+            (setup,), (build,) = self.called("setup.sh"), self.called("build_fmu_library.sh")
+            self.assertEqual(setup, f"CALLER: {group}".strip(), words)
+            platform = words[1] if len(words) > 1 else "linux64"
+            self.assertEqual(build, f"CALLER: {platform} {portable}".strip(), words)
+
     def test_what_only_the_tool_does_is_refused_before_anything_is_built(self) -> None:
         for words in (["--fmi", "3"], ["--fmi=2"], ["--merge", "a.fmu", "b.fmu", "--output", "c.fmu"]):
             self.assertIn("use target/release/ugv package", self.call("package.sh", *words, status=1))
