@@ -182,6 +182,30 @@ class Callers(Project):
                                 "ROOT: -m zipfile -e BUILT/ugv.fmu BUILT/bench/fmu"])
 
 
+class Setup(unittest.TestCase):
+    """scripts/setup.sh and its groups."""
+
+    def test_every_package_of_a_group_has_a_version(self) -> None:
+        folder = ROOT / "scripts" / "requirements"
+        names = {path.stem: [line for line in path.read_text().splitlines() if not line.startswith("#")] for path in folder.glob("*.txt")}
+        pinned = {line.partition("==")[0] for line in names.pop("constraints")}
+        self.assertEqual(set(names), {"base", "demo", "proof", "scale", "platforms", "test"})
+        for group, packages in names.items():
+            self.assertEqual(set(packages) - pinned, set(), group)
+
+    def test_a_group_that_is_not_there_is_refused(self) -> None:
+        done = subprocess.run([ROOT / "scripts" / "setup.sh", "demos"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("there is no group demos; there are demo, proof", done.stderr)
+
+    def test_the_index_names_every_script(self) -> None:
+        index = (ROOT / "scripts" / "README.md").read_text()
+        for folder in ("", "examples", "tools"):
+            for path in (ROOT / "scripts" / folder).iterdir():
+                if path.suffix in (".sh", ".py"):
+                    self.assertIn(f"`{path.name}`", index)
+
+
 class Defaults(unittest.TestCase):
     """What Python scripts take when nothing is named."""
 
