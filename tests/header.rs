@@ -34,12 +34,38 @@ fn generated() -> String {
         documentation_style: DocumentationStyle::C99,
         ..Config::default()
     };
-    // The modules are found from this one.
-    let exports = support::root().join("src/fmu/exports/mod.rs");
+    let folder = tempfile::tempdir().unwrap();
+    let exports = folder.path().join("fmi2.rs");
+    std::fs::write(&exports, expanded()).unwrap();
     let builder = Builder::new().with_config(config).with_src(exports);
     let mut text = Vec::new();
     builder.generate().unwrap().write(&mut text);
     String::from_utf8(text).unwrap()
+}
+
+/// The exported functions of FMI 2.0 as cbindgen reads them, which expands no macros.
+fn expanded() -> String {
+    let source = std::fs::read_to_string(support::root().join("src/fmu/fmi2.rs")).unwrap();
+    let (functions, entries) = source.split_once("exports! {").unwrap();
+    let mut text = functions.to_owned();
+    for entry in entries.split(";\n\n") {
+        let comments = entry
+            .lines()
+            .map(str::trim)
+            .filter(|l| l.starts_with("///"));
+        let (head, rest) = entry.split_once("TYPE = ").unwrap();
+        let (_, name) = head.rsplit_once("fmi2").unwrap();
+        let (_, rest) = rest.split_once('(').unwrap();
+        let (arguments, _) = rest.split_once(')').unwrap();
+        let comments: Vec<&str> = comments.collect();
+        let comments = comments.join("\n");
+        writeln!(
+            text,
+            "{comments}\n#[no_mangle]\npub extern \"C\" fn fmi2{name}(component: fmi2Component, {arguments}) -> fmi2Status {{}}"
+        )
+        .unwrap();
+    }
+    text
 }
 
 /// The paper's vehicle with the effects on whose parameters are no variables otherwise.

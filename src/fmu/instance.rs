@@ -100,8 +100,9 @@ impl Instance {
         &self.configuration
     }
 
-    pub(super) fn reset(&mut self) {
+    pub(super) fn reset(&mut self) -> Outcome {
         self.core = Core::new(self.configuration.clone());
+        Ok(())
     }
 
     pub(super) fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome {
@@ -117,8 +118,9 @@ impl Instance {
         Ok(())
     }
 
-    pub(super) fn enter_initialization(&mut self) {
+    pub(super) fn enter_initialization(&mut self) -> Outcome {
         self.core.mode = Mode::Initialization;
+        Ok(())
     }
 
     pub(super) fn exit_initialization(&mut self) -> Outcome {
@@ -153,8 +155,9 @@ impl Instance {
         self.core.pass_on_time()
     }
 
-    pub(super) fn enter_step_mode(&mut self) {
+    pub(super) fn enter_step_mode(&mut self) -> Outcome {
         self.core.mode = Mode::StepComplete;
+        Ok(())
     }
 
     /// When effects that act for a while begin or end next, for the importer to stop there; in

@@ -8,7 +8,9 @@
 
 mod calls;
 mod creation;
+
 mod exports;
+mod fmi2;
 mod fmi3;
 mod guard;
 mod instance;
@@ -18,7 +20,6 @@ mod resources;
 mod saved;
 mod sensitivity;
 mod status;
-mod stored;
 #[cfg(test)]
 mod test_instance;
 mod values;

@@ -274,7 +274,7 @@ mod tests {
 
     fn starting(no_slip: bool) -> Instance {
         let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
-        instance.enter_initialization();
+        instance.enter_initialization().unwrap();
         instance.core.parameters.no_slip = no_slip;
         for (input, speed) in [(0, 4.0), (1, 5.0)] {
             instance

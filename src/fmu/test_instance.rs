@@ -23,7 +23,7 @@ pub(super) fn instance(interface: Interface, configuration: Configuration) -> In
 /// An instance with these effects whose initialization is over.
 pub(super) fn running(interface: Interface, effects: &str) -> Instance {
     let mut instance = instance(interface, with_effects(effects));
-    instance.enter_initialization();
+    instance.enter_initialization().unwrap();
     instance.exit_initialization().unwrap();
     instance
 }

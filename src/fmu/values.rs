@@ -9,13 +9,21 @@ use crate::declaration::{
 use crate::simulation::State;
 use crate::vehicle::{WheelOutputs, Wrench};
 
-/// Refuses variables of a type that none is of; reading or setting none of them succeeds.
+/// Refuses references to variables of a type that does not occur. An empty list succeeds.
 pub(super) fn none_of(kind: &str, references: &[u32]) -> Outcome {
     match references.first() {
         Some(reference) => refuse(format!(
             "value reference {reference} is no {kind}; there are none"
         )),
         None => Ok(()),
+    }
+}
+
+/// There are no event indicators. Reading none of them succeeds.
+pub(super) fn no_event_indicators(count: usize) -> Outcome {
+    match count {
+        0 => Ok(()),
+        _ => refuse("there are no event indicators"),
     }
 }
 

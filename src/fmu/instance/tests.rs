@@ -75,7 +75,7 @@ fn a_late_start_gives_the_same_drive() {
     let drive = |start: f64| {
         let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
         instance.setup_experiment(start, None).unwrap();
-        instance.enter_initialization();
+        instance.enter_initialization().unwrap();
         instance.exit_initialization().unwrap();
         for step in 0..50 {
             // Jumps, which the integrator follows by short steps.
@@ -123,7 +123,7 @@ fn a_step_that_the_clock_cannot_resolve_is_refused() {
     let start = 1.7e9;
     let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
     instance.setup_experiment(start, None).unwrap();
-    instance.enter_initialization();
+    instance.enter_initialization().unwrap();
     instance.exit_initialization().unwrap();
     // The clock moves in steps of 2.4e-7 s here.
     for size in [1e-9, 1e-6] {
