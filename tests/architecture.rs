@@ -72,7 +72,14 @@ const EDGES: &[(&str, &[&str])] = &[
     ),
     (
         "declaration",
-        &["effects", "json", "parameter", "terrain", "vehicle"],
+        &[
+            "effects",
+            "json",
+            "parameter",
+            "simulation",
+            "terrain",
+            "vehicle",
+        ],
     ),
     (
         "fmu",

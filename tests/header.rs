@@ -10,7 +10,9 @@ use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
-use ugv_terrain::declaration::{Configuration, Quantity, Variable, enumerations, variables};
+use ugv_terrain::declaration::{
+    Configuration, Quantity, TERRAIN_TYPE, TERRAINS, Variable, variables,
+};
 use ugv_terrain::effects::Effects;
 
 const HEADER: &str = "modelDescription/ugv.h";
@@ -116,12 +118,11 @@ fn constants() -> String {
             }
         }
     }
-    for enumeration in enumerations() {
-        writeln!(text, "/* {} */", enumeration.description).unwrap();
-        for (item, value, _) in enumeration.items {
-            let name = format!("{}_{item}", enumeration.name);
-            writeln!(text, "#define UGV_{} {value}", name.to_uppercase()).unwrap();
-        }
+    let (name, description) = TERRAIN_TYPE;
+    writeln!(text, "/* {description} */").unwrap();
+    for ((item, _), value) in TERRAINS.iter().zip(1..) {
+        let name = format!("{name}_{item}").to_uppercase();
+        writeln!(text, "#define UGV_{name} {value}").unwrap();
     }
     text
 }

@@ -2,7 +2,6 @@
 
 use super::calls::Mode;
 use super::instance::{Failure, Instance, Outcome, broken, refuse};
-use super::values::{total, wheel_field};
 use crate::declaration::{Kind, Naming, Quantity};
 use crate::simulation::{State, WheelSpeeds};
 use crate::vehicle::{Motion, Wrench};
@@ -20,8 +19,7 @@ impl Direction {
     /// states are unknowns, which follow from their initial values.
     fn add(&mut self, (reference, quantity): (u32, Quantity), seed: f64, early: bool) -> Outcome {
         match quantity {
-            Quantity::Input(0) => self.speeds.left += seed,
-            Quantity::Input(_) => self.speeds.right += seed,
+            Quantity::Input(side) => *side.of(&mut self.speeds) += seed,
             Quantity::State(index) if !early => self.state[index] += seed,
             Quantity::Initial(index) if early => self.state[index] += seed,
             Quantity::Time => self.time += seed,
@@ -86,13 +84,11 @@ fn change(state: State, direction: Direction, wrench: Wrench) -> Change {
 
 impl Change {
     fn of(&self, quantity: Quantity) -> Option<f64> {
-        Some(match quantity {
-            Quantity::State(index) => self.direction.state[index],
-            Quantity::Rate(index) => self.rate[index],
-            Quantity::Total(index) => total(&self.wrench, index),
-            Quantity::Wheel(wheel, field) => wheel_field(&self.wrench.wheels[wheel], field),
-            _ => return None,
-        })
+        match quantity {
+            Quantity::State(index) => Some(self.direction.state[index]),
+            Quantity::Rate(index) => Some(self.rate[index]),
+            other => other.in_wrench(&self.wrench),
+        }
     }
 }
 
@@ -250,7 +246,7 @@ fn overflow<T>(reference: u32) -> Outcome<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::declaration::variables;
+    use crate::declaration::{Side, variables};
     use crate::fmu::instance::Interface;
     use crate::fmu::test_instance::{instance, running, with_effects};
 
@@ -276,7 +272,7 @@ mod tests {
         let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
         instance.enter_initialization().unwrap();
         instance.core.parameters.no_slip = no_slip;
-        for (input, speed) in [(0, 4.0), (1, 5.0)] {
+        for (input, speed) in Side::BOTH.into_iter().zip([4.0, 5.0]) {
             instance
                 .core
                 .set_real(Quantity::Input(input), speed)

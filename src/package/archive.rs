@@ -1,7 +1,9 @@
 //! The FMU's archive.
 
+use super::documentation::documentation;
 use super::library::Target;
-use super::{MODEL_IDENTIFIER, documentation, model_description, model_description_3};
+use super::model_description::model_description;
+use super::standard::{MODEL_IDENTIFIER, Standard};
 use crate::declaration::{Configuration, MARK};
 use std::fmt;
 use std::io::{self, Seek, Write};
@@ -19,17 +21,6 @@ What is linked into the libraries keeps its own: THIRD-PARTY.txt.
 const THIRD_PARTY: &str = include_str!("../../modelDescription/third_party.txt");
 const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
-
-/// A version of the standard. One shared library serves them all; what differs is the archive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standard {
-    /// FMI 2.0.
-    Fmi2,
-    /// FMI 3.0.
-    Fmi3,
-}
-
-const STANDARDS: [Standard; 2] = [Standard::Fmi2, Standard::Fmi3];
 
 /// A platform that an FMU can hold a shared library for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -95,7 +86,7 @@ impl Platform {
     /// The platform whose library has this path in an archive of either standard.
     pub(super) fn of_path(path: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|platform| {
-            let folders = STANDARDS
+            let folders = Standard::ALL
                 .iter()
                 .flat_map(|standard| platform.folders(*standard));
             folders
@@ -107,7 +98,7 @@ impl Platform {
     /// Whether a library is what its path in an archive says.
     pub(super) fn belongs(self, path: &str, library: &[u8]) -> bool {
         let of = |standard: &Standard| self.folders_of(*standard, library);
-        STANDARDS
+        Standard::ALL
             .iter()
             .flat_map(of)
             .any(|folder| self.path(folder) == path)
@@ -201,10 +192,7 @@ pub fn write_fmu<W: Write + Seek>(
     }
     let mut zip = ZipWriter::new(target);
     let mut add = |name: &str, content: &[u8]| add(&mut zip, name, content);
-    let description = match standard {
-        Standard::Fmi2 => model_description(configuration),
-        Standard::Fmi3 => model_description_3(configuration),
-    };
+    let description = model_description(standard, configuration);
     add("modelDescription.xml", description.as_bytes())?;
     match standard {
         Standard::Fmi2 => add("model.png", ICON)?,
