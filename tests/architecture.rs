@@ -83,7 +83,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ),
     (
         "fmu",
-        &["declaration", "parameter", "simulation", "vehicle"],
+        &["declaration", "json", "parameter", "simulation", "vehicle"],
     ),
     (
         "fit",

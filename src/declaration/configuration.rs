@@ -21,7 +21,7 @@ const WINDOW_ON_THE_MAP: &str = "a window on the map";
 /// Index of the custom soil in [`TERRAINS`].
 pub(super) const CUSTOM: usize = 4;
 
-/// Vehicle, terrains and effects of an FMU, which its `resources/` folder holds.
+/// Vehicle, terrains and effects of an FMU, as in its `resources/` folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// The vehicle.

@@ -6,7 +6,7 @@ use super::variable::{Quantity, Side};
 use super::variables::{ArrayVariable, Elements, Naming};
 use crate::effects::{Boundary, Extent, SlopeProfile};
 
-/// How an unknown depends on what it depends on.
+/// The kind of a dependency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DependencyKind {
     /// As a constant factor.

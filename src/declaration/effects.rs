@@ -69,22 +69,6 @@ pub(super) fn variables(configuration: &Configuration) -> impl Iterator<Item = V
     })
 }
 
-/// The variable behind a value reference.
-pub(super) fn find(
-    reference: u32,
-    configuration: &Configuration,
-) -> Option<(Quantity, &'static Attributes)> {
-    let offset = reference.checked_sub(FIRST)?;
-    let (effect, place) = (offset / PER_EFFECT, offset % PER_EFFECT);
-    let parameter = ParameterName::at(effect as usize, place as usize)?;
-    offered(configuration, effect as usize).then(|| {
-        (
-            Quantity::Effect(parameter),
-            attributes(configuration, parameter),
-        )
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -22,4 +22,4 @@ pub use resources::{ConfigurationError, MARK, guid};
 pub use row::{Attributes, Causality, Kind, Unit};
 pub use table::UNITS;
 pub use variable::{Quantity, Side, Variable};
-pub use variables::{ArrayVariable, Elements, Naming, find, state_nominals, variables};
+pub use variables::{ArrayVariable, Elements, Naming, state_nominals, variables};

@@ -3,7 +3,7 @@
 use super::configuration::{CUSTOM, Configuration, TERRAINS};
 use super::effects;
 use crate::effects::Effects;
-use crate::json::JsonError;
+use crate::json::{JsonError, parsed};
 use crate::terrain::Terrain;
 use crate::vehicle::Vehicle;
 use serde_json::{Value, json};
@@ -103,16 +103,13 @@ impl Configuration {
     /// The files that [`Configuration::from_resources`] reads back.
     #[must_use]
     pub fn to_resources(&self) -> [(&'static str, String); 4] {
-        let parsed = |text: String| -> Value {
-            serde_json::from_str(&text).expect("what the crate writes is JSON")
-        };
         let mut presets = serde_json::Map::new();
         for ((name, _), terrain) in TERRAINS.iter().zip(&self.terrains[..CUSTOM]) {
-            presets.insert((*name).to_owned(), parsed(terrain.to_json()));
+            presets.insert((*name).to_owned(), parsed(&terrain.to_json()));
         }
         let selection = json!({
             "selected": TERRAINS[self.selected].0,
-            "custom": parsed(self.terrains[CUSTOM].to_json()),
+            "custom": parsed(&self.terrains[CUSTOM].to_json()),
         });
         let pretty = |value: &Value| format!("{value:#}\n");
         [

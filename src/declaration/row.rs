@@ -1,4 +1,4 @@
-//! What a row of the table of variables holds.
+//! The rows of the table of variables.
 
 use super::configuration::Configuration;
 use crate::vehicle::{WheelOutputs, Wrench};
@@ -71,7 +71,7 @@ pub(super) struct Row<F: 'static = ()> {
 
 /// An output that the forces give. The function also takes the derivative of the forces to that of
 /// the output, so that it must be linear.
-pub(super) type Output<S> = Row<fn(&S) -> f64>;
+pub(super) type Computed<S> = Row<fn(&S) -> f64>;
 
 /// Where a parameter is kept, in SI units and radians.
 #[derive(Clone, Copy)]
@@ -103,67 +103,20 @@ pub(super) const fn row(
     }
 }
 
-pub(super) const fn input(
-    name: &'static str,
-    unit: &'static str,
-    description: &'static str,
-) -> Row {
-    row(Causality::Input, name, unit, description)
-}
-
-pub(super) const fn output(
-    name: &'static str,
-    unit: &'static str,
-    description: &'static str,
-) -> Row {
-    row(Causality::Output, name, unit, description)
-}
-
-pub(super) const fn local(
-    name: &'static str,
-    unit: &'static str,
-    description: &'static str,
-) -> Row {
-    row(Causality::Local, name, unit, description)
-}
-
-pub(super) const fn initial(
-    name: &'static str,
-    unit: &'static str,
-    description: &'static str,
-) -> Row {
-    row(Causality::Parameter, name, unit, description)
-}
-
-pub(super) const fn force(
-    name: &'static str,
-    unit: &'static str,
-    description: &'static str,
-    value: fn(&Wrench) -> f64,
-) -> Output<Wrench> {
-    output(name, unit, description).with(value)
-}
-
-pub(super) const fn wheel(
-    name: &'static str,
-    unit: &'static str,
-    description: &'static str,
-    value: fn(&WheelOutputs) -> f64,
-) -> Output<WheelOutputs> {
-    output(name, unit, description).with(value)
-}
-
-pub(super) const fn parameter(
-    name: &'static str,
-    unit: &'static str,
-    description: &'static str,
-    value: Field,
-) -> Row<Field> {
-    initial(name, unit, description).with(value)
-}
-
 impl Row {
-    pub const fn with<F: Copy>(self, value: F) -> Row<F> {
+    pub const fn force(self, value: fn(&Wrench) -> f64) -> Computed<Wrench> {
+        self.with(value)
+    }
+
+    pub const fn wheel(self, value: fn(&WheelOutputs) -> f64) -> Computed<WheelOutputs> {
+        self.with(value)
+    }
+
+    pub const fn field(self, value: Field) -> Row<Field> {
+        self.with(value)
+    }
+
+    const fn with<F: Copy>(self, value: F) -> Row<F> {
         Row {
             name: self.name,
             attributes: self.attributes,

@@ -81,30 +81,6 @@ pub fn variables(configuration: &Configuration) -> Vec<Variable> {
     with_rows.chain(wheel_variables).collect()
 }
 
-/// The variable behind a value reference in the FMU of a configuration.
-#[inline]
-#[must_use]
-pub fn find(
-    reference: u32,
-    configuration: &Configuration,
-) -> Option<(Quantity, &'static Attributes)> {
-    if let Some(variable) = SCALARS.get(reference as usize) {
-        return Some((variable.quantity, variable.attributes));
-    }
-    if (effects::FIRST..FIRST_ROW).contains(&reference) {
-        return effects::find(reference, configuration);
-    }
-    let rows = configuration.rows() as u32;
-    if (FIRST_ROW..FIRST_ROW + rows).contains(&reference) {
-        let row = (reference - FIRST_ROW) as usize;
-        return Some((Quantity::Row(row), &ROW.attributes));
-    }
-    let offset = reference.checked_sub(FIRST_WHEEL)?;
-    let (wheel, index) = (offset / PER_WHEEL, (offset % PER_WHEEL) as usize);
-    let row = WHEEL.get(index).filter(|_| wheel < 2 * rows)?;
-    Some((Quantity::Wheel(wheel as usize, index), &row.attributes))
-}
-
 /// The states' orders of magnitude, in the order of [`crate::simulation::State::to_array`].
 #[must_use]
 pub fn state_nominals() -> [f64; 6] {
@@ -113,7 +89,7 @@ pub fn state_nominals() -> [f64; 6] {
         .map(|row| row.attributes.nominal.unwrap_or(1.0))
 }
 
-/// Whether value references stand for scalars alone or for arrays as well.
+/// Whether value references stand for scalars only or also for arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Naming {
     /// FMI 2.0: each row and wheel has its own variables.
@@ -122,7 +98,7 @@ pub enum Naming {
     Arrays,
 }
 
-/// What a variable holds.
+/// The quantities of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Elements {
     /// One quantity.
@@ -186,7 +162,7 @@ pub struct ArrayVariable {
     pub name: String,
     /// Value reference.
     pub reference: u32,
-    /// What it holds.
+    /// Its quantities.
     pub elements: Elements,
     /// The declared properties of each element.
     pub attributes: &'static Attributes,
@@ -237,21 +213,6 @@ impl Naming {
             Self::Arrays => Elements::from_first(quantity, configuration),
         }
     }
-
-    /// What a value reference stands for in the FMU of a configuration.
-    #[inline]
-    #[must_use]
-    pub fn find(
-        self,
-        reference: u32,
-        configuration: &Configuration,
-    ) -> Option<(Elements, &'static Attributes)> {
-        if self == Self::Arrays && reference == TIME_REFERENCE {
-            return Some((Elements::One(Quantity::Time), &TIME.attributes));
-        }
-        let (quantity, attributes) = find(reference, configuration)?;
-        Some((self.elements(quantity, configuration)?, attributes))
-    }
 }
 
 #[cfg(test)]
@@ -270,31 +231,26 @@ mod tests {
     }
 
     #[test]
-    fn every_reference_finds_its_variable_and_no_other_does() {
+    fn names_and_references_are_distinct_and_the_same_for_scalars_and_arrays() {
         for rows in [2, 3, 4, 64] {
             let configuration = with_rows(rows);
-            let variables = variables(&configuration);
-            for variable in &variables {
-                let found = find(variable.reference, &configuration);
-                assert_eq!(
-                    found,
-                    Some((variable.quantity, variable.attributes)),
-                    "{}",
-                    variable.name
-                );
-            }
-            let references: HashSet<u32> = variables.iter().map(|v| v.reference).collect();
-            let names: HashSet<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+            let scalars = variables(&configuration);
+            let references: HashSet<u32> = scalars.iter().map(|v| v.reference).collect();
+            let names: HashSet<&str> = scalars.iter().map(|v| v.name.as_str()).collect();
             assert_eq!(
                 (references.len(), names.len()),
-                (variables.len(), variables.len())
+                (scalars.len(), scalars.len())
             );
-            for reference in (0..10_000).chain([u32::MAX]) {
+            for array in Naming::Arrays.variables(&configuration).iter().skip(1) {
+                let first = scalars.iter().find(|v| v.reference == array.reference);
                 assert_eq!(
-                    find(reference, &configuration).is_some(),
-                    references.contains(&reference)
+                    first.unwrap().quantity,
+                    array.elements.at(0),
+                    "{}",
+                    array.name
                 );
             }
+            assert!(!references.contains(&TIME_REFERENCE));
         }
     }
 
@@ -351,27 +307,6 @@ mod tests {
                 _ => None,
             };
             assert_eq!(value, expected, "{}", variable.name);
-        }
-    }
-
-    #[test]
-    fn every_reference_finds_its_array_and_no_other_does() {
-        for rows in [2, 3, 64] {
-            let configuration = with_rows(rows);
-            let variables = Naming::Arrays.variables(&configuration);
-            for variable in &variables {
-                let found = Naming::Arrays.find(variable.reference, &configuration);
-                let expected = Some((variable.elements, variable.attributes));
-                assert_eq!(found, expected, "{}", variable.name);
-            }
-            let references: HashSet<u32> = variables.iter().map(|v| v.reference).collect();
-            assert_eq!(references.len(), variables.len());
-            for reference in (0..10_000).chain([u32::MAX]) {
-                assert_eq!(
-                    Naming::Arrays.find(reference, &configuration).is_some(),
-                    references.contains(&reference)
-                );
-            }
         }
     }
 

@@ -1,9 +1,11 @@
 //! Creation of instances, and the choice of their log categories.
 
+use super::calls::Interface;
 use super::guard::{into_component, panic_message};
-use super::instance::{Instance, Interface, Outcome, Purpose, refuse};
+use super::instance::{Instance, Outcome, Purpose, refuse};
 use super::logger::Logger;
 use super::resources;
+use super::status::Status;
 use crate::declaration::{Configuration, LOG_CATEGORIES, guid};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -57,7 +59,7 @@ pub(super) unsafe fn create(
         Ok(Err(message)) => message,
         Err(panic) => panic_message(panic.as_ref()).to_owned(),
     };
-    logger.error(&format!("{function}: {message}"));
+    logger.report(Status::Error, &format!("{function}: {message}"));
     std::ptr::null_mut()
 }
 
@@ -79,9 +81,10 @@ fn configure(
         }
         Some(folder) => {
             let folder = folder.display();
-            logger.warning(&format!(
-                "{folder} is no folder; the built-in vehicle and terrains are used"
-            ));
+            logger.report(
+                Status::Warning,
+                &format!("{folder} is no folder; the built-in vehicle and terrains are used"),
+            );
             Configuration::default()
         }
         None => Configuration::default(),

@@ -6,10 +6,11 @@
 )]
 #![allow(clippy::too_many_arguments, reason = "the standard's signatures")]
 
+use super::calls::Interface;
 use super::creation::{Package, create, set_logging, text};
 use super::exports::exports;
 use super::guard::{free, out, read, write};
-use super::instance::{Failure, Instance, Interface, Outcome, Purpose, refuse};
+use super::instance::{Failure, Instance, Outcome, Purpose, refuse};
 use super::logger::Logger;
 use super::saved;
 use super::values::{no_event_indicators, none_of};

@@ -6,13 +6,6 @@ use fmi_sys::fmi2::{fmi2CallbackFunctions, fmi2CallbackLogger};
 use fmi_sys::fmi3::{fmi3InstanceEnvironment, fmi3LogMessageCallback};
 use std::ffi::{CStr, CString, c_void};
 
-/// Indices in [`LOG_CATEGORIES`].
-const FATAL: usize = 0;
-const ERROR: usize = 1;
-const WARNING: usize = 2;
-const DISCARD: usize = 3;
-const EVENT: usize = 4;
-
 /// A choice of log categories.
 pub(super) type Categories = [bool; LOG_CATEGORIES.len()];
 
@@ -83,33 +76,15 @@ impl Logger {
         self.enabled = std::array::from_fn(|k| always[k] || on && (all || named[k]));
     }
 
-    /// The reason why a call fails.
-    pub(super) fn error(&self, message: &str) {
-        self.report(Status::Error, ERROR, message);
-    }
-
-    /// A failure that ends the instance.
-    pub(super) fn fatal(&self, message: &str) {
-        self.report(Status::Fatal, FATAL, message);
-    }
-
-    /// A condition that the user should know.
-    pub(super) fn warning(&self, message: &str) {
-        self.report(Status::Warning, WARNING, message);
-    }
-
-    /// An unavailable value, such as a state tried by the solver that cannot be computed. There may be many, so
-    /// that they are not always reported.
-    pub(super) fn discard(&self, message: &str) {
-        self.report(Status::Discard, DISCARD, message);
-    }
-
-    /// Statistics.
-    pub(super) fn event(&self, message: &str) {
-        self.report(Status::Ok, EVENT, message);
-    }
-
-    fn report(&self, status: Status, category: usize, message: &str) {
+    /// Reports a message, the category of which follows from the status: statistics have `Ok`.
+    pub(super) fn report(&self, status: Status, message: &str) {
+        let category = match status {
+            Status::Fatal => 0,
+            Status::Error => 1,
+            Status::Warning => 2,
+            Status::Discard => 3,
+            Status::Ok => 4,
+        };
         if self.enabled[category] {
             self.send(status, LOG_CATEGORIES[category].name, message);
         }
@@ -129,7 +104,7 @@ impl Logger {
                 log: Some(log),
                 instance_name,
             } => {
-                // SAFETY: the importer's function, called as the standard says: the environment it
+                // SAFETY: the importer's function, called as the standard requires: the environment it
                 // gave, three strings that end in zero and live through the call, and a format
                 // without any specifier, so that no further argument is read.
                 unsafe {

@@ -1,8 +1,8 @@
 //! Saved states of an instance, in memory and as bytes. The importer holds pointers to them.
 
-use super::calls::Mode;
+use super::calls::{Interface, Mode};
 use super::guard::{out, read, write};
-use super::instance::{Core, Failure, Instance, Interface, Outcome, refuse};
+use super::instance::{Core, Failure, Instance, Outcome, refuse};
 use crate::declaration::{self, Configuration};
 use crate::simulation::{Simulation, WheelSpeeds};
 use std::collections::BTreeSet;
@@ -20,17 +20,17 @@ impl Instance {
                 "the state was saved from another vehicle, with other terrains, or with other effects",
             );
         }
-        let foreign = match self.interface {
+        let foreign = match self.purpose.interface {
             Interface::CoSimulation => &[Mode::Event, Mode::ContinuousTime],
             Interface::ModelExchange => &[Mode::StepComplete, Mode::StepEvent],
         };
         // The parameters of the state may switch on effects that model exchange does not support.
-        let steps = self.interface == Interface::CoSimulation;
+        let steps = self.purpose.interface == Interface::CoSimulation;
         let exchangeable = steps || configuration.for_co_simulation_alone().is_empty();
         if foreign.contains(&saved.mode) || !exchangeable {
             return refuse("the state was saved from an instance of the other interface");
         }
-        if saved.mode == Mode::StepEvent && !self.has_events {
+        if saved.mode == Mode::StepEvent && !self.purpose.has_events {
             return refuse("the state was saved in event mode, which this instance does not have");
         }
         self.core = saved.clone();
@@ -61,12 +61,12 @@ impl Instance {
         let Some(rest) = rest.strip_prefix(identity.as_bytes()) else {
             return refuse("these bytes are the state of another FMU, or of another version of it");
         };
-        // Numbers that no simulation wrote could keep a step from ever ending.
+        // A step with forged or damaged numbers might never end.
         let Some((rest, _)) = rest
             .split_last_chunk::<8>()
             .filter(|(_, sum)| checksum(&bytes[..bytes.len() - sum.len()]).to_le_bytes() == **sum)
         else {
-            return refuse("these bytes are only a part of a state, or were changed");
+            return refuse("these bytes are an incomplete or damaged state");
         };
         let (chunks, remainder) = rest.as_chunks::<8>();
         let numbers: Vec<f64> = chunks
@@ -110,7 +110,7 @@ fn same_fixtures(one: &Configuration, other: &Configuration) -> bool {
     one.rows() == other.rows() && one.presets() == other.presets() && one_fixed == other_fixed
 }
 
-/// FNV-1a: tells bytes that were damaged or cut short, not ones that were forged.
+/// FNV-1a: detects damaged or truncated bytes, but not forged ones.
 fn checksum(bytes: &[u8]) -> u64 {
     const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
     const PRIME: u64 = 0x0100_0000_01b3;
@@ -119,7 +119,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 }
 
 impl Core {
-    /// Visits every number but the simulation's, and tells whether there is a simulation.
+    /// Visits every number except those of the simulation. Returns whether there is a simulation.
     fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) -> bool {
         let mut mode = f64::from(self.mode as u16);
         visit(&mut mode);
@@ -151,7 +151,7 @@ fn live() -> MutexGuard<'static, BTreeSet<usize>> {
     LIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A state that C holds.
+/// The saved state behind a pointer from C.
 ///
 /// # Safety
 /// Nobody frees or replaces the state while the result is used.
@@ -166,7 +166,7 @@ unsafe fn live_state<'a>(state: *mut c_void) -> Outcome<&'a Core> {
     Ok(unsafe { &*state.cast::<Core>() })
 }
 
-/// Hands a state to C, in place of the one that it may hold there.
+/// Passes a state to C. It replaces a state that may be in the same place.
 ///
 /// # Safety
 /// `place` is null or can be written; nobody else uses a state that is there.
@@ -220,7 +220,7 @@ pub(super) unsafe fn free(place: *mut *mut c_void) -> Outcome {
         *place = state;
         return refuse("this is no saved state, or it has been freed");
     }
-    // SAFETY: its address was that of a live state, and is none from here on: the box was made by
+    // SAFETY: its address was that of a live state, and is removed: the box was made by
     // `hand_over` and is not used after this.
     drop(unsafe { Box::from_raw(state.cast::<Core>()) });
     Ok(())
@@ -336,14 +336,14 @@ mod tests {
     }
 
     /// Keeps other tests from saving a state where one has just been freed.
-    fn alone() -> MutexGuard<'static, ()> {
+    fn exclusive() -> MutexGuard<'static, ()> {
         static ALONE: Mutex<()> = Mutex::new(());
         ALONE.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     #[test]
     fn what_is_in_the_place_for_a_state_is_believed_only_if_it_is_one() {
-        let _alone = alone();
+        let _exclusive = exclusive();
         let instance = saving();
         let bytes = instance.serialize(&instance.core);
         let (mut first, mut second) = (garbage(), garbage());
@@ -363,7 +363,7 @@ mod tests {
 
     #[test]
     fn a_state_that_is_none_any_more_is_refused() {
-        let _alone = alone();
+        let _exclusive = exclusive();
         let mut instance = saving();
         let (mut state, mut size) = (null_mut(), 0);
         // SAFETY: places that can be written; the states are live, freed or were none ever.
@@ -386,7 +386,7 @@ mod tests {
 
     #[test]
     fn a_panic_elsewhere_does_not_keep_states_from_being_saved() {
-        let _alone = alone();
+        let _exclusive = exclusive();
         let panicked = std::thread::spawn(|| {
             let _held = live();
             panic!("on purpose");

@@ -16,7 +16,7 @@ struct Direction {
 
 impl Direction {
     /// Adds a change of the quantity behind a reference, if it is a known. During the initialization the
-    /// states are unknowns, which follow from their initial values.
+    /// states are unknowns, which follow from the initial values.
     fn add(&mut self, (reference, quantity): (u32, Quantity), seed: f64, early: bool) -> Outcome {
         match quantity {
             Quantity::Input(side) => *side.of(&mut self.speeds) += seed,
@@ -185,7 +185,7 @@ impl Instance {
         orders: &[i32],
         values: &mut [f64],
     ) -> Outcome {
-        let scalars = self.naming == Naming::Scalars;
+        let scalars = self.purpose.naming == Naming::Scalars;
         let known = |order: i32| order == 1 || (order > 1 && scalars);
         if let Some(order) = orders.iter().find(|order| !known(**order)) {
             return refuse(format!("output derivatives are of order 1, not {order}"));
@@ -199,7 +199,7 @@ impl Instance {
         let change = change(simulation.state(), direction, wrench);
         self.changes(&change, references, values)?;
         if scalars {
-            // FMI 2.0 has those of higher orders, which are none of the FMU's, read as zero.
+            // FMI 2.0 requires zero for orders that the FMU does not provide.
             let pairs = values.iter_mut().zip(orders);
             pairs
                 .filter(|(_, order)| **order > 1)
@@ -247,7 +247,7 @@ fn overflow<T>(reference: u32) -> Outcome<T> {
 mod tests {
     use super::*;
     use crate::declaration::{Side, variables};
-    use crate::fmu::instance::Interface;
+    use crate::fmu::calls::Interface;
     use crate::fmu::test_instance::{instance, running, with_effects};
 
     fn reference(instance: &Instance, name: &str) -> u32 {

@@ -1,16 +1,17 @@
 //! Instances for the unit tests.
 
-use super::instance::{Instance, Interface, Purpose};
+use super::calls::Interface;
+use super::instance::{Instance, Purpose};
 use super::logger::Logger;
 use crate::declaration::{Configuration, Naming};
 
-/// A configuration whose resources hold these effects.
+/// A configuration with these effects in its resources.
 pub(super) fn with_effects(effects: &str) -> Configuration {
     let read = |file: &str| Ok((file == "effects.json").then(|| effects.to_owned()));
     Configuration::from_resources(read).unwrap()
 }
 
-/// An instance that nobody listens to.
+/// An instance without a log.
 pub(super) fn instance(interface: Interface, configuration: Configuration) -> Instance {
     let purpose = Purpose {
         interface,

@@ -2,6 +2,7 @@
 
 use super::calls::Mode;
 use super::instance::{Core, Failure, Instance, Outcome, broken, refuse};
+use super::status::Status;
 use crate::declaration::{
     self, ArrayVariable, Attributes, Causality, Configuration, DependencyKind, Elements, Kind,
     Naming, Quantity,
@@ -12,7 +13,7 @@ use crate::simulation::State;
 pub(super) fn none_of(kind: &str, references: &[u32]) -> Outcome {
     match references.first() {
         Some(reference) => refuse(format!(
-            "value reference {reference} is no {kind}; there are none"
+            "value reference {reference} is no {kind}; no variable is of that type"
         )),
         None => Ok(()),
     }
@@ -43,21 +44,25 @@ impl Instance {
         reference: u32,
         kind: Kind,
     ) -> Outcome<(Elements, &'static Attributes)> {
-        match self.naming.find(reference, self.configuration()) {
-            Some((elements, attributes)) if attributes.kind == kind => Ok((elements, attributes)),
-            Some((_, attributes)) => refuse(format!(
-                "value reference {reference} is of type {:?}, not {kind:?}",
-                attributes.kind
-            )),
-            None => refuse(format!(
+        let variables = &self.variables;
+        let Ok(index) = variables.binary_search_by_key(&reference, |v| v.reference) else {
+            return refuse(format!(
                 "there is no variable with value reference {reference}"
-            )),
+            ));
+        };
+        let found = &variables[index];
+        let actual = found.attributes.kind;
+        if actual != kind {
+            return refuse(format!(
+                "value reference {reference} is of type {actual:?}, not {kind:?}"
+            ));
         }
+        Ok((found.elements, found.attributes))
     }
 
     /// Refuses a number of values other than that of the variables together.
     pub(super) fn check_count(&self, references: &[u32], kind: Kind, given: usize) -> Outcome {
-        if self.naming == Naming::Scalars && references.len() == given {
+        if self.purpose.naming == Naming::Scalars && references.len() == given {
             return Ok(());
         }
         let mut count = 0;
@@ -205,10 +210,9 @@ impl Instance {
                 DependencyKind::Dependent,
             ));
         }
-        let variables = Naming::Arrays.variables(configuration);
         let of = |quantity: &Quantity| {
-            let held = |v: &&ArrayVariable| v.elements == Elements::One(*quantity);
-            variables.iter().find(held).map(|v| v.reference)
+            let is_it = |v: &&ArrayVariable| v.elements == Elements::One(*quantity);
+            self.variables.iter().find(is_it).map(|v| v.reference)
         };
         Ok((quantities.iter().filter_map(of).collect(), kind))
     }
@@ -241,7 +245,7 @@ impl Instance {
         let mut rates = self.core.rates;
         for ((reference, order), value) in references.iter().zip(orders).zip(values) {
             let (elements, _) = self.find(*reference, Kind::Real)?;
-            if *order != 1 && (*order < 1 || self.naming == Naming::Arrays) {
+            if *order != 1 && (*order < 1 || self.purpose.naming == Naming::Arrays) {
                 return refuse(format!("input derivatives are of order 1, not {order}"));
             }
             if !value.is_finite() {
@@ -250,7 +254,7 @@ impl Instance {
             if *order > 1 {
                 // FMI 2.0 has no attribute for the highest order that an FMU supports.
                 if *value != 0.0 {
-                    self.logger.warning(&format!(
+                    self.logger.report(Status::Warning, &format!(
                         "the input derivative of order {order} is ignored: wheel speeds are linear within a step"
                     ));
                 }

@@ -1,6 +1,6 @@
 //! Terrains as JSON.
 
-use super::JsonError;
+use super::error::JsonError;
 use super::object::{self, Key, Object, key};
 use crate::spelling::nearest;
 use crate::terrain::Terrain;
@@ -101,7 +101,7 @@ impl Terrain {
     }
 
     /// The terrain as JSON that [`Terrain::from_json`] reads back; the friction angle to the
-    /// last bit wherever degrees can tell it.
+    /// last bit where degrees have that resolution.
     #[must_use]
     pub fn to_json(&self) -> String {
         object::write(KEYS, |name| match name {
@@ -116,7 +116,7 @@ impl Terrain {
     }
 }
 
-/// A set of terrains would otherwise be told that its first name is an unknown key.
+/// For a set of terrains the message would otherwise be that its first name is an unknown key.
 fn refuse_several(value: &Value) -> Result<(), JsonError> {
     match value.as_object() {
         Some(map) if !map.is_empty() && map.values().all(Value::is_object) => {

@@ -1,6 +1,6 @@
 //! Vehicles as JSON.
 
-use super::JsonError;
+use super::error::JsonError;
 use super::object::{self, Key, Object, key};
 use crate::vehicle::Vehicle;
 use serde_json::Value;
