@@ -19,31 +19,31 @@ pub struct LogCategory {
 pub static LOG_CATEGORIES: [LogCategory; 5] = [
     LogCategory {
         name: c"logStatusFatal",
-        description: "What ends the instance",
+        description: "Failures that end the instance",
         always_in_fmi2: true,
         always_in_fmi3: true,
     },
     LogCategory {
         name: c"logStatusError",
-        description: "Calls that fail, and why",
+        description: "Calls that fail, with the reason",
         always_in_fmi2: true,
         always_in_fmi3: true,
     },
     LogCategory {
         name: c"logStatusWarning",
-        description: "What the user should know, such as a lifted wheel",
+        description: "Conditions to know about, such as a lifted wheel",
         always_in_fmi2: true,
         always_in_fmi3: false,
     },
     LogCategory {
         name: c"logStatusDiscard",
-        description: "What is not to be had; in model exchange, trials of the solver that cannot be computed",
+        description: "Unavailable values; in model exchange, states of the solver that cannot be computed",
         always_in_fmi2: false,
         always_in_fmi3: false,
     },
     LogCategory {
         name: c"logEvents",
-        description: "What the integration has cost, at the end",
+        description: "Cost of the integration, at the end",
         always_in_fmi2: false,
         always_in_fmi3: false,
     },

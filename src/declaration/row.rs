@@ -104,28 +104,6 @@ pub(super) const fn row(
 }
 
 impl Row {
-    pub const fn force(self, value: fn(&Wrench) -> f64) -> Computed<Wrench> {
-        self.with(value)
-    }
-
-    pub const fn wheel(self, value: fn(&WheelOutputs) -> f64) -> Computed<WheelOutputs> {
-        self.with(value)
-    }
-
-    pub const fn field(self, value: Field) -> Row<Field> {
-        self.with(value)
-    }
-
-    const fn with<F: Copy>(self, value: F) -> Row<F> {
-        Row {
-            name: self.name,
-            attributes: self.attributes,
-            value,
-        }
-    }
-}
-
-impl<F: Copy> Row<F> {
     pub const fn of_kind(mut self, kind: Kind) -> Self {
         self.attributes.kind = kind;
         self
@@ -145,6 +123,26 @@ impl<F: Copy> Row<F> {
     pub const fn start(mut self, start: f64) -> Self {
         self.attributes.start = Some(start);
         self
+    }
+
+    pub const fn force(self, value: fn(&Wrench) -> f64) -> Computed<Wrench> {
+        self.with(value)
+    }
+
+    pub const fn wheel(self, value: fn(&WheelOutputs) -> f64) -> Computed<WheelOutputs> {
+        self.with(value)
+    }
+
+    pub const fn field(self, value: Field) -> Row<Field> {
+        self.with(value)
+    }
+
+    const fn with<F: Copy>(self, value: F) -> Row<F> {
+        Row {
+            name: self.name,
+            attributes: self.attributes,
+            value,
+        }
     }
 }
 

@@ -44,7 +44,7 @@ pub(super) static FORCES: [Computed<Wrench>; 5] = [
     row(Output, "a_y", "m/s2", "Acceleration of the centre of mass along Y: sum of F_Y / m (20), and what effects add").force(|all| all.a_y),
     row(Output, "rolling_resistance", "N", "Rolling resistance R_r: horizontal force of the normal stress against the travel (21)").nominal(1000.0).force(|all| all.rolling_resistance),
     row(Output, "turning_resistance_moment", "N.m", "Moment of turning resistance M_r, positive where it resists a counter-clockwise turn (25)").nominal(1000.0).force(|all| all.turning_resistance_moment),
-    row(Output, "turning_moment", "N.m", "Moment of the thrust, the first term of (24); less M_r it is I_Z dOmega/dt where no effect acts").nominal(1000.0).force(|all| all.turning_moment),
+    row(Output, "turning_moment", "N.m", "Moment of the thrust, the first term of (24); minus M_r it is I_Z dOmega/dt where no effect acts").nominal(1000.0).force(|all| all.turning_moment),
 ];
 
 /// The rates of the states, in the same order.
@@ -63,7 +63,7 @@ pub(super) static TERRAIN_NUMBER: [Row; 1] = [row(
     Parameter,
     "terrain",
     "",
-    "Soil under the wheels: one of the paper's, or custom for the parameters soil.*, which act with it alone",
+    "Soil under the wheels: one of the paper's, or custom for the parameters soil.*, which act only with it",
 )
 .of_kind(Kind::Enumeration)];
 

@@ -135,8 +135,6 @@ calls! {
     GetNominals: INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR, ModelExchange;
     // FMI 3.0 only: calls with other modes than in FMI 2.0, and new calls.
     GetOrStart: ANY;
-    GetStatesOrRates: INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR, ModelExchange;
-    GetScales: INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR, ModelExchange;
     Count: ANY, ModelExchange;
     GetDependencies: ANY;
     EnterStepMode: STEP_EVENT;

@@ -486,22 +486,22 @@ exports! {
     |instance| instance.set_states(read(states, count)?);
 
     /// The derivatives of the states.
-    fmi3GetContinuousStateDerivatives: fmi3GetContinuousStateDerivativesTYPE = GetStatesOrRates
+    fmi3GetContinuousStateDerivatives: fmi3GetContinuousStateDerivativesTYPE = GetContinuousStates
     (derivatives: *mut fmi3Float64, count: usize)
     |instance| instance.get_rates(write(derivatives, count)?);
 
     /// Event indicators: there are none.
-    fmi3GetEventIndicators: fmi3GetEventIndicatorsTYPE = GetStatesOrRates
+    fmi3GetEventIndicators: fmi3GetEventIndicatorsTYPE = GetContinuousStates
     (_indicators: *mut fmi3Float64, count: usize)
     |_| no_event_indicators(count);
 
     /// The states.
-    fmi3GetContinuousStates: fmi3GetContinuousStatesTYPE = GetStatesOrRates
+    fmi3GetContinuousStates: fmi3GetContinuousStatesTYPE = GetContinuousStates
     (states: *mut fmi3Float64, count: usize)
     |instance| instance.get_states(write(states, count)?);
 
     /// Orders of magnitude of the states.
-    fmi3GetNominalsOfContinuousStates: fmi3GetNominalsOfContinuousStatesTYPE = GetScales
+    fmi3GetNominalsOfContinuousStates: fmi3GetNominalsOfContinuousStatesTYPE = GetContinuousStates
     (nominals: *mut fmi3Float64, count: usize)
     |_| Instance::get_nominals(write(nominals, count)?);
 

@@ -196,10 +196,10 @@ pub(super) unsafe fn out<'a, T>(pointer: *mut T) -> Outcome<&'a mut T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::declaration::{Configuration, Naming};
+    use crate::declaration::Configuration;
     use crate::fmu::calls::Interface;
-    use crate::fmu::instance::Purpose;
     use crate::fmu::logger::Logger;
+    use crate::fmu::test_instance::with_logger;
     use fmi_sys::fmi2::{
         fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component, fmi2ComponentEnvironment,
         fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
@@ -242,13 +242,7 @@ mod tests {
             componentEnvironment: std::ptr::from_ref(environment).cast_mut().cast(),
         };
         let logger = Logger::fmi2(Some(&functions), c"test", verbose);
-        let configuration = Configuration::default();
-        let purpose = Purpose {
-            interface,
-            naming: Naming::Scalars,
-            has_events: false,
-        };
-        into_component(Instance::new(logger, purpose, configuration))
+        into_component(with_logger(logger, interface, Configuration::default()))
     }
 
     fn run(component: fmi2Component, body: impl FnOnce(&mut Instance) -> Outcome) -> fmi2Status {

@@ -13,12 +13,20 @@ pub(super) fn with_effects(effects: &str) -> Configuration {
 
 /// An instance without a log.
 pub(super) fn instance(interface: Interface, configuration: Configuration) -> Instance {
+    with_logger(Logger::fmi2(None, c"test", false), interface, configuration)
+}
+
+pub(super) fn with_logger(
+    logger: Logger,
+    interface: Interface,
+    configuration: Configuration,
+) -> Instance {
     let purpose = Purpose {
         interface,
         naming: Naming::Scalars,
         has_events: false,
     };
-    Instance::new(Logger::fmi2(None, c"test", false), purpose, configuration)
+    Instance::new(logger, purpose, configuration)
 }
 
 /// An instance with these effects whose initialization is over.

@@ -4,7 +4,6 @@ use super::error::JsonError;
 use super::unique::Unique;
 use crate::spelling::nearest;
 use serde_json::{Map, Value};
-use std::fmt::Write;
 
 /// The key of the mark.
 pub(super) const FORMAT: &str = "format";
@@ -154,12 +153,11 @@ impl<'a> Object<'a> {
     }
 }
 
-/// Writes an object, one key to a line, in the order of the table.
-pub(super) fn write(keys: &[Key], value: impl Fn(&str) -> Value) -> String {
-    let mut text = String::from("{\n");
-    for (index, Key { name, .. }) in keys.iter().enumerate() {
-        let comma = if index + 1 < keys.len() { "," } else { "" };
-        let _ = writeln!(text, "  \"{name}\": {}{comma}", value(name));
-    }
-    text + "}\n"
+/// Writes an object, one key to a line, in the given order.
+pub(super) fn write(entries: &[(&str, Value)]) -> String {
+    let lines: Vec<String> = entries
+        .iter()
+        .map(|(key, value)| format!("  \"{key}\": {value}"))
+        .collect();
+    format!("{{\n{}\n}}\n", lines.join(",\n"))
 }

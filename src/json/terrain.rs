@@ -104,15 +104,14 @@ impl Terrain {
     /// last bit where degrees have that resolution.
     #[must_use]
     pub fn to_json(&self) -> String {
-        object::write(KEYS, |name| match name {
-            "cohesion" => self.cohesion.into(),
-            "friction_angle_deg" => self.friction_angle_degrees().into(),
-            "cohesive_modulus" => self.cohesive_modulus.into(),
-            "frictional_modulus" => self.frictional_modulus.into(),
-            "sinkage_exponent" => self.sinkage_exponent.into(),
-            "shear_modulus" => self.shear_modulus.into(),
-            _ => Value::Null,
-        })
+        object::write(&[
+            ("cohesion", self.cohesion.into()),
+            ("friction_angle_deg", self.friction_angle_degrees().into()),
+            ("cohesive_modulus", self.cohesive_modulus.into()),
+            ("frictional_modulus", self.frictional_modulus.into()),
+            ("sinkage_exponent", self.sinkage_exponent.into()),
+            ("shear_modulus", self.shear_modulus.into()),
+        ])
     }
 }
 
