@@ -73,11 +73,18 @@ const EDGES: &[(&str, &[&str])] = &[
     ),
     (
         "declaration",
-        &["effects", "json", "parameter", "terrain", "vehicle"],
+        &[
+            "effects",
+            "json",
+            "parameter",
+            "simulation",
+            "terrain",
+            "vehicle",
+        ],
     ),
     (
         "fmu",
-        &["declaration", "parameter", "simulation", "vehicle"],
+        &["declaration", "json", "parameter", "simulation", "vehicle"],
     ),
     (
         "fit",

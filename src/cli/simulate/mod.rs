@@ -123,8 +123,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let midst = course.or(args.settled.then(Vec::new));
     begin(&mut simulation, &recording, state, midst.as_deref()).map_err(Failure::Simulation)?;
     let mut summary = Summary::new(&recording, simulation.state());
+    let columns = table::columns(simulation.model().vehicle());
     table
-        .write_all(table::header(simulation.model().vehicle().wheel_count()).as_bytes())
+        .write_all(table::header(&columns).as_bytes())
         .map_err(|source| table.failure(source))?;
     drive(&recording, schedule, &mut simulation, |stop| {
         summary.visit(stop);
@@ -134,7 +135,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             trace.visit(stop);
         }
         if stop.is_row {
-            table::write_row(&mut table, stop).map_err(|source| table.failure(source))?;
+            table::write_row(&mut table, &columns, stop).map_err(|source| table.failure(source))?;
         }
         Ok(())
     })?;

@@ -2,70 +2,40 @@
 
 use super::drive::Stop;
 use std::io::{self, Write};
-use ugv_terrain::vehicle::WheelOutputs;
+use ugv_terrain::declaration::{Causality, Configuration, Variable, variables};
+use ugv_terrain::vehicle::Vehicle;
 
-type Value = fn(&Stop) -> f64;
-type WheelValue = fn(&WheelOutputs) -> f64;
+/// The columns after the time: inputs and outputs of the FMU.
+pub fn columns(vehicle: &Vehicle) -> Vec<Variable> {
+    let configuration = Configuration {
+        vehicle: vehicle.clone(),
+        ..Configuration::default()
+    };
+    let mut columns = variables(&configuration);
+    columns.retain(|v| matches!(v.attributes.causality, Causality::Input | Causality::Output));
+    columns
+}
 
-/// Names and values of the columns.
-const COLUMNS: [(&str, Value); 14] = [
-    ("time", |stop| stop.time),
-    ("omega_left", |stop| stop.wheel_speeds.left),
-    ("omega_right", |stop| stop.wheel_speeds.right),
-    ("x", |stop| stop.state.x),
-    ("y", |stop| stop.state.y),
-    ("heading", |stop| stop.state.heading),
-    ("v_x", |stop| stop.state.v_x),
-    ("v_y", |stop| stop.state.v_y),
-    ("yaw_rate", |stop| stop.state.yaw_rate),
-    ("a_x", |stop| stop.wrench.a_x),
-    ("a_y", |stop| stop.wrench.a_y),
-    ("rolling_resistance", |stop| stop.wrench.rolling_resistance),
-    ("turning_resistance_moment", |stop| {
-        stop.wrench.turning_resistance_moment
-    }),
-    ("turning_moment", |stop| stop.wrench.turning_moment),
-];
-
-/// The same for each wheel.
-const WHEEL_COLUMNS: [(&str, WheelValue); 7] = [
-    ("longitudinal_slip", |wheel| wheel.longitudinal_slip),
-    ("lateral_slip", |wheel| wheel.lateral_slip),
-    ("load", |wheel| wheel.load),
-    ("sinkage", |wheel| wheel.sinkage),
-    ("entry_angle", |wheel| wheel.entry_angle),
-    ("force_x", |wheel| wheel.force_x),
-    ("force_y", |wheel| wheel.force_y),
-];
-
-/// The header line for a vehicle with so many wheels.
-pub fn header(wheels: usize) -> String {
-    let mut names: Vec<String> = COLUMNS.iter().map(|(name, _)| (*name).into()).collect();
-    for wheel in 1..=wheels {
-        names.extend(
-            WHEEL_COLUMNS
-                .iter()
-                .map(|(name, _)| format!("wheel[{wheel}].{name}")),
-        );
-    }
+/// The header line.
+pub fn header(columns: &[Variable]) -> String {
+    let names = columns.iter().map(|column| column.name.as_str());
+    let names: Vec<&str> = ["time"].into_iter().chain(names).collect();
     names.join(",") + "\n"
 }
 
 /// Writes a row; its numbers read back to the last bit.
-pub fn write_row(out: &mut impl Write, stop: &Stop) -> io::Result<()> {
-    for (index, (_, value)) in COLUMNS.iter().enumerate() {
-        let comma = if index > 0 { "," } else { "" };
-        write!(out, "{comma}{:?}", unsigned_zero(value(stop)))?;
-    }
-    for wheel in &stop.wrench.wheels {
-        for (_, value) in &WHEEL_COLUMNS {
-            write!(out, ",{:?}", unsigned_zero(value(wheel)))?;
-        }
+pub fn write_row(out: &mut impl Write, columns: &[Variable], stop: &Stop) -> io::Result<()> {
+    write!(out, "{:?}", unsigned_zero(stop.time))?;
+    for column in columns {
+        let quantity = column.quantity;
+        let value = quantity.output(stop.wheel_speeds, stop.state, stop.wrench);
+        let value = value.expect("inputs and outputs have values");
+        write!(out, ",{:?}", unsigned_zero(value))?;
     }
     writeln!(out)
 }
 
-/// -0 says nothing that 0 does not.
+/// -0 becomes 0.
 fn unsigned_zero(value: f64) -> f64 {
     value + 0.0
 }
