@@ -2,6 +2,6 @@
 
 pub mod chart;
 pub mod diagnosis;
+mod html;
 pub mod inspection;
-mod number;
-mod page;
+pub mod number;

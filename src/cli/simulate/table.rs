@@ -1,33 +1,35 @@
 //! The motion as CSV.
 
-use super::drive::Stop;
+use super::drive::DrivePoint;
 use std::io::{self, Write};
 use ugv_terrain::vehicle::WheelOutputs;
 
-type Value = fn(&Stop) -> f64;
+type PointValue = fn(&DrivePoint) -> f64;
 type WheelValue = fn(&WheelOutputs) -> f64;
 
 /// Names and values of the columns.
-const COLUMNS: [(&str, Value); 14] = [
-    ("time", |stop| stop.time),
-    ("omega_left", |stop| stop.wheel_speeds.left),
-    ("omega_right", |stop| stop.wheel_speeds.right),
-    ("x", |stop| stop.state.x),
-    ("y", |stop| stop.state.y),
-    ("heading", |stop| stop.state.heading),
-    ("v_x", |stop| stop.state.v_x),
-    ("v_y", |stop| stop.state.v_y),
-    ("yaw_rate", |stop| stop.state.yaw_rate),
-    ("a_x", |stop| stop.wrench.a_x),
-    ("a_y", |stop| stop.wrench.a_y),
-    ("rolling_resistance", |stop| stop.wrench.rolling_resistance),
-    ("turning_resistance_moment", |stop| {
-        stop.wrench.turning_resistance_moment
+const COLUMNS: [(&str, PointValue); 14] = [
+    ("time", |point| point.time),
+    ("omega_left", |point| point.wheel_speeds.left),
+    ("omega_right", |point| point.wheel_speeds.right),
+    ("x", |point| point.state.x),
+    ("y", |point| point.state.y),
+    ("heading", |point| point.state.heading),
+    ("v_x", |point| point.state.v_x),
+    ("v_y", |point| point.state.v_y),
+    ("yaw_rate", |point| point.state.yaw_rate),
+    ("a_x", |point| point.wrench.a_x),
+    ("a_y", |point| point.wrench.a_y),
+    ("rolling_resistance", |point| {
+        point.wrench.rolling_resistance
     }),
-    ("turning_moment", |stop| stop.wrench.turning_moment),
+    ("turning_resistance_moment", |point| {
+        point.wrench.turning_resistance_moment
+    }),
+    ("turning_moment", |point| point.wrench.turning_moment),
 ];
 
-/// The same for each wheel.
+/// The columns of each wheel.
 const WHEEL_COLUMNS: [(&str, WheelValue); 7] = [
     ("longitudinal_slip", |wheel| wheel.longitudinal_slip),
     ("lateral_slip", |wheel| wheel.lateral_slip),
@@ -38,7 +40,7 @@ const WHEEL_COLUMNS: [(&str, WheelValue); 7] = [
     ("force_y", |wheel| wheel.force_y),
 ];
 
-/// The header line for a vehicle with so many wheels.
+/// The header line for a vehicle with this many wheels.
 pub fn header(wheels: usize) -> String {
     let mut names: Vec<String> = COLUMNS.iter().map(|(name, _)| (*name).into()).collect();
     for wheel in 1..=wheels {
@@ -52,20 +54,16 @@ pub fn header(wheels: usize) -> String {
 }
 
 /// Writes a row; its numbers read back to the last bit.
-pub fn write_row(out: &mut impl Write, stop: &Stop) -> io::Result<()> {
+pub fn write_row(out: &mut impl Write, point: &DrivePoint) -> io::Result<()> {
     for (index, (_, value)) in COLUMNS.iter().enumerate() {
         let comma = if index > 0 { "," } else { "" };
-        write!(out, "{comma}{:?}", unsigned_zero(value(stop)))?;
+        // -0 becomes 0.
+        write!(out, "{comma}{:?}", value(point) + 0.0)?;
     }
-    for wheel in &stop.wrench.wheels {
+    for wheel in &point.wrench.wheels {
         for (_, value) in &WHEEL_COLUMNS {
-            write!(out, ",{:?}", unsigned_zero(value(wheel)))?;
+            write!(out, ",{:?}", value(wheel) + 0.0)?;
         }
     }
     writeln!(out)
-}
-
-/// -0 says nothing that 0 does not.
-fn unsigned_zero(value: f64) -> f64 {
-    value + 0.0
 }

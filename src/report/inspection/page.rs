@@ -1,39 +1,36 @@
 //! As a page with plots.
 
-use super::{noise, plots, remark, seconds, title};
+use super::plots;
+use super::words::{self, noise, remark, title};
+use crate::display::markup;
 use crate::inspection::{Inspection, Quality, RunReport};
 use crate::recording::Recording;
-use crate::report::chart::escape;
-use crate::report::number::digits;
-use crate::report::page;
+use crate::report::html;
+use crate::report::number::{digits, fixed};
 
 /// The inspection of a recording as a self-contained HTML page.
 #[must_use]
 pub fn page(recording: &Recording, inspection: &Inspection) -> String {
     let mut body = motion(recording, inspection);
     for note in &recording.notes {
-        let class = if note.kind.is_warning() {
-            "warning"
-        } else {
-            "note"
-        };
-        body += &format!("<p class=\"{class}\">{}</p>\n", escape(&note.to_string()));
+        let class = words::kind(note);
+        body += &format!("<p class=\"{class}\">{}</p>\n", markup(&note.to_string()));
     }
     body += "<h2>Delays between sensors</h2>\n";
     body += &delays(inspection);
-    body += "<p>By cross-correlation of mean rates over 0.5 s; 90 % intervals from drawing blocks of \
-             the recording anew. Scale: of what is behind, in its unit, over the other, in its own (metres for a \
-             radian of the wheels, say). On slippery ground a delay behind the wheels holds the vehicle's \
-             own response, too.</p>\n";
+    body += "<p>By cross-correlation of mean rates over 0.5 s; 90 % intervals from a block bootstrap. \
+             Scale: the delayed signal over the other one, each in its unit (metres per radian of the \
+             wheels, for example). On slippery ground a delay behind the wheels includes the vehicle's \
+             response.</p>\n";
     body += "<h2>Plots</h2>\n<div class=\"plots\">\n";
     for chart in plots::charts(recording, inspection) {
         body += &chart.figure();
     }
     body += "</div>\n<h2>Channels</h2>\n";
     body += &channels(inspection);
-    body += "<p>Noise: standard deviation of white noise, by the median distance of a sample from the \
-             line between its neighbours; at rest while no wheel turns, in motion an upper bound; \
-             held: over half of the samples lie on that line.</p>\n";
+    body += "<p>Noise: standard deviation of white noise, from the median distance of a sample to the \
+             line between its neighbours. At rest: while no wheel turns. In motion: an upper bound. \
+             Held: over half of the samples lie on that line.</p>\n";
     if inspection.runs.len() > 1 {
         body += "<h2>Runs</h2>\n";
         body += &runs(&inspection.runs);
@@ -44,10 +41,10 @@ pub fn page(recording: &Recording, inspection: &Inspection) -> String {
         ("Note", &recording.about.note),
     ] {
         if !text.is_empty() {
-            body += &format!("<p>{name}: {}</p>\n", escape(text));
+            body += &format!("<p>{name}: {}</p>\n", markup(text));
         }
     }
-    page::page(&recording.name, &body)
+    html::document(&recording.name, &body)
 }
 
 fn motion(recording: &Recording, inspection: &Inspection) -> String {
@@ -56,9 +53,8 @@ fn motion(recording: &Recording, inspection: &Inspection) -> String {
         value.map_or(String::new(), |value| format!(", {value:.1} {unit}"))
     };
     format!(
-        "<p>{} run{}, {:.1} s{}{}, at rest {:.1} s</p>\n",
-        recording.runs.len(),
-        if recording.runs.len() == 1 { "" } else { "s" },
+        "<p>{}, {:.1} s{}{}, at rest {:.1} s</p>\n",
+        words::runs(recording),
         motion.duration,
         optional(motion.distance, "m driven"),
         optional(motion.turned.map(f64::to_degrees), "deg turned"),
@@ -82,11 +78,11 @@ fn delays(inspection: &Inspection) -> String {
         let cell = |text: String| if known { text } else { "-".into() };
         vec![
             title(delay),
-            cell(seconds(found.value, 3)),
+            cell(fixed(found.value, 3)),
             cell(format!(
                 "{} .. {}",
-                seconds(found.low, 3),
-                seconds(found.high, 3)
+                fixed(found.low, 3),
+                fixed(found.high, 3)
             )),
             format!("{:.3}", delay.correlation),
             cell(format!(
@@ -97,7 +93,7 @@ fn delays(inspection: &Inspection) -> String {
             remark(delay).into(),
         ]
     });
-    page::table(&header, rows)
+    html::table(&header, rows)
 }
 
 fn channels(inspection: &Inspection) -> String {
@@ -126,7 +122,7 @@ fn channels(inspection: &Inspection) -> String {
             noise(report.noise_in_motion, true),
         ]
     });
-    page::table(&header, rows)
+    html::table(&header, rows)
 }
 
 fn runs(runs: &[RunReport]) -> String {
@@ -158,5 +154,5 @@ fn runs(runs: &[RunReport]) -> String {
             }),
         ]
     });
-    page::table(&header, rows)
+    html::table(&header, rows)
 }

@@ -1,10 +1,10 @@
-//! As text, to be read in ten seconds.
+//! As text, for a reader in a hurry.
 
-use super::{noise, remark, seconds, title};
+use super::words::{self, noise, remark, title};
 use crate::display::visible_line;
 use crate::inspection::{Inspection, Quality};
 use crate::recording::Recording;
-use crate::report::number::digits;
+use crate::report::number::{digits, fixed};
 use std::fmt::Write;
 
 /// The inspection of a recording in a few aligned lines.
@@ -12,11 +12,7 @@ use std::fmt::Write;
 pub fn text(recording: &Recording, inspection: &Inspection) -> String {
     let mut text = headline(recording, inspection);
     for note in &recording.notes {
-        let kind = if note.kind.is_warning() {
-            "warning"
-        } else {
-            "note"
-        };
+        let kind = words::kind(note);
         let _ = writeln!(text, "{kind}: {}", visible_line(&note.to_string()));
     }
     let rows = inspection.channels.iter().map(|report| {
@@ -61,11 +57,11 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
         let cell = |text: String| if known { text } else { "-".into() };
         [
             title(delay),
-            cell(seconds(found.value, 2)),
+            cell(fixed(found.value, 2)),
             cell(format!(
                 "{} .. {}",
-                seconds(found.low, 2),
-                seconds(found.high, 2)
+                fixed(found.low, 2),
+                fixed(found.high, 2)
             )),
             format!("{:.2}", delay.correlation),
             remark(delay).into(),
@@ -80,7 +76,7 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
     text
 }
 
-/// A moment \[s\]: to a hundredth where a clock counts from 1970.
+/// A time \[s\]; to a hundredth for a clock that counts from 1970.
 fn clock(time: f64) -> String {
     if time.abs() < 1e4 {
         digits(time, 4)
@@ -91,13 +87,10 @@ fn clock(time: f64) -> String {
 
 fn headline(recording: &Recording, inspection: &Inspection) -> String {
     let motion = inspection.motion;
-    let runs = match recording.runs.len() {
-        1 => "1 run".into(),
-        count => format!("{count} runs"),
-    };
     let mut text = format!(
-        "{}: {runs}, {:.1} s",
+        "{}: {}, {:.1} s",
         visible_line(&recording.name),
+        words::runs(recording),
         motion.duration
     );
     if let Some(distance) = motion.distance {
@@ -111,7 +104,7 @@ fn headline(recording: &Recording, inspection: &Inspection) -> String {
     text
 }
 
-/// Columns as wide as their longest cells; the first and the last to the left.
+/// Columns as wide as their longest cells; the first and the last are aligned to the left.
 fn table<const N: usize>(header: &[String; N], rows: &[[String; N]]) -> String {
     let all = || std::iter::once(header).chain(rows);
     let widths: [usize; N] = std::array::from_fn(|column| {
@@ -123,8 +116,7 @@ fn table<const N: usize>(header: &[String; N], rows: &[[String; N]]) -> String {
     let mut text = String::new();
     for row in all() {
         let mut line = String::new();
-        for (column, cell) in row.iter().enumerate() {
-            let width = widths[column];
+        for (column, (cell, width)) in row.iter().zip(widths).enumerate() {
             if column == 0 || column + 1 == N {
                 let _ = write!(line, "{cell:<width$}  ");
             } else {
