@@ -5,11 +5,8 @@
 //! theta from the wheel's lowest point, positive towards the side that compacts soil.
 
 mod altered;
-mod altered_arc;
-mod altered_patch;
 mod patch;
 mod quadrature;
-mod rows;
 mod sums;
 mod wheel;
 

@@ -1,8 +1,7 @@
 //! Forces on one wheel, in any direction of travel and rotation.
 
-use super::patch::{PatchLaw, PatchMotion, small_angle_support};
+use super::patch::{Footprint, PatchLaw, PatchMotion, small_angle_support};
 use super::quadrature::{Quadrature, Resolution};
-use super::rows::Footprint;
 use super::sums::PatchSums;
 use crate::parameter::{Bounds, ParameterError};
 use crate::scalar::Scalar;
@@ -106,7 +105,7 @@ pub struct WheelForces<S> {
     pub vertical: S,
     /// Integral of y tau_X \[N m\] about the wheel's middle plane.
     pub width_moment: S,
-    /// Integral of r sin theta tau_Y \[N m\] about the wheel's axle.
+    /// Integral of x_i tau_Y \[N m\] about the wheel's axle, x_i = r sin theta (8).
     pub arc_moment: S,
     /// Horizontal force of the normal stress against the wheel's travel \[N\] (21).
     pub rolling_resistance: S,

@@ -9,7 +9,7 @@ use super::answer::traces::traces;
 use super::answer::verdict::judge;
 use super::hypothesis::Problem;
 use super::hypothesis::likelihood::FittedHypothesis;
-use super::hypothesis::prepare::{prepare, seconds};
+use super::hypothesis::prepare::prepare;
 use super::manoeuvre::next;
 use super::outcome::{
     Account, Candidate, Diagnosis, Finding, HeldOut, Insufficient, Subject, Verdict,
@@ -19,7 +19,7 @@ use super::{Caution, DiagnosisError, Options, Progress};
 use crate::fit::Estimate;
 use crate::fit::error::LENGTHS;
 use crate::fit::parameter::NORMAL_95;
-use crate::fit::segment::Signal;
+use crate::fit::signal::Signal;
 use crate::recording::{Recording, different_names};
 use crate::vehicle::Specification;
 
@@ -132,7 +132,7 @@ pub fn diagnose(
         soil: soil(&searched),
         next,
         runs: traces(&searched),
-        account: account(&searched, options, prepared.left_out, seconds(&problem)),
+        account: account(&searched, options, prepared.left_out, problem.seconds()),
         nominal: nominal.clone(),
         model,
     };

@@ -1,6 +1,9 @@
 //! All effects, and which of them are on.
 
-use super::{Boundary, Declaration, EffectKind, ParameterDeclaration, SlopeProfile, Window};
+use super::{
+    Boundary, Declaration, EffectKind, Extent, ParameterDeclaration, SlopeProfile, Window,
+    WindowError,
+};
 use super::{
     Bulldozing, ComShift, Drag, Drawbar, ElasticRebound, Grade, HeadingOffset, Latency,
     LeftRightSoil, LeverArm, Multipass, Payload, RateDependentSoil, ResidualLateral,
@@ -25,7 +28,7 @@ macro_rules! catalogue {
         }
 
         impl<S: Scalar> ActiveEffects<S> {
-            /// From the values of all parameters; `on` tells, for each effect of the catalogue,
+            /// From the values of all parameters; `on` answers, for each effect of the catalogue,
             /// whether it is.
             fn new(values: &[S; PARAMETER_COUNT], on: impl Fn(usize) -> bool) -> Self {
                 let (mut effect, mut first) = (0, 0);
@@ -299,6 +302,45 @@ impl Effects {
             }
         }
         ActiveEffects::new(&values, |effect| variable[effect] || self.is_on(effect))
+    }
+}
+
+impl Effects {
+    /// Whether what they do depends on when a drive began, or on how far it has come: slopes over time or distance, a
+    /// boundary of soils over either, a window of seconds. Pieces of a drive cannot be looked at one by one then.
+    #[must_use]
+    pub fn depend_on_beginning(&self) -> bool {
+        let slopes = !matches!(self.slope_profile, None | Some(SlopeProfile::Place(_)));
+        let window = self.window.as_ref();
+        let seconds = window.is_some_and(|w| matches!(w.extent, Extent::Time { .. }));
+        let name = TerrainChange::<f64>::DECLARATION.name;
+        let changes = self
+            .on(EffectKind::Physics)
+            .any(|effect| effect.name == name);
+        slopes || seconds || (changes && self.boundary != Boundary::Place)
+    }
+}
+
+impl Window {
+    /// Refuses a window that makes no sense with these effects.
+    ///
+    /// # Errors
+    /// Effects that are off anyway, or are no physics; an extent that holds nothing.
+    pub fn check(&self, effects: &Effects) -> Result<(), WindowError> {
+        if self.effects.is_empty() {
+            return Err(WindowError::Empty);
+        }
+        for effect in &self.effects {
+            let declaration = CATALOGUE.get(*effect);
+            let declaration = declaration.ok_or(WindowError::Unknown(*effect))?;
+            if declaration.kind == EffectKind::Measurement {
+                return Err(WindowError::Sensor(declaration.name));
+            }
+            if !effects.is_on(*effect) {
+                return Err(WindowError::Off(declaration.name));
+            }
+        }
+        self.extent.check()
     }
 }
 

@@ -1,4 +1,4 @@
-//! The centre of mass elsewhere than the data sheet says.
+//! A centre of mass that is not where the data sheet has it.
 
 use super::declaration::effect;
 

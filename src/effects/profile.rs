@@ -2,7 +2,7 @@
 
 use crate::display::number;
 use crate::scalar::Scalar;
-use std::fmt;
+use thiserror::Error;
 
 /// Slopes towards the east and the north over time, distance or place, linear in between and
 /// constant beyond.
@@ -24,7 +24,7 @@ pub struct Points {
 }
 
 impl SlopeProfile {
-    /// The first moment after `time` \[s\] at which the slope begins to change otherwise, whatever the vehicle does.
+    /// The first moment after `time` \[s\] at which the slope changes its rate, whatever the vehicle does.
     #[must_use]
     pub fn next_knot(&self, time: f64) -> Option<f64> {
         let Self::Time(points) = self else {
@@ -34,7 +34,7 @@ impl SlopeProfile {
         points.at.get(next).copied()
     }
 
-    /// The shortest way \[m\] from where the slope begins to change otherwise to the next such place; `None` where there is
+    /// The shortest way \[m\] between places where the slope changes its rate; `None` where there is
     /// no such way.
     #[must_use]
     pub fn min_feature_length(&self) -> Option<f64> {
@@ -58,43 +58,21 @@ pub struct Grid {
 }
 
 /// Why numbers make no profile.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum ProfileError {
     /// No points.
+    #[error("a slope profile needs at least one point")]
     Empty,
     /// Places that do not increase, with the first offender.
+    #[error("the profile's points must increase, but not so at {}", number(*.0))]
     Order(f64),
     /// A slope outside of -0.3..0.3 rad, or a number that is not finite.
+    #[error("a slope of {} rad is outside -0.3..0.3 rad", number(*.0))]
     Slope(f64),
     /// So many slopes where the grid has so many corners.
+    #[error("found {0} slopes for the {1} corners of the grid")]
     Count(usize, usize),
 }
-
-impl fmt::Display for ProfileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "a slope profile needs at least one point"),
-            Self::Order(at) => write!(
-                f,
-                "the profile's points must increase, but not so at {}",
-                number(*at)
-            ),
-            Self::Slope(slope) => write!(
-                f,
-                "a slope of {} rad is outside -0.3..0.3 rad",
-                number(*slope)
-            ),
-            Self::Count(found, expected) => {
-                write!(
-                    f,
-                    "found {found} slopes for the {expected} corners of the grid"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for ProfileError {}
 
 /// Steepest slope \[rad\].
 const STEEPEST: f64 = 0.3;

@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 effect! {
     /// A force along the body's Y axis at the centre of mass: a sum of features of the motion.
     ///
-    /// It says how unknown physics acts, not what it is.
+    /// It describes how unknown physics acts, not what it is.
     ResidualLateral: "residual_lateral", Residual(Lateral),
     phrase "an empirical force across the vehicle",
     lifts "nothing acts across the vehicle but what the model names",

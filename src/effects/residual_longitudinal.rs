@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 effect! {
     /// A force along the body's X axis at the centre of mass: a sum of features of the motion.
     ///
-    /// It says how unknown physics acts, not what it is.
+    /// It describes how unknown physics acts, not what it is.
     ResidualLongitudinal: "residual_longitudinal", Residual(Longitudinal),
     phrase "an empirical force along the vehicle",
     lifts "nothing acts along the vehicle but what the model names",

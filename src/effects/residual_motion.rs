@@ -1,4 +1,4 @@
-//! A vehicle's motion in dimensionless numbers: what laws without a name are built from.
+//! A vehicle's motion in dimensionless numbers: what residual models are built from.
 
 use crate::scalar::{Elementary, Scalar};
 
@@ -68,7 +68,7 @@ impl<S: Scalar> ResidualMotion<S> {
     }
 }
 
-/// Share of the vehicle's weight (of m g B for a moment) that a law without a name is worth at most: outside the motion
+/// Share of the vehicle's weight (of m g B for a moment) that a residual model is worth at most: outside the motion
 /// that it was fitted to, a force that grows with the speed would drive itself.
 const LARGEST_SHARE: f64 = 1.0;
 

@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 effect! {
     /// A yaw moment about the centre of mass: a sum of features of the motion.
     ///
-    /// It says how unknown physics acts, not what it is.
+    /// It describes how unknown physics acts, not what it is.
     ResidualYaw: "residual_yaw", Residual(Yaw),
     phrase "an empirical yaw moment",
     lifts "nothing turns the vehicle but what the model names",

@@ -4,7 +4,7 @@ use super::declaration::effect;
 
 effect! {
     /// The wheels of a side are smaller or larger than known. An encoder that counts a wrong number
-    /// of ticks per turn looks the same (but for the sinkage), and is not to be told from it.
+    /// of ticks per turn looks the same (but for the sinkage), and cannot be distinguished from it.
     WheelRadius: "wheel_radius", Wheels,
     phrase "wheels of another radius",
     lifts "known wheel radius, equal on both sides",

@@ -1,8 +1,7 @@
 //! A part of a drive, outside of which effects are off.
 
-use super::{Boundary, CATALOGUE, EffectKind, Effects, SlopeProfile, TerrainChange};
 use crate::display::number;
-use std::fmt;
+use thiserror::Error;
 
 /// Effects that act for a while only, or somewhere only.
 ///
@@ -37,93 +36,34 @@ pub enum Extent {
     },
 }
 
-impl Effects {
-    /// Whether what they do depends on when a drive began, or on how far it has come: slopes over time or distance, a
-    /// boundary of soils over either, a window of seconds. Pieces of a drive cannot be looked at one by one then.
-    #[must_use]
-    pub fn depend_on_beginning(&self) -> bool {
-        let slopes = !matches!(self.slope_profile, None | Some(SlopeProfile::Place(_)));
-        let window = self.window.as_ref();
-        let seconds = window.is_some_and(|w| matches!(w.extent, Extent::Time { .. }));
-        let name = TerrainChange::<f64>::DECLARATION.name;
-        let changes = self
-            .on(EffectKind::Physics)
-            .any(|effect| effect.name == name);
-        slopes || seconds || (changes && self.boundary != Boundary::Place)
-    }
-}
-
 /// Why a window makes no sense.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum WindowError {
     /// No effects in it.
+    #[error("it holds no effects: name at least one")]
     Empty,
     /// A place in the catalogue at which there is no effect.
+    #[error("there is no effect number {0}")]
     Unknown(usize),
     /// An effect that is off inside as well.
+    #[error("{0} is off: set its parameters beside the window, or leave it out")]
     Off(&'static str),
     /// An effect that changes what sensors report, which has no window.
+    #[error("{0} changes what sensors report, which has no window: leave it out")]
     Sensor(&'static str),
     /// A start \[s\] that does not come before the end \[s\].
+    #[error("the start, {} s, must come before the end, {} s", number(*.0), number(*.1))]
     Order(f64, f64),
     /// A radius \[m\] that is not positive.
+    #[error("the radius, {} m, must be above 0 m", number(*.0))]
     Radius(f64),
     /// A number that is not finite.
+    #[error("{0} is not finite")]
     NotFinite(f64),
 }
 
-impl fmt::Display for WindowError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "it holds no effects: name at least one"),
-            Self::Unknown(place) => write!(f, "there is no effect number {place}"),
-            Self::Off(effect) => write!(
-                f,
-                "{effect} is off: set its parameters beside the window, or leave it out"
-            ),
-            Self::Sensor(effect) => write!(
-                f,
-                "{effect} changes what sensors report, which has no window: leave it out"
-            ),
-            Self::Order(start, end) => {
-                let (start, end) = (number(*start), number(*end));
-                write!(f, "the start, {start} s, must come before the end, {end} s")
-            }
-            Self::Radius(radius) => {
-                write!(f, "the radius, {} m, must be above 0 m", number(*radius))
-            }
-            Self::NotFinite(number) => write!(f, "{number} is not finite"),
-        }
-    }
-}
-
-impl std::error::Error for WindowError {}
-
-impl Window {
-    /// Refuses a window that makes no sense with these effects.
-    ///
-    /// # Errors
-    /// Effects that are off anyway, or are no physics; an extent that holds nothing.
-    pub fn check(&self, effects: &Effects) -> Result<(), WindowError> {
-        if self.effects.is_empty() {
-            return Err(WindowError::Empty);
-        }
-        for effect in &self.effects {
-            let declaration = CATALOGUE.get(*effect);
-            let declaration = declaration.ok_or(WindowError::Unknown(*effect))?;
-            if declaration.kind == EffectKind::Measurement {
-                return Err(WindowError::Sensor(declaration.name));
-            }
-            if !effects.is_on(*effect) {
-                return Err(WindowError::Off(declaration.name));
-            }
-        }
-        self.extent.check()
-    }
-}
-
 impl Extent {
-    fn check(&self) -> Result<(), WindowError> {
+    pub(super) fn check(&self) -> Result<(), WindowError> {
         let numbers = match *self {
             Self::Time { start, end } => [start, end, 0.0],
             Self::Place { x, y, radius } => [x, y, radius],

@@ -21,7 +21,7 @@ pub fn room(parameters: &[FreeParameter], coordinates: &DVector<f64>) -> Vec<(f6
 /// may go (from at most 0 to at least 0).
 ///
 /// A primal active set (J. Nocedal & S. Wright, "Numerical Optimization", ch. 16): what stands on its bound and
-/// is pushed outward, or comes to its bound on the way, is held there while the rest goes on to where it is
+/// is pushed outward, or reaches its bound on the way, is held there while the rest moves on to where it is
 /// best beside that; then what is pulled back inward is let go again, one at a time. A step that is cut at the bounds
 /// instead may lead uphill where numbers are correlated. `None` where H is not positive definite.
 #[must_use]

@@ -62,7 +62,7 @@ const ENTRIES: [Entry; 12] = [
     body("com_height", 0.3, (0.01, 5.0)),
 ];
 
-/// What is fitted unless the user says otherwise. The cohesive modulus is not among them:
+/// What is fitted by default. The cohesive modulus is not among them:
 /// wheels of one width feel only k = k_c / b + k_phi (1).
 pub const DEFAULT_FREE: [&str; 5] = [
     "cohesion",

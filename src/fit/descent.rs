@@ -22,7 +22,7 @@ pub(super) struct Answer {
     pub point: Point,
     pub cost: f64,
     pub count: usize,
-    /// Standard deviations of the parameters there, if the data tell of all of them.
+    /// Standard deviations of the parameters there, if the data determine all of them.
     pub deviations: Option<DVector<f64>>,
 }
 

@@ -5,6 +5,7 @@ use super::identifiability::{Limit, limits};
 use super::noise_estimate;
 use super::noise_model::{NoiseEstimate, first_noise_model, noise_estimates, reweigh};
 use super::optimiser::{Stop, minimise};
+use super::options::{Options, Stage};
 use super::parameter::FreeParameter;
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
@@ -13,42 +14,6 @@ use super::sensor::{SensorParameter, SensorValues, free_sensors};
 use super::starts::{Starts, beginning, search};
 use super::uncertainty::{Uncertainty, uncertainty};
 use crate::recording::{Recording, different_names};
-
-/// What to fit, and how.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// Free parameters of each recording's sensors, where the recording can tell of them.
-    pub sensors: Vec<SensorParameter>,
-    /// Length of a segment \[s\].
-    pub segment: f64,
-    /// Number of random starts.
-    pub starts: usize,
-    /// Seed of the random starts.
-    pub seed: u64,
-    /// Whether samples far off count less.
-    pub robust: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            sensors: SensorParameter::DEFAULT_FREE.to_vec(),
-            segment: 5.0,
-            starts: 20,
-            seed: 1,
-            robust: true,
-        }
-    }
-}
-
-/// How far a fit has come.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stage {
-    /// In this turn of motion, noise and weights.
-    Turn(usize),
-    /// So many random starts done.
-    Start(usize),
-}
 
 /// A fitted parameter; it never travels without its interval.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +65,7 @@ pub struct Fit {
 
 /// Turns at most.
 const TURNS: usize = 12;
-/// A turn that comes to rest after lowering the cost, a chi-square, by less than this, and moves
+/// A turn that stops after lowering the cost, a chi-square, by less than this, and moves
 /// no noise by more than this factor's logarithm, is the last.
 const STILL: f64 = 0.5;
 const STILL_NOISE: f64 = 0.1;
@@ -115,11 +80,11 @@ const LATER: f64 = 0.03;
 
 /// Fits a model's free parameters to recordings.
 ///
-/// `model` are the predictor's parameters, in its order, and `nominal` their values to begin with. For a vehicle on a soil
+/// `model` are the predictor's parameters, in its order, and `nominal` their initial values. For a vehicle on a soil
 /// [`fit_model`](super::fit_model) puts these together.
 ///
 /// # Errors
-/// Recordings that tell nothing, and a model that cannot even begin; a length of segments that makes no sense, another
+/// Recordings without information, a model that cannot drive from its initial values, a length of segments out of range, another
 /// number of parameters or values than the predictor has.
 pub fn fit<P: Predictor>(
     predictor: &P,

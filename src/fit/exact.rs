@@ -19,7 +19,7 @@ const LEAST_STEPS: u64 = 1000;
 pub struct ExactPredictor<'d> {
     nominal: Specification,
     free: Vec<ModelParameter>,
-    /// Besides, derivatives are wanted by these as they act within each of the request's gates.
+    /// Besides, derivatives are wanted by these as they act within each of the request's time bins.
     binned: Vec<ModelParameter>,
     coarse: bool,
     /// Errors of the integration, in units of the usual ones.
@@ -49,7 +49,7 @@ impl<'d> ExactPredictor<'d> {
     }
 
     /// With derivatives by further parameters, which keep their values, as they act within each
-    /// of a request's gates.
+    /// of a request's time bins.
     #[must_use]
     pub fn with_binned(mut self, binned: Vec<ModelParameter>) -> Self {
         self.binned = binned;
@@ -161,14 +161,14 @@ impl Trajectory {
 /// Something that drives.
 trait Driven {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
-    /// The drive begins in the midst of another.
+    /// The drive starts in the middle of another.
     fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError>;
     fn advance(&mut self, seconds: f64, look: impl FnMut(&LastStep))
     -> Result<(), SimulationError>;
     /// The rate of change of the state, and its derivatives where they are carried.
     fn here(&mut self) -> Result<([f64; State::COUNT], Option<Derivatives>), SimulationError>;
 
-    /// The next gate opens.
+    /// The next time bin opens.
     fn open_gate(&mut self) {}
 }
 
@@ -225,7 +225,7 @@ impl Driven for SensitiveSimulation {
 const ROUNDING: f64 = 1e-9;
 
 /// Drives along the wheel speeds and writes what it was like at each of the times. Only rows and
-/// gates end a step of the integrator; what lies within a step is interpolated.
+/// time bins end a step of the integrator; what lies within a step is interpolated.
 fn drive<D: Driven>(
     simulation: &mut D,
     request: &Request,

@@ -1,16 +1,16 @@
-//! What the data cannot tell, in words.
+//! What the data leave undetermined, in words.
 
 use super::parameter::FreeParameter;
 use super::uncertainty::Uncertainty;
 use nalgebra::DMatrix;
 use std::fmt;
 
-/// A parameter whose interval is not narrower than this share of the prior's was not told by
+/// A parameter whose interval is not narrower than this share of the prior's is not determined by
 /// the data.
 const UNTOLD: f64 = 0.7;
-/// Parameters that are correlated beyond this are told only together.
+/// Parameters that are correlated beyond this are determined only together.
 const TOGETHER: f64 = 0.95;
-/// A combination belongs to what the data tell if they narrow it to this share of the prior.
+/// The data determine a combination if they narrow it to this share of the prior.
 const FIXED: f64 = 0.5;
 /// Shares of a combination below this are left out.
 const SMALL_SHARE: f64 = 0.3;
@@ -25,7 +25,7 @@ pub enum Limit {
         /// The ratio.
         ratio: f64,
     },
-    /// Two parameters of which the data tell a combination alone.
+    /// Two parameters of which the data determine a combination alone.
     Together {
         /// Names.
         parameters: [String; 2],
@@ -41,8 +41,8 @@ pub enum Limit {
         /// The unit.
         unit: &'static str,
     },
-    /// How many combinations of the model's parameters the data tell, of how many; with the
-    /// one told worst.
+    /// How many combinations of the model's parameters the data determine, of how many; with the
+    /// one determined worst.
     Combinations {
         /// Told by the data.
         told: usize,
@@ -149,7 +149,7 @@ pub fn limits(
 }
 
 /// Directions in the model's parameters, each in units of its prior, by how far the data
-/// narrow them: eigenvectors of the posterior covariance. Told only where some are not told.
+/// narrow them: eigenvectors of the posterior covariance. Reported only where some are not determined.
 fn combinations(
     parameters: &[FreeParameter],
     model: usize,
@@ -173,7 +173,7 @@ fn combinations(
         |k: usize| parameters[k].name.clone(),
         eigen.eigenvectors.column(worst).clone_owned(),
     );
-    // The sign of an eigenvector is arbitrary: its largest share is told as positive.
+    // The sign of an eigenvector is arbitrary: its largest share is made positive.
     if shares[shares.iamax()] < 0.0 {
         shares = -shares;
     }

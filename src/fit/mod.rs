@@ -5,9 +5,9 @@
 //! ([`observation`]), and the parameters that all segments share are found by
 //! Levenberg–Marquardt with the starts eliminated ([`optimiser`], [`bounded`], [`normal`]). The noise of
 //! each channel, white and coloured, comes from the data ([`noise`], [`noise_estimate`]),
-//! heavy tails by weights ([`robust`]). What the data fix, and how well, is told by
+//! heavy tails by weights ([`robust`]). What the data determine, and how well, is in
 //! [`uncertainty`] and [`identifiability`]; [`starts`] asks whether there is another answer, [`restart`] whether
-//! a segment's start has gone astray.
+//! a segment's start is in a wrong minimum.
 //!
 //! Segments are computed side by side and summed in their order: the result does not depend
 //! on the number of threads.
@@ -28,6 +28,7 @@ pub mod noise_model;
 pub mod normal;
 pub mod observation;
 pub mod optimiser;
+mod options;
 pub mod parameter;
 pub mod predictor;
 pub mod problem;
@@ -35,11 +36,12 @@ pub mod restart;
 pub mod robust;
 pub mod segment;
 pub mod sensor;
-mod start_prior;
+pub mod signal;
 pub mod starts;
 pub mod uncertainty;
 
 pub use error::FitError;
-pub use estimate::{Estimate, Fit, Options, Stage, fit};
+pub use estimate::{Estimate, Fit, fit};
 pub use model::{Fitted, fit_model};
 pub use noise_model::NoiseEstimate;
+pub use options::{Options, Stage};

@@ -1,7 +1,8 @@
 //! Fitting a model of a vehicle on a soil: what most want of [`fit`](super::fit).
 
-use super::estimate::{Fit, Options, Stage, fit};
+use super::estimate::{Fit, fit};
 use super::exact::ExactPredictor;
+use super::options::{Options, Stage};
 use super::{FitError, catalogue};
 use crate::recording::Recording;
 use crate::vehicle::{ModelParameter, Specification};
@@ -39,7 +40,7 @@ pub struct Fitted {
 /// ```
 ///
 /// # Errors
-/// As [`fit`]; a parameter that is named twice; a model whose effects depend on when a drive began, for segments begin
+/// As [`fit`]; a parameter that is named twice; a model whose effects depend on when a drive began, for segments start
 /// anywhere.
 pub fn fit_model(
     nominal: &Specification,

@@ -13,7 +13,7 @@ use super::linearised::Linearised;
 use super::noise::ChannelNoise;
 use super::normal::{Eliminated, Normal};
 use super::problem::{NoiseModel, Tables};
-use super::segment::NoiseGroup;
+use super::signal::NoiseGroup;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 /// time, which is 1 s in the middle: only to keep what the data leave open from running away.
 const SIZE_DEVIATION: f64 = 3.0;
 const TIME_DEVIATION: f64 = 1.0;
-/// Correlation times beyond these cannot be told from white noise or from an offset \[s\].
+/// Correlation times beyond these cannot be distinguished from white noise or from an offset \[s\].
 const TIME_RANGE: (f64, f64) = (0.03, 10.0);
 /// Smallest standard deviation, as a share of the first guess.
 const SMALLEST: f64 = 1e-3;

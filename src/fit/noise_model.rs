@@ -1,10 +1,11 @@
-//! Noise and weights: where they begin, how weights follow the residuals, what is told of both.
+//! Noise and weights: their initial values, how weights follow the residuals, and what is reported.
 
 use super::noise::ChannelNoise;
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, ShootingProblem, Tables};
 use super::robust;
-use super::segment::{NoiseGroup, Segment};
+use super::segment::Segment;
+use super::signal::NoiseGroup;
 
 /// The noise of a recording's channels, and what is left of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +77,7 @@ pub fn reweigh_segment(
     }
 }
 
-/// What is told of every recording's channels.
+/// The report on every recording's channels.
 pub fn noise_estimates<P: Predictor>(
     problem: &ShootingProblem<P>,
     tables: &[Tables],

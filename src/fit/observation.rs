@@ -1,8 +1,9 @@
 //! What the sensors report of a trajectory, and its derivatives.
 
 use super::predictor::{PredictionError, Predictor, Request, Trajectory};
-use super::segment::{Samples, Segment, Signal};
+use super::segment::{Samples, Segment};
 use super::sensor::{SensorParameter, SensorValues};
+use super::signal::Signal;
 use crate::simulation::State;
 
 /// Number of derivatives besides those by the model's parameters: the start and the sensors.
@@ -44,7 +45,7 @@ pub fn observe(
     sensors: &SensorValues,
     derivatives: bool,
 ) -> Result<Vec<Residuals>, PredictionError> {
-    observe_gated(
+    observe_binned(
         predictor,
         segment,
         start,
@@ -55,12 +56,12 @@ pub fn observe(
     )
 }
 
-/// As [`observe`], with the derivatives by gated parameters after those by the parameters; see
+/// As [`observe`], with the derivatives by binned parameters after those by the parameters; see
 /// [`Request::time_bins`].
 ///
 /// # Errors
 /// As [`Predictor::predict`].
-pub fn observe_gated(
+pub fn observe_binned(
     predictor: &impl Predictor,
     segment: &Segment,
     start: &[f64; 6],

@@ -3,7 +3,7 @@
 //! Damping after H. B. Nielsen, "Damping parameter in Marquardt's method" (IMM-REP-1999-05).
 //! A step is also cut where it would carry a parameter too far at once, in units of its prior:
 //! beyond lie soils on which the vehicle cannot drive, and nothing is learnt from those.
-//! Steps stay within bounds as [`step_within`] tells. Where it would end, segments that stand out have their starts
+//! Steps stay within bounds, see [`step_within`]. Where it would end, segments that stand out have their starts
 //! looked for anew (see [`super::restart`]). A search ends at the predictor's deadline with the best point so far.
 
 use super::bounded::{room, step_within};
@@ -39,7 +39,7 @@ impl Stop {
         }
     }
 
-    /// With the starts that the steps come to.
+    /// With the starts at the end of the steps.
     #[must_use]
     pub const fn without_renewals(mut self) -> Self {
         self.max_restarts = 0;
@@ -153,7 +153,7 @@ impl Stand {
 /// Lowers the cost from a point, which moves along.
 ///
 /// # Errors
-/// A point to begin with that cannot be predicted.
+/// An initial point that cannot be predicted.
 pub fn minimise<P: Predictor>(
     problem: &ShootingProblem<P>,
     point: &mut Point,
@@ -200,7 +200,7 @@ pub fn minimise_from<P: Predictor>(
             break (false, step.map_or(0.0, |step| step.expected_gain));
         }
         if (ended || little) && here.age > 0 {
-            // Only derivatives of this point tell whether it is the end.
+            // Only the derivatives at this point show whether it is the end.
             here = renewed(here, &mut sure);
             continue;
         }

@@ -4,7 +4,7 @@ use super::deadline::Deadline;
 use crate::parameter::ParameterError;
 use crate::recording::Drive;
 use crate::simulation::{SimulationError, State};
-use std::fmt;
+use thiserror::Error;
 
 /// A trajectory that is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -21,11 +21,11 @@ pub struct Request<'a> {
     pub clock: f64,
     /// Recorded wheel speeds, linear between rows and held beyond the ends.
     pub drive: &'a Drive,
-    /// The wheels at time t turn as the drive tells of t + `wheel_latency` \[s\].
+    /// The wheels at time t turn as recorded at t + `wheel_latency` \[s\].
     pub wheel_latency: f64,
     /// Times at which the state is wanted \[s\], increasing.
     pub times: &'a [f64],
-    /// Times at which one gate closes and the next opens \[s\], increasing, for derivatives by
+    /// Times at which one time bin closes and the next opens \[s\], increasing, for derivatives by
     /// parameters as they act within each.
     pub time_bins: &'a [f64],
     /// Whether derivatives are wanted besides the states.
@@ -42,7 +42,7 @@ pub struct Trajectory {
     /// Derivatives by the start: for each time one state's worth per component of the start.
     pub by_start: Vec<[[f64; 6]; 6]>,
     /// Derivatives by the parameters: for each time one state's worth per parameter, all in
-    /// one list; those by gated parameters follow, gate by gate.
+    /// one list; those by binned parameters follow, bin by bin.
     pub by_parameter: Vec<[f64; 6]>,
     /// Derivatives by the wheels' latency.
     pub by_wheel_latency: Vec<[f64; 6]>,
@@ -85,44 +85,15 @@ pub trait Predictor: Send + Sync {
 }
 
 /// Why there is no trajectory for these parameters.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum PredictionError {
     /// A parameter out of range.
-    FreeParameter(ParameterError),
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// A drive that ends early.
-    Simulation(SimulationError),
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
     /// The deadline has passed: see [`Predictor::deadline`].
+    #[error("time was up")]
     OutOfTime,
-}
-
-impl fmt::Display for PredictionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::FreeParameter(error) => error.fmt(f),
-            Self::Simulation(error) => error.fmt(f),
-            Self::OutOfTime => f.write_str("time was up"),
-        }
-    }
-}
-
-impl std::error::Error for PredictionError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::FreeParameter(error) => Some(error),
-            Self::Simulation(error) => Some(error),
-            Self::OutOfTime => None,
-        }
-    }
-}
-
-impl From<ParameterError> for PredictionError {
-    fn from(error: ParameterError) -> Self {
-        Self::FreeParameter(error)
-    }
-}
-
-impl From<SimulationError> for PredictionError {
-    fn from(error: SimulationError) -> Self {
-        Self::Simulation(error)
-    }
 }

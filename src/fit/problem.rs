@@ -1,12 +1,12 @@
 //! The unknowns, the segments, and the residuals at a point.
 
 use super::linearised::{Linearised, add_segment};
-use super::noise::ChannelNoise;
+pub use super::linearised::{NoiseModel, Tables};
 use super::normal::{Normal, START};
 use super::observation::{self, Residuals};
 use super::parameter::FreeParameter;
 use super::predictor::{PredictionError, Predictor};
-use super::segment::{NoiseGroup, Segment};
+use super::segment::Segment;
 use super::sensor::{SensorParameter, SensorValues};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -39,40 +39,6 @@ pub struct Point {
     pub coordinates: DVector<f64>,
     /// Start of each segment.
     pub starts: Vec<[f64; START]>,
-}
-
-/// How residuals are weighed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NoiseModel {
-    /// Noise of each recording's channels, by [`NoiseGroup`].
-    pub noise: Vec<[ChannelNoise; NoiseGroup::ALL.len()]>,
-    /// Weight of each sample, by segment and channel.
-    pub weights: Vec<Vec<Vec<f64>>>,
-}
-
-/// A segment's residuals, channel by channel: rows of residual, derivatives by the start and
-/// derivatives by the coordinates that the segment depends on.
-#[derive(Debug, Clone)]
-pub struct Tables {
-    /// A table per channel.
-    pub channels: Vec<Vec<f64>>,
-    /// Numbers in a row: 1 without derivatives.
-    pub columns: usize,
-}
-
-impl Tables {
-    /// Other residuals with these derivatives.
-    #[must_use]
-    pub fn with_residuals(&self, residuals: &Self) -> Self {
-        let mut mixed = self.clone();
-        for (table, new) in mixed.channels.iter_mut().zip(&residuals.channels) {
-            let rows = table.chunks_exact_mut(self.columns);
-            for (row, new) in rows.zip(new.chunks_exact(residuals.columns)) {
-                row[0] = new[0];
-            }
-        }
-        mixed
-    }
 }
 
 impl<'a, P: Predictor> ShootingProblem<'a, P> {

@@ -1,6 +1,6 @@
 //! Starts of segments, looked for anew.
 //!
-//! A segment's start is fitted along with everything else, from wherever it stands. Beside a model that lacks something
+//! A segment's start is fitted along with everything else, from its present value. Beside a model that lacks something
 //! it may have gone far off, to velocities that nothing measures and that are gone after some tenths of a second,
 //! and it stays there when the model is right: what that segment leaves over then looks like a force for some seconds.
 //! So each start is fitted again, the model held, from where it stands, from where the sensors show it and from where
@@ -30,14 +30,14 @@ const WORTH: f64 = 2.0;
 const FIRST_DAMPING: f64 = 1e-3;
 const LARGEST_DAMPING: f64 = 1e4;
 
-/// Another start lies in the same basin where the cost there is what the linearised segment says, up to this share of the
+/// Another start lies in the same basin where the cost there is that of the linearised segment, up to this share of the
 /// difference and this much.
 const FORETOLD: f64 = 0.25;
 const ROUGHLY: f64 = 2.0;
-/// It has come to the same place where the linearised cost there is higher by no more than this.
+/// Two minima are the same where the linearised cost differs by no more than this.
 const SAME: f64 = 4.0;
 
-/// A segment may have gone astray where its samples cost so many times what those of the median segment do.
+/// A segment may be in a wrong minimum where its samples cost so many times what those of the median segment do.
 const OUTLYING: f64 = 3.0;
 
 /// The starts of all segments, those that were found to do better anew; `None` where none was. The parameters are held.
@@ -263,7 +263,7 @@ impl<P: Predictor> Stretch<'_, P> {
         (best.cost < enough).then_some(best.at)
     }
 
-    /// Whether the squares at another start are about what the linearised segment says.
+    /// Whether the squares at another start are about those of the linearised segment.
     fn foretells(&self, here: &Start, other: &[f64; START]) -> bool {
         let Some(squares) = self.squares(here, other) else {
             return false;
@@ -338,7 +338,7 @@ impl<P: Predictor> Stretch<'_, P> {
         })
     }
 
-    /// The start in the same basin that costs least. `None` where it comes to one that is `known`.
+    /// The start in the same basin that costs least. `None` where that one is `known`.
     fn settled(&self, mut here: Start, known: Option<&Start>) -> Option<Start> {
         let mut damping = FIRST_DAMPING;
         for _ in 0..STEPS {

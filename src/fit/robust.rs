@@ -27,7 +27,7 @@ pub fn penalty(weight: f64) -> f64 {
 }
 
 /// The slope of a sample's pull, its weighed residual: lambda (1 - 2 x^2 / (nu + x^2)). It is
-/// what a sample tells of its mean, and less than its weight.
+/// the information of a sample on its mean, and less than its weight.
 #[must_use]
 pub fn curvature(ratio: f64) -> f64 {
     let square = ratio * ratio;

@@ -6,128 +6,11 @@
 //! disturbance that the model lacks then stays in its segment.
 
 use super::sensor::{SensorParameter, SensorValues};
-use super::start_prior::{AT_REST, START_DEVIATION, with_start};
-use crate::recording::{Channel, Course, Drive, Recording, Run};
+use super::signal::Signal;
+use crate::recording::{Channel, Course, Drive, Recording, Run, Series};
 use crate::vehicle::seen_from;
+use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// A channel that is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// Position east.
-    X,
-    /// Position north.
-    Y,
-    /// Heading.
-    Heading,
-    /// Velocity forward.
-    VelocityForward,
-    /// Velocity to the left.
-    VelocityLeft,
-    /// Yaw rate.
-    YawRate,
-}
-
-impl Signal {
-    /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::X,
-        Self::Y,
-        Self::Heading,
-        Self::VelocityForward,
-        Self::VelocityLeft,
-        Self::YawRate,
-    ];
-
-    /// The channel of a recording.
-    #[must_use]
-    pub const fn channel(self) -> Channel {
-        match self {
-            Self::X => Channel::X,
-            Self::Y => Channel::Y,
-            Self::Heading => Channel::Heading,
-            Self::VelocityForward => Channel::VX,
-            Self::VelocityLeft => Channel::VY,
-            Self::YawRate => Channel::YawRate,
-        }
-    }
-
-    /// The noise that it has: x and y share theirs.
-    #[must_use]
-    pub const fn group(self) -> NoiseGroup {
-        match self {
-            Self::X | Self::Y => NoiseGroup::Position,
-            Self::Heading => NoiseGroup::Heading,
-            Self::VelocityForward => NoiseGroup::VelocityForward,
-            Self::VelocityLeft => NoiseGroup::VelocityLeft,
-            Self::YawRate => NoiseGroup::YawRate,
-        }
-    }
-
-    /// Whether it comes from the sensor of the pose, with its latency.
-    #[must_use]
-    pub const fn is_pose(self) -> bool {
-        matches!(self, Self::X | Self::Y | Self::Heading)
-    }
-
-    /// How late it is \[s\].
-    #[must_use]
-    pub const fn latency(self, sensors: &SensorValues) -> f64 {
-        if self.is_pose() {
-            sensors[SensorParameter::PoseLatency.index()]
-        } else {
-            0.0
-        }
-    }
-}
-
-/// Channels that share their noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoiseGroup {
-    /// x and y.
-    Position,
-    /// Heading.
-    Heading,
-    /// v_x.
-    VelocityForward,
-    /// v_y.
-    VelocityLeft,
-    /// Yaw rate.
-    YawRate,
-}
-
-impl NoiseGroup {
-    /// All groups.
-    pub const ALL: [Self; 5] = [
-        Self::Position,
-        Self::Heading,
-        Self::VelocityForward,
-        Self::VelocityLeft,
-        Self::YawRate,
-    ];
-
-    /// Name and unit.
-    #[must_use]
-    pub const fn describe(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Position => ("position", "m"),
-            Self::Heading => ("heading", "rad"),
-            Self::VelocityForward => ("v_x", "m/s"),
-            Self::VelocityLeft => ("v_y", "m/s"),
-            Self::YawRate => ("yaw_rate", "rad/s"),
-        }
-    }
-
-    /// Noise to begin with: what such a sensor and a fair model leave.
-    #[must_use]
-    pub const fn first_guess(self) -> f64 {
-        match self {
-            Self::Position => 0.05,
-            Self::Heading | Self::YawRate => 0.03,
-            Self::VelocityForward | Self::VelocityLeft => 0.05,
-        }
-    }
-}
 
 /// Samples of a channel within a segment.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,7 +41,7 @@ pub struct Segment {
     pub drive: Arc<Drive>,
     /// What was measured.
     pub samples: Vec<Samples>,
-    /// Poses as the sensor told them, over which the vehicle came to the start, that one the last; empty where not known.
+    /// Measured poses of the approach to the start, the start last; empty where not known.
     pub course: Arc<[[f64; 3]]>,
     /// What is known of the start before the fit: read off the sensors, with wide standard
     /// deviations, as the same samples take part in the fit.
@@ -218,7 +101,7 @@ const STILL_SECONDS: [f64; 2] = [0.1, 0.4];
 const LONGEST_GAP: f64 = 1.5;
 /// Longer gaps are none of the drive: the clock was set, or the recorder waited \[s\].
 const PAUSE: f64 = 60.0;
-/// Runs' stretches of the model's clock begin so far apart \[s\].
+/// Offset between the runs on the model's clock \[s\].
 pub const CLOCK: f64 = 1e6;
 /// Segments with less samples or shorter ones than this are not worth a free start.
 const FEWEST_SAMPLES: usize = 12;
@@ -235,7 +118,7 @@ pub struct Cut {
     pub unusable: f64,
 }
 
-/// Cuts recordings into segments of about `length` seconds. `sensors` tells for each recording
+/// Cuts recordings into segments of about `length` seconds. `sensors` holds for each recording
 /// how late its pose is: samples go to the segment in which they were true.
 #[must_use]
 pub fn cut(recordings: &[Recording], sensors: &[SensorValues], length: f64) -> Cut {
@@ -325,7 +208,7 @@ impl Cut {
     }
 }
 
-/// Where the vehicle was in a run, as far as that is told.
+/// Where the vehicle was in a run, as far as it is measured.
 fn course(run: &Run) -> Course {
     let series = [Channel::X, Channel::Y, Channel::Heading].map(|channel| run.series(channel));
     let [Some(x), Some(y), Some(heading)] = series else {
@@ -356,4 +239,142 @@ fn samples(run: &Run, sensors: &SensorValues, from: f64, to: f64) -> Vec<Samples
         })
     };
     Signal::ALL.into_iter().filter_map(within).collect()
+}
+
+/// Standard deviations of the start's prior: pose \[m, m, rad\], then velocities. Positions are those of the antenna,
+/// which may be some metres from the reference point: many starts would pull a lever arm to zero.
+pub const START_DEVIATION: [f64; 6] = [5.0, 5.0, 0.3, 0.5, 0.4, 0.5];
+/// The same for velocities that follow from the wheel speeds alone.
+const GUESSED_VELOCITY: [f64; 3] = [2.0, 1.0, 1.0];
+/// Standard deviation of a heading that is not measured \[rad\].
+const GUESSED_HEADING: f64 = 3.0;
+/// A vehicle that moves faster than this \[m/s\] heads where it goes, or where it comes from if its wheels turn backwards.
+const COURSE_SPEED: f64 = 0.3;
+/// A pose is differentiated over so many seconds to either side.
+const SLOPE_SECONDS: f64 = 0.4;
+/// The same where the wheels stand still: the vehicle does, too. A start that slides on locked
+/// wheels is often one that no soil bears.
+pub const AT_REST: f64 = 0.005;
+/// Samples further apart than this, and than so many usual intervals, are not interpolated \[s\]; nor does one
+/// that is further away count here.
+const KNOWN: (f64, f64) = (1.0, 2.5);
+/// Standard deviation of a position of another time \[m\].
+const GUESSED_POSITION: f64 = 20.0;
+
+/// Reads the start off the sensors. Without a measured heading it is the course, or that of later where the vehicle does
+/// not move yet.
+pub fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Segment {
+    let time = segment.start;
+    let late = Signal::X.latency(sensors);
+    let at = |channel, time| run.series(channel).and_then(|series| known(series, time));
+    // The first sample of the segment, and how much later it is.
+    let first = |channel| {
+        let of_channel = |s: &&Samples| s.signal.channel() == channel;
+        let samples = segment.samples.iter().find(of_channel);
+        samples.map(|samples| (samples.value[0], samples.time[0] - time - late))
+    };
+    let here = |channel| {
+        let soon = first(channel).filter(|(_, later)| *later <= KNOWN.0);
+        at(channel, time + late).or(soon.map(|(value, _)| value))
+    };
+    let about = |channel| {
+        let between = run
+            .series(channel)
+            .and_then(|series| series.at(time + late));
+        between.or(first(channel).map(|(value, _)| value))
+    };
+    let slope = |channel, time: f64| {
+        let (from, to) = (time + late - SLOPE_SECONDS, time + late + SLOPE_SECONDS);
+        let middle = at(channel, time + late);
+        match (at(channel, from), middle, at(channel, to)) {
+            (Some(a), _, Some(b)) => Some((b - a) / (2.0 * SLOPE_SECONDS)),
+            (None, Some(a), Some(b)) => Some((b - a) / SLOPE_SECONDS),
+            _ => None,
+        }
+    };
+    let velocity = |time| slope(Channel::X, time).zip(slope(Channel::Y, time));
+    let course = |time| {
+        let (x, y) = velocity(time).filter(|(x, y)| x.hypot(*y) > COURSE_SPEED)?;
+        let row = segment.drive.time.partition_point(|t| *t <= time).max(1) - 1;
+        let turning: f64 = segment.drive.wheel_speeds(row).iter().sum();
+        let ahead = if turning < 0.0 { -1.0 } else { 1.0 };
+        Some((ahead * y).atan2(ahead * x))
+    };
+    let mut pose = [0.0; 3];
+    let mut deviation = segment.start_deviation;
+    for (k, channel) in [Channel::X, Channel::Y].into_iter().enumerate() {
+        if let Some(position) = here(channel) {
+            pose[k] = position;
+        } else if let Some(position) = about(channel) {
+            (pose[k], deviation[k]) = (position, GUESSED_POSITION);
+        }
+    }
+    let heading = here(Channel::Heading);
+    let mut heads = heading.is_some();
+    pose[2] = heading.unwrap_or_default();
+    if !heads {
+        let moves = |step: i32| course(time + SLOPE_SECONDS * f64::from(step));
+        heads = moves(0).is_some();
+        let steps = 0..((segment.end - time) / SLOPE_SECONDS) as i32;
+        pose[2] = steps.into_iter().find_map(moves).unwrap_or(0.0);
+        // On the same turn as the later headings.
+        if let Some(told) = about(Channel::Heading) {
+            pose[2] += TAU * ((told - pose[2]) / TAU).round();
+        }
+        if !heads {
+            deviation[2] = GUESSED_HEADING;
+        }
+    }
+    let (sin, cos) = pose[2].sin_cos();
+    let along = velocity(time).filter(|_| heads);
+    let along = along.map(|(x, y)| x * cos + y * sin);
+    let bias = sensors[SensorParameter::YawRateBias.index()];
+    let yaw = at(Channel::YawRate, time).map(|rate| rate - bias);
+    let velocities = [
+        at(Channel::VX, time).or(along),
+        at(Channel::VY, time).or(along.map(|_| 0.0)),
+        yaw.or_else(|| slope(Channel::Heading, time)),
+    ];
+    segment.start_prior[..3].copy_from_slice(&pose);
+    segment.start_deviation = deviation;
+    for (k, velocity) in velocities.into_iter().enumerate() {
+        segment.start_prior[3 + k] = velocity.unwrap_or(0.0);
+        if velocity.is_none() {
+            segment.start_deviation[3 + k] = GUESSED_VELOCITY[k];
+        }
+    }
+    segment
+}
+
+/// The value at a time, between samples that are near enough.
+fn known(series: &Series, time: f64) -> Option<f64> {
+    let after = series.time.partition_point(|sample| *sample <= time);
+    let interval = |next: usize| {
+        let before = next.checked_sub(1)?;
+        Some(series.time.get(next)? - series.time[before])
+    };
+    let usual = [after.checked_sub(1).and_then(interval), interval(after + 1)];
+    let usual = usual.into_iter().flatten().reduce(f64::min);
+    let longest = KNOWN.0.max(KNOWN.1 * usual.unwrap_or(0.0));
+    if interval(after).is_some_and(|gap| gap > longest) {
+        return None;
+    }
+    series.at(time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_lost_is_not_known() {
+        let times = (0..20).chain(60..80).map(|k| 0.1 * f64::from(k));
+        let series: Series = times.map(|time| (time, time)).collect();
+        assert_eq!(known(&series, 4.0), None);
+        assert_eq!(known(&series, 7.0), series.at(7.0));
+        assert_eq!(known(&series, -1.0), None);
+        // A sensor that reports every other second is near enough.
+        let slow: Series = (0..5).map(|k| (2.0 * f64::from(k), 1.0)).collect();
+        assert_eq!(known(&slow, 3.0), Some(1.0));
+    }
 }

@@ -1,9 +1,9 @@
-//! The sensors' parameters: what a recording says beside what the vehicle did.
+//! The sensors' parameters: constant faults of a recording's sensors.
 
 use super::catalogue::describe_effect;
 use super::error::FitError;
 use super::parameter::FreeParameter;
-use super::segment::Signal;
+use super::signal::Signal;
 use crate::effects::ParameterName;
 use crate::identification::{Latencies, Signals};
 use crate::recording::{Channel, Recording};
@@ -18,11 +18,11 @@ pub enum SensorParameter {
     WheelLatency,
     /// What the gyro shows at rest \[rad/s\].
     YawRateBias,
-    /// How far ahead of the centre of mass the pose is told \[m\].
+    /// How far ahead of the centre of mass the pose is measured \[m\].
     LeverArmX,
-    /// How far left of the centre of mass the pose is told \[m\].
+    /// How far left of the centre of mass the pose is measured \[m\].
     LeverArmY,
-    /// How far the told heading is turned against the vehicle's axis \[rad\].
+    /// How far the measured heading is turned against the vehicle's axis \[rad\].
     HeadingOffset,
 }
 
@@ -40,7 +40,7 @@ impl SensorParameter {
         Self::HeadingOffset,
     ];
 
-    /// Those that are fitted unless the user says otherwise.
+    /// Those that are fitted by default.
     pub const DEFAULT_FREE: [Self; 3] = [Self::PoseLatency, Self::WheelLatency, Self::YawRateBias];
 
     /// Place in [`SensorParameter::ALL`].
@@ -86,7 +86,7 @@ impl SensorParameter {
         found.ok_or_else(|| nearest(name, names).unwrap_or_default())
     }
 
-    /// Whether a recording has the channels that tell of it.
+    /// Whether a recording has the channels that determine it.
     #[must_use]
     pub fn is_told_by(self, recording: &Recording) -> bool {
         let pose = recording.has(Channel::X) || recording.has(Channel::Heading);
@@ -110,7 +110,7 @@ impl SensorParameter {
     }
 }
 
-/// Latencies of a recording as comparing the curves of pose, gyro and wheels tells them; zero where it does not, and
+/// Latencies of a recording from the correlation of pose, gyro and wheels; zero where that is not clear, and
 /// for all else. A search from zero may end where motions are matched with their neighbours.
 #[must_use]
 pub fn compared(recording: &Recording) -> SensorValues {
@@ -123,7 +123,7 @@ pub fn compared(recording: &Recording) -> SensorValues {
     values
 }
 
-/// Of the sensor parameters wanted, those that a recording can tell of.
+/// Of the sensor parameters wanted, those that a recording determines.
 ///
 /// # Errors
 /// A recording in which nothing is measured, and a parameter that is wanted twice.
@@ -146,6 +146,18 @@ pub fn free_sensors(
     }
     let tells = |sensor: &SensorParameter| sensor.is_told_by(recording);
     Ok(wanted.iter().copied().filter(tells).collect())
+}
+
+impl Signal {
+    /// How late it is \[s\].
+    #[must_use]
+    pub const fn latency(self, sensors: &SensorValues) -> f64 {
+        if self.is_pose() {
+            sensors[SensorParameter::PoseLatency.index()]
+        } else {
+            0.0
+        }
+    }
 }
 
 #[cfg(test)]

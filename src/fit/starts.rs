@@ -1,7 +1,7 @@
 //! The same fit from random starts: is there another answer?
 
 use super::descent::{Answer, Descent, close, descend, descend_past, group};
-use super::estimate::{Options, Stage};
+use super::options::{Options, Stage};
 use super::parameter::FreeParameter;
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, Point, ShootingProblem};
@@ -45,7 +45,7 @@ impl OtherMinimum {
     }
 }
 
-/// Where a fit begins: the model's parameters at these values, latencies at what comparing the curves tells.
+/// Where a fit begins: the model's parameters at these values, latencies from correlating the sensors.
 #[must_use]
 pub fn beginning<P: Predictor>(
     problem: &ShootingProblem<P>,

@@ -13,7 +13,7 @@ use super::parameter::NORMAL_95;
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::robust;
-use super::segment::NoiseGroup;
+use super::signal::NoiseGroup;
 use nalgebra::{DMatrix, DVector};
 
 /// M counts for as much as so many segments per parameter do.
@@ -145,7 +145,7 @@ fn overdispersion(
 }
 
 /// Weights whose information is the curvature of the objective: a sample's pull grows more
-/// slowly than its weight tells, see [`robust::curvature`].
+/// slowly than its weight, see [`robust::curvature`].
 fn with_curvature<P: Predictor>(
     problem: &ShootingProblem<P>,
     tables: &[Tables],

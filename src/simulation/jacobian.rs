@@ -1,8 +1,9 @@
 //! Derivatives of the state's rate of change.
 
+use super::evaluation::Evaluation;
+use super::integrator::Stages;
 use super::memory::{MemoryJacobian, directions};
-use super::rosenbrock::Stages;
-use super::{Evaluation, InputMatrix, Simulation, SimulationError, State, StateMatrix};
+use super::state::{InputMatrix, State, StateMatrix};
 use crate::vehicle::{
     Differentiated, Direction, Directions, Linearisation, Motion, Surroundings, Trend,
     VehicleModel, Wrench,
@@ -20,10 +21,10 @@ pub struct Jacobian {
 /// Memory that carries nothing from one call to the next.
 #[derive(Debug, Clone)]
 pub(super) struct Work {
-    linearisation: Linearisation,
-    partial: Wrench,
+    pub linearisation: Linearisation,
+    pub partial: Wrench,
     /// The directions to differentiate in and their results, where effects alter the model.
-    altered: Option<(Directions, Vec<Differentiated>)>,
+    pub altered: Option<(Directions, Vec<Differentiated>)>,
     pub stages: Stages,
 }
 
@@ -72,7 +73,12 @@ impl Work {
         jacobian
     }
 
-    fn along(&mut self, model: &VehicleModel, at: &Evaluation, direction: &Motion) -> &Wrench {
+    pub(super) fn along(
+        &mut self,
+        model: &VehicleModel,
+        at: &Evaluation,
+        direction: &Motion,
+    ) -> &Wrench {
         let Self {
             linearisation,
             partial,
@@ -106,7 +112,7 @@ impl State {
 impl Jacobian {
     /// Adds the forces' derivatives in all directions, and writes how the balance and what is
     /// remembered change with them.
-    fn take(
+    pub(super) fn take(
         &mut self,
         list: &[Direction],
         results: &[Differentiated],
@@ -145,124 +151,4 @@ impl Jacobian {
 
 fn rates(derivative: &Wrench) -> [f64; 3] {
     [derivative.a_x, derivative.a_y, derivative.yaw_acceleration]
-}
-
-impl Simulation {
-    /// Takes derivatives at the present, evaluated state for the steps that follow.
-    pub(super) fn take_jacobian(&mut self, list: &[Direction], results: &[Differentiated]) {
-        let mut jacobian = self.state.kinematic_jacobian();
-        let integrator = &mut self.integrator;
-        jacobian.take(list, results, &mut self.trend, &mut integrator.memory);
-        integrator.by_state = jacobian.by_state;
-        integrator.by_input = jacobian.by_input;
-        integrator.jacobian_age = 0;
-    }
-
-    /// The derivative of the wrench when velocities and wheel speeds change in `direction`, and
-    /// position and heading in `pose` \[m, m, rad\]; what is remembered is held.
-    ///
-    /// # Errors
-    /// As [`Simulation::wrench`].
-    pub fn wrench_derivative(
-        &mut self,
-        direction: &Motion,
-        pose: [f64; 3],
-    ) -> Result<&Wrench, SimulationError> {
-        self.evaluate()?;
-        let surroundings = self
-            .state
-            .surroundings(self.time, &self.memory, self.left.tracks());
-        let (model, at) = (&self.model, &self.now);
-        match (&mut self.work.altered, model.altered()) {
-            (Some((directions, results)), Some(altered)) => {
-                let (motion, balance) = (&at.motion, &at.balance);
-                directions.differentiate(model, altered, motion, &surroundings, balance, results);
-                let along = direction.to_array().into_iter().chain(pose);
-                self.work
-                    .partial
-                    .combine(results.iter().map(|r| &r.wrench).zip(along));
-            }
-            _ => {
-                self.work
-                    .linearisation
-                    .evaluate(model, &at.motion, &at.balance);
-                self.work.along(model, at, direction);
-            }
-        }
-        Ok(&self.work.partial)
-    }
-
-    /// The derivative of the wrench in time, the wheel speeds being held.
-    ///
-    /// # Errors
-    /// As [`Simulation::wrench`].
-    pub fn wrench_rate(&mut self) -> Result<&Wrench, SimulationError> {
-        self.evaluate()?;
-        let [x, y, heading, v_x, v_y, yaw_rate] = self.now.derivative.into();
-        let motion = Motion {
-            v_x,
-            v_y,
-            yaw_rate,
-            ..Motion::default()
-        };
-        let pose = [x, y, heading];
-        if self.model.altered().is_none() {
-            return self.wrench_derivative(&motion, pose);
-        }
-        let mut list = directions(self.memory.len());
-        list.push(Direction::Time);
-        let mut results = Vec::new();
-        self.differentiate(&self.model.directions(list), &mut results);
-        let remembered = self.now.memory_rates.iter().copied();
-        let along = motion
-            .to_array()
-            .into_iter()
-            .chain(pose)
-            .chain(remembered)
-            .chain([1.0]);
-        self.work
-            .partial
-            .combine(results.iter().map(|r| &r.wrench).zip(along));
-        Ok(&self.work.partial)
-    }
-
-    /// The derivative of the wrench by the time itself, all else being held: there is one where
-    /// effects are functions of the time.
-    ///
-    /// # Errors
-    /// As [`Simulation::wrench`].
-    pub fn wrench_by_time(&mut self) -> Result<&Wrench, SimulationError> {
-        self.evaluate()?;
-        if self.model.altered().is_none() {
-            return self.wrench_derivative(&Motion::default(), [0.0; 3]);
-        }
-        let mut results = Vec::new();
-        let list = vec![Direction::Time];
-        self.differentiate(&self.model.directions(list), &mut results);
-        self.work
-            .partial
-            .combine(results.iter().map(|r| (&r.wrench, 1.0)));
-        Ok(&self.work.partial)
-    }
-
-    /// Derivatives of the state's rate of change by the state and the wheel speeds.
-    ///
-    /// # Errors
-    /// As [`Simulation::wrench`].
-    pub fn jacobian(&mut self) -> Result<Jacobian, SimulationError> {
-        self.evaluate()?;
-        let mut trend = self.trend.clone();
-        let mut memory = MemoryJacobian::default();
-        let surroundings = self
-            .state
-            .surroundings(self.time, &self.memory, self.left.tracks());
-        Ok(self.work.jacobian(
-            &self.model,
-            &self.state,
-            &surroundings,
-            &self.now,
-            &mut trend,
-            &mut memory,
-        ))
-    }
 }

@@ -4,56 +4,21 @@
 //! The motion by the method's own continuous extension (Shampine & Reichelt 1997, section 2.2), its
 //! derivatives by the quadratic that has the stages' slopes where the stages are.
 
+use super::linearised::{Derivatives, share};
 use super::variation::Variation;
 use super::{Simulation, State, StateVector};
-use nalgebra::{Const, Dyn, OMatrix, SMatrix};
 
 /// The step that a simulation has just taken.
 #[derive(Debug, Clone, Copy)]
 pub struct LastStep<'a> {
     pub(super) simulation: &'a Simulation,
     pub(super) variation: Option<&'a Variation>,
-    /// Its length \[s\]; 0 where another window of effects begins.
+    /// Its length \[s\]; 0 where another window of effects starts.
     pub(super) length: f64,
 }
 
-/// Derivatives of a state: a column by each component of the initial state, one by a delay of the
-/// wheel speeds, and one by each parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Derivatives(pub(super) OMatrix<f64, Const<{ State::COUNT }>, Dyn>);
-
-/// Column of the derivative by a delay of the wheel speeds.
-pub(super) const DELAY: usize = State::COUNT;
-
-impl Derivatives {
-    /// By the state at the restart.
-    #[must_use]
-    pub fn by_initial(&self) -> SMatrix<f64, { State::COUNT }, { State::COUNT }> {
-        self.0.fixed_columns::<{ State::COUNT }>(0).into()
-    }
-
-    /// By a delay of the wheel speeds \[per s\], as far as these change by their rates: what a jump from one call of
-    /// [`SensitiveSimulation::drive`](super::SensitiveSimulation::drive) to the next would do later is not in it.
-    #[must_use]
-    pub fn by_wheel_delay(&self) -> [f64; State::COUNT] {
-        self.0.column(DELAY).into_owned().into()
-    }
-
-    /// By each parameter: those that act throughout, then the gated ones, gate by gate.
-    pub fn by_parameters(&self) -> impl Iterator<Item = [f64; State::COUNT]> + '_ {
-        let columns = self.0.column_iter().skip(DELAY + 1);
-        columns.map(|column| column.into_owned().into())
-    }
-
-    /// By one of the parameters, in the order of [`Derivatives::by_parameters`].
-    #[must_use]
-    pub fn by_parameter(&self, index: usize) -> [f64; State::COUNT] {
-        self.0.column(DELAY + 1 + index).into_owned().into()
-    }
-}
-
 impl LastStep<'_> {
-    /// How long it was \[s\]; 0 where another window of effects begins.
+    /// How long it was \[s\]; 0 where another window of effects starts.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
@@ -83,15 +48,6 @@ impl LastStep<'_> {
     #[must_use]
     pub fn derivatives(&self, back: f64) -> Option<Derivatives> {
         self.variation.map(|variation| variation.within(back))
-    }
-}
-
-/// Share of a step that has passed `back` seconds before its end.
-pub(super) fn share(length: f64, back: f64) -> f64 {
-    if length > 0.0 {
-        (1.0 - back / length).clamp(0.0, 1.0)
-    } else {
-        1.0
     }
 }
 

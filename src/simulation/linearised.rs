@@ -1,22 +1,59 @@
 //! How the rates of a simulation change, at one instant, and by what.
 
-use super::last_step::DELAY;
-use super::variation::GAMMA;
-use nalgebra::{DMatrix, Vector2};
+use super::state::State;
+use nalgebra::{Const, DMatrix, Dyn, OMatrix, SMatrix, Vector2};
+
+/// gamma = 1 - 1/sqrt(2) of the SDIRK method (see `variation`).
+pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// Derivatives of a state: a column by each component of the initial state, one by a delay of the
+/// wheel speeds, and one by each parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Derivatives(pub(super) OMatrix<f64, Const<{ State::COUNT }>, Dyn>);
+
+/// Column of the derivative by a delay of the wheel speeds.
+pub(super) const DELAY: usize = State::COUNT;
+
+impl Derivatives {
+    /// By the state at the restart.
+    #[must_use]
+    pub fn by_initial(&self) -> SMatrix<f64, { State::COUNT }, { State::COUNT }> {
+        self.0.fixed_columns::<{ State::COUNT }>(0).into()
+    }
+
+    /// By a delay of the wheel speeds \[per s\], as far as these change by their rates: what a jump from one call of
+    /// [`SensitiveSimulation::drive`](super::SensitiveSimulation::drive) to the next would do later is not in it.
+    #[must_use]
+    pub fn by_wheel_delay(&self) -> [f64; State::COUNT] {
+        self.0.column(DELAY).into_owned().into()
+    }
+
+    /// By each parameter: those that act throughout, then the binned ones, bin by bin.
+    pub fn by_parameters(&self) -> impl Iterator<Item = [f64; State::COUNT]> + '_ {
+        let columns = self.0.column_iter().skip(DELAY + 1);
+        columns.map(|column| column.into_owned().into())
+    }
+
+    /// By one of the parameters, in the order of [`Derivatives::by_parameters`].
+    #[must_use]
+    pub fn by_parameter(&self, index: usize) -> [f64; State::COUNT] {
+        self.0.column(DELAY + 1 + index).into_owned().into()
+    }
+}
 
 /// What the derivatives are taken by: the initial state, the delay of the wheel speeds, the
-/// parameters that act throughout, and those that act in one gate after another, gate by gate.
+/// parameters that act throughout, and those that act in one time bin after another, bin by bin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns {
     pub throughout: usize,
     pub binned: usize,
     pub time_bins: usize,
-    /// The gate that is open.
+    /// The time bin that is open.
     pub time_bin: usize,
 }
 
 impl Columns {
-    /// First column of the parameters that act throughout, and of those of the gate that is open.
+    /// First column of the parameters that act throughout, and of those of the time bin that is open.
     pub fn parameters(&self) -> [usize; 2] {
         let first = DELAY + 1;
         [first, first + self.throughout + self.time_bin * self.binned]
@@ -26,7 +63,7 @@ impl Columns {
         DELAY + 1 + self.throughout + self.binned * self.time_bins
     }
 
-    /// Number of columns that are not zero yet: all before the next gate's.
+    /// Number of columns that are not zero yet: all before the next time bin's.
     pub fn begun(&self) -> usize {
         DELAY + 1 + self.throughout + self.binned * (self.time_bin + 1)
     }
@@ -39,7 +76,7 @@ pub(super) struct Linearised {
     pub by_state: DMatrix<f64>,
     /// By the left and right wheel speed.
     pub by_speeds: DMatrix<f64>,
-    /// By the parameters that act throughout, then by the gated ones: B.
+    /// By the parameters that act throughout, then by the binned ones: B.
     pub by_parameters: DMatrix<f64>,
     /// Through the tracks that were left, by all that derivatives are taken by; empty where there are none.
     pub by_tracks: DMatrix<f64>,
@@ -79,7 +116,16 @@ impl Linearised {
     }
 }
 
-/// Adds what parameters do: those that act throughout, then the gated ones in the gate that is open.
+/// Share of a step that has passed `back` seconds before its end.
+pub(super) fn share(length: f64, back: f64) -> f64 {
+    if length > 0.0 {
+        (1.0 - back / length).clamp(0.0, 1.0)
+    } else {
+        1.0
+    }
+}
+
+/// Adds what parameters do: those that act throughout, then the binned ones in the time bin that is open.
 fn add_parameters(target: &mut DMatrix<f64>, by_parameters: &DMatrix<f64>, columns: &Columns) {
     let [throughout, open] = columns.parameters();
     let counts = [columns.throughout, columns.binned];

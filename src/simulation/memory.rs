@@ -1,8 +1,7 @@
 //! What the vehicle and its ground remember, in the integrator: states that follow the motion,
 //! eliminated from each stage's linear system.
 
-use super::StateVector;
-use super::{State, StateMatrix};
+use super::state::{State, StateMatrix, StateVector};
 use crate::vehicle::{Differentiated, Direction};
 use nalgebra::{LU, SMatrix};
 

@@ -1,5 +1,8 @@
 //! The vehicle's motion in time.
 
+mod error;
+mod evaluation;
+mod integrator;
 mod jacobian;
 mod last_step;
 mod linearised;
@@ -13,26 +16,26 @@ mod snapshot;
 mod state;
 mod variation;
 
-pub use jacobian::Jacobian;
-pub use last_step::{Derivatives, LastStep};
-pub use rosenbrock::Counters;
+pub use error::SimulationError;
+pub use integrator::Counters;
 #[cfg(feature = "fmu")]
-pub(crate) use rosenbrock::LONGEST_CALL;
+pub(crate) use integrator::LONGEST_CALL;
+pub use jacobian::Jacobian;
+pub use last_step::LastStep;
+pub use linearised::Derivatives;
 pub use sensitivity::SensitiveSimulation;
 pub use snapshot::SnapshotError;
+pub(crate) use state::StateVector;
 pub use state::{State, WheelSpeeds};
 
 use crate::vehicle::{Balance, BalanceError, Motion, Trend, VehicleModel, Wrench};
-use crate::vehicle::{Differentiated, Directions, Prepared, Tracks, Unusual};
+use crate::vehicle::{Differentiated, Direction, Directions, TrackSlope};
+use evaluation::Evaluation;
+use integrator::Integrator;
 use jacobian::Work;
-use nalgebra::{SMatrix, SVector};
+use memory::{MemoryJacobian, directions};
 use rut_history::RutHistory;
-use std::fmt;
 use std::sync::Arc;
-
-pub(crate) type StateVector = SVector<f64, { State::COUNT }>;
-type StateMatrix = SMatrix<f64, { State::COUNT }, { State::COUNT }>;
-type InputMatrix = SMatrix<f64, { State::COUNT }, 2>;
 
 /// A vehicle driving on a terrain: wheel speeds in, motion out.
 ///
@@ -55,111 +58,8 @@ pub struct Simulation {
     now: Evaluation,
     /// How the balance changed with the motion at the last Jacobian: improves the guesses.
     trend: Trend,
-    integrator: rosenbrock::Integrator,
+    integrator: Integrator,
     work: Work,
-}
-
-/// Forces and rates at one state and input.
-#[derive(Debug, Clone)]
-struct Evaluation {
-    /// Whether the rest belongs to the current state and inputs.
-    valid: bool,
-    motion: Motion,
-    balance: Balance,
-    wrench: Wrench,
-    derivative: StateVector,
-    /// Rates of what is remembered.
-    memory_rates: Vec<f64>,
-}
-
-/// Why a simulation cannot go on.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum SimulationError {
-    /// The wheels find no balance at this time \[s\].
-    Balance {
-        /// Simulated time \[s\].
-        time: f64,
-        /// What the wheels lack.
-        source: BalanceError,
-    },
-    /// A step that is negative, not finite or longer than 1e6 s \[s\].
-    StepSize(f64),
-    /// An input or state that is not finite.
-    NotFinite {
-        /// What it is.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// The error control asks for steps below the resolution of the time \[s\].
-    StepTooSmall {
-        /// Simulated time \[s\].
-        time: f64,
-        /// The parameter farthest from its usual values, if one is outside of them.
-        suspect: Option<Unusual>,
-    },
-    /// The motion changes so fast that a second of driving takes too many steps ([`Simulation::limit_work`]).
-    TooStiff {
-        /// Simulated time \[s\].
-        time: f64,
-        /// The parameter farthest from its usual values, if one is outside of them.
-        suspect: Option<Unusual>,
-    },
-    /// More steps are needed than [`Simulation::limit_steps`] allows.
-    StepBudget {
-        /// Simulated time \[s\].
-        time: f64,
-    },
-}
-
-impl fmt::Display for SimulationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Balance { time, source } => write!(f, "at {time} s: {source}"),
-            Self::StepSize(step) => {
-                write!(
-                    f,
-                    "cannot step by {step} s: a step lies between 0 and 1e6 s"
-                )
-            }
-            Self::NotFinite { what, value } => write!(f, "{what} = {value} is not finite"),
-            Self::StepTooSmall { time, suspect } => {
-                write!(
-                    f,
-                    "at {time} s the motion changes faster than the smallest step can follow"
-                )?;
-                doubt(f, suspect.as_ref())
-            }
-            Self::TooStiff { time, suspect } => {
-                write!(
-                    f,
-                    "at {time} s the motion changes so fast that one second of driving takes too many steps"
-                )?;
-                doubt(f, suspect.as_ref())
-            }
-            Self::StepBudget { time } => write!(
-                f,
-                "at {time} s the number of steps that was set as a limit is used up"
-            ),
-        }
-    }
-}
-
-fn doubt(f: &mut fmt::Formatter<'_>, suspect: Option<&Unusual>) -> fmt::Result {
-    match suspect {
-        Some(suspect) => write!(f, "; the likely cause is {suspect}"),
-        None => Ok(()),
-    }
-}
-
-impl std::error::Error for SimulationError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Balance { source, .. } => Some(source),
-            _ => None,
-        }
-    }
 }
 
 impl Simulation {
@@ -176,7 +76,7 @@ impl Simulation {
             derivative: StateVector::zeros(),
             memory_rates: vec![0.0; model.memory_count()],
         };
-        let trend = Trend::new(&model);
+        let trend = Trend::of_wheels(model.vehicle().wheel_count());
         let work = Work::new(&model, &now);
         let memory_count = model.memory_count();
         let memory = vec![0.0; memory_count];
@@ -192,7 +92,7 @@ impl Simulation {
             anchor: balance,
             now,
             trend,
-            integrator: rosenbrock::Integrator::new(memory_count),
+            integrator: Integrator::new(memory_count),
             work,
         }
     }
@@ -274,7 +174,7 @@ impl Simulation {
     }
 
     /// Sets the rates at which the wheel speeds change within the next steps \[rad/s^2\];
-    /// zero at the beginning.
+    /// zero initially.
     ///
     /// # Errors
     /// A value that is not finite; then nothing has changed.
@@ -373,53 +273,137 @@ fn finite<const N: usize>(
     }
 }
 
-impl Evaluation {
-    /// Solves for the forces at a state and motion, starting from the balance that it holds.
-    fn solve(
+impl Simulation {
+    /// Takes derivatives at the present, evaluated state for the steps that follow.
+    pub(super) fn take_jacobian(&mut self, list: &[Direction], results: &[Differentiated]) {
+        let mut jacobian = self.state.kinematic_jacobian();
+        let integrator = &mut self.integrator;
+        jacobian.take(list, results, &mut self.trend, &mut integrator.memory);
+        integrator.by_state = jacobian.by_state;
+        integrator.by_input = jacobian.by_input;
+        integrator.jacobian_age = 0;
+    }
+
+    /// The derivative of the wrench when velocities and wheel speeds change in `direction`, and
+    /// position and heading in `pose` \[m, m, rad\]; what is remembered is held.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wrench_derivative(
         &mut self,
-        model: &VehicleModel,
-        state: &State,
-        motion: Motion,
-        time: f64,
-        memory: &[f64],
-        tracks: Tracks,
-    ) -> Result<(), SimulationError> {
-        self.valid = false;
-        self.motion = motion;
-        let prepared = model.prepare(&motion, &state.surroundings(time, memory, tracks));
-        model
-            .solve_prepared(&motion, prepared.as_ref(), &mut self.balance)
-            .map_err(|source| SimulationError::Balance { time, source })?;
-        self.finish(model, state, prepared.as_ref());
-        self.valid = true;
-        Ok(())
-    }
-
-    /// What follows from the balance.
-    fn finish(&mut self, model: &VehicleModel, state: &State, prepared: Option<&Prepared>) {
-        let (motion, balance) = (&self.motion, &self.balance);
-        balance.wrench_of(model, motion, prepared, &mut self.wrench);
-        balance.memory_rates(prepared, &mut self.memory_rates);
-        self.derivative = state.derivative(&self.wrench).into();
-    }
-
-    /// Takes another evaluation's balance as the first guess at a motion.
-    fn guess_from(&mut self, other: &Self, trend: &Trend, motion: &Motion) {
-        self.balance.copy_from(&other.balance);
-        let (from, to) = (other.motion.to_array(), motion.to_array());
-        let mut change = [0.0; 5];
-        for k in 0..5 {
-            change[k] = to[k] - from[k];
+        direction: &Motion,
+        pose: [f64; 3],
+    ) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        let surroundings = self
+            .state
+            .surroundings(self.time, &self.memory, self.left.tracks());
+        let (model, at) = (&self.model, &self.now);
+        match (&mut self.work.altered, model.altered()) {
+            (Some((directions, results)), Some(altered)) => {
+                let (motion, balance) = (&at.motion, &at.balance);
+                directions.differentiate(model, altered, motion, &surroundings, balance, results);
+                let along = direction.to_array().into_iter().chain(pose);
+                self.work
+                    .partial
+                    .combine(results.iter().map(|r| &r.wrench).zip(along));
+            }
+            _ => {
+                self.work
+                    .linearisation
+                    .evaluate(model, &at.motion, &at.balance);
+                self.work.along(model, at, direction);
+            }
         }
-        self.balance.predict(trend, &change);
+        Ok(&self.work.partial)
     }
 
-    fn copy_from(&mut self, other: &Self) {
-        self.valid = other.valid;
-        self.motion = other.motion;
-        self.balance.copy_from(&other.balance);
-        self.wrench.copy_from(&other.wrench);
-        self.derivative = other.derivative;
-        self.memory_rates.copy_from_slice(&other.memory_rates);
+    /// The derivative of the wrench in time, the wheel speeds being held.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wrench_rate(&mut self) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        let [x, y, heading, v_x, v_y, yaw_rate] = self.now.derivative.into();
+        let motion = Motion {
+            v_x,
+            v_y,
+            yaw_rate,
+            ..Motion::default()
+        };
+        let pose = [x, y, heading];
+        if self.model.altered().is_none() {
+            return self.wrench_derivative(&motion, pose);
+        }
+        let mut list = directions(self.memory.len());
+        list.push(Direction::Time);
+        let mut results = Vec::new();
+        self.differentiate(&self.model.directions(list), &mut results);
+        let remembered = self.now.memory_rates.iter().copied();
+        let along = motion
+            .to_array()
+            .into_iter()
+            .chain(pose)
+            .chain(remembered)
+            .chain([1.0]);
+        self.work
+            .partial
+            .combine(results.iter().map(|r| &r.wrench).zip(along));
+        Ok(&self.work.partial)
+    }
+
+    /// The derivative of the wrench by the time itself, all else being held: there is one where
+    /// effects are functions of the time.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn wrench_by_time(&mut self) -> Result<&Wrench, SimulationError> {
+        self.evaluate()?;
+        if self.model.altered().is_none() {
+            return self.wrench_derivative(&Motion::default(), [0.0; 3]);
+        }
+        let mut results = Vec::new();
+        let list = vec![Direction::Time];
+        self.differentiate(&self.model.directions(list), &mut results);
+        self.work
+            .partial
+            .combine(results.iter().map(|r| (&r.wrench, 1.0)));
+        Ok(&self.work.partial)
+    }
+
+    /// Derivatives of the state's rate of change by the state and the wheel speeds.
+    ///
+    /// # Errors
+    /// As [`Simulation::wrench`].
+    pub fn jacobian(&mut self) -> Result<Jacobian, SimulationError> {
+        self.evaluate()?;
+        let mut trend = self.trend.clone();
+        let mut memory = MemoryJacobian::default();
+        let surroundings = self
+            .state
+            .surroundings(self.time, &self.memory, self.left.tracks());
+        Ok(self.work.jacobian(
+            &self.model,
+            &self.state,
+            &surroundings,
+            &self.now,
+            &mut trend,
+            &mut memory,
+        ))
+    }
+
+    /// How the rates of what the wheels meet depend on the samples of their tracks, at the present, evaluated state.
+    pub(super) fn track_slopes(&self) -> Vec<TrackSlope> {
+        let tracks = self.left.tracks();
+        let surroundings = self.state.surroundings(self.time, &self.memory, tracks);
+        let prepared = self.model.prepare(&self.now.motion, &surroundings);
+        prepared.map_or_else(Vec::new, |prepared| {
+            prepared.track_slopes(&self.now.balance)
+        })
+    }
+
+    /// Leaves the tracks of the step that was taken.
+    pub(super) fn leave_tracks(&mut self) {
+        self.left.follow(&self.state, &self.now.wrench);
     }
 }

@@ -6,123 +6,14 @@
 //! several steps; and its last stage is the next step's first, so that a step costs two
 //! evaluations of the forces.
 
-use super::memory::{MemoryJacobian, StageSystem, worst_error};
-use super::{Evaluation, InputMatrix, Simulation, SimulationError, StateMatrix, StateVector};
-use super::{State, WheelSpeeds};
-
-/// d = 1 / (2 + sqrt 2) and e_32 = 6 + sqrt 2 of the method.
-const D: f64 = 0.292_893_218_813_452_5;
-const E32: f64 = 7.414_213_562_373_095;
-
-/// Tolerated error of each state in one step: absolute part, and part of its magnitude.
-const ABSOLUTE_TOLERANCE: [f64; State::COUNT] = [2e-5, 2e-5, 1e-5, 1e-4, 1e-4, 1e-4];
-const RELATIVE_TOLERANCE: [f64; State::COUNT] = [0.0, 0.0, 0.0, 1e-4, 1e-4, 1e-4];
-/// First step tried \[s\], and the longest.
-const FIRST_STEP: f64 = 1e-3;
-const LONGEST_STEP: f64 = 0.5;
-/// Longest time \[s\] that one call may ask for, some days: more is a slip of the pen, and
-/// would seem to hang.
-pub(crate) const LONGEST_CALL: f64 = 1e6;
-/// A shorter step means nothing any more \[s\], or one of less than this share of the time: it hardly moves the clock.
-const SMALLEST_STEP: f64 = 1e-12;
-const SMALLEST_SHARE: f64 = 16.0 * f64::EPSILON;
-/// Steps that a second of driving pays for, rejected ones counted; as many may be owed. A call's first step is free:
-/// short calls are the caller's choice. Of 300 drives drawn over vehicles of 20 to 3,000 kg, soils and effects the
-/// dearest second took 1,500.
-const STEPS_PER_SECOND: f64 = 10_000.0;
-/// Step control: safety factor, and limits of the change from one step to the next.
-const SAFETY: f64 = 0.85;
-const SHRINK: f64 = 0.2;
-const GROW: f64 = 4.0;
-/// A Jacobian serves so many steps, as long as the error stays below this share.
-const JACOBIAN_STEPS: u32 = 12;
-const JACOBIAN_ERROR: f64 = 0.6;
-
-/// What the integrator carries from step to step.
-#[derive(Debug, Clone)]
-pub(super) struct Integrator {
-    /// Step size \[s\] that the error control would take next.
-    pub next_step: f64,
-    pub by_state: StateMatrix,
-    pub by_input: InputMatrix,
-    pub memory: MemoryJacobian,
-    /// Steps that the Jacobian has served; `JACOBIAN_STEPS` where there is none.
-    pub jacobian_age: u32,
-    pub counters: Counters,
-    /// Steps that were taken beyond those that the driven time pays for ([`STEPS_PER_SECOND`]).
-    pub owed: f64,
-    /// Steps that a second of driving pays for.
-    pub steps_per_second: f64,
-    /// Steps, rejected ones among them, after which to give up.
-    pub most_steps: u64,
-    /// Tolerated errors, in units of the usual ones.
-    pub tolerance: f64,
-}
-
-/// What the integration of a simulation has cost so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counters {
-    /// Steps that met the tolerance.
-    pub steps: u64,
-    /// Steps that did not, and were repeated shorter.
-    pub rejected: u64,
-    /// Evaluations of the forces.
-    pub evaluations: u64,
-    /// Evaluations of the Jacobian.
-    pub jacobians: u64,
-}
-
-impl Integrator {
-    pub(super) fn new(memory_count: usize) -> Self {
-        Self {
-            next_step: FIRST_STEP,
-            by_state: StateMatrix::zeros(),
-            by_input: InputMatrix::zeros(),
-            memory: MemoryJacobian::new(memory_count),
-            jacobian_age: JACOBIAN_STEPS,
-            counters: Counters::default(),
-            owed: 0.0,
-            steps_per_second: STEPS_PER_SECOND,
-            most_steps: u64::MAX,
-            tolerance: 1.0,
-        }
-    }
-}
-
-/// The evaluations within one step.
-#[derive(Debug, Clone)]
-pub(super) struct Stages {
-    middle: Evaluation,
-    end: Evaluation,
-    /// What is remembered at the end.
-    memory: Vec<f64>,
-    /// The state at the beginning, and the slopes k_1 and k_2.
-    from: StateVector,
-    slopes: [StateVector; 2],
-}
-
-impl Stages {
-    pub(super) fn new(like: &Evaluation) -> Self {
-        Self {
-            middle: like.clone(),
-            end: like.clone(),
-            memory: like.memory_rates.clone(),
-            from: StateVector::zeros(),
-            slopes: [StateVector::zeros(); 2],
-        }
-    }
-
-    /// The state and its slope after a share of a step of this length \[s\].
-    pub(super) fn at(&self, length: f64, share: f64) -> (StateVector, StateVector) {
-        let [k1, k2] = self.slopes;
-        let whole = 1.0 - 2.0 * D;
-        let first = share * (1.0 - share) / whole;
-        let second = share * (share - 2.0 * D) / whole;
-        let state = self.from + (k1 * first + k2 * second) * length;
-        let slope = k1 * ((1.0 - 2.0 * share) / whole) + k2 * (2.0 * (share - D) / whole);
-        (state, slope)
-    }
-}
+use super::integrator::{
+    ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
+    LONGEST_CALL, LONGEST_STEP, RELATIVE_TOLERANCE, SAFETY, SHRINK, SMALLEST_SHARE, SMALLEST_STEP,
+    Stages,
+};
+use super::memory::{StageSystem, worst_error};
+use super::state::{State, StateVector, WheelSpeeds};
+use super::{Simulation, SimulationError};
 
 impl Simulation {
     /// What the integration has cost so far.
@@ -131,7 +22,7 @@ impl Simulation {
         self.integrator.counters
     }
 
-    /// Gives up with [`SimulationError::StepBudget`] once more steps than this are done from the beginning,
+    /// Gives up with [`SimulationError::StepBudget`] once more steps than this are done from the start,
     /// rejected ones counted: for a search among models of which some are hardly drivable.
     pub fn limit_steps(&mut self, most: u64) {
         self.integrator.most_steps = most;
@@ -208,7 +99,7 @@ impl Simulation {
             let reached = if last { goal } else { done + step };
             let end_speeds = speeds.after(self.input_rates, reached);
             let passed = event.filter(|_| last && knot.is_none());
-            // Up to the event holds what held before it; a knot is met as it is told, so that none comes twice.
+            // Up to the event holds what held before it; a knot is met as it is given, so that none is met twice.
             let end_time = match (passed, knot.filter(|_| last)) {
                 (Some(event), _) => event.next_down(),
                 (None, Some(knot)) => knot,
@@ -268,7 +159,7 @@ impl Simulation {
             if error > JACOBIAN_ERROR {
                 integrator.jacobian_age = JACOBIAN_STEPS;
             }
-            // A step cut short by the caller says nothing against longer ones.
+            // A step cut short by the caller is no argument against longer ones.
             let proposed = (step * factor).min(LONGEST_STEP);
             integrator.next_step = if step < integrator.next_step {
                 proposed.max(integrator.next_step)

@@ -1,9 +1,9 @@
 //! The tracks that the wheels leave while a simulation goes on.
 
-use super::{Simulation, State};
+use super::state::State;
 use crate::vehicle::{
-    ApproachPath, TRACK_SAMPLES, TrackSlope, Tracks, VehicleModel, Wrench, sample_size, spacing,
-    wheel_places, wheel_travel,
+    ApproachPath, TRACK_SAMPLES, Tracks, VehicleModel, Wrench, sample_size, spacing, wheel_places,
+    wheel_travel,
 };
 
 /// The samples of the tracks that are kept, a sample for each of so many metres driven.
@@ -13,7 +13,7 @@ pub(super) struct RutHistory {
     numbers: Vec<f64>,
     /// Where the wheels were, sample by sample, east and north \[m\].
     points: Vec<[f64; 2]>,
-    /// How many samples there have been since the last beginning.
+    /// Number of samples since the last restart.
     begun: u64,
     /// How the vehicle came here, as long as all is still as it was meanwhile.
     approach_path: Option<ApproachPath>,
@@ -43,7 +43,7 @@ impl RutHistory {
         }
     }
 
-    /// How many samples there have been since the last beginning.
+    /// Number of samples since the last restart.
     pub fn begun(&self) -> u64 {
         self.begun
     }
@@ -135,22 +135,5 @@ impl RutHistory {
             let pose = [sample[0], sample[1], sample[2]];
             self.points.extend(wheel_places(pose, &self.places));
         }
-    }
-}
-
-impl Simulation {
-    /// How the rates of what the wheels meet depend on the samples of their tracks, at the present, evaluated state.
-    pub(super) fn track_slopes(&self) -> Vec<TrackSlope> {
-        let tracks = self.left.tracks();
-        let surroundings = self.state.surroundings(self.time, &self.memory, tracks);
-        let prepared = self.model.prepare(&self.now.motion, &surroundings);
-        prepared.map_or_else(Vec::new, |prepared| {
-            prepared.track_slopes(&self.now.balance)
-        })
-    }
-
-    /// Leaves the tracks of the step that was taken.
-    pub(super) fn leave_tracks(&mut self) {
-        self.left.follow(&self.state, &self.now.wrench);
     }
 }

@@ -1,8 +1,9 @@
 //! A drive with the exact derivatives of its motion: by the initial state, by parameters of the
 //! vehicle, the soil and the effects, and by a delay of the wheel speeds.
 
-use super::last_step::{Derivatives, LastStep};
+use super::last_step::LastStep;
 use super::linearised::Columns;
+use super::linearised::Derivatives;
 use super::memory::directions;
 use super::settled::check_course;
 use super::slope_history::SlopeHistory;
@@ -52,9 +53,9 @@ impl SensitiveSimulation {
     }
 
     /// As [`SensitiveSimulation::new`], with derivatives besides by `binned` parameters as they act
-    /// in each of so many gates, stretches of time that follow one another: see
+    /// in each of so many time bins, stretches of time that follow one another: see
     /// [`SensitiveSimulation::next_time_bin`]. Their sum is the derivative by a parameter that acts
-    /// throughout. A parameter may be among both, or twice; without any gate there is one.
+    /// throughout. A parameter may be among both, or twice; without any time bin there is one.
     ///
     /// # Errors
     /// As [`SensitiveSimulation::new`].
@@ -194,7 +195,7 @@ impl SensitiveSimulation {
         Ok(())
     }
 
-    /// Closes the open gate and opens the next one; the last one stays open.
+    /// Closes the open time bin and opens the next one; the last one stays open.
     pub fn next_time_bin(&mut self) {
         let columns = &mut self.variation.columns;
         if columns.time_bin + 1 < columns.time_bins {

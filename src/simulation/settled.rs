@@ -1,4 +1,4 @@
-//! What is remembered, as it is where the motion has lasted for a while: for drives that begin in the
+//! What is remembered, as it is where the motion has lasted for a while: for drives that start in the
 //! midst of another.
 
 use super::memory::memory_directions;
@@ -61,8 +61,8 @@ impl Simulation {
     }
 
     /// As [`Simulation::settle`], with the tracks of a vehicle that came here over a course: poses, the oldest first, as
-    /// [`seen_from`](crate::vehicle::seen_from) tells them from the present one, ahead, to the left \[m\] and turned
-    /// \[rad\]. The wheels are taken to have stood as deep there as now, and to have come straight on to where it begins.
+    /// [`seen_from`](crate::vehicle::seen_from) gives them relative to the present one, ahead, to the left \[m\] and turned
+    /// \[rad\]. The wheels are taken to have stood as deep there as now, and to have driven straight up to its first pose.
     /// Without any pose the present motion is taken to have lasted.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 #[derive(Debug, Clone, Default)]
 pub(super) struct SlopeHistory {
     samples: VecDeque<DMatrix<f64>>,
-    /// Samples since the last beginning that have been taken note of.
+    /// Samples since the last restart that are in the history.
     begun: u64,
 }
 

@@ -3,13 +3,14 @@
 use super::Simulation;
 use crate::vehicle::{Balance, Motion};
 use std::f64::consts::PI;
-use std::fmt;
+use thiserror::Error;
 
 /// Numbers that are no snapshot of a model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SnapshotError {
     /// Another number of them than this model's snapshots have.
+    #[error("{found} numbers are no snapshot of this model, which has {expected}")]
     Count {
         /// How many this model's snapshots have.
         expected: usize,
@@ -17,22 +18,9 @@ pub enum SnapshotError {
         found: usize,
     },
     /// A step of the integrator, an entry angle, a state or a time that no simulation has.
+    #[error("these numbers are none of a simulation")]
     Numbers,
 }
-
-impl fmt::Display for SnapshotError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Count { expected, found } => write!(
-                f,
-                "{found} numbers are no snapshot of this model, which has {expected}"
-            ),
-            Self::Numbers => f.write_str("these numbers are none of a simulation"),
-        }
-    }
-}
-
-impl std::error::Error for SnapshotError {}
 
 impl Simulation {
     /// Everything that determines how the simulation goes on, as numbers; the model is not

@@ -1,6 +1,11 @@
 //! State and inputs of the vehicle, and the state's rate of change.
 
 use crate::vehicle::{Motion, Surroundings, Tracks, Wrench};
+use nalgebra::{SMatrix, SVector};
+
+pub(crate) type StateVector = SVector<f64, { State::COUNT }>;
+pub(super) type StateMatrix = SMatrix<f64, { State::COUNT }, { State::COUNT }>;
+pub(super) type InputMatrix = SMatrix<f64, { State::COUNT }, 2>;
 
 /// Pose in the world frame and velocities in the body frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

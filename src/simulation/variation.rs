@@ -5,16 +5,12 @@
 //! function theorem) and linear in between. It is integrated by Alexander's L-stable SDIRK method of
 //! order 2 (R. Alexander, SIAM J. Numer. Anal. 14 (1977)).
 
-use super::last_step::{Derivatives, share};
-use super::linearised::{Columns, Linearised};
+use super::linearised::{Columns, Derivatives, GAMMA, Linearised, share};
 use super::settled::Settling;
 use super::slope_history::SlopeHistory;
 use super::{Simulation, State};
 use crate::vehicle::{Differentiated, Direction, Directions};
 use nalgebra::{DMatrix, Vector2};
-
-/// gamma = 1 - 1/sqrt(2) of the method.
-pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 #[derive(Debug, Clone)]
 pub(super) struct Variation {
@@ -23,7 +19,7 @@ pub(super) struct Variation {
     pub places: Vec<Vec<usize>>,
     pub results: Vec<Differentiated>,
     pub columns: Columns,
-    /// Derivatives of the state and what is remembered (rows) by what [`Columns`] tells.
+    /// Derivatives of the state and what is remembered (rows) by the [`Columns`].
     pub by: DMatrix<f64>,
     /// Where the last step ended.
     pub last: Option<Linearised>,
@@ -123,7 +119,7 @@ impl Variation {
         }
     }
 
-    /// What is remembered follows the beginning's motion and the parameters: its rates stay zero.
+    /// What is remembered follows the initial motion and the parameters: its rates stay zero.
     pub fn settle(&mut self, simulation: &mut Simulation) {
         let now = self.linearise(simulation);
         let memory = self.by.nrows() - State::COUNT;

@@ -1,10 +1,13 @@
-//! The balance of all wheels: every wheel carries its load, the loads follow from the
-//! accelerations, and the accelerations from the wheels' forces.
+//! The balance of all wheels: the vertical force of every wheel carries its load (22), the loads follow from the
+//! accelerations (28), and the accelerations from the wheels' forces (19), (20).
 
-use super::newton::{ENTRY_ANGLE_RANGE, MAX_LOG_STEP};
-use super::trend::Trend;
-use super::{Motion, Prepared, Surroundings, VehicleModel, Wrench};
+use super::Wrench;
 use crate::contact::WheelForces;
+
+/// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
+pub(super) const MAX_LOG_STEP: f64 = 0.7;
+/// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
+pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-12, 1.8);
 
 /// Entry angles and accelerations at which all wheels are in balance.
 ///
@@ -35,10 +38,8 @@ pub(crate) struct BalancedWheel {
 }
 
 impl Balance {
-    /// A first guess: no acceleration, and entry angles from the loads at rest.
-    #[must_use]
-    pub fn new(model: &VehicleModel) -> Self {
-        let count = model.vehicle().wheel_count();
+    /// A first guess for so many wheels: no acceleration, and entry angles from the loads at rest.
+    pub(super) fn of_wheels(count: usize) -> Self {
         Self {
             acceleration: [0.0; 2],
             wheels: vec![BalancedWheel::default(); count],
@@ -88,53 +89,6 @@ impl Balance {
     #[must_use]
     pub fn lifted(&self) -> bool {
         self.lifted
-    }
-
-    /// Fills a wrench with what this balance means at its motion.
-    pub fn wrench(&self, model: &VehicleModel, motion: &Motion, wrench: &mut Wrench) {
-        self.wrench_at(model, motion, &Surroundings::default(), wrench);
-    }
-
-    /// As [`Balance::wrench`], in surroundings on which effects may depend.
-    pub fn wrench_at(
-        &self,
-        model: &VehicleModel,
-        motion: &Motion,
-        surroundings: &Surroundings,
-        wrench: &mut Wrench,
-    ) {
-        let prepared = model.prepare(motion, surroundings);
-        self.wrench_of(model, motion, prepared.as_ref(), wrench);
-    }
-
-    /// As [`Balance::wrench_at`], where effects are prepared already.
-    pub(crate) fn wrench_of(
-        &self,
-        model: &VehicleModel,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
-        wrench: &mut Wrench,
-    ) {
-        if let Some(prepared) = prepared {
-            return prepared.wrench(self, model.regularisation(), wrench);
-        }
-        wrench.sum(model, &self.forces);
-        for (index, wheel) in self.wheels.iter().enumerate() {
-            let entry_angle = if wheel.load > 0.0 {
-                wheel.entry_angle
-            } else {
-                0.0
-            };
-            wrench.set_contact(model, index, wheel.load, entry_angle);
-        }
-        wrench.set_slips(model, motion);
-    }
-
-    /// Writes the rates of what the vehicle and its ground remember.
-    pub(crate) fn memory_rates(&self, prepared: Option<&Prepared>, rates: &mut Vec<f64>) {
-        if let (Some(prepared), false) = (prepared, rates.is_empty()) {
-            prepared.memory_rates(self, rates);
-        }
     }
 
     /// Takes Newton's step of every entry angle, in the logarithms of angle and force
@@ -196,5 +150,36 @@ impl Balance {
     /// The first wheel whose entry angle reaches `limit` \[rad\].
     pub(super) fn sunk(&self, limit: f64) -> Option<usize> {
         self.wheels.iter().position(|w| w.entry_angle >= limit)
+    }
+}
+
+/// How a balance changes with the motion: derivatives by the five components of [`Motion`].
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Trend {
+    pub acceleration: [[f64; 5]; 2],
+    pub entry_angles: Vec<[f64; 5]>,
+}
+
+impl Trend {
+    pub(crate) fn of_wheels(count: usize) -> Self {
+        Self {
+            acceleration: [[0.0; 5]; 2],
+            entry_angles: vec![[0.0; 5]; count],
+        }
+    }
+
+    /// Takes the derivative of the wrench in one direction of the motion.
+    pub(crate) fn set_direction(&mut self, direction: usize, derivative: &Wrench) {
+        self.acceleration[0][direction] = derivative.a_x;
+        self.acceleration[1][direction] = derivative.a_y;
+        for (slopes, wheel) in self.entry_angles.iter_mut().zip(&derivative.wheels) {
+            slopes[direction] = wheel.entry_angle;
+        }
+    }
+
+    /// Visits every number, for a snapshot.
+    pub(crate) fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
+        let rows = self.acceleration.iter_mut().chain(&mut self.entry_angles);
+        rows.flatten().for_each(visit);
     }
 }

@@ -6,7 +6,8 @@
 //! Where all forces fade slowly the balance is easy to find; from there it is followed to the model's own fading.
 
 use super::altered::Prepared;
-use super::newton::{BalanceError, ENTRY_ANGLE_RANGE, MAX_LOG_STEP, STEP_TOLERANCE, solve_2x2};
+use super::balance::{ENTRY_ANGLE_RANGE, MAX_LOG_STEP};
+use super::newton::{BalanceError, STEP_TOLERANCE, solve_2x2};
 use super::{Balance, Motion, VehicleModel};
 use crate::contact::{Detail, WheelForces, WheelMotion};
 use fearless_simd::dispatch;

@@ -112,7 +112,7 @@ impl Linearisation {
             let radius = model.vehicle().wheel_radius;
             wheel.sinkage = radius * balance.wheels[index].entry_angle.sin() * entry;
         }
-        derivative.sum(model, &self.forces);
+        derivative.sum(model.vehicle(), &self.forces);
         derivative.set_slip_derivatives(model, motion, direction);
     }
 

@@ -1,4 +1,5 @@
-//! Vertical load of each wheel, (26) to (28) for any row positions.
+//! Vertical load of each wheel for any row positions: the plane (27) that satisfies the sums (26) of the rolling
+//! moments (23). For four rows it is (28).
 
 use super::Vehicle;
 

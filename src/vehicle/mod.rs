@@ -17,7 +17,6 @@ mod loads;
 mod model;
 mod newton;
 mod parameter;
-mod trend;
 mod unusual;
 mod wrench;
 
@@ -27,24 +26,24 @@ pub(crate) use altered::{
 };
 pub use altered::{Surroundings, Tracks, seen_from};
 pub use balance::Balance;
+pub(crate) use balance::Trend;
 pub use geometry::Vehicle;
 pub use linear::Linearisation;
 pub use loads::{GRAVITY, LoadPlane};
 pub use model::VehicleModel;
 pub use newton::BalanceError;
 pub use parameter::{ModelParameter, Specification, TerrainParameter, VehicleParameter};
-pub(crate) use trend::Trend;
 pub use unusual::{USUAL_SOIL, Unusual};
 pub use wrench::{WheelOutputs, Wrench};
 
 /// Velocities of the vehicle and speeds of its wheels: what the ground's forces depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
-    /// Velocity of the centre of mass along X, V_X \[m/s\].
+    /// Velocity of the centre of mass along X, V_X \[m/s\] (9).
     pub v_x: f64,
     /// Velocity of the centre of mass along Y, V_Y \[m/s\].
     pub v_y: f64,
-    /// Yaw rate Omega \[rad/s\].
+    /// Yaw rate Omega \[rad/s\] (9).
     pub yaw_rate: f64,
     /// Angular speed of the left wheels \[rad/s\].
     pub omega_left: f64,

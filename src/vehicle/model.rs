@@ -1,8 +1,9 @@
 //! A vehicle on a terrain, prepared for evaluation.
 
 use super::altered::{Altered, Prepared, Remembered};
-use super::{Direction, Directions};
-use super::{LoadPlane, ModelParameter, Motion, Specification, Surroundings, Vehicle};
+use super::{
+    LoadPlane, ModelParameter, Motion, Specification, Surroundings, Vehicle, WheelOutputs, Wrench,
+};
 use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
 use crate::effects::{Extent, ParameterName};
 use crate::parameter::ParameterError;
@@ -122,7 +123,7 @@ impl VehicleModel {
         effects.window.as_ref()?.extent.next_edge(time)
     }
 
-    /// The first moment after `time` \[s\] at which a slope that is told over time begins to change otherwise: a step
+    /// The first moment after `time` \[s\] at which a slope over time changes its rate: a step
     /// that is longer might miss a bump.
     pub(crate) fn next_knot(&self, time: f64) -> Option<f64> {
         let effects = &self.altered()?.specification.effects;
@@ -132,14 +133,6 @@ impl VehicleModel {
     /// The length \[m\] of the shortest thing that lies in the way: a step that is longer might miss it.
     pub(crate) fn min_feature_length(&self) -> Option<f64> {
         self.altered()?.grain
-    }
-
-    /// The directions to differentiate in, prepared; a model without effects has none.
-    pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
-        match self.altered() {
-            Some(altered) => Directions::new(altered, list),
-            None => Directions::default(),
-        }
     }
 
     /// Whether nothing depends on position and heading.
@@ -230,5 +223,29 @@ impl VehicleModel {
 
     pub(super) fn contact(&self) -> &WheelContact {
         &self.contact
+    }
+}
+
+impl Wrench {
+    /// An empty wrench with room for every wheel of a model.
+    #[must_use]
+    pub fn for_model(model: &VehicleModel) -> Self {
+        Self {
+            wheels: vec![WheelOutputs::default(); model.vehicle().wheel_count()],
+            ..Self::default()
+        }
+    }
+
+    /// Sets the slips (13) of every wheel: S_X = -V_jX / (r omega), S_Y = -V_jY / (r omega),
+    /// with omega kept away from zero as in the contact time; at omega = 0 as for a wheel
+    /// that just starts to roll forward.
+    pub(super) fn set_slips(&mut self, model: &VehicleModel, motion: &Motion) {
+        for (index, wheel) in self.wheels.iter_mut().enumerate() {
+            let local = model.wheel_motion(motion, index);
+            let rim = model.slip_denominator(local.angular_speed);
+            let rolling = model.vehicle().wheel_radius * local.angular_speed;
+            wheel.longitudinal_slip = -(local.forward - rolling) / rim;
+            wheel.lateral_slip = -local.lateral / rim;
+        }
     }
 }

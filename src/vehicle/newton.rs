@@ -1,18 +1,20 @@
 //! Newton's method on the balance of all wheels.
 
 use super::altered::Prepared;
-use super::{Balance, Motion, Surroundings, VehicleModel};
+use super::balance::ENTRY_ANGLE_RANGE;
+use super::{Balance, Motion, Surroundings, VehicleModel, Wrench};
 use crate::contact::{Detail, WheelForces, WheelMotion};
 use crate::display::rounded;
 use crate::scalar::Dual;
 use fearless_simd::{Simd, dispatch};
 use std::f64::consts::FRAC_PI_2;
-use std::fmt;
+use thiserror::Error;
 
 /// Why the wheels find no balance.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum BalanceError {
     /// A wheel would sink to its axle: its entry angle passes pi/2.
+    #[error("the vehicle is bogged: wheel {wheel} sinks to its axle under its load of {load:.0} N; {}", bogged(*load, *bearing))]
     Bogged {
         /// Number of the wheel, from 1.
         wheel: usize,
@@ -22,69 +24,29 @@ pub enum BalanceError {
         bearing: f64,
     },
     /// A velocity or wheel speed is not finite, or too large for finite forces.
+    #[error("no finite forces at {}", words(.0))]
     NotFinite(Motion),
     /// Newton's method did not settle.
+    #[error("the balance of loads and accelerations was not found at {}; the ground may hold the wheels so firmly that the vehicle tips", words(.0))]
     NotConverged(Motion),
 }
 
-impl fmt::Display for BalanceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Bogged {
-                wheel,
-                load,
-                bearing,
-            } => {
-                write!(
-                    f,
-                    "the vehicle is bogged: wheel {wheel} sinks to its axle under its load of {load:.0} N; "
-                )?;
-                if bearing > load {
-                    write!(
-                        f,
-                        "the soil bears {bearing:.0} N at rest, but the shear under the slipping wheel drags it down"
-                    )
-                } else {
-                    write!(
-                        f,
-                        "the soil is too soft for this vehicle: it bears {bearing:.0} N even there"
-                    )
-                }
-            }
-            Self::NotFinite(motion) => write!(f, "no finite forces at {}", Words(motion)),
-            Self::NotConverged(motion) => {
-                write!(
-                    f,
-                    "the balance of loads and accelerations was not found at {}; the ground may hold the wheels so firmly that the vehicle tips",
-                    Words(motion)
-                )
-            }
-        }
-    }
-}
-
-/// A motion for people.
-struct Words<'a>(&'a Motion);
-
-impl fmt::Display for Words<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Motion {
-            v_x,
-            v_y,
-            yaw_rate,
-            omega_left,
-            omega_right,
-        } = self.0;
-        let [v_x, v_y, yaw_rate, left, right] =
-            [v_x, v_y, yaw_rate, omega_left, omega_right].map(|value| rounded(*value, 4));
-        write!(
-            f,
-            "v_x {v_x} m/s, v_y {v_y} m/s, yaw rate {yaw_rate} rad/s, wheels {left} and {right} rad/s"
+fn bogged(load: f64, bearing: f64) -> String {
+    if bearing > load {
+        format!(
+            "the soil bears {bearing:.0} N at rest, but the shear under the slipping wheel drags it down"
         )
+    } else {
+        format!("the soil is too soft for this vehicle: it bears {bearing:.0} N even there")
     }
 }
 
-impl std::error::Error for BalanceError {}
+fn words(motion: &Motion) -> String {
+    let [v_x, v_y, yaw_rate, left, right] = motion.to_array().map(|value| rounded(value, 4));
+    format!(
+        "v_x {v_x} m/s, v_y {v_y} m/s, yaw rate {yaw_rate} rad/s, wheels {left} and {right} rad/s"
+    )
+}
 
 /// Relative change of the entry angles, and change of the accelerations \[m/s^2\], below which
 /// Newton's method stops. It applies that last step too, so what remains is its square.
@@ -97,10 +59,61 @@ const MAX_ITERATIONS: usize = 60;
 /// So many steps are taken whole, and then none shorter than this share.
 const UNDAMPED_ITERATIONS: usize = 6;
 const SHORTEST_DAMPING: f64 = 1e-9;
-/// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
-pub(super) const MAX_LOG_STEP: f64 = 0.7;
-/// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
-pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-12, 1.8);
+
+impl Balance {
+    /// A first guess: no acceleration, and entry angles from the loads at rest.
+    #[must_use]
+    pub fn new(model: &VehicleModel) -> Self {
+        Self::of_wheels(model.vehicle().wheel_count())
+    }
+
+    /// Fills a wrench with what this balance means at its motion.
+    pub fn wrench(&self, model: &VehicleModel, motion: &Motion, wrench: &mut Wrench) {
+        self.wrench_at(model, motion, &Surroundings::default(), wrench);
+    }
+
+    /// As [`Balance::wrench`], in surroundings on which effects may depend.
+    pub fn wrench_at(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        surroundings: &Surroundings,
+        wrench: &mut Wrench,
+    ) {
+        let prepared = model.prepare(motion, surroundings);
+        self.wrench_of(model, motion, prepared.as_ref(), wrench);
+    }
+
+    /// As [`Balance::wrench_at`], where effects are prepared already.
+    pub(crate) fn wrench_of(
+        &self,
+        model: &VehicleModel,
+        motion: &Motion,
+        prepared: Option<&Prepared>,
+        wrench: &mut Wrench,
+    ) {
+        if let Some(prepared) = prepared {
+            return prepared.wrench(self, model.regularisation(), wrench);
+        }
+        wrench.sum(model.vehicle(), &self.forces);
+        for (index, wheel) in self.wheels.iter().enumerate() {
+            let entry_angle = if wheel.load > 0.0 {
+                wheel.entry_angle
+            } else {
+                0.0
+            };
+            wrench.set_contact(model.vehicle().wheel_radius, index, wheel.load, entry_angle);
+        }
+        wrench.set_slips(model, motion);
+    }
+
+    /// Writes the rates of what the vehicle and its ground remember.
+    pub(crate) fn memory_rates(&self, prepared: Option<&Prepared>, rates: &mut Vec<f64>) {
+        if let (Some(prepared), false) = (prepared, rates.is_empty()) {
+            prepared.memory_rates(self, rates);
+        }
+    }
+}
 
 impl VehicleModel {
     /// Finds the balance at a motion, starting from what `balance` holds.

@@ -1,6 +1,6 @@
 //! What the ground does to the vehicle: totals and each wheel's share.
 
-use super::{Motion, VehicleModel};
+use super::Vehicle;
 use crate::contact::WheelForces;
 
 /// Forces, moments and resistances at one instant (or their derivative in one direction).
@@ -89,15 +89,6 @@ impl WheelOutputs {
 }
 
 impl Wrench {
-    /// An empty wrench with room for every wheel of a model.
-    #[must_use]
-    pub fn for_model(model: &VehicleModel) -> Self {
-        Self {
-            wheels: vec![WheelOutputs::default(); model.vehicle().wheel_count()],
-            ..Self::default()
-        }
-    }
-
     /// Becomes the weighted sum of other wrenches' numbers (derivatives are added so).
     pub(crate) fn combine<'a>(&mut self, terms: impl Iterator<Item = (&'a Self, f64)>) {
         let count = self.wheels.len();
@@ -129,8 +120,7 @@ impl Wrench {
     }
 
     /// Sums the wheels' forces, which may as well be derivatives: the sums are linear.
-    pub(super) fn sum(&mut self, model: &VehicleModel, forces: &[WheelForces<f64>]) {
-        let vehicle = model.vehicle();
+    pub(super) fn sum(&mut self, vehicle: &Vehicle, forces: &[WheelForces<f64>]) {
         let (mut force_x, mut force_y) = (0.0, 0.0);
         let (mut resistance, mut turning, mut turning_resistance) = (0.0, 0.0, 0.0);
         for (index, force) in forces.iter().enumerate() {
@@ -154,30 +144,11 @@ impl Wrench {
     }
 
     /// Sets one wheel's load and entry angle, and the sinkage that follows.
-    pub(super) fn set_contact(
-        &mut self,
-        model: &VehicleModel,
-        index: usize,
-        load: f64,
-        entry: f64,
-    ) {
+    pub(super) fn set_contact(&mut self, radius: f64, index: usize, load: f64, entry: f64) {
         let wheel = &mut self.wheels[index];
         wheel.load = load;
         wheel.entry_angle = entry;
         // 1 - cos theta = 2 sin^2(theta / 2), exact for small angles.
-        wheel.sinkage = model.vehicle().wheel_radius * 2.0 * (entry / 2.0).sin().powi(2);
-    }
-
-    /// Sets the slips (13) of every wheel: S_X = -V_jX / (r omega), S_Y = -V_jY / (r omega),
-    /// with omega kept away from zero as in the contact time; at omega = 0 as for a wheel
-    /// that just begins to roll forward.
-    pub(super) fn set_slips(&mut self, model: &VehicleModel, motion: &Motion) {
-        for (index, wheel) in self.wheels.iter_mut().enumerate() {
-            let local = model.wheel_motion(motion, index);
-            let rim = model.slip_denominator(local.angular_speed);
-            let rolling = model.vehicle().wheel_radius * local.angular_speed;
-            wheel.longitudinal_slip = -(local.forward - rolling) / rim;
-            wheel.lateral_slip = -local.lateral / rim;
-        }
+        wheel.sinkage = radius * 2.0 * (entry / 2.0).sin().powi(2);
     }
 }

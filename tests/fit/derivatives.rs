@@ -5,8 +5,9 @@ use crate::synthetic::{QUIET, nominal, record};
 use ugv_terrain::fit::catalogue::find;
 use ugv_terrain::fit::exact::ExactPredictor;
 use ugv_terrain::fit::observation::{columns, observe};
-use ugv_terrain::fit::segment::{Signal, cut};
+use ugv_terrain::fit::segment::cut;
 use ugv_terrain::fit::sensor::SensorValues;
+use ugv_terrain::fit::signal::Signal;
 
 /// Root mean square relative to the column's: differences of simulations whose steps adapt at a
 /// tolerance of 1e-4, over steps of 0.01 (parameters: 5 %).

@@ -10,7 +10,7 @@ use ugv_terrain::fit::{
     Estimate, NoiseEstimate,
     noise::ChannelNoise,
     parameter::{FreeParameter, Prior, Scale},
-    segment::NoiseGroup,
+    signal::NoiseGroup,
 };
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};

@@ -1,6 +1,6 @@
 //! The account that a diagnosis gives of itself.
 
-use super::findings::likeliest_first;
+use super::posterior::likeliest_first;
 use crate::diagnosis::Options;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::maps::Maps;

@@ -18,7 +18,8 @@ use crate::fit::optimiser::{Stop, minimise};
 use crate::fit::problem::{NoiseModel, Point, ShootingProblem};
 use crate::fit::restart::settled;
 use crate::fit::robust::penalty;
-use crate::fit::segment::{Segment, Signal};
+use crate::fit::segment::Segment;
+use crate::fit::signal::Signal;
 use nalgebra::DVector;
 use rayon::prelude::*;
 

@@ -1,5 +1,6 @@
 //! What was found, in numbers and plain words.
 
+use super::posterior::likeliest_first;
 use super::verdict::Judged;
 use super::words::{statement, whose};
 use crate::diagnosis::hypothesis::candidate::Target;
@@ -7,8 +8,8 @@ use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, scattered};
 use crate::diagnosis::hypothesis::{Problem, What};
 use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
 use crate::diagnosis::screening::law::{channel as pushed, group};
-use crate::diagnosis::screening::locate::Extent;
 use crate::diagnosis::screening::regime::{channel, gains, regime};
+use crate::diagnosis::screening::region::Region;
 use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::search::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::search::{AcceptedEffect, Searched};
@@ -46,7 +47,7 @@ fn quantities(
 ) -> Vec<Quantity> {
     let coefficients = &proposal.coefficients;
     let acts = |recording: usize| match &proposal.extent {
-        Some(Extent::Time(at) | Extent::Run(at)) => at.recording == recording,
+        Some(Region::Time(at) | Region::Run(at)) => at.recording == recording,
         _ => true,
     };
     let predictor = problem.predictor(&fit.coefficients);
@@ -118,20 +119,6 @@ fn named(
     };
     finding.statement = statement(&finding);
     finding
-}
-
-/// Each subject once, with its best odds.
-#[must_use]
-pub fn likeliest_first(odds: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
-    let mut sorted = odds.to_vec();
-    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut once: Vec<(Subject, f64)> = Vec::new();
-    for one in sorted {
-        if !once.iter().any(|(subject, _)| *subject == one.0) {
-            once.push(one);
-        }
-    }
-    once
 }
 
 /// How far knobs are from off, for each recording.
@@ -207,17 +194,17 @@ fn places(
         patch,
     };
     match &accepted_effect.proposal.extent {
-        Some(Extent::Time(at) | Extent::Run(at)) => {
+        Some(Region::Time(at) | Region::Run(at)) => {
             let patch = patch(searched, at.recording, at.run, at.start, at.end);
             vec![interval(at.recording, at.run, at.start, at.end, patch)]
         }
-        Some(Extent::Place { disc }) => visits(searched, |[x, y]| {
+        Some(Region::Place { disc }) => visits(searched, |[x, y]| {
             (x - disc[0]).hypot(y - disc[1]) < disc[2]
         })
         .into_iter()
         .map(|(recording, run, start, end)| interval(recording, run, start, end, Some(*disc)))
         .collect(),
-        Some(Extent::Beyond {
+        Some(Region::Beyond {
             direction,
             position,
         }) => visits(searched, |[x, y]| {

@@ -1,8 +1,7 @@
 //! Probabilities of what may be missing, from log odds.
 
-use super::findings::likeliest_first;
 use crate::diagnosis::Subject;
-use crate::diagnosis::search::NOTHING;
+use crate::diagnosis::search::accepted::NOTHING;
 
 /// Share of the probability that stays with "unknown" whatever the evidence: now and then something
 /// outside the catalogue looks exactly like something inside.
@@ -122,6 +121,20 @@ pub fn mean(each: &[(Posterior, f64)]) -> Option<Posterior> {
         }
     }
     (!sum.is_empty()).then_some(Posterior(sum))
+}
+
+/// Each subject once, with its best odds.
+#[must_use]
+pub fn likeliest_first(odds: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
+    let mut sorted = odds.to_vec();
+    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut once: Vec<(Subject, f64)> = Vec::new();
+    for one in sorted {
+        if !once.iter().any(|(subject, _)| *subject == one.0) {
+            once.push(one);
+        }
+    }
+    once
 }
 
 #[cfg(test)]

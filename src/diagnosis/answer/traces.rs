@@ -6,7 +6,7 @@ use crate::diagnosis::outcome::{ResidualTrace, RunTrace};
 use crate::diagnosis::screening::wrench::smooth;
 use crate::diagnosis::search::Searched;
 use crate::fit::problem::NoiseModel;
-use crate::fit::segment::Signal;
+use crate::fit::signal::Signal;
 use crate::recording::Channel;
 
 /// A wrench is drawn at least as large as this share of the weight may be.

@@ -10,8 +10,9 @@
 
 use super::posterior::{DOUBT, Posterior, mean};
 use crate::diagnosis::outcome::{Insufficient, Subject, Verdict};
+use crate::diagnosis::search::accepted::NOTHING;
 use crate::diagnosis::search::proposal::ProposalKind;
-use crate::diagnosis::search::{AcceptedEffect, NOTHING, Searched};
+use crate::diagnosis::search::{AcceptedEffect, Searched};
 
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;

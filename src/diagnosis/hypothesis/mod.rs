@@ -17,8 +17,9 @@ use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter;
 use crate::fit::problem::{NoiseModel, Point, ShootingProblem};
-use crate::fit::segment::{Segment, Signal};
+use crate::fit::segment::Segment;
 use crate::fit::sensor::{SensorParameter, SensorValues, compared};
+use crate::fit::signal::Signal;
 use crate::parameter::ParameterError;
 use crate::recording::Recording;
 use crate::vehicle::{ModelParameter, Specification};
@@ -100,6 +101,14 @@ impl<'a> Problem<'a> {
     #[cfg(test)]
     pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
         Self::until(nominal, recordings, Deadline::NEVER)
+    }
+
+    /// Seconds that the segments cover.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        let each = self.segments.iter().map(|s| s.end - s.start);
+        // A sum of nothing is -0.
+        each.fold(0.0, |sum, length| sum + length)
     }
 
     /// Everything at hand, nothing cut yet.

@@ -50,7 +50,7 @@ pub fn prepare(
     let late: Vec<SensorValues> = late.collect();
     let mut found = cut(problem.recordings, &late, options.segment);
     problem.segments = std::mem::take(&mut found.segments);
-    let mut driven: f64 = seconds(problem);
+    let mut driven: f64 = problem.seconds();
     let lengths = [
         // Shorter stretches tell a little less; of fewer none could be held out, and nothing be told.
         (FEW, LONG_ENOUGH),
@@ -61,7 +61,7 @@ pub fn prepare(
         if driven >= SHORTEST && problem.segments.len() < count && length < options.segment {
             found = cut(problem.recordings, &late, length);
             problem.segments = std::mem::take(&mut found.segments);
-            driven = seconds(problem);
+            driven = problem.seconds();
         }
     }
     if driven == 0.0 && found.at_rest > found.unusable {
@@ -70,7 +70,7 @@ pub fn prepare(
         });
     }
     let part = thin(problem, progress)?;
-    driven = seconds(problem);
+    driven = problem.seconds();
     let tried = stiffened(problem, 0.5 * driven);
     progress.in_time(problem.deadline)?;
     let mut failed = None;
@@ -85,7 +85,7 @@ pub fn prepare(
         }
     }
     problem.segments = kept;
-    let seconds = seconds(problem);
+    let seconds = problem.seconds();
     match failed {
         Some(error) if seconds < 0.5 * driven => Err(DiagnosisError::Undrivable(error)),
         _ if seconds < SHORTEST => Err(DiagnosisError::TooShort {
@@ -137,14 +137,6 @@ fn failed(problem: &Problem, tried: &[Result<Tables, PredictionError>]) -> f64 {
     let pairs = problem.segments.iter().zip(tried);
     let failed = pairs.filter(|(_, tried)| tried.is_err());
     failed.map(|(s, _)| s.end - s.start).sum()
-}
-
-/// Seconds that the segments cover.
-#[must_use]
-pub fn seconds(problem: &Problem) -> f64 {
-    let each = problem.segments.iter().map(|s| s.end - s.start);
-    // A sum of nothing is -0.
-    each.fold(0.0, |sum, length| sum + length)
 }
 
 /// How far the positions of a run reach, east or north \[m\].
@@ -226,11 +218,11 @@ pub mod tests {
         let found = cut(&recordings, &as_known, Options::default().segment);
         let left_out = found.at_rest + found.unusable;
         problem.segments = found.segments;
-        let (lost, all) = (failed(&problem, &drive(&problem)), seconds(&problem));
+        let (lost, all) = (failed(&problem, &drive(&problem)), problem.seconds());
         assert!(lost > 0.0 && lost < 0.5 * all, "{lost} s of {all} s");
         let progress = Progress::new(&|_: &'static str| {});
         let (prepared, _) = prepare(&mut problem, &Options::default(), &progress).unwrap();
-        assert!((seconds(&problem) - all).abs() < 1e-9);
+        assert!((problem.seconds() - all).abs() < 1e-9);
         assert_eq!(prepared.left_out, left_out);
         assert_eq!(problem.stiffening, STIFFER);
     }

@@ -3,7 +3,6 @@
 //! What acts throughout shows in some minutes of driving as well as in many: some stretches, spread evenly, stand
 //! for all where it is to be seen which way to go; what acts for some seconds changes the cost of those alone.
 
-use super::prepare::seconds;
 use super::{Problem, Solution};
 use crate::fit::problem::NoiseModel;
 
@@ -24,7 +23,7 @@ impl Subsample {
     #[must_use]
     pub fn of(problem: &Problem) -> Option<Self> {
         let count = problem.segments.len();
-        let seconds = seconds(problem);
+        let seconds = problem.seconds();
         let enough = ENOUGH / seconds * count as f64;
         let enough = (enough.round() as usize).max(FEWEST);
         (seconds > MANY && count > enough).then(|| Self {

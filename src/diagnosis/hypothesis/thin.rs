@@ -5,7 +5,6 @@
 //! time on all segments, as many are taken as an answer has time for, spread evenly.
 
 use super::Problem;
-use super::prepare::seconds;
 use crate::diagnosis::{DiagnosisError, Progress};
 use crate::fit::problem::Point;
 
@@ -38,7 +37,7 @@ pub fn thin(
     if count == 0 {
         return Ok(None);
     }
-    let all = seconds(problem);
+    let all = problem.seconds();
     let probed = spread(PROBED.min(count), count);
     let predictor = problem.predictor(&[]);
     let shooting = problem.shooting(&predictor, &[]);
@@ -72,7 +71,7 @@ pub fn thin(
     }
     let segments = spread(kept, count).into_iter();
     problem.segments = segments.map(|k| problem.segments[k].clone()).collect();
-    Ok(Some([seconds(problem), all]))
+    Ok(Some([problem.seconds(), all]))
 }
 
 /// So many of a number of places, spread evenly.

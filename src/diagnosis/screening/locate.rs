@@ -6,6 +6,7 @@
 //! O. Siegmund, "Sequential Analysis", 1985), less the logarithm of the number of sets
 //! that were looked at.
 
+use super::region::Region;
 use super::scan::{BinnedFit, Scan, discs};
 use super::screen::{Projection, Score};
 use super::system::System;
@@ -16,47 +17,13 @@ use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::effects::CATALOGUE;
 use rayon::prelude::*;
 
-/// A part of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
-    /// Recording.
-    pub recording: usize,
-    /// Run.
-    pub run: usize,
-    /// Beginning \[s\], by the run's clock.
-    pub start: f64,
-    /// End \[s\].
-    pub end: f64,
-}
-
-/// A set of gates: where something acts.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Extent {
-    /// From gate to gate (exclusive) of a run's gates in their order.
-    Time(Stretch),
-    /// All of a run, of several.
-    Run(Stretch),
-    /// Where the vehicle is within a disc.
-    Place {
-        /// Centre, east and north, and radius \[m\].
-        disc: [f64; 3],
-    },
-    /// Beyond a line on the map.
-    Beyond {
-        /// Direction across the line \[rad\], counter-clockwise from east.
-        direction: f64,
-        /// The line's distance from the origin in that direction \[m\].
-        position: f64,
-    },
-}
-
 /// The best set of gates for a candidate.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// What acts.
     pub subject: Subject,
     /// Where.
-    pub extent: Extent,
+    pub extent: Region,
     /// The knobs that act, in the order of the score's step.
     pub coefficients: Vec<usize>,
     /// The one-step fit.
@@ -101,7 +68,7 @@ impl Scanned {
         })
     }
 
-    fn found(&self, extent: Extent, score: Score, evidence: f64) -> Found {
+    fn found(&self, extent: Region, score: Score, evidence: f64) -> Found {
         Found {
             subject: self.subject,
             extent,
@@ -211,7 +178,7 @@ pub fn located_at(
     system: &System,
     projection: &Projection,
     scanned: &[Scanned],
-    (extent, looking): (&Extent, f64),
+    (extent, looking): (&Region, f64),
 ) -> Vec<Found> {
     let chains = chains(problem, system);
     let there = |one: &Scanned, scan: &Scan| {
@@ -292,7 +259,7 @@ mod tests {
             let asked = scanned(problem, system, &fit.solution.soil, &[]);
             let found = locate(problem, system, &projection, &asked);
             let found = found.iter().find_map(|one| match one.extent {
-                Extent::Time(at) if one.subject == Subject::Unknown => Some(at),
+                Region::Time(at) if one.subject == Subject::Unknown => Some(at),
                 _ => None,
             });
             let at = found.unwrap();

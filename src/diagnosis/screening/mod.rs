@@ -4,6 +4,7 @@ pub mod law;
 pub mod locate;
 pub mod noise;
 pub mod regime;
+pub mod region;
 pub mod scan;
 pub mod screen;
 pub mod sensitivity;

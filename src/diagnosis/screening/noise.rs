@@ -6,7 +6,8 @@
 //! like slow noise. Most candidates point in few directions: those combinations are kept, in units of their
 //! priors, that these recordings tell anything about.
 
-use super::locate::{Extent, in_time, scanned};
+use super::locate::{in_time, scanned};
+use super::region::Region;
 use super::screen::Projection;
 use super::sensitivity::SegmentTable;
 use super::system::System;
@@ -27,7 +28,7 @@ const TOLD: f64 = 0.3;
 const FAINT: f64 = 4.0;
 
 /// The interval in which a push explains most.
-fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Extent, [usize; 3])> {
+fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Region, [usize; 3])> {
     let projection = Projection::over_all(system, &[])?;
     let mut candidates = scanned(problem, system, &at.soil, &[]);
     candidates.retain(|one| one.subject == Subject::Unknown);
@@ -123,8 +124,8 @@ impl UnmodelledForce<'_> {
 }
 
 /// The gates of a segment that lie within an interval.
-fn open(extent: &Extent, segment: &Segment, edges: &[f64]) -> Vec<usize> {
-    let Extent::Time(at) = *extent else {
+fn open(extent: &Region, segment: &Segment, edges: &[f64]) -> Vec<usize> {
+    let Region::Time(at) = *extent else {
         return Vec::new();
     };
     let within = |time_bin: &usize| {

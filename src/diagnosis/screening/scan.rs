@@ -1,6 +1,6 @@
 //! Sets of gates, and how well a candidate that acts in one of them alone explains what is left.
 
-use super::locate::{Extent, Stretch};
+use super::region::{Region, RunInterval};
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
 use super::time_bins::{Chain, TimeBin};
@@ -73,12 +73,12 @@ pub struct Scan<'a> {
 /// The best set so far, and how many were looked at.
 #[derive(Default)]
 struct Best {
-    found: Option<(Extent, Score)>,
+    found: Option<(Region, Score)>,
     looked_at: u32,
 }
 
 impl Best {
-    fn offer(&mut self, extent: Extent, score: Score) {
+    fn offer(&mut self, extent: Region, score: Score) {
         self.looked_at += 1;
         let best = self.found.as_ref();
         if best.is_none_or(|(_, best)| score.evidence > best.evidence) {
@@ -87,7 +87,7 @@ impl Best {
     }
 
     /// With the evidence less what looking in so many places costs.
-    fn of_looked_at(self) -> Option<(Extent, Score, f64)> {
+    fn of_looked_at(self) -> Option<(Region, Score, f64)> {
         let (extent, score) = self.found?;
         let evidence = score.evidence - f64::from(self.looked_at).ln();
         Some((extent, score, evidence))
@@ -179,8 +179,8 @@ impl Scan<'_> {
     /// The one-step fit where it acts in one place or for some time only. `None` where that is none of the gates, or a
     /// line on the map.
     #[must_use]
-    pub fn within(&self, chains: &[Chain], extent: &Extent) -> Option<Score> {
-        let of_run = |at: &Stretch| {
+    pub fn within(&self, chains: &[Chain], extent: &Region) -> Option<Score> {
+        let of_run = |at: &RunInterval| {
             let same = |chain: &&Chain| (chain.recording, chain.run) == (at.recording, at.run);
             let time_bins = chains.iter().filter(same);
             let sums = time_bins.map(|chain| {
@@ -191,16 +191,16 @@ impl Scan<'_> {
             sums.max_by(|a, b| a.1.total_cmp(&b.1))
         };
         let (sums, seconds) = match extent {
-            Extent::Time(at) => of_run(at)?,
-            Extent::Place { disc } => self.sum(chains, |time_bin| time_bin.within(inside(*disc))),
-            Extent::Run(_) | Extent::Beyond { .. } => return None,
+            Region::Time(at) => of_run(at)?,
+            Region::Place { disc } => self.sum(chains, |time_bin| time_bin.within(inside(*disc))),
+            Region::Run(_) | Region::Beyond { .. } => return None,
         };
         (seconds > 0.0).then(|| self.score(&sums))
     }
 
     /// The best interval of any run, its ends moved until that gains nothing more.
     #[must_use]
-    pub fn intervals(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
+    pub fn intervals(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
         let mut best = Best::default();
         for chain in chains {
             for (from, begin) in chain.time_bins.iter().enumerate() {
@@ -223,7 +223,7 @@ impl Scan<'_> {
                     if length < SHORTEST {
                         continue;
                     }
-                    let extent = Extent::Time(Stretch {
+                    let extent = Region::Time(RunInterval {
                         recording: chain.recording,
                         run: chain.run,
                         start: begin.start,
@@ -235,12 +235,12 @@ impl Scan<'_> {
         }
         let mut shift = FIRST_SHIFT;
         while shift > LAST_SHIFT {
-            let (Extent::Time(at), before) = best.found.clone()? else {
+            let (Region::Time(at), before) = best.found.clone()? else {
                 return None;
             };
             for [earlier, later] in [[shift, 0.0], [-shift, 0.0], [0.0, shift], [0.0, -shift]] {
                 let (start, end) = (at.start - earlier, at.end + later);
-                self.offer_interval(&mut best, chains, Stretch { start, end, ..at });
+                self.offer_interval(&mut best, chains, RunInterval { start, end, ..at });
             }
             let gained = best.found.as_ref()?.1.evidence - before.evidence;
             let moved = gained >= WORTH_A_MOVE;
@@ -252,7 +252,7 @@ impl Scan<'_> {
     }
 
     /// An interval whose ends lie within gates, of which it counts that share; within one chain.
-    fn offer_interval(&self, best: &mut Best, chains: &[Chain], at: Stretch) {
+    fn offer_interval(&self, best: &mut Best, chains: &[Chain], at: RunInterval) {
         let middle = 0.5 * (at.start + at.end);
         let covers = |chain: &&Chain| {
             let ends = chain.time_bins.first().zip(chain.time_bins.last());
@@ -268,13 +268,13 @@ impl Scan<'_> {
         // Beyond the chain's end nothing is told.
         let inside = (seconds - (at.end - at.start)).abs() < 1e-6;
         if inside && (SHORTEST..=LONGEST).contains(&seconds) {
-            best.offer(Extent::Time(at), self.score(&sums));
+            best.offer(Region::Time(at), self.score(&sums));
         }
     }
 
     /// The best run, of several, from its beginning to its end.
     #[must_use]
-    pub fn runs(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
+    pub fn runs(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
         let runs: Vec<&[Chain]> = chains
             .chunk_by(|a, b| (a.recording, a.run) == (b.recording, b.run))
             .collect();
@@ -287,7 +287,7 @@ impl Scan<'_> {
             let (Some(first), Some(last)) = (time_bins.next(), time_bins.next_back()) else {
                 continue;
             };
-            let extent = Extent::Run(Stretch {
+            let extent = Region::Run(RunInterval {
                 recording: run[0].recording,
                 run: run[0].run,
                 start: first.start,
@@ -300,7 +300,7 @@ impl Scan<'_> {
 
     /// The best disc, moved and resized until that gains nothing more.
     #[must_use]
-    pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Extent, Score, f64)> {
+    pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Region, Score, f64)> {
         let mut best = Best::default();
         for disc in discs {
             if self.deadline.is_over() {
@@ -310,7 +310,7 @@ impl Scan<'_> {
         }
         let mut share = FIRST_MOVE;
         while share > LAST_MOVE {
-            let (Extent::Place { disc }, before) = best.found.clone()? else {
+            let (Region::Place { disc }, before) = best.found.clone()? else {
                 return None;
             };
             let [x, y, radius] = disc;
@@ -334,13 +334,13 @@ impl Scan<'_> {
     fn offer_disc(&self, best: &mut Best, chains: &[Chain], disc: [f64; 3]) {
         let (sums, seconds) = self.sum(chains, |time_bin| time_bin.within(inside(disc)));
         if seconds >= SHORTEST {
-            best.offer(Extent::Place { disc }, self.score(&sums));
+            best.offer(Region::Place { disc }, self.score(&sums));
         }
     }
 
     /// The best line across the map.
     #[must_use]
-    pub fn boundary(&self, chains: &[Chain]) -> Option<(Extent, Score, f64)> {
+    pub fn boundary(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
         let mut best = Best::default();
         for direction in (0..DIRECTIONS).map(|k| PI * k as f64 / DIRECTIONS as f64) {
             let (sin, cos) = direction.sin_cos();
@@ -357,7 +357,7 @@ impl Scan<'_> {
                 };
                 let beyond = |place: [f64; 2]| along(place) > position;
                 let (sums, _) = self.sum(chains, |time_bin| time_bin.within(beyond));
-                let extent = Extent::Beyond {
+                let extent = Region::Beyond {
                     direction,
                     position,
                 };

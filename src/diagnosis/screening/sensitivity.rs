@@ -9,7 +9,7 @@ use crate::diagnosis::hypothesis::candidate::{CandidateParameter, Target, is_law
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
-use crate::fit::observation::{Residuals, observe, observe_gated};
+use crate::fit::observation::{Residuals, observe, observe_binned};
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::Tables;
 use crate::fit::segment::Segment;
@@ -217,7 +217,7 @@ impl<'a> RecordingModel<'a> {
         let time_bins = (length / layout.time_bin).round().max(1.0) as usize;
         let edge = |k: usize| segment.start + length * k as f64 / time_bins as f64;
         let edges: Vec<f64> = (0..=time_bins).map(edge).collect();
-        let observed = observe_gated(
+        let observed = observe_binned(
             &self.predictor,
             segment,
             start,

@@ -12,8 +12,8 @@ use super::system::System;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::candidate::Target;
 use crate::fit::problem::NoiseModel;
-use crate::fit::segment::NoiseGroup;
 use crate::fit::sensor::SensorParameter;
+use crate::fit::signal::NoiseGroup;
 
 /// Nothing pays more: against other names it would be too much, for slow noise explains a part of what they do as well.
 const MOST: f64 = 8.0;

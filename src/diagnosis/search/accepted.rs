@@ -4,6 +4,11 @@ use super::proposal::Proposal;
 use super::rerank::close_to;
 use crate::diagnosis::Subject;
 
+/// Log odds that something must have over nothing more, its prior counted.
+pub const TAKE: f64 = 0.5;
+/// Logarithm of the prior of nothing (more) over that of one effect of the catalogue.
+pub const NOTHING: f64 = 4.5;
+
 /// Something that was found.
 #[derive(Debug, Clone)]
 pub struct AcceptedEffect {

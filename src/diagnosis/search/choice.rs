@@ -1,10 +1,10 @@
 //! Which of the things that were fitted is taken next.
 
-use super::naming::Named;
+use super::accepted::{NOTHING, TAKE};
+use super::naming::FittedCandidate;
 use super::proposal::ProposalKind;
 use super::stage::Stage;
 use super::trial::GOOD_PART;
-use super::{NOTHING, TAKE};
 
 /// What is taken first where several things are worth it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,13 +16,13 @@ pub enum Prefer {
 }
 
 /// How much better it predicts what it was not fitted to, with the standard error.
-pub fn held_out_gain(named: &Named, stage: &Stage) -> Option<(f64, f64)> {
+pub fn held_out_gain(named: &FittedCandidate, stage: &Stage) -> Option<(f64, f64)> {
     let pair = named.scores.as_ref().zip(stage.scores.as_ref());
     pair.map(|(with, without)| with.gain_over(without))
 }
 
 /// Log odds; what predicts worse what it was not fitted to is no likelier than nothing.
-pub fn sound_odds(named: &Named, stage: &Stage) -> f64 {
+pub fn sound_odds(named: &FittedCandidate, stage: &Stage) -> f64 {
     let sound = held_out_gain(named, stage).is_none_or(|(mean, error)| mean > -error);
     if sound {
         named.odds()
@@ -32,7 +32,10 @@ pub fn sound_odds(named: &Named, stage: &Stage) -> f64 {
 }
 
 /// What outweighs chance and does not predict worse.
-fn worth_it<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage) -> impl Iterator<Item = &'n Named<'a>> {
+fn worth_it<'n, 'a>(
+    fitted: &'n [FittedCandidate<'a>],
+    stage: &Stage,
+) -> impl Iterator<Item = &'n FittedCandidate<'a>> {
     fitted.iter().filter(move |named| {
         let told = held_out_gain(named, stage).is_some();
         told && sound_odds(named, stage) > NOTHING + TAKE
@@ -41,10 +44,10 @@ fn worth_it<'n, 'a>(fitted: &'n [Named<'a>], stage: &Stage) -> impl Iterator<Ite
 
 /// What is taken next. `None` where nothing is worth it.
 pub fn choose<'n, 'a>(
-    fitted: &'n [Named<'a>],
+    fitted: &'n [FittedCandidate<'a>],
     stage: &Stage,
     prefer: Prefer,
-) -> Option<&'n Named<'a>> {
+) -> Option<&'n FittedCandidate<'a>> {
     let best = |names: bool| {
         worth_it(fitted, stage)
             .filter(|named| !names || named.proposal.kind() != ProposalKind::Law)
@@ -55,7 +58,7 @@ pub fn choose<'n, 'a>(
 }
 
 /// Whether a law is the likeliest, and something with a name explains a good part of the same.
-pub fn worth_two_ways(fitted: &[Named], stage: &Stage) -> bool {
+pub fn worth_two_ways(fitted: &[FittedCandidate], stage: &Stage) -> bool {
     let first = |prefer| choose(fitted, stage, prefer);
     let pair = first(Prefer::Nothing).zip(first(Prefer::Names));
     pair.is_some_and(|(best, named)| {

@@ -5,12 +5,13 @@
 //! would never be fitted. So whatever the scan promises elsewhere, everything is begun where the likeliest acts as well.
 
 use super::initial_guess::cheapest;
-use super::naming::{Named, PartialFit, finish, partial_fit, placed};
+use super::naming::{FittedCandidate, PartialFit, finish, partial_fit, placed};
 use super::proposal::{BEHIND, FAR_BEHIND, Proposal, ProposalKind, placed_locally};
 use super::rerank::AT_STAKE;
 use super::stage::Stage;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, PARTIAL_FIT, fit_until};
-use crate::diagnosis::screening::locate::{Extent, Found, Scanned, locate, located_at, scanned};
+use crate::diagnosis::screening::locate::{Found, Scanned, locate, located_at, scanned};
+use crate::diagnosis::screening::region::Region;
 use crate::diagnosis::screening::screen::Projection;
 use crate::fit::problem::NoiseModel;
 use nalgebra::DVector;
@@ -22,7 +23,7 @@ const MOST: usize = 4;
 
 /// What is proposed where the likeliest acts, if that is a place or a time, and has not been fitted there.
 #[must_use]
-pub fn beside_the_likeliest(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
+pub fn beside_the_likeliest(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Proposal> {
     let Some((best, extent)) = likeliest(fitted) else {
         return Vec::new();
     };
@@ -38,7 +39,7 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
     });
     let most = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
     there.retain(|one| {
-        let known = |named: &Named| {
+        let known = |named: &FittedCandidate| {
             named.proposal.subject == one.subject
                 && are_alike(named.proposal.extent.as_ref(), extent)
         };
@@ -49,7 +50,7 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
 
 /// The likeliest in a place where it acts for some time, and for some time where it acts in a place.
 #[must_use]
-pub fn otherwise_confined(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
+pub fn otherwise_confined(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Proposal> {
     let Some((best, extent)) = likeliest(fitted) else {
         return Vec::new();
     };
@@ -58,9 +59,9 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
         let asked: Vec<Scanned> = asked.iter().filter(same).cloned().collect();
         locate(&stage.problem, &stage.screening.system, projection, &asked)
     });
-    let is_place = |extent: &Extent| matches!(extent, Extent::Place { .. });
+    let is_place = |extent: &Region| matches!(extent, Region::Place { .. });
     let other = |one: &Proposal| {
-        let is_other = |other: &Extent| is_place(other) != is_place(extent);
+        let is_other = |other: &Region| is_place(other) != is_place(extent);
         one.kind() == ProposalKind::Local && one.extent.as_ref().is_some_and(is_other)
     };
     there.retain(other);
@@ -68,7 +69,9 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[Named]) -> Vec<Proposal> {
 }
 
 /// The likeliest where it acts somewhere only and something is at stake.
-pub fn likeliest<'n, 'a>(fitted: &'n [Named<'a>]) -> Option<(&'n Named<'a>, &'n Extent)> {
+pub fn likeliest<'n, 'a>(
+    fitted: &'n [FittedCandidate<'a>],
+) -> Option<(&'n FittedCandidate<'a>, &'n Region)> {
     let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
     let local = best.odds() > AT_STAKE && best.proposal.kind() == ProposalKind::Local;
     Some((best, best.proposal.extent.as_ref().filter(|_| local)?))
@@ -79,10 +82,10 @@ pub fn likeliest<'n, 'a>(fitted: &'n [Named<'a>]) -> Option<(&'n Named<'a>, &'n 
 pub fn fitted_there<'a>(
     stage: &Stage<'a>,
     proposals: &[Proposal],
-    likeliest: &Named,
+    likeliest: &FittedCandidate,
     least: f64,
     by: &NoiseModel,
-) -> Vec<Named<'a>> {
+) -> Vec<FittedCandidate<'a>> {
     let before = &stage.fit;
     let begun = proposals.iter();
     let begun = begun.filter_map(|proposal| begun_there(stage, proposal, likeliest, least, by));
@@ -103,7 +106,7 @@ pub fn fitted_there<'a>(
 fn begun_there<'a>(
     stage: &Stage<'a>,
     proposal: &Proposal,
-    likeliest: &Named,
+    likeliest: &FittedCandidate,
     least: f64,
     by: &NoiseModel,
 ) -> Option<PartialFit<'a>> {
@@ -130,9 +133,13 @@ fn begun_there<'a>(
 
 /// The same measured against the hypothesis without it where the likeliest is: that one's soil may have turned out better
 /// than the re-tuned one without what is proposed, which is nobody's merit.
-fn on_a_par<'a>(one: Named<'a>, likeliest: &Named, before: &FittedHypothesis) -> Named<'a> {
+fn on_a_par<'a>(
+    one: FittedCandidate<'a>,
+    likeliest: &FittedCandidate,
+    before: &FittedHypothesis,
+) -> FittedCandidate<'a> {
     let without = likeliest.gain + likeliest.fit.negative_log_evidence + likeliest.proposal.price;
-    Named {
+    FittedCandidate {
         gain: one.gain - (before.negative_log_evidence - without).max(0.0),
         ..one
     }
@@ -154,13 +161,13 @@ fn found(stage: &Stage, scan: impl Fn(&Projection, &[Scanned]) -> Vec<Found>) ->
 }
 
 /// Whether two places or times are the same for what acts there.
-fn are_alike(one: Option<&Extent>, other: &Extent) -> bool {
+fn are_alike(one: Option<&Region>, other: &Region) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() < SAME;
     match (one, other) {
-        (Some(Extent::Place { disc: a }), Extent::Place { disc: b }) => {
+        (Some(Region::Place { disc: a }), Region::Place { disc: b }) => {
             a.iter().zip(b).all(|(a, b)| near(*a, *b))
         }
-        (Some(Extent::Time(a)), Extent::Time(b)) => {
+        (Some(Region::Time(a)), Region::Time(b)) => {
             (a.recording, a.run) == (b.recording, b.run)
                 && near(a.start, b.start)
                 && near(a.end, b.end)
@@ -170,9 +177,9 @@ fn are_alike(one: Option<&Extent>, other: &Extent) -> bool {
 }
 
 /// Takes what was fitted where the likeliest acts; of each candidate the likelier place stays.
-pub fn join<'a>(fitted: &mut Vec<Named<'a>>, there: Vec<Named<'a>>) {
+pub fn join<'a>(fitted: &mut Vec<FittedCandidate<'a>>, there: Vec<FittedCandidate<'a>>) {
     for one in there {
-        let same = |other: &Named| {
+        let same = |other: &FittedCandidate| {
             other.proposal.kind() == ProposalKind::Local
                 && other.proposal.subject == one.proposal.subject
         };
@@ -187,7 +194,7 @@ pub fn join<'a>(fitted: &mut Vec<Named<'a>>, there: Vec<Named<'a>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::screening::locate::Stretch;
+    use crate::diagnosis::screening::region::RunInterval;
     use crate::diagnosis::search::edges::tests::{drag, slowed};
     use crate::diagnosis::search::naming::ANY;
     use crate::diagnosis::search::stage::tests::refitted;
@@ -213,7 +220,7 @@ mod tests {
         // Slowed for some seconds, it may as well have been somewhere.
         let elsewhere = otherwise_confined(&stage, &fitted);
         assert!(elsewhere.iter().all(|one| {
-            one.subject.name() == "drag" && matches!(one.extent, Some(Extent::Place { .. }))
+            one.subject.name() == "drag" && matches!(one.extent, Some(Region::Place { .. }))
         }));
         assert_eq!(elsewhere.len(), 1);
     }
@@ -247,7 +254,7 @@ mod tests {
         let before = &stage.fit;
         let gain =
             before.negative_log_evidence - one.fit.negative_log_evidence - one.proposal.price;
-        let with = |gain: f64| Named {
+        let with = |gain: f64| FittedCandidate {
             gain,
             ..one.clone()
         };
@@ -262,7 +269,7 @@ mod tests {
         let (nominal, recordings) = slowed();
         let (stage, by) = refitted(&nominal, &recordings);
         let one = drag(&stage, &by);
-        let with = |gain: f64| Named {
+        let with = |gain: f64| FittedCandidate {
             gain,
             ..one.clone()
         };
@@ -275,14 +282,14 @@ mod tests {
     #[test]
     fn times_and_places_are_alike_within_a_gate() {
         let time = |start| {
-            Extent::Time(Stretch {
+            Region::Time(RunInterval {
                 recording: 0,
                 run: 0,
                 start,
                 end: 9.0,
             })
         };
-        let place = |radius| Extent::Place {
+        let place = |radius| Region::Place {
             disc: [1.0, 2.0, radius],
         };
         assert!(are_alike(Some(&time(3.0)), &time(3.2)));

@@ -5,7 +5,7 @@
 //! by. So the edges of what came close to the likeliest are moved in the full fit: they are unknowns of a Gauss–Newton step
 //! beside all others, their derivatives by differences, for the other unknowns have theirs at hand; then the others follow.
 
-use super::naming::{Named, placed};
+use super::naming::{FittedCandidate, placed};
 use super::proposal::{Proposal, ProposalKind};
 use super::rerank::{AT_STAKE, close_to};
 use crate::diagnosis::hypothesis::Solution;
@@ -13,7 +13,7 @@ use crate::diagnosis::hypothesis::held_out::scores;
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, PARTIAL_FIT, cost, fit_on, fit_until, own_noise,
 };
-use crate::diagnosis::screening::locate::Extent;
+use crate::diagnosis::screening::region::Region;
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::problem::{NoiseModel, Tables};
 use nalgebra::{DMatrix, DVector};
@@ -38,11 +38,11 @@ const EDGES: usize = 3;
 const SHORTEST: f64 = 0.1;
 
 /// Moves the edges of what acts at some time or place and came close to the likeliest, whose log odds are `best`.
-pub fn settle_edges(fitted: &mut [Named], best: f64, by: &NoiseModel) {
+pub fn settle_edges(fitted: &mut [FittedCandidate], best: f64, by: &NoiseModel) {
     if best < AT_STAKE {
         return;
     }
-    let close = |named: &&mut Named| {
+    let close = |named: &&mut FittedCandidate| {
         named.proposal.kind() == ProposalKind::Local && named.odds() > close_to(best)
     };
     for named in fitted.iter_mut().filter(close) {
@@ -56,7 +56,7 @@ pub fn settle_edges(fitted: &mut [Named], best: f64, by: &NoiseModel) {
 
 /// The edges of what is taken under the noise that it leaves: that of the model without it holds a part of what its edges
 /// are told by. It keeps its odds and scores.
-pub fn settle_under_own_noise(named: &mut Named, by: &NoiseModel) {
+pub fn settle_under_own_noise(named: &mut FittedCandidate, by: &NoiseModel) {
     if named.proposal.kind() != ProposalKind::Local || named.odds() < AT_STAKE {
         return;
     }
@@ -67,7 +67,7 @@ pub fn settle_under_own_noise(named: &mut Named, by: &NoiseModel) {
     named.gain = gain;
 }
 
-fn settle(named: &mut Named, by: &NoiseModel) {
+fn settle(named: &mut FittedCandidate, by: &NoiseModel) {
     for _ in 0..STEPS {
         if stepped(named, by).is_none_or(|gain| gain < WORTH) {
             break;
@@ -76,7 +76,7 @@ fn settle(named: &mut Named, by: &NoiseModel) {
 }
 
 /// One step of the edges and everything else; what it gained. `None` where there is nothing to gain.
-fn stepped(named: &mut Named, by: &NoiseModel) -> Option<f64> {
+fn stepped(named: &mut FittedCandidate, by: &NoiseModel) -> Option<f64> {
     let coefficients = &named.fit.coefficients;
     let way = Way::of(named, by)?;
     let (proposal, problem, begin) = DAMPINGS.into_iter().find_map(|damping| {
@@ -109,7 +109,7 @@ struct Way {
 }
 
 impl Way {
-    fn of(named: &Named, by: &NoiseModel) -> Option<Self> {
+    fn of(named: &FittedCandidate, by: &NoiseModel) -> Option<Self> {
         let FittedHypothesis {
             coefficients,
             solution,
@@ -180,8 +180,8 @@ impl Way {
     }
 
     /// The solution a step from where a fit stands.
-    fn solution(&self, named: &Named, step: &DVector<f64>) -> Solution {
-        let Named { problem, fit, .. } = named;
+    fn solution(&self, named: &FittedCandidate, step: &DVector<f64>) -> Solution {
+        let FittedCandidate { problem, fit, .. } = named;
         let predictor = problem.predictor(&fit.coefficients);
         let shooting = problem.shooting(&predictor, &fit.coefficients);
         let mut point = problem.point(&shooting, &fit.coefficients, &fit.solution);
@@ -227,23 +227,23 @@ fn moved(proposal: &Proposal, by: &DVector<f64>) -> Option<Proposal> {
     })
 }
 
-fn nudged(extent: &Extent, by: &DVector<f64>) -> Option<Extent> {
+fn nudged(extent: &Region, by: &DVector<f64>) -> Option<Region> {
     let by = |edge: usize| by.get(edge).copied().unwrap_or(0.0);
     match extent {
-        Extent::Place { disc } => {
+        Region::Place { disc } => {
             let radius = disc[2];
             let at = |edge: usize| disc[edge] + by(edge) * radius;
-            Some(Extent::Place {
+            Some(Region::Place {
                 disc: [at(0), at(1), at(2)],
             })
         }
-        Extent::Time(at) if by(2) == 0.0 => {
+        Region::Time(at) if by(2) == 0.0 => {
             let mut at = *at;
             at.start += SECONDS * by(0);
             at.end += SECONDS * by(1);
-            (at.end - at.start > SHORTEST).then_some(Extent::Time(at))
+            (at.end - at.start > SHORTEST).then_some(Region::Time(at))
         }
-        Extent::Time(_) | Extent::Run(_) | Extent::Beyond { .. } => None,
+        Region::Time(_) | Region::Run(_) | Region::Beyond { .. } => None,
     }
 }
 
@@ -252,7 +252,7 @@ pub mod tests {
     use super::*;
     use crate::diagnosis::Subject;
     use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::diagnosis::screening::locate::Stretch;
+    use crate::diagnosis::screening::region::RunInterval;
     use crate::diagnosis::search::naming::ANY;
     use crate::diagnosis::search::naming::{finish, partial_fit};
     use crate::diagnosis::search::stage::Stage;
@@ -276,13 +276,13 @@ pub mod tests {
     }
 
     /// Drag from 6.9 s to 12.4 s, fitted.
-    pub fn drag<'a>(stage: &Stage<'a>, by: &NoiseModel) -> Named<'a> {
+    pub fn drag<'a>(stage: &Stage<'a>, by: &NoiseModel) -> FittedCandidate<'a> {
         let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
         let subject = Subject::Effect(drag);
         let coefficients: Vec<usize> = stage.problem.candidates.of(subject).collect();
         let proposal = Proposal {
             subject,
-            extent: Some(Extent::Time(Stretch {
+            extent: Some(Region::Time(RunInterval {
                 recording: 0,
                 run: 0,
                 start: 6.9,
@@ -308,7 +308,7 @@ pub mod tests {
         let mut fitted = [drag(&stage, &by)];
         let before = fitted[0].gain;
         settle_edges(&mut fitted, before, &by);
-        let Some(Extent::Time(at)) = fitted[0].proposal.extent else {
+        let Some(Region::Time(at)) = fitted[0].proposal.extent else {
             unreachable!()
         };
         assert!(
@@ -320,7 +320,7 @@ pub mod tests {
 
     #[test]
     fn each_edge_moves_alone() {
-        let disc = Extent::Place {
+        let disc = Region::Place {
             disc: [1.0, 2.0, 4.0],
         };
         let by = |edge: usize| {
@@ -329,14 +329,14 @@ pub mod tests {
             by
         };
         let moved = |edge| match nudged(&disc, &by(edge)) {
-            Some(Extent::Place { disc }) => disc,
+            Some(Region::Place { disc }) => disc,
             _ => unreachable!(),
         };
         assert_eq!(moved(0), [1.4, 2.0, 4.0]);
         assert_eq!(moved(1), [1.0, 2.4, 4.0]);
         assert_eq!(moved(2), [1.0, 2.0, 4.4]);
         let interval = |end| {
-            Extent::Time(Stretch {
+            Region::Time(RunInterval {
                 recording: 0,
                 run: 0,
                 start: 1.0,

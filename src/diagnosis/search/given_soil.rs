@@ -4,7 +4,7 @@
 //! problem shows there is of another vehicle on another soil: the right name may not be among the proposals, its place
 //! not where it is, and no way may lead back. So all is looked at once more from the given soil.
 
-use super::initial_guess::begin;
+use super::initial_guess::{begin, on_given_soil};
 use super::naming::PartialFit;
 use super::proposal::{Proposal, ProposalKind, proposals, screened, shortlist};
 use super::view::View;
@@ -21,15 +21,6 @@ const FAR: f64 = 1.5;
 /// At most so many that act throughout, and so many that act at some time or place, are proposed besides.
 const THROUGHOUT: usize = 3;
 const LOCAL: usize = 3;
-
-/// A hypothesis with the given soil in place of its own.
-#[must_use]
-pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
-    Solution {
-        soil: problem.begin().soil,
-        ..fit.solution.clone()
-    }
-}
 
 /// What is seen beside the given soil alone where the re-tuned one is far from it.
 #[must_use]

@@ -8,7 +8,7 @@ use crate::diagnosis::hypothesis::candidate::Target;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, PARTIAL_FIT, cost, fit_until};
 use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::hypothesis::{Problem, Solution};
-use crate::diagnosis::screening::locate::Extent;
+use crate::diagnosis::screening::region::Region;
 use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
 
@@ -73,7 +73,7 @@ pub fn cheapest(
 
 /// The stretches that what acts for some seconds reaches, where nothing else of the proposal changes the others.
 fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
-    let (Some(Extent::Time(at) | Extent::Run(at)), true) = (
+    let (Some(Region::Time(at) | Region::Run(at)), true) = (
         &proposal.extent,
         proposal.soil.iter().all(|step| *step == 0.0),
     ) else {
@@ -119,7 +119,7 @@ pub fn settled(
     before: &FittedHypothesis,
     by: &NoiseModel,
 ) -> Option<Solution> {
-    let of_a_run = matches!(proposal.extent, Some(Extent::Run(_)));
+    let of_a_run = matches!(proposal.extent, Some(Region::Run(_)));
     if !of_a_run && !is_unseen(problem, proposal) {
         return None;
     }
@@ -226,6 +226,15 @@ pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Op
     told.then_some(begin)
 }
 
+/// A hypothesis with the given soil in place of its own.
+#[must_use]
+pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
+    Solution {
+        soil: problem.begin().soil,
+        ..fit.solution.clone()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::naming::{ANY, partial_fit, placed};
@@ -249,7 +258,7 @@ mod tests {
         };
         let recordings = [driven(&towing, "slalom")];
         let (stage, by) = refitted(&nominal, &recordings);
-        let for_some_seconds = |one: &&Proposal| matches!(one.extent, Some(Extent::Time(_)));
+        let for_some_seconds = |one: &&Proposal| matches!(one.extent, Some(Region::Time(_)));
         let proposal = stage.proposals.iter().find(for_some_seconds).unwrap();
         let problem = placed(&stage.problem, proposal).unwrap();
         let part = touched(&problem, proposal).unwrap();

@@ -9,7 +9,6 @@ mod colocated;
 pub mod edges;
 pub mod given_soil;
 pub mod initial_guess;
-pub mod load;
 pub mod naming;
 pub mod path;
 pub mod proposal;
@@ -32,7 +31,7 @@ use crate::fit::predictor::PredictionError;
 use crate::fit::problem::NoiseModel;
 pub use accepted::AcceptedEffect;
 use choice::held_out_gain;
-use naming::Named;
+use naming::FittedCandidate;
 use path::Path;
 use stage::{Screening, Stage, screen};
 use std::sync::Arc;
@@ -87,11 +86,7 @@ impl Searched<'_> {
     }
 }
 
-/// Log odds that something must have over nothing more, its prior counted.
-pub const TAKE: f64 = 0.5;
-/// Logarithm of the prior of nothing (more) over that of one effect of the catalogue.
-pub const NOTHING: f64 = 4.5;
-/// Re-tuning is begun again where that gains so much \[log odds\], so many times at most.
+/// The fit of the soil is repeated where that gains so much \[log odds\], so many times at most.
 const STUCK: f64 = 5.0;
 const AGAIN: usize = 2;
 
@@ -136,7 +131,7 @@ pub fn search<'a>(
     let first = Arc::clone(&stage.screening);
     let tested = stage.scores.is_some();
     let baseline = stage.fit.solution.clone();
-    let gain = |n: &Named| Some((n.proposal.subject, held_out_gain(n, &stage)?));
+    let gain = |n: &FittedCandidate| Some((n.proposal.subject, held_out_gain(n, &stage)?));
     let gains = fitted.iter().filter_map(gain).collect();
     let path = Path::new(stage, by).explored(fitted, options, progress)?;
     let Path {
@@ -176,7 +171,7 @@ pub fn search<'a>(
 
 /// The re-tuned model from where the likeliest of what was fitted beside it ended, without that: re-tuning may
 /// have stuck on the way there. `None` where it is no better.
-fn unstuck(stage: &Stage, fitted: &[Named], by: &NoiseModel) -> Option<FittedHypothesis> {
+fn unstuck(stage: &Stage, fitted: &[FittedCandidate], by: &NoiseModel) -> Option<FittedHypothesis> {
     let best = fitted.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
     if best.gain < STUCK {
         return None;
@@ -230,7 +225,7 @@ mod tests {
         let problem = stage.problem.clone();
         let proposal = stage.proposals.first().cloned().unwrap();
         let gain = 10.0 * STUCK;
-        let beside = Named {
+        let beside = FittedCandidate {
             problem: problem.clone(),
             fit: stage.fit.clone(),
             scores: None,
@@ -249,7 +244,7 @@ mod tests {
         assert!(
             unstuck(
                 &stage,
-                &[Named {
+                &[FittedCandidate {
                     gain: 0.0,
                     ..beside
                 }],

@@ -5,15 +5,16 @@
 //! chance and predicts better what it was not fitted to (blocked cross-validation, see
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
 
-use super::given_soil::on_given_soil;
-use super::initial_guess::{LOST, begin, cheapest, compared, is_unseen, settled, walked};
+use super::initial_guess::{
+    LOST, begin, cheapest, compared, is_unseen, on_given_soil, settled, walked,
+};
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, LONG_PARTIAL_FIT, PARTIAL_FIT, fit_restarted, fit_until,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
-use crate::diagnosis::screening::locate::Extent;
+use crate::diagnosis::screening::region::Region;
 use crate::effects::{self, ParameterName, Window};
 use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
@@ -32,7 +33,7 @@ const UNSURE: f64 = 15.0;
 
 /// A proposal fitted in full beside what was found before.
 #[derive(Debug, Clone)]
-pub struct Named<'a> {
+pub struct FittedCandidate<'a> {
     /// What was proposed.
     pub proposal: Proposal,
     /// The given model with the place where it acts.
@@ -45,7 +46,7 @@ pub struct Named<'a> {
     pub gain: f64,
 }
 
-impl Named<'_> {
+impl FittedCandidate<'_> {
     /// Log odds against the hypothesis without it.
     #[must_use]
     pub fn odds(&self) -> f64 {
@@ -125,8 +126,8 @@ impl<'a> PartialFit<'a> {
     }
 
     /// As it stands, as likely as it promises.
-    pub fn unfinished(self) -> Named<'a> {
-        Named {
+    pub fn unfinished(self) -> FittedCandidate<'a> {
+        FittedCandidate {
             gain: self.promise() - self.proposal.log_prior(),
             proposal: self.proposal,
             problem: self.problem,
@@ -230,13 +231,13 @@ pub fn finish<'a>(
     partial_fit: PartialFit<'a>,
     before: &FittedHypothesis,
     by: &NoiseModel,
-) -> Option<Named<'a>> {
+) -> Option<FittedCandidate<'a>> {
     let PartialFit {
         proposal, problem, ..
     } = partial_fit;
     let fit = fit_restarted(&problem, &partial_fit.fit, by);
     let without = negative_log_evidence_without(&problem, &proposal, &fit, before, by);
-    Some(Named {
+    Some(FittedCandidate {
         gain: without - fit.negative_log_evidence - proposal.price,
         scores: scores(&problem, &fit, by),
         proposal,
@@ -280,7 +281,7 @@ pub fn placed<'a>(problem: &Problem<'a>, proposal: &Proposal) -> Option<Problem<
     effects.dedup();
     let model = &mut problem.nominal.effects;
     let extent = match *extent {
-        Extent::Beyond {
+        Region::Beyond {
             direction,
             position,
         } => {
@@ -289,7 +290,7 @@ pub fn placed<'a>(problem: &Problem<'a>, proposal: &Proposal) -> Option<Problem<
             model.set(name("position")?, position).ok()?;
             return Some(problem);
         }
-        Extent::Time(at) | Extent::Run(at) => {
+        Region::Time(at) | Region::Run(at) => {
             let runs = |recording: usize| problem.recordings[recording].runs.len();
             let before: usize = (0..at.recording).map(runs).sum::<usize>() + at.run;
             let clock = CLOCK * before as f64;
@@ -298,7 +299,7 @@ pub fn placed<'a>(problem: &Problem<'a>, proposal: &Proposal) -> Option<Problem<
                 end: clock + at.end,
             }
         }
-        Extent::Place {
+        Region::Place {
             disc: [x, y, radius],
         } => effects::Extent::Place { x, y, radius },
     };

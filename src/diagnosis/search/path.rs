@@ -4,14 +4,14 @@
 //! acts at some time or place only. Then everything is looked at once more on all of it, which
 //! decides what is left out again and what else there is.
 
+use super::accepted::{AcceptedEffect, NOTHING};
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
 use super::edges::settle_under_own_noise;
-use super::naming::Named;
+use super::naming::FittedCandidate;
 use super::proposal::{Proposal, ProposalKind};
 use super::prune::{prune, without};
 use super::stage::{Stage, screen_again};
 use super::trial::try_all;
-use super::{AcceptedEffect, NOTHING};
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, HELD, fit_hypothesis, fit_on, fit_with_noise,
@@ -68,12 +68,12 @@ impl<'a> Path<'a> {
     /// Numbers that are not finite, a hypothesis that cannot be driven again.
     pub fn explored(
         mut self,
-        fitted: Vec<Named<'a>>,
+        fitted: Vec<FittedCandidate<'a>>,
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
         let firsts = [Prefer::Nothing, Prefer::Names].map(|p| choose(&fitted, &self.stage, p));
-        let throughout = |named: &&Named| named.proposal.kind() != ProposalKind::Local;
+        let throughout = |named: &&FittedCandidate| named.proposal.kind() != ProposalKind::Local;
         if firsts.iter().flatten().all(throughout)
             && let Some(part) = Subsample::of(&self.stage.problem)
         {
@@ -104,7 +104,7 @@ impl<'a> Path<'a> {
     /// is not needed in the end.
     fn walk(
         mut self,
-        mut fitted: Vec<Named<'a>>,
+        mut fitted: Vec<FittedCandidate<'a>>,
         prefer: Prefer,
         options: &Options,
         progress: &'a Progress,
@@ -163,8 +163,8 @@ impl<'a> Path<'a> {
     }
 
     /// What was fitted, with log odds.
-    fn rivals(&self, fitted: &[Named]) -> Vec<(Subject, f64)> {
-        let odds = |named: &Named| self.on_all(sound_odds(named, &self.stage));
+    fn rivals(&self, fitted: &[FittedCandidate]) -> Vec<(Subject, f64)> {
+        let odds = |named: &FittedCandidate| self.on_all(sound_odds(named, &self.stage));
         let rivals = fitted.iter();
         rivals
             .map(|named| (named.proposal.subject, odds(named)))
@@ -180,7 +180,10 @@ impl<'a> Path<'a> {
     }
 
     /// Fits what may be missing beside what was found; nothing where no more may be found, or time is up.
-    fn what_else(&mut self, progress: &'a Progress) -> Result<Vec<Named<'a>>, DiagnosisError> {
+    fn what_else(
+        &mut self,
+        progress: &'a Progress,
+    ) -> Result<Vec<FittedCandidate<'a>>, DiagnosisError> {
         if self.accepted.len() >= self.rounds() || progress.is_late() {
             return Ok(Vec::new());
         }

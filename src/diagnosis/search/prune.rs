@@ -1,9 +1,9 @@
 //! What can be left out again.
 
+use super::accepted::{AcceptedEffect, NOTHING};
 use super::proposal::{Proposal, ProposalKind};
 use super::stage::Stage;
 use super::trial::CLOSE;
-use super::{AcceptedEffect, NOTHING};
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, scattered};
 use crate::diagnosis::hypothesis::{Problem, What};
 use crate::diagnosis::screening::screen::Projection;

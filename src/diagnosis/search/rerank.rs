@@ -6,7 +6,7 @@
 //! fitted under everyone's, and the mean of the log evidence over these decides. The winner keeps its
 //! gain; the others stand behind it by so much.
 
-use super::naming::Named;
+use super::naming::FittedCandidate;
 use crate::diagnosis::hypothesis::likelihood::{PARTIAL_FIT, fit_on, own_noise};
 use crate::fit::problem::NoiseModel;
 
@@ -25,21 +25,21 @@ pub fn close_to(best: f64) -> f64 {
 }
 
 /// Settles which of some fits is the likeliest where several are close.
-pub fn rerank(fitted: &mut [Named], by: &NoiseModel) {
+pub fn rerank(fitted: &mut [FittedCandidate], by: &NoiseModel) {
     fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
-    let Some(best) = fitted.first().map(Named::odds) else {
+    let Some(best) = fitted.first().map(FittedCandidate::odds) else {
         return;
     };
     if best < AT_STAKE {
         return;
     }
-    let near = |named: &&Named| named.odds() > close_to(best);
+    let near = |named: &&FittedCandidate| named.odds() > close_to(best);
     let count = fitted.iter().take(MOST).take_while(near).count();
     let close = &mut fitted[..count];
     if count < 2 {
         return;
     }
-    let own = |named: &Named| own_noise(&named.problem, &named.fit, by);
+    let own = |named: &FittedCandidate| own_noise(&named.problem, &named.fit, by);
     let noises: Vec<NoiseModel> = close.iter().map(own).collect();
     let total = |place: usize| {
         let named = &close[place];

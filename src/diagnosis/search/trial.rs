@@ -3,7 +3,7 @@
 use super::colocated::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
 use super::edges::settle_edges;
 use super::given_soil::from_given_soil;
-use super::naming::{Named, PartialFit, finish, partial_fit};
+use super::naming::{FittedCandidate, PartialFit, finish, partial_fit};
 use super::proposal::{Proposal, ProposalKind};
 use super::rerank::rerank;
 use super::stage::Stage;
@@ -38,7 +38,7 @@ pub fn try_all<'a>(
     stage: &Stage<'a>,
     by: &NoiseModel,
     progress: &'a Progress,
-) -> Result<Vec<Named<'a>>, DiagnosisError> {
+) -> Result<Vec<FittedCandidate<'a>>, DiagnosisError> {
     let Stage { problem, fit, .. } = stage;
     let hasty = Problem {
         deadline: progress.share_of_search(FIRST_STEPS),
@@ -57,7 +57,8 @@ pub fn try_all<'a>(
     for partial_fit in &mut begun {
         partial_fit.problem.deadline = problem.deadline;
     }
-    let best = |fitted: &[Named]| fitted.iter().map(Named::odds).fold(0.0, f64::max);
+    let best =
+        |fitted: &[FittedCandidate]| fitted.iter().map(FittedCandidate::odds).fold(0.0, f64::max);
     let (mut fitted, mut unfinished) = (Vec::new(), Vec::new());
     for partial_fit in promising(begun, NEAR, MOST) {
         progress.go_on()?;

@@ -110,6 +110,16 @@ impl Directions {
     }
 }
 
+impl VehicleModel {
+    /// The directions to differentiate in, prepared; a model without effects has none.
+    pub(crate) fn directions(&self, list: Vec<Direction>) -> Directions {
+        match self.altered() {
+            Some(altered) => Directions::new(altered, list),
+            None => Directions::default(),
+        }
+    }
+}
+
 /// The chassis for each chunk of directions, differentiated by those that are `felt` parameters.
 fn differentiated(
     chassis: &Chassis<f64>,

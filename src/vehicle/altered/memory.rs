@@ -1,6 +1,6 @@
 //! What a vehicle and its ground remember: states besides position and velocity.
 
-use super::rut::Ruts;
+use super::rut::{Ruts, SPEED_FLOOR};
 use super::{Chassis, Situation, Tracks};
 use crate::contact::WheelMemory;
 use crate::effects::{Boundary, Displacement, Effects, SlopeProfile};
@@ -32,8 +32,6 @@ pub(crate) enum Remembered {
 
 /// Number of values of a wheel's shear displacement.
 const SHEAR: usize = WheelMemory::COUNT - 1;
-/// Least speed over distance \[m\] with a slope: keeps the speed's root smooth.
-pub(super) const SPEED_FLOOR: f64 = 1e-18;
 /// Entry angle \[rad\] of a rigid wheel below which its relaxation length no longer shrinks.
 const SHORTEST_ARC: f64 = 0.02;
 

@@ -1,7 +1,7 @@
 //! The rut that a wheel meets: of all tracks that the wheels left, the deepest before it.
 
-use super::memory::SPEED_FLOOR;
-use super::tracks::{Crossing, Front, Mark, Placed, Pose, View};
+use super::situation::Pose;
+use super::tracks::{Crossing, Front, Mark, Placed, View};
 use super::{Chassis, Situation, Tracks};
 use crate::contact::{WheelLaw, WheelMemory};
 use crate::effects::Multipass;
@@ -11,6 +11,8 @@ use std::array::from_fn;
 /// How far before its axle a wheel meets the soil, and over which way that then works under it, in
 /// radii.
 const REACH: f64 = 1.0 / 3.0;
+/// Least speed over distance \[m\] with a slope: keeps the speed's root smooth.
+pub(super) const SPEED_FLOOR: f64 = 1e-18;
 
 /// Wheels, their tracks and how deep they stand.
 pub(super) struct Ruts<'a, S> {

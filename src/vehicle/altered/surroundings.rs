@@ -1,7 +1,7 @@
 //! Where and how a vehicle stands, and what acts on it besides the ground's stresses.
 
 use super::loads::LoadTargets;
-use super::{Chassis, MemoryLayout, Tracks};
+use super::{Chassis, MemoryLayout, Situation, Tracks};
 use crate::contact::{WheelLaw, WheelMotion};
 use crate::effects::{Boundary, Effects, ResidualMotion, SlopeGravity, Unscaled};
 use crate::scalar::Scalar;
@@ -22,24 +22,12 @@ pub struct Surroundings<'a> {
     pub tracks: Tracks<'a>,
 }
 
-/// Motion and surroundings, generic over the scalar.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Situation<S> {
-    pub velocity: [S; 2],
-    pub yaw_rate: S,
-    pub wheel_speeds: [S; 2],
-    pub position: [S; 2],
-    pub heading: S,
-    pub time: S,
-    pub distance: S,
-}
-
 /// What acts on the vehicle besides the stresses under its wheels.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Environment<S> {
     /// Gravity on the slope.
     pub gravity: SlopeGravity<S>,
-    /// Force of drag, drawbar and laws without a name along X and Y \[N\].
+    /// Force of drag, drawbar and residual models along X and Y \[N\].
     pub force: [S; 2],
     /// Their yaw moment about the centre of mass \[N m\].
     pub yaw_moment: S,
@@ -96,7 +84,7 @@ impl<S: Scalar> Chassis<S> {
         law
     }
 
-    /// Gravity, drag, drawbar and laws without a name; forces that change their sign fade below `fading` \[m/s\].
+    /// Gravity, drag, drawbar and residual models; forces that change their sign fade below `fading` \[m/s\].
     pub fn environment(&self, at: &Situation<S>, effects: &Effects, fading: f64) -> Environment<S> {
         let zero = S::constant(0.0);
         let gravity = if let Some(mut grade) = self.effects.grade {
@@ -140,7 +128,7 @@ impl<S: Scalar> Chassis<S> {
         environment
     }
 
-    /// Laws without a name: forces and a moment at the centre of mass.
+    /// Residual models: forces and a moment at the centre of mass.
     fn add_residuals(&self, at: &Situation<S>, fading: f64, environment: &mut Environment<S>) {
         let effects = &self.effects;
         let (ahead, aside, around) = (

@@ -1,0 +1,69 @@
+//! Forces and rates at one state and input.
+
+use super::error::SimulationError;
+use super::state::{State, StateVector};
+use crate::vehicle::{Balance, Motion, Prepared, Tracks, Trend, VehicleModel, Wrench};
+
+/// Forces and rates at one state and input.
+#[derive(Debug, Clone)]
+pub(super) struct Evaluation {
+    /// Whether the rest belongs to the current state and inputs.
+    pub valid: bool,
+    pub motion: Motion,
+    pub balance: Balance,
+    pub wrench: Wrench,
+    pub derivative: StateVector,
+    /// Rates of what is remembered.
+    pub memory_rates: Vec<f64>,
+}
+
+impl Evaluation {
+    /// Solves for the forces at a state and motion, starting from the balance that it holds.
+    pub fn solve(
+        &mut self,
+        model: &VehicleModel,
+        state: &State,
+        motion: Motion,
+        time: f64,
+        memory: &[f64],
+        tracks: Tracks,
+    ) -> Result<(), SimulationError> {
+        self.valid = false;
+        self.motion = motion;
+        let prepared = model.prepare(&motion, &state.surroundings(time, memory, tracks));
+        model
+            .solve_prepared(&motion, prepared.as_ref(), &mut self.balance)
+            .map_err(|source| SimulationError::Balance { time, source })?;
+        self.finish(model, state, prepared.as_ref());
+        self.valid = true;
+        Ok(())
+    }
+
+    /// What follows from the balance.
+    pub fn finish(&mut self, model: &VehicleModel, state: &State, prepared: Option<&Prepared>) {
+        let (motion, balance) = (&self.motion, &self.balance);
+        balance.wrench_of(model, motion, prepared, &mut self.wrench);
+        balance.memory_rates(prepared, &mut self.memory_rates);
+        self.derivative = state.derivative(&self.wrench).into();
+    }
+
+    /// Takes another evaluation's balance as the first guess at a motion.
+    pub fn guess_from(&mut self, other: &Self, trend: &Trend, motion: &Motion) {
+        self.balance.copy_from(&other.balance);
+        let (from, to) = (other.motion.to_array(), motion.to_array());
+        let mut change = [0.0; 5];
+        for k in 0..5 {
+            change[k] = to[k] - from[k];
+        }
+        self.balance.predict(trend, &change);
+    }
+
+    pub fn copy_from(&mut self, other: &Self) {
+        self.valid = other.valid;
+        self.motion = other.motion;
+        self.balance.copy_from(&other.balance);
+        self.wrench.copy_from(&other.wrench);
+        self.derivative = other.derivative;
+        self.memory_rates.copy_from_slice(&other.memory_rates);
+    }
+}
