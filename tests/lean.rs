@@ -9,7 +9,8 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// What the model itself is built on: nalgebra, `serde_json`, `serde_core`, `fearless_simd`, `uuid`, and theirs.
+/// What the model itself is built on: nalgebra, `serde_json`, `serde_core`, `fearless_simd`, `strsim`, `thiserror`,
+/// `uuid`, and theirs.
 const LIBRARY: &[&str] = &[
     "approx",
     "bytemuck",
@@ -22,13 +23,20 @@ const LIBRARY: &[&str] = &[
     "num_integer",
     "num_rational",
     "num_traits",
+    "proc_macro2",
+    "quote",
     "rawpointer",
     "safe_arch",
     "serde_core",
     "serde_json",
     "sha1_smol",
     "simba",
+    "strsim",
+    "syn",
+    "thiserror",
+    "thiserror_impl",
     "typenum",
+    "unicode_ident",
     "uuid",
     "wide",
     "zmij",
@@ -44,16 +52,10 @@ const ANALYSIS: &[&str] = &[
     "either",
     "fastrand",
     "libm",
-    "proc_macro2",
-    "quote",
     "rayon",
     "rayon_core",
     "ryu",
     "statrs",
-    "syn",
-    "thiserror",
-    "thiserror_impl",
-    "unicode_ident",
 ];
 
 /// What the C interface adds: the standard's types (`fmi_sys`, and theirs), percent-encoded paths.

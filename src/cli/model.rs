@@ -143,8 +143,8 @@ pub fn check_piecewise(effects: &Effects) -> Result<(), Failure> {
     if !effects.depend_on_beginning() {
         return Ok(());
     }
-    let reason = "effects over time or distance need the start of a drive, but this command cuts \
-                  the drive into pieces";
+    let reason =
+        "effects over time or distance driven do not fit pieces of a drive, which start anywhere";
     Err(Failure::argument(reason).with_remedy(
         "give the slope or the boundary a place on the map: \"over\": \"place\"; a window can have a \"place\" \
          instead of a \"time\"",

@@ -110,7 +110,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let limits = if reasons.is_empty() {
         String::new()
     } else {
-        format!(", for co-simulation only ({})", reasons.join(", "))
+        format!(", for co-simulation alone ({})", reasons.join(", "))
     };
     notify(&format!(
         "{} written, for {}{limits}",

@@ -141,7 +141,7 @@ fn text_is_short_and_says_what_counts() {
         "slope_east 1.78 deg (1.55 .. 2.01)",
         "drive3, 12.4 .. 31.0 s",
         "96 %",
-        "0.41 m as given, 0.30 m re-tuned, 0.052 m with what was found",
+        "0.41 m as given, 0.30 m refitted, 0.052 m augmented",
         "took",
     ] {
         assert!(text.contains(part), "{part}: {text}");
@@ -157,16 +157,16 @@ fn text_of_other_verdicts_says_what_is_open() {
         "{ambiguous}"
     );
     assert!(
-        ambiguous.contains("96 % that it is one of these: multipass 48 %"),
+        ambiguous.contains("96 % for one of these: multipass 48 %"),
         "{ambiguous}"
     );
     assert!(
-        ambiguous.contains("opposite_pass: Drive 20 m"),
+        ambiguous.contains("opposite pass: Drive 20 m"),
         "{ambiguous}"
     );
     let nothing = of(Verdict::NothingMissing);
-    assert!(nothing.contains("would show"), "{nothing}");
-    assert!(nothing.contains("never shows"), "{nothing}");
+    assert!(nothing.contains("detectable"), "{nothing}");
+    assert!(nothing.contains("undetectable"), "{nothing}");
     let unknown = of(Verdict::UnknownPhysics);
     let law = "dM_Z / (m g B) = -0.0270 |u| q + 0.0080";
     assert!(unknown.contains(law), "{unknown}");
@@ -275,7 +275,7 @@ fn the_map_marks_what_was_found() {
         "class=\"step m5\"",
         "class=\"span\"",
         "class=\"band\"",
-        "where it acts",
+        "only here",
         "x, east [m]",
         "dM_Z [N m]",
         "heading [deg]",
@@ -289,11 +289,11 @@ fn of_many_runs_the_worst_are_plotted() {
     let diagnosis = sample(Verdict::UnknownPhysics);
     let page = page(&diagnosis);
     assert_eq!(
-        page.matches("Mismatch of the re-tuned model").count(),
+        page.matches("Mismatch of the refitted model").count(),
         2 * 4
     );
     assert!(page.contains("<h3>drive3 run 5</h3>"), "it has a place");
-    assert!(page.contains("the worst; 2 more are not"));
+    assert!(page.contains("Plotted: 4 of 6 runs"));
 }
 
 #[test]
@@ -310,7 +310,7 @@ fn cautions_stand_beside_the_verdict() {
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let (text, page) = (text(&diagnosis), page(&diagnosis));
     // Before anything else about the finding, and in the verdict's box.
-    let top = words(text.split("\nsure").next().unwrap());
+    let top = words(text.split("\nprobability").next().unwrap());
     let verdict = page.split("</section>").next().unwrap();
     for told in [
         "Time was up before everything had been tried",
@@ -341,11 +341,11 @@ fn the_headline_says_why_there_is_no_verdict() {
     for (why, headline) in [
         (
             Insufficient::TooLittle,
-            "These recordings are too little to tell.",
+            "These recordings are not sufficient for a verdict.",
         ),
         (
             Insufficient::TimeUp,
-            "Time was up before there was a verdict.",
+            "The time limit was reached before a verdict.",
         ),
         (
             Insufficient::Undecided,
