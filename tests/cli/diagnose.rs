@@ -1,6 +1,6 @@
 //! `ugv diagnose`: what ends it early, and what it then leaves behind.
 
-use crate::{Bench, UGV};
+use crate::{Bench, UGV, assert_contains};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;

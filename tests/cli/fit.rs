@@ -1,6 +1,6 @@
 //! `ugv fit`.
 
-use crate::{Bench, formats};
+use crate::{Bench, assert_contains, formats};
 use serde_json::Value;
 use std::fmt::Write;
 
