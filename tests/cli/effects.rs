@@ -18,7 +18,7 @@ fn the_list_names_every_effect_and_parameter() {
                 .lines()
                 .find(|line| line.contains(declared.description))
                 .unwrap();
-            assert_contains(&line, declared.name);
+            assert_contains(line, declared.name);
         }
     }
     for expected in [
@@ -34,7 +34,7 @@ fn the_list_names_every_effect_and_parameter() {
 #[test]
 fn an_effect_is_explained_and_printed_as_a_file_that_works() {
     let bench = Bench::new();
-    let told = contains("equation: F = -k |V| V")
+    let explanation = contains("equation: F = -k |V| V")
         .and(contains("source: quadratic drag"))
         .and(contains(
             "0 to 200 N s^2/m^2, off at 0; prior when on 10 */ ",
@@ -43,7 +43,7 @@ fn an_effect_is_explained_and_printed_as_a_file_that_works() {
         .ugv("effects drag grade")
         .assert()
         .success()
-        .stderr(told);
+        .stderr(explanation);
     bench.write("effects.json", &assert.get_output().stdout);
     let effects = Effects::from_json(&bench.read("effects.json")).unwrap();
     let names: Vec<&str> = effects
@@ -51,17 +51,17 @@ fn an_effect_is_explained_and_printed_as_a_file_that_works() {
         .map(|effect| effect.name)
         .collect();
     assert_eq!(names, ["grade", "drag"]);
-    let told = contains("as fast as real time, effects: grade, drag\n");
+    let summary = contains("as fast as real time, effects: grade, drag\n");
     let assert = bench
         .ugv("simulate --input drive.csv --effects effects.json")
         .assert()
         .success()
-        .stderr(told);
+        .stderr(summary);
     let plain = bench.stdout("simulate --input drive.csv");
     assert_ne!(assert.get_output().stdout, plain.as_bytes());
     let plain_again = bench.ugv("simulate --input drive.csv").assert();
-    let told = String::from_utf8(plain_again.get_output().stderr.clone()).unwrap();
-    assert!(!told.contains("effects"), "{told}");
+    let summary = String::from_utf8(plain_again.get_output().stderr.clone()).unwrap();
+    assert!(!summary.contains("effects"), "{summary}");
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn effects_replace_those_of_a_model_with_a_note() {
         "other.json",
         r#"{"drag": {"coefficient": 20}, "latency": {"pose": 0.2}}"#,
     );
-    let told =
+    let notes =
         contains("note: the effects of other.json replace those of model.json (grade, payload)")
             .and(contains("not the motion, and are ignored here: latency\n"))
             .and(contains("effects: drag\n"));
@@ -109,7 +109,7 @@ fn effects_replace_those_of_a_model_with_a_note() {
         .ugv("simulate --input drive.csv --model model.json --effects other.json")
         .assert()
         .success()
-        .stderr(told);
+        .stderr(notes);
     let expected = bench.stdout("simulate --input drive.csv --effects other.json");
     assert_eq!(assert.get_output().stdout, expected.as_bytes());
 }
@@ -136,7 +136,7 @@ fn pieces_of_a_drive_take_no_effects_that_depend_on_its_start() {
 }
 
 #[test]
-fn a_window_tells_when_effects_act_from_the_first_row_on() {
+fn a_window_limits_effects_in_time_and_place() {
     let bench = Bench::new();
     let text = bench.read("drive.csv");
     let times = text.lines().skip(1);

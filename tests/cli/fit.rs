@@ -54,13 +54,20 @@ fn model_and_report_are_written_and_the_model_drives() {
 }
 
 #[test]
-fn no_command_replaces_what_it_reads() {
+fn no_command_replaces_its_input() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
     bench.write("rec.json", r#"{"note": "kept"}"#);
     bench.write("mine.json", bench.stdout("vehicle"));
     bench.write("soil.json", bench.stdout("terrains dry_sand"));
-    let files = ["rec.csv", "rec.json", "mine.json", "soil.json"];
+    bench.write("drive.mcap", "precious");
+    let files = [
+        "rec.csv",
+        "rec.json",
+        "mine.json",
+        "soil.json",
+        "drive.mcap",
+    ];
     let before = files.map(|name| bench.read(name));
     for command in [
         "fit rec.csv --output rec.json",
@@ -75,19 +82,28 @@ fn no_command_replaces_what_it_reads() {
         "sweep --input rec.csv --terrain soil.json --vary soil.cohesion=list:1000 --output soil.json",
         "package --vehicle mine.json --library linux64=rec.csv --output mine.json",
         "package --library linux64=rec.csv --output rec.csv",
+        "inspect rec.csv --json rec.json",
+        "inspect rec.csv --page ./rec.csv",
+        "import drive.mcap --output drive.mcap",
     ] {
         let message = bench.fails(command, 2);
         assert_contains(&message, "is an input file");
     }
     bench.write("model.csv", recording());
     bench.fails("diagnose model.csv --out .", 2);
-    let message = bench.fails("simulate --input rec.csv --output a.csv --plot ./a.csv", 2);
-    assert_contains(&message, "have the same destination");
+    for command in [
+        "simulate --input rec.csv --output a.csv --plot ./a.csv",
+        "inspect rec.csv --json same --page same",
+        "fit rec.csv --output same --report same",
+    ] {
+        assert_contains(&bench.fails(command, 2), "have the same destination");
+    }
     assert_eq!(before, files.map(|name| bench.read(name)));
     assert_eq!(
         bench.files(),
         [
             "drive.csv",
+            "drive.mcap",
             "mine.json",
             "model.csv",
             "rec.csv",
@@ -130,12 +146,12 @@ fn what_is_ignored_or_chosen_for_all_is_noted() {
     bench.write("offset.json", r#"{"heading_offset": {"offset": 0.1}}"#);
     let command = "fit rec.csv other.csv --free friction_angle --starts 0 --effects offset.json";
     let output = bench.ugv(command).assert().success();
-    let told = String::from_utf8(output.get_output().stderr.clone()).unwrap();
+    let notes = String::from_utf8(output.get_output().stderr.clone()).unwrap();
     for expected in [
         "are ignored here: heading_offset",
         "rec and other have different terrains",
     ] {
-        assert_contains(&told, expected);
+        assert_contains(&notes, expected);
     }
 }
 

@@ -29,7 +29,7 @@ fn recording() -> String {
 }
 
 #[test]
-fn text_tells_rates_and_delays() {
+fn the_text_has_rates_and_delays() {
     let bench = Bench::new();
     bench.write("field.csv", recording());
     let text = bench.stdout("inspect field.csv");
@@ -52,7 +52,7 @@ fn text_tells_rates_and_delays() {
 }
 
 #[test]
-fn repairs_are_told_and_faults_refused() {
+fn repairs_are_noted_and_faults_refused() {
     let bench = Bench::new();
     bench.write(
         "field.csv",
@@ -128,20 +128,4 @@ fn short_recordings_have_no_delays() {
         "{text}"
     );
     assert!(bench.read("page.html").contains("Wheel speeds"));
-}
-
-#[test]
-fn own_files_are_not_overwritten() {
-    let bench = Bench::new();
-    for target in [
-        "--json drive.json",
-        "--page drive.csv",
-        "--json ./drive.csv",
-    ] {
-        let message = bench.fails(&format!("inspect drive.csv {target}"), 2);
-        assert_contains(&message, "is an input file, or belongs to one");
-    }
-    let message = bench.fails("inspect drive.csv --json same --page same", 2);
-    assert_contains(&message, "have the same destination");
-    assert_eq!(bench.files(), ["drive.csv"]);
 }

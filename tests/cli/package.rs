@@ -73,9 +73,9 @@ fn a_link_to_an_fmu_stays_a_link() {
     assert!(bench.bytes("real.fmu").starts_with(b"PK"));
 }
 
-/// What model exchange cannot see is left to co-simulation, and told.
+/// Model exchange does not see states that depend on the path.
 #[test]
-fn an_fmu_for_co_simulation_alone_says_why() {
+fn an_fmu_for_co_simulation_alone_has_reasons() {
     let bench = Bench::new();
     bench.library("ugv.so", elf(62));
     let drag = r#""drag": {"coefficient": 9}"#;
@@ -109,9 +109,9 @@ fn an_fmu_for_co_simulation_alone_says_why() {
                 |name: &str| std::io::read_to_string(fmu.by_name(name).unwrap()).unwrap();
             let exchange = text("modelDescription.xml").contains("<ModelExchange");
             assert_eq!(exchange, why.is_empty(), "{effects}");
-            let told =
+            let documented =
                 text("documentation/index.html").contains("co-simulation and model exchange");
-            assert_eq!(told, why.is_empty(), "{effects}");
+            assert_eq!(documented, why.is_empty(), "{effects}");
         }
     }
 }

@@ -4,15 +4,6 @@ use super::*;
 use predicates::str::contains;
 
 #[test]
-fn an_import_does_not_replace_the_log_that_it_reads() {
-    let bench = Bench::new();
-    bench.write("drive.mcap", "precious");
-    let message = bench.fails("import drive.mcap --output drive.mcap", 2);
-    assert_contains(&message, "drive.mcap is an input file");
-    assert_eq!(bench.read("drive.mcap"), "precious");
-}
-
-#[test]
 fn malformed_input_is_located_and_touches_nothing() {
     let bench = Bench::new();
     bench.write("motion.csv", "precious");

@@ -71,7 +71,7 @@ fn fitted_kinematics_predict_a_kinematic_world() {
     let description = model(recording, "nominal_soil")["description"]
         .as_str()
         .unwrap();
-    assert_contains(&description, "clayed_soil by default");
+    assert_contains(description, "clayed_soil by default");
     assert_eq!(
         model(recording, "given_model")["description"],
         "terrain dry_sand"
@@ -158,21 +158,21 @@ fn a_model_that_was_fitted_to_the_windows_causes_a_warning() {
     let fit = "fit a.csv --free friction_angle --sensors none --starts 0";
     bench.stdout(&format!("{fit} --output whole.json"));
     bench.stdout(&format!("{fit} --half --output half.json"));
-    let told = |model: &str| {
+    let score = |model: &str| {
         let mut command = bench.ugv(&format!("score a.csv --model {model}"));
         let output = command.unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         (text(output.stdout), text(output.stderr))
     };
-    let (table, warning) = told("whole.json");
+    let (table, warning) = score("whole.json");
     assert_contains(&warning, "fitted to all of a");
     assert_contains(&table, "fitted to these windows too");
-    let (table, warning) = told("half.json");
+    let (table, warning) = score("half.json");
     assert!(!warning.contains("fitted"), "{warning}");
     assert!(!table.contains("fitted to these windows"), "{table}");
     // Other windows overlap with the half of the fit.
     for other in ["--horizon 2", "--spacing 1", "--heading gyro"] {
-        let (_, warning) = told(&format!("half.json {other}"));
+        let (_, warning) = score(&format!("half.json {other}"));
         assert_contains(&warning, "fitted to one half of a");
     }
     // Of several drives every second one is judged, however they are cut.
@@ -226,7 +226,7 @@ fn windows_that_fail_are_counted() {
     let table = bench.stdout("score a.csv b.csv --terrain soft.json");
     let pooled = &table[table.find("All 2 recordings").unwrap()..];
     for name in ["a", "b"] {
-        assert_contains(&pooled, &format!("no prediction of {name}\n"));
+        assert_contains(pooled, &format!("no prediction of {name}\n"));
     }
     let score = json(&bench, "score a.csv b.csv --terrain soft.json --json -");
     assert_eq!(score["pooled"][0]["failed"], 0, "{}", score["pooled"]);
@@ -260,7 +260,7 @@ fn short_recordings_are_judged_without_a_fit() {
         "{two}"
     );
     let median = &model(recording, "no_slip")["position_m"]["median"];
-    // One stretch of the drive tells no interval.
+    // One piece of the drive gives no interval.
     assert!(
         median["value"].is_number() && median["low"].is_null(),
         "{median}"

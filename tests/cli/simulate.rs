@@ -270,6 +270,4 @@ fn picture_shows_four_panels() {
         .assert()
         .success();
     assert!(!bench.read("one.svg").contains("NaN"));
-    let message = bench.fails("simulate --input drive.csv --output same --plot same", 2);
-    assert_contains(&message, "same destination");
 }

@@ -104,11 +104,11 @@ fn a_drive_that_does_not_reach_the_end_is_kept() {
                  --vary effects.terrain_change.position=list:1e6,2 --vary vehicle.mass=list:490,1e5 \
                  --vary effects.terrain_change.stiffness_factor=list:0.02";
     let assert = bench.ugv(sweep).assert().success();
-    let told = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    let notes = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(
-        told.contains("3 of 4 drives did not reach the end")
-            && told.contains("the first is 1: at 0 s"),
-        "{told}"
+        notes.contains("3 of 4 drives did not reach the end")
+            && notes.contains("the first is 1: at 0 s"),
+        "{notes}"
     );
     let csv = bench.read("ends.csv");
     let errors = cells(&csv, "error");

@@ -1,4 +1,4 @@
-//! What is told of a diagnosis, and that every verdict is told in text, JSON and page.
+//! Every verdict as text, JSON and page.
 #![cfg(feature = "cli")]
 
 #[path = "../common/formats.rs"]
@@ -122,7 +122,7 @@ fn json_does_not_depend_on_the_machine() {
 }
 
 #[test]
-fn text_is_short_and_says_what_counts() {
+fn the_text_is_short_and_has_the_main_facts() {
     for verdict in VERDICTS {
         let text = text(&sample(verdict));
         let lines: Vec<&str> = text.lines().collect();
@@ -149,7 +149,7 @@ fn text_is_short_and_says_what_counts() {
 }
 
 #[test]
-fn text_of_other_verdicts_says_what_is_open() {
+fn the_text_of_other_verdicts_has_the_open_questions() {
     let of = |verdict| text(&sample(verdict));
     let ambiguous = of(Verdict::Ambiguous);
     assert!(
@@ -220,7 +220,7 @@ fn pages_are_whole() {
 }
 
 #[test]
-fn what_is_not_known_is_not_told_as_a_number() {
+fn unknown_numbers_are_not_shown() {
     let mut diagnosis = sample(Verdict::UnknownPhysics);
     let nan = f64::NAN;
     diagnosis.account.threshold = nan;
@@ -251,8 +251,8 @@ fn what_is_not_known_is_not_told_as_a_number() {
     diagnosis.runs[2].time.clear();
     diagnosis.runs[4].residuals[0].before.fill(nan);
     diagnosis.findings[0].probability = nan;
-    for told in [text(&diagnosis), page(&diagnosis)] {
-        assert!(!told.contains("NaN"), "{told}");
+    for output in [text(&diagnosis), page(&diagnosis)] {
+        assert!(!output.contains("NaN"), "{output}");
     }
     assert_eq!(parsed(&diagnosis)["account"]["threshold"], Value::Null);
     diagnosis.runs.clear();
@@ -312,13 +312,13 @@ fn cautions_stand_beside_the_verdict() {
     // Before anything else about the finding, and in the verdict's box.
     let top = words(text.split("\nprobability").next().unwrap());
     let verdict = page.split("</section>").next().unwrap();
-    for told in [
+    for words in [
         "Time was up before everything had been tried",
         "72 s of 600 s",
         "490 kg on 8 wheels",
     ] {
-        assert!(top.contains(told), "{text}");
-        assert!(verdict.contains(told), "{verdict}");
+        assert!(top.contains(words), "{text}");
+        assert!(verdict.contains(words), "{verdict}");
     }
     let all = parsed(&diagnosis);
     let kinds = ["time_up", "part_of_recordings", "assumed_vehicle"];
@@ -336,7 +336,7 @@ fn cautions_stand_beside_the_verdict() {
 }
 
 #[test]
-fn the_headline_says_why_there_is_no_verdict() {
+fn the_headline_has_the_reason_for_no_verdict() {
     let mut diagnosis = sample(Verdict::InsufficientData);
     for (why, headline) in [
         (
