@@ -91,8 +91,8 @@ impl NominalArgs {
 }
 
 impl NamedModel {
-    /// Reads recordings of different names, with the JSON files beside them. The named vehicle serves to recognise units of
-    /// wheel speeds unless a JSON file has a vehicle.
+    /// Reads recordings of different names, with the JSON files beside them. Units of wheel speeds are recognised by
+    /// the vehicle of the JSON file, or else by the named one.
     pub fn read(&self, paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
         let vehicle = self.vehicle.as_ref();
         let each = paths.iter().map(|path| read_recording_of(path, vehicle));

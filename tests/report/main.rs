@@ -141,7 +141,7 @@ fn the_text_is_short_and_has_the_main_facts() {
         "slope_east 1.78 deg (1.55 .. 2.01)",
         "drive3, 12.4 .. 31.0 s",
         "96 %",
-        "0.41 m as given, 0.30 m refitted, 0.052 m augmented",
+        "0.41 m as given, 0.30 m refitted, 0.052 m mended",
         "took",
     ] {
         assert!(text.contains(part), "{part}: {text}");

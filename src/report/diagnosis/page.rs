@@ -61,16 +61,16 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         };
         facts.push((label, size(finding, diagnosis)));
         let alike = words::alike(finding, diagnosis).join(", ");
-        facts.push(fact("Alternatives", alike));
+        facts.push(fact("Look-alikes", alike));
     }
     if diagnosis.verdict == Verdict::NothingMissing {
         let (shown, hidden) = words::detectable(diagnosis);
-        facts.push(fact("Detectable from", shown.join(", ")));
+        facts.push(fact("Smallest detectable", shown.join(", ")));
         facts.push(fact("Undetectable", hidden.join(", ")));
     }
     if let Some(held_out) = &diagnosis.held_out {
         let errors = words::improvement(held_out, diagnosis);
-        facts.push(fact("On unseen data", errors));
+        facts.push(fact("On held-out data", errors));
     }
     if let Some(next) = &diagnosis.next {
         facts.push(fact("Drive next", words::drive_next(next)));
@@ -187,7 +187,7 @@ fn held_out(diagnosis: &Diagnosis) -> String {
     let Some(held_out) = &diagnosis.held_out else {
         return String::new();
     };
-    let mut html = String::from("<h2>Errors on unseen data</h2>\n<div class=\"plots\">\n");
+    let mut html = String::from("<h2>Errors on held-out data</h2>\n<div class=\"plots\">\n");
     html += &tables::error_bars(held_out, diagnosis);
     html += "</div>\n";
     html += &tables::errors(held_out, diagnosis);
@@ -231,12 +231,12 @@ fn candidates(diagnosis: &Diagnosis) -> String {
                  its name is.</p>\n";
     }
     html += &tables::candidates(diagnosis);
-    html + "<p class=\"soft\">Absorbed by refitting: share of the candidate's signal that other soil \
-           parameters imitate; only the rest is visible. Signal / chance: above 1 the signal exceeds the \
+    html + "<p class=\"soft\">Absorbed fraction: share of the candidate's signal that other soil \
+           parameters imitate; only the rest is visible. Signal / threshold: above 1 the signal exceeds the \
            largest that chance alone gives among all candidates. Estimate: one linear step from the refitted \
-           model. Detectable from: smallest size of the parameter, or distance from its value without the \
+           model. Smallest detectable: smallest size of the parameter, or distance from its value without the \
            effect, that these recordings would have shown. Held-out gain: gain of the log score per \
-           sample over the refitted model, with its standard error. Similar to: candidates with \
+           sample over the refitted model, with its standard error. Look-alikes: candidates with \
            nearly the same signal, with the cosine.</p>\n"
 }
 

@@ -47,9 +47,9 @@ pub fn figures(run: &RunTrace, diagnosis: &Diagnosis) -> String {
     let map = map(run, diagnosis).figure();
     let mut html = map.replacen("<figure>", "<figure class=\"tall\">", 1);
     let axis = TimeAxis::new(run, diagnosis);
-    let is_augmented = words::has_model(diagnosis);
+    let is_mended = words::has_model(diagnosis);
     for residual in &run.residuals {
-        html += &residuals(residual, &axis, is_augmented).figure();
+        html += &residuals(residual, &axis, is_mended).figure();
     }
     let wrench = run.wrench.iter().flat_map(|wrench| wrenches(wrench, &axis));
     html + &wrench.map(|chart| chart.figure()).collect::<String>()
@@ -243,12 +243,12 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
     chart
 }
 
-fn residuals(trace: &ResidualTrace, axis: &TimeAxis, is_augmented: bool) -> Chart {
+fn residuals(trace: &ResidualTrace, axis: &TimeAxis, is_mended: bool) -> Chart {
     let (factor, unit) = shown(trace.unit);
     let channel = trace.channel.replace('_', " ");
     let mut models = vec![("refitted", &trace.before)];
-    if is_augmented {
-        models.push(("augmented", &trace.after));
+    if is_mended {
+        models.push(("mended", &trace.after));
     }
     // Within a marked stretch large residuals are a finding, not outliers: the axis shows nearly all of them too.
     let marked = models.iter().map(|(_, values)| -> Vec<f64> {

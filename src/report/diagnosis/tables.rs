@@ -78,13 +78,13 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
     let header = [
         "candidate",
         "probability",
-        "absorbed by refitting",
-        "signal / chance",
+        "absorbed fraction",
+        "signal / threshold",
         "parameter ",
         "estimate",
-        "detectable from",
+        "smallest detectable",
         "held-out gain",
-        "similar to ",
+        "look-alikes ",
     ];
     let finite = |value: f64, text: String| if value.is_finite() { text } else { "-".into() };
     let rows = ranked(diagnosis).into_iter().map(|candidate| {
@@ -153,11 +153,11 @@ pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
 /// Held-out errors as a table, with the remaining share of the refitted model's.
 pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = words::models(held_out, diagnosis);
-    let mut header = vec!["on unseen data"];
+    let mut header = vec!["on held-out data"];
     header.extend(models.iter().map(|model| model.0));
-    let is_augmented = models.len() > 2;
-    if is_augmented {
-        header.push("augmented / refitted");
+    let is_mended = models.len() > 2;
+    if is_mended {
+        header.push("mended / refitted");
     }
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (name, unit, of) in words::MEASURES {
@@ -166,7 +166,7 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
         }
         let mut row = vec![format!("error of {name}, rms")];
         row.extend(models.iter().map(|(_, errors)| with_unit(of(errors), unit)));
-        if is_augmented {
+        if is_mended {
             let ratio = of(&held_out.augmented) / of(&held_out.refitted);
             row.push(if ratio.is_finite() {
                 format!("{:.0} %", 100.0 * ratio)
@@ -185,19 +185,19 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
             "-".into()
         }
     }));
-    if is_augmented {
+    if is_mended {
         row.push(String::new());
     }
     rows.push(row);
     table(&header, rows.into_iter())
 }
 
-/// The soil as given, refitted and in the augmented model.
+/// The soil as given, refitted and in the mended model.
 pub fn soil(diagnosis: &Diagnosis) -> String {
-    let is_augmented = words::has_model(diagnosis);
+    let is_mended = words::has_model(diagnosis);
     let mut header = vec!["soil", "unit ", "as given", "refitted", "90 % interval"];
-    if is_augmented {
-        header.extend(["augmented", "90 % interval"]);
+    if is_mended {
+        header.extend(["mended", "90 % interval"]);
     }
     header.push("posterior / prior width");
     let rows = diagnosis.soil.iter().map(|(refitted, augmented)| {
@@ -215,7 +215,7 @@ pub fn soil(diagnosis: &Diagnosis) -> String {
             digits(refitted.nominal * factor, 3),
         ];
         row.extend(cells(refitted));
-        let last = if is_augmented {
+        let last = if is_mended {
             row.extend(cells(augmented));
             augmented
         } else {

@@ -36,7 +36,7 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         let errors = words::improvement(held_out, diagnosis);
         if !errors.is_empty() {
             lines.add(
-                "unseen data",
+                "held out",
                 &format!("{errors} ({:.0} s ahead)", held_out.horizon),
             );
         }
@@ -106,7 +106,7 @@ impl Lines {
             "mainly at"
         };
         self.add(label, &some(&places, MAX_ENTRIES, "; "));
-        self.add("alternatives", &words::alike(finding, diagnosis).join(", "));
+        self.add("look-alikes", &words::alike(finding, diagnosis).join(", "));
     }
 }
 

@@ -133,20 +133,20 @@ pub fn place(place: &Interval) -> String {
     text
 }
 
-/// Whether the augmented model differs from the refitted one: it cannot hold a latent wrench.
+/// Whether the mended model differs from the refitted one: it cannot have a latent wrench.
 pub fn has_model(diagnosis: &Diagnosis) -> bool {
     let findings = &diagnosis.findings;
     findings.iter().any(|found| !found.parameters.is_empty())
 }
 
-/// The models of a comparison with their names; the last one only if it differs.
+/// The models of a comparison with their names; the mended one only if it differs.
 pub fn models(held_out: &HeldOut, diagnosis: &Diagnosis) -> Vec<(&'static str, Errors)> {
     let mut models = vec![
         ("as given", held_out.nominal),
         ("refitted", held_out.refitted),
     ];
     if has_model(diagnosis) {
-        models.push(("augmented", held_out.augmented));
+        models.push(("mended", held_out.augmented));
     }
     models
 }
@@ -161,7 +161,7 @@ pub const MEASURES: [Measure; 3] = [
     ("yaw rate", "rad/s", |errors| errors.yaw_rate),
 ];
 
-/// The errors of all models: "position 0.41 m as given, 0.30 m refitted, 0.05 m augmented".
+/// The errors of all models: "position 0.41 m as given, 0.30 m refitted, 0.05 m mended".
 pub fn improvement(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = models(held_out, diagnosis);
     let lines = MEASURES.iter().filter_map(|(name, unit, of)| {
