@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# From a fresh machine to a driving FMU: installs what is missing, builds target/ugv.fmu, drives it on four terrains
-# and leaves target/demo/index.html. Needs Rust, Python 3.11 or newer and gcc.
+# From a fresh machine to a mended model: installs what is missing, builds the tool and target/ugv.fmu, drives it on
+# four terrains, diagnoses a shipped recording, and leaves target/demo/index.html. Needs Rust, Python 3.11 or newer
+# and gcc; takes six minutes on two idle cores.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -9,9 +10,9 @@ command -v cargo >/dev/null || {
     exit 1
 }
 
-echo "demo 1/3: Python tools into target/venv (1.9 GB the first time)"
-./scripts/setup.sh
+echo "demo 1/3: Python tools into target/venv (400 MB the first time)"
+./scripts/setup.sh demo
 echo "demo 2/3: the FMU, target/ugv.fmu (the first time some minutes of compiling)"
 ./scripts/package.sh
-echo "demo 3/3: six seconds of driving on each of four terrains, then a controlled figure of eight"
-target/venv/bin/python scripts/demo.py --fmu "${CARGO_TARGET_DIR:-target}/ugv.fmu" --output target/demo
+echo "demo 3/3: four terrains, a controlled figure of eight, a recording diagnosed (a minute)"
+target/venv/bin/python scripts/examples/demo.py --fmu "${CARGO_TARGET_DIR:-target}/ugv.fmu" --output target/demo

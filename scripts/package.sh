@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Builds the FMU's shared libraries and the tool, and leaves target/ugv.fmu (FMI 2.0) and
-# target/ugv-fmi3.fmu (FMI 3.0), both with those libraries.
+# target/ugv-fmi3.fmu (FMI 3.0), both with those libraries. The library needs about this machine's glibc.
+# --portable links it by zig instead, for glibc 2.17 and newer: do that for an FMU that is handed on.
 # --platforms LIST names the platforms, separated by commas (default: linux64); all stands for those that can
-# be built on Linux: linux64,win64,aarch64-linux. See build_fmu_library.sh for each.
+# be built on Linux: linux64,win64,aarch64-linux. With any other than linux64 all are portable.
 # --output FILE.fmu names the FMU of FMI 2.0, and FILE-fmi3.fmu is then that of FMI 3.0.
 # Other arguments are passed on to `ugv package` (--vehicle, --terrain ...).
 set -euo pipefail
@@ -16,7 +17,7 @@ fail() {
     exit 1
 }
 
-platforms=linux64
+platforms=linux64 portable=
 output=$target/ugv.fmu
 arguments=()
 while [[ $# -gt 0 ]]; do
@@ -27,6 +28,7 @@ while [[ $# -gt 0 ]]; do
         shift
         ;;
     --platforms=*) platforms=${1#*=} ;;
+    --portable) portable=--portable ;;
     --output | -o)
         output=${2:-}
         [[ $# -eq 1 ]] || shift
@@ -58,12 +60,19 @@ for platform in ${platforms//,/ }; do
 done
 [[ ${#libraries[@]} -gt 0 ]] || fail "--platforms names none"
 
-"$here/setup.sh"
-[[ ${#others[@]} -eq 0 ]] || "$here/setup_platforms.sh" "${others[@]}"
+[[ $platforms == linux64 ]] || portable=--portable
+"$here/setup.sh" ${portable:+platforms}
+[[ ${#others[@]} -eq 0 ]] || "$here/tools/setup_platforms.sh" "${others[@]}"
+# The library is optimised as a whole, on one core; the tool is compiled on the others meanwhile.
 for platform in ${platforms//,/ }; do
-    "$here/build_fmu_library.sh" "$platform"
-done
-cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet
+    "$here/tools/build_fmu_library.sh" "$platform" $portable
+done &
+libraries_built=$!
+cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet || {
+    kill "$libraries_built" 2>/dev/null
+    fail "the tool could not be built (message above)"
+}
+wait "$libraries_built"
 package=("$target/release/ugv" package "${libraries[@]}")
 "${package[@]}" "${arguments[@]+"${arguments[@]}"}" --fmi 3 --output "${output%.fmu}-fmi3.fmu"
 "${package[@]}" "${arguments[@]+"${arguments[@]}"}" --output "$output"

@@ -28,7 +28,7 @@ draw)
     shift
     ;;
 esac
-./scripts/setup.sh >&2
+./scripts/setup.sh proof >&2
 arguments=(-m "$module")
 if [[ $module != generator ]]; then
     arguments+=(--tool "${UGV_TOOL:-$target/release/ugv}")

@@ -1,16 +1,33 @@
 #!/usr/bin/env bash
-# Installs the Python tools this repository uses (libclang, zig, fmpy, ...) into target/venv.
-# Does nothing when they are there already and scripts/requirements.txt has not changed.
+# Installs Python packages into target/venv: setup.sh [GROUP...]. Does nothing where they are there already.
+#   (always)   libclang and fmpy, with which the FMU is built and driven
+#   demo       what the demo and the examples draw with
+#   proof      the independent simulator of scripts/prove.sh, and its peers
+#   scale      sweeps and fleets on Dask workers
+#   platforms  zig, which links the FMU's library for old glibc and for Linux on ARM
+#   test       what only the tests use
+# The groups are the files of scripts/requirements; constraints.txt there has all versions.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-requirements=scripts/requirements.txt
+requirements=scripts/requirements
 venv=target/venv
 
 fail() {
     echo "setup: $1" >&2
     exit 1
 }
+
+for group; do
+    case $group in
+    demo | proof | scale | platforms | test) ;;
+    -h | --help)
+        sed -n '2,/^set/s/^# \{0,1\}//p' scripts/setup.sh
+        exit 0
+        ;;
+    *) fail "there is no group $group; there are demo, proof, scale, platforms and test" ;;
+    esac
+done
 
 command -v gcc >/dev/null || fail "gcc is missing; install it (Debian: apt-get install gcc libc6-dev)"
 command -v python3 >/dev/null || fail "python3 is missing; install it (Debian: apt-get install python3 python3-venv)"
@@ -19,24 +36,34 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
 python3 -c 'import ensurepip, venv' 2>/dev/null ||
     fail "Python's venv module is missing; install it (Debian: apt-get install python3-venv)"
 
-command -v "${UGV_CHROMIUM:-chromium}" chromium-browser google-chrome >/dev/null ||
-    echo "setup: no chromium found: the tests of the report's pages will be skipped (Debian: apt-get install chromium)"
-
-stamp="$(python3 -V) $PWD $(sha256sum <"$requirements")"
-if [[ "$(cat "$venv/stamp" 2>/dev/null)" == "$stamp" ]]; then
-    echo "setup: $venv is up to date"
-    exit 0
+# Another Python, another place or other versions: all groups are installed anew, each when it is asked for.
+stamp="$(python3 -V) $PWD $(sha256sum <"$requirements/constraints.txt")"
+if [[ "$(cat "$venv/stamp" 2>/dev/null)" != "$stamp" ]]; then
+    rm -rf "$venv"
+    python3 -m venv "$venv"
+    echo "$stamp" >"$venv/stamp"
 fi
 
-echo "setup: installing $requirements into $venv (about 1.9 GB, a minute)"
-rm -rf "$venv"
-python3 -m venv "$venv"
-"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary=:all: -r "$requirements" ||
-    fail "pip could not install $requirements (message above); check the network or pip's index settings, then run $0 again"
+missing=()
+for group in base "$@"; do
+    cmp -s "$requirements/$group.txt" "$venv/installed/$group.txt" || missing+=("$group")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+echo "setup: installing into $venv: ${missing[*]}"
+files=()
+for group in "${missing[@]}"; do
+    files+=(-r "$requirements/$group.txt")
+done
+"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary=:all: -c "$requirements/constraints.txt" "${files[@]}" ||
+    fail "pip could not install ${missing[*]} (message above); check the network or pip's index settings, then run $0 again"
 
 # bindgen (in fmi-sys) needs libclang and a compiler to ask for the C include folders: .cargo/config.toml names these two.
-ln -s "$("$venv/bin/python" -c 'import clang, pathlib; print(pathlib.Path(clang.__file__).resolve().parent / "native")')" "$venv/libclang"
-ln -s "$(command -v gcc)" "$venv/include-finder"
+ln -sfn "$("$venv/bin/python" -c 'import clang, pathlib; print(pathlib.Path(clang.__file__).resolve().parent / "native")')" "$venv/libclang"
+ln -sfn "$(command -v gcc)" "$venv/include-finder"
 
-echo "$stamp" >"$venv/stamp"
-echo "setup: done"
+mkdir -p "$venv/installed"
+for group in "${missing[@]}"; do
+    cp "$requirements/$group.txt" "$venv/installed/"
+done
+echo "setup: done, $(du -sh "$venv" | cut -f 1)"

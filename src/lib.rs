@@ -119,3 +119,12 @@ pub mod simulation;
 pub mod spelling;
 pub mod terrain;
 pub mod vehicle;
+
+/// The Rust examples of the README and the book: rustdoc compiles and runs them.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../README.md")]
+    struct Readme;
+    #[doc = include_str!("../docs/how-to/rust.md")]
+    struct Rust;
+}

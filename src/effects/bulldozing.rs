@@ -19,7 +19,7 @@ effect! {
     /// The blades of the flank stand side by side along X = r sin theta, so each is
     /// dX = r cos theta dtheta wide. The source has r - h cos theta in its place, which is nearly
     /// nothing below the axle of a wheel that is buried to it; against a measured wheel both do
-    /// about as well (src/docs/single_wheel.md).
+    /// about as well (docs/explanation/single_wheel.md).
     Bulldozing: "bulldozing", Wheels,
     phrase "soil pushed ahead and aside by the wheels",
     lifts "no bulldozing",

@@ -1,6 +1,6 @@
 //! What a fit costs: a minute of a four-wheeled vehicle's drive, made with the model itself.
 
-#[path = "../fit/synthetic.rs"]
+#[path = "../analysis/fit/synthetic.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod synthetic;
 

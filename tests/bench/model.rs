@@ -1,6 +1,6 @@
-//! What the model costs. `scripts/bench.sh` runs it beside its peers and prints the table.
+//! What the model costs. `scripts/tools/bench.sh` runs it beside its peers and prints the table.
 //!
-//! The drive is the table that `scripts/numpy_model.py drive` writes, named by `UGV_DRIVE`.
+//! The drive is the table that `scripts/tools/numpy_model.py drive` writes, named by `UGV_DRIVE`.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x8};
@@ -281,7 +281,9 @@ fn knots(table: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 fn drives(c: &mut Criterion) {
     let Some(table) = drive_table() else {
-        eprintln!("UGV_DRIVE names no drive; the drives are skipped (scripts/bench.sh sets it)");
+        eprintln!(
+            "UGV_DRIVE names no drive; the drives are skipped (scripts/tools/bench.sh sets it)"
+        );
         return;
     };
     let start = Simulation::new(clayed(Resolution::default(), 4));

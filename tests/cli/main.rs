@@ -8,10 +8,13 @@ mod fit;
 mod foreign;
 #[path = "../common/formats.rs"]
 mod formats;
+#[path = "../common/page.rs"]
+mod generated;
 mod inspect;
 #[path = "../common/libraries.rs"]
 mod libraries;
 mod package;
+mod page;
 mod refusals;
 mod score;
 mod simulate;

@@ -1,8 +1,8 @@
-//! `src/docs/formats.md` against what is written.
+//! `docs/reference/formats.md` against the files that are written.
 
 use serde_json::Value;
 
-const PAGE: &str = include_str!("../../src/docs/formats.md");
+const PAGE: &str = include_str!("../../docs/reference/formats.md");
 /// What these hold has names of its own (parameters) or a section of its own (a model).
 const NAMED: [&str; 2] = ["parameters", "values"];
 const ELSEWHERE: &str = "model";

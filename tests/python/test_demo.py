@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import matplotlib.image
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts" / "examples"))
 
 import demo
 import path_follower
@@ -61,7 +61,7 @@ class Pictures(unittest.TestCase):
 
 
 class PathFollower(Pictures):
-    """scripts/path_follower.py."""
+    """scripts/examples/path_follower.py."""
 
     def test_keeps_to_the_path_on_every_terrain(self) -> None:
         for terrain in path_follower.TERRAINS:
@@ -85,7 +85,7 @@ class PathFollower(Pictures):
 
 
 class Demo(Pictures):
-    """scripts/demo.py."""
+    """scripts/examples/demo.py."""
 
     @classmethod
     def setUpClass(cls) -> None:

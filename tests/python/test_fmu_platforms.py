@@ -21,6 +21,7 @@ from unittest import mock
 
 import fmpy
 import numpy as np
+import pytest
 from fmpy.util import add_remoting
 from fmi3_support import fmi3, fmi3_path
 from fmu_support import REPOSITORY, fmu, fmu_path, scratch
@@ -73,9 +74,9 @@ def task_3(platform: str) -> list[str]:
 
 
 VERSIONS = {
-    "FMI 2.0": Driven("fmu_drive.c", fmu_path, lambda: fmu().folder, {}, task_2),
+    "FMI 2.0": Driven("drive.c", fmu_path, lambda: fmu().folder, {}, task_2),
     "FMI 3.0": Driven(
-        "fmu_drive_3.c",
+        "drive_3.c",
         fmi3_path,
         lambda: fmi3().folder,
         {"linux64": "x86_64-linux", "win64": "x86_64-windows"},
@@ -97,7 +98,7 @@ def host(source: str, compiler: str, package: str) -> Path:
     program = Path(tempfile.mkdtemp(dir=scratch())) / "fmu_drive.exe"
     command = [needs(compiler, package), "-std=c11", "-O1", "-Wall", "-Wextra", "-Werror"]
     command += ["-Wno-unused-function", "-I", str(Path(fmpy.__file__).parent / "c-code")]
-    command += [str(REPOSITORY / "tests" / source), "-o", str(program), "-lm"]
+    command += [str(REPOSITORY / "tests" / "fmu" / source), "-o", str(program), "-lm"]
     command += [] if "mingw" in compiler else ["-ldl"]
     subprocess.run(command, check=True)
     return program
@@ -142,6 +143,7 @@ def farthest(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.max(np.abs(one - other) / np.maximum(1.0, np.abs(one).max(axis=0))))
 
 
+@pytest.mark.nightly
 class Elsewhere(unittest.TestCase):
     """One manoeuvre on every platform."""
 
@@ -241,7 +243,7 @@ class Workflow(unittest.TestCase):
             needed = job.get("needs", [])
             self.assertLessEqual({needed} if isinstance(needed, str) else set(needed), set(jobs))
         commands = "\n".join(step["run"] for step in steps if "run" in step)
-        scripts = set(re.findall(r"\./scripts/[\w.]+", commands))
+        scripts = set(re.findall(r"\./scripts/[\w./]+", commands))
         self.assertIn("./scripts/package.sh", scripts)
         for script in scripts:
             self.assertTrue(os.access(REPOSITORY / script, os.X_OK), script)

@@ -87,7 +87,7 @@ class Archive(unittest.TestCase):
             said = archive.read("documentation/licenses/THIRD-PARTY.txt").decode()
         for crate in ("nalgebra", "serde_json", "fmi-sys"):
             self.assertRegex(said, rf"(?m)^{crate} [0-9]")
-        check = [sys.executable, ROOT / "scripts" / "third_party.py", "--check"]
+        check = [sys.executable, ROOT / "scripts" / "tools" / "third_party.py", "--check"]
         done = subprocess.run(check, capture_output=True, text=True, check=False)
         if "failed to download" in done.stderr:
             self.skipTest("crates for other platforms are not here and cannot be fetched")

@@ -1,4 +1,4 @@
-"""scripts/follow_recording.py: FMUs driven with the wheel speeds of a recording."""
+"""scripts/examples/follow_recording.py: FMUs driven with the wheel speeds of a recording."""
 
 import contextlib
 import csv
@@ -16,7 +16,7 @@ import matplotlib.image
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "scripts" / "examples"))
 
 import follow_recording
 

@@ -1,4 +1,4 @@
-"""How scripts/importers.sh compares: what it must not let pass, and what it must. No importer is installed."""
+"""How scripts/tools/importers.sh compares: what it must not let pass, and what it must. No importer is installed."""
 
 import math
 import sys
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fmu_support import REPOSITORY
 
-sys.path.append(str(REPOSITORY / "scripts" / "importers"))
+sys.path.append(str(REPOSITORY / "scripts" / "tools" / "importers"))
 
 import matrix
 import task
@@ -168,11 +168,11 @@ class Matrix(unittest.TestCase):
             matrix.write_page(written("nothing\n"), "")
 
     def test_the_page_has_the_runs_of_today(self) -> None:
-        text = (REPOSITORY / "src" / "docs" / "importers.md").read_text()
+        text = (REPOSITORY / "docs" / "contributing" / "importers.md").read_text()
         here = Path(matrix.__file__).parent
         for run in RUNS:
             row = f"| {run.importer} | {IMPORTERS[run.importer].version(here)} | {run.interface} | {run.what} |"
-            self.assertTrue(row in text, f"no row {row} on the page: run scripts/importers.sh --page src/docs/importers.md")
+            self.assertTrue(row in text, f"no row {row} on the page: run scripts/tools/importers.sh --page docs/contributing/importers.md")
 
 
 if __name__ == "__main__":

@@ -146,7 +146,7 @@ class Effects(unittest.TestCase):
     def test_parameters_off_are_those_of_the_catalogue(self):
         vector = off_vector()
         told, name = {}, ""
-        for line in (ROOT / "src" / "docs" / "effects.md").read_text().splitlines():
+        for line in (ROOT / "docs" / "reference" / "effects.md").read_text().splitlines():
             name = line.strip("# `") if line.startswith("### `") else name
             cells = [cell.strip(" *") for cell in line.split("|")]
             if len(cells) > 5 and " .. " in cells[3]:

@@ -6,6 +6,7 @@ import subprocess
 import unittest
 from pathlib import Path
 
+import pytest
 from page_check import browser, check_page, find_chromium
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -18,6 +19,7 @@ KEYS = {"format", "case", "seed", "family", "variant", "vehicle", "ground", "tru
 EFFECT_KEYS = {"effect", "kind", "size", "parameters", "off", "signal", "absorbed"}
 
 
+@pytest.mark.nightly
 class FixedSet(unittest.TestCase):
     """Loose limits: they are there to catch what breaks, not to measure."""
 

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import pytest
 from page_check import browser, check_page, find_chromium
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,13 +51,14 @@ class Pages(unittest.TestCase):
     def test_every_verdict_is_well_set(self) -> None:
         for verdict in VERDICTS:
             path = TARGET / "tmp" / "report" / f"{verdict}.html"
-            self.assertTrue(path.is_file(), f"{path} is missing; run cargo test --test report")
+            self.assertTrue(path.is_file(), f"{path} is missing; run cargo test --release --features fmu --test analysis report")
             with self.subTest(verdict):
                 self.assert_well(path)
 
+    @pytest.mark.nightly
     def test_a_diagnosis_of_a_drive_is_well_set(self) -> None:
         for path in UGV, CASES:
-            self.assertTrue(path.is_file(), f"{path} is missing; run cargo build --release --all-targets")
+            self.assertTrue(path.is_file(), f"{path} is missing; run cargo build --release --bins --examples")
         with tempfile.TemporaryDirectory() as folder:
             case, out = Path(folder) / "case_0000", Path(folder) / "out"
             make = [CASES, "--out", folder, "--cases", "1", "--family", "lookalike", "--seed", "5"]
@@ -70,27 +72,19 @@ class Pages(unittest.TestCase):
             self.assertEqual(said["recordings"], ["drive", "drive2"])
             self.assert_well(out / "report.html")
 
+    @pytest.mark.nightly
     def test_pages_of_the_suite_are_well_set(self) -> None:
         """Those with the most and the least in them, of every verdict."""
         pages: dict[str, list[Path]] = {}
         for path in sorted((TARGET / "tmp" / "diagnosis_suite").glob("*/*/out/report.html")):
             verdict = json.loads(path.with_name("diagnosis.json").read_text())["verdict"]
             pages.setdefault(verdict, []).append(path)
-        if not pages:
-            self.skipTest("cargo test --release --test diagnosis_suite has left no pages")
+        self.assertTrue(pages, "no pages in target/tmp/diagnosis_suite; run scripts/test.sh --all")
         for verdict, all_of_it in pages.items():
             by_size = sorted(all_of_it, key=lambda path: path.stat().st_size)
             for path in {by_size[0], by_size[-1]}:
                 with self.subTest(verdict):
                     self.assert_well(path)
-
-    def test_named_pages_are_well_set(self) -> None:
-        named = os.environ.get("UGV_REPORT_PAGES")
-        if not named:
-            self.skipTest("UGV_REPORT_PAGES names no pages")
-        for path in map(Path, named.split(":")):
-            with self.subTest(path.name):
-                self.assert_well(path)
 
     def test_the_check_sees_what_is_wrong(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

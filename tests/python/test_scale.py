@@ -1,4 +1,4 @@
-"""scripts/sweep.py and scripts/fleet.py: the same bits one after the other, on Dask workers, with one of them killed, and by the tool."""
+"""scripts/examples/sweep.py and scripts/examples/fleet.py: the same bits one after the other, on Dask workers, with one of them killed, and by the tool."""
 
 import contextlib
 import csv
@@ -19,7 +19,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "scripts" / "examples"))
 
 import fleet
 import sweep
@@ -94,7 +94,7 @@ class Bench(unittest.TestCase):
 
 
 class Tables(unittest.TestCase):
-    """What scripts/sweep.py reads, and what it refuses before it drives."""
+    """What scripts/examples/sweep.py reads, and what it refuses before it drives."""
 
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -182,7 +182,7 @@ class Tables(unittest.TestCase):
 
 
 class Places(unittest.TestCase):
-    """Where scripts/fleet.py keeps answers."""
+    """Where scripts/examples/fleet.py keeps answers."""
 
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()

@@ -28,7 +28,7 @@ class Project(unittest.TestCase):
         self.root, self.caller, self.built, self.log = (self.folder / name for name in ("project", "caller", "built", "log"))
         self.caller.mkdir()
         shutil.copytree(ROOT / "scripts", self.root / "scripts", ignore=shutil.ignore_patterns("__pycache__"))
-        for name in ("scripts/setup.sh", "scripts/build_fmu_library.sh", "target/venv/bin/python"):
+        for name in ("scripts/setup.sh", "scripts/tools/build_fmu_library.sh", "target/venv/bin/python"):
             self.stand_in(self.root / name)
         self.stand_in(self.folder / "bin" / "cargo")
         for target in (self.root / "target", self.built):
@@ -43,7 +43,7 @@ class Project(unittest.TestCase):
         """Calls a script from the caller's folder; what it said as an error."""
         self.log.write_text("")
         kept = {name: value for name, value in os.environ.items() if name != "CARGO_TARGET_DIR" and not name.startswith("UGV_")}
-        done = subprocess.run([self.root / "scripts" / script, *words], cwd=cwd or self.caller, capture_output=True, text=True, check=False,
+        done = subprocess.run([script if script.startswith("./") else self.root / "scripts" / script, *words], cwd=cwd or self.caller, capture_output=True, text=True, check=False,
                               env=kept | {"PATH": f"{self.folder / 'bin'}:{kept['PATH']}"} | more)
         self.assertEqual(done.returncode, status, done.stderr)
         return done.stderr
@@ -122,55 +122,55 @@ class Callers(Project):
         self.assertEqual(Path(self.log.read_text().strip()), self.root / "scripts" / "proof" / "generator" / "__init__.py")
 
     def test_importers(self) -> None:
-        self.call("importers.sh", "--fmu", "mine.fmu", "--page", "page.md")
-        self.assertEqual(self.python(), "CALLER: ROOT/scripts/importers/matrix.py --native ROOT/target/release/examples/held_drive "
+        self.call("tools/importers.sh", "--fmu", "mine.fmu", "--page", "page.md")
+        self.assertEqual(self.python(), "CALLER: ROOT/scripts/tools/importers/matrix.py --native ROOT/target/release/examples/held_drive "
                                         "--fmu mine.fmu --page page.md")
         self.assertEqual([call.partition(":")[0] for call in self.called("cargo")], ["ROOT"])
-        self.call("importers.sh", "fmpy", UGV_HELD_DRIVE="mine", CARGO_TARGET_DIR=str(self.built))
-        self.assertEqual(self.python(), "CALLER: ROOT/scripts/importers/matrix.py --native mine fmpy")
+        self.call("tools/importers.sh", "fmpy", UGV_HELD_DRIVE="mine", CARGO_TARGET_DIR=str(self.built))
+        self.assertEqual(self.python(), "CALLER: ROOT/scripts/tools/importers/matrix.py --native mine fmpy")
         self.assertEqual(self.called("package.sh"), ["ROOT:"])
 
     def test_controllers(self) -> None:
         for example in ("slip_control", "slalom"):
             # As if its environment were installed.
-            requirements = self.root / "scripts" / "controllers" / example / "requirements.txt"
+            requirements = self.root / "scripts" / "examples" / "controllers" / example / "requirements.txt"
             venv = self.root / "target" / ("venv-ssp" if example == "slip_control" else "venv-slalom")
             self.stand_in(venv / "bin" / "python")
             line = f'echo "$(python3 -V) {self.root} $(sha256sum <"{requirements}")" >"{venv}/stamp"'
             subprocess.run(["sh", "-c", line], check=True)
-        self.call("controllers.sh", "slalom", "--fmu", "mine.fmu")
+        self.call("examples/controllers.sh", "slalom", "--fmu", "mine.fmu")
         self.assertEqual(self.python(), "CALLER: -m controllers.slalom --fmu mine.fmu")
-        self.call("controllers.sh", "slip_control", "--output", "here")
+        self.call("examples/controllers.sh", "slip_control", "--output", "here")
         self.assertEqual(self.python(), "CALLER: -m controllers.slip_control --libcosim ROOT/target/venv-ssp/bin/python --output here")
         (self.built / "fmu").mkdir()
         (self.built / "fmu" / "ugv.so").touch()
-        self.call("controllers.sh", "slip_control", CARGO_TARGET_DIR=str(self.built))
+        self.call("examples/controllers.sh", "slip_control", CARGO_TARGET_DIR=str(self.built))
         self.assertEqual(self.python(), "CALLER: -m controllers.slip_control --libcosim ROOT/target/venv-ssp/bin/python "
                                         "--ugv BUILT/controllers/ugv.fmu")
         (packaged,) = self.called("ugv")
         self.assertIn("--library linux64=BUILT/fmu/ugv.so", packaged)
         # Without an example it tells which there are, wherever it is called.
-        usage = self.call("./controllers.sh", status=2, cwd=self.root / "scripts")
-        self.assertIn("scripts/controllers.sh slalom [--help]", usage)
+        usage = self.call("./controllers.sh", status=2, cwd=self.root / "scripts" / "examples")
+        self.assertIn("scripts/examples/controllers.sh slalom [--help]", usage)
 
     def test_soak(self) -> None:
         (self.caller / "mine.fmu").touch()
-        self.assertIn("nowhere.fmu is not there", self.call("soak.sh", UGV_FMU="nowhere.fmu", status=1))
+        self.assertIn("nowhere.fmu is not there", self.call("tools/soak.sh", UGV_FMU="nowhere.fmu", status=1))
         # What stands in for Python unpacks nothing.
-        self.call("soak.sh", UGV_FMU="mine.fmu", status=2)
+        self.call("tools/soak.sh", UGV_FMU="mine.fmu", status=2)
         self.assertIn("-e CALLER/mine.fmu ", self.python())
         (self.built / "ugv.fmu").touch()
-        self.call("soak.sh", CARGO_TARGET_DIR=str(self.built), status=2)
+        self.call("tools/soak.sh", CARGO_TARGET_DIR=str(self.built), status=2)
         self.assertIn("-e BUILT/ugv.fmu ", self.python())
-        self.assertIn("soak.sh [--steps N]", subprocess.run(["./soak.sh", "--help"], cwd=self.root / "scripts", capture_output=True, text=True,
+        self.assertIn("soak.sh [--steps N]", subprocess.run(["./soak.sh", "--help"], cwd=self.root / "scripts" / "tools", capture_output=True, text=True,
                                                             check=True).stdout)
 
     def test_bench(self) -> None:
         self.stand_in(self.folder / "bin" / "gcc")
         # What stands in for Python unpacks nothing.
-        self.call("bench.sh", CARGO_TARGET_DIR="../built", status=2)
+        self.call("tools/bench.sh", CARGO_TARGET_DIR="../built", status=2)
         told = [call.replace("CALLER/../built", "BUILT") for call in self.called("python")]
-        self.assertEqual(told, ["ROOT: scripts/numpy_model.py drive --output BUILT/bench/drive.csv",
+        self.assertEqual(told, ["ROOT: scripts/tools/numpy_model.py drive --output BUILT/bench/drive.csv",
                                 "ROOT: -m zipfile -e BUILT/ugv.fmu BUILT/bench/fmu"])
 
 
@@ -187,7 +187,7 @@ ours = bench_sweep, bench_table, fleet, path_follower, recordings_report, sweep,
 print(*(module.TARGET for module in ours), environment.FMU.parent, matrix.BUILT)
 print(matrix.TARGET)
 """
-        path = os.pathsep.join(str(ROOT / "scripts" / name) for name in (".", "importers"))
+        path = os.pathsep.join(str(ROOT / "scripts" / name) for name in ("examples", "tools", "tools/importers"))
         said = subprocess.run([sys.executable, "-c", asked], env=os.environ | {"PYTHONPATH": path, "CARGO_TARGET_DIR": "/built"},
                               capture_output=True, text=True, check=True).stdout
         built, environments = said.splitlines()

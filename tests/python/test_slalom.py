@@ -1,4 +1,4 @@
-"""scripts/controllers/slalom: the gymnasium environment and its scripted driver. Training is run by hand (src/docs/controllers.md)."""
+"""scripts/examples/controllers/slalom: the gymnasium environment and its scripted driver. Training is run by hand (docs/how-to/controllers.md)."""
 
 import os
 import sys
@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.utils.env_checker import check_env
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "scripts" / "examples"))
 
 import controllers.slalom
 from controllers.slalom.drivers import Lap, lap, scripted, straight

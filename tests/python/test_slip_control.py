@@ -1,4 +1,4 @@
-"""scripts/controllers/slip_control: an SSP of the FMU, a controller FMU that limits slip, and a driver FMU."""
+"""scripts/examples/controllers/slip_control: an SSP of the FMU, a controller FMU that limits slip, and a driver FMU."""
 
 import math
 import os
@@ -16,7 +16,7 @@ from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "scripts" / "examples"))
 
 from controllers.slip_control import blocks
 from controllers.slip_control.__main__ import SLIP, SPEED, run_libcosim
@@ -71,7 +71,7 @@ class SlipControl(unittest.TestCase):
 
     def test_libcosim_agrees(self) -> None:
         if not LIBCOSIM.is_file():
-            self.skipTest(f"no {LIBCOSIM.relative_to(ROOT)}: scripts/controllers.sh slip_control installs libcosim there")
+            self.skipTest(f"no {LIBCOSIM.relative_to(ROOT)}: scripts/examples/controllers.sh slip_control installs libcosim there")
         sand, ssp = self.folder / "sand.fmu", self.folder / "sand.ssp"
         command = [TARGET / "release" / "ugv", "package", "--terrain", "dry_sand", "--output", sand]
         subprocess.run([*command, "--library", f"linux64={TARGET / 'fmu' / 'ugv.so'}"], check=True, capture_output=True)

@@ -6,7 +6,7 @@
 //!
 //! `DIR/CASE/` holds what the tool may see, `DIR/CASE.truth.json` what is behind it.
 
-#[path = "../diagnosis/cases/mod.rs"]
+#[path = "../analysis/diagnosis/cases/mod.rs"]
 mod cases;
 
 use cases::{Family, generate, write};

@@ -1,5 +1,5 @@
 //! Drives the library itself with wheel speeds that are held from one row to the next, which is what
-//! `scripts/importers.sh` compares importers of the FMU with:
+//! `scripts/tools/importers.sh` compares importers of the FMU with:
 //!
 //! ```text
 //! cargo run --release --example held_drive -- DRIVE.csv START.json MOTION.csv
@@ -9,7 +9,7 @@
 //! `START.json` the FMU's start values by name. `MOTION.csv` has two rows for each time, which the column
 //! `side` tells apart: `end` of the step before, and `begin` of the next one, with its wheel speeds.
 
-#[path = "../support/outputs.rs"]
+#[path = "../fmu/support/outputs.rs"]
 mod outputs;
 
 use serde_json::{Map, Value};

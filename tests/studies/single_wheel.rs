@@ -1,5 +1,5 @@
 //! Compares the contact law, with and without effects, with a real wheel in sand, and writes the
-//! tables and the picture of `src/docs/single_wheel.md`:
+//! tables and the picture of `docs/explanation/single_wheel.md`:
 //!
 //! ```text
 //! UGV_DATA=../shared/data cargo run --release --example single_wheel
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
         }
     };
     println!("{text}");
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/docs");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/explanation");
     let written = write(&folder.join("single_wheel.svg"), &picture)
         .and_then(|()| update(&folder.join("single_wheel.md"), &text));
     match written {

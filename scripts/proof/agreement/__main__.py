@@ -33,7 +33,7 @@ def arguments() -> argparse.Namespace:
     chosen = parser.parse_args()
     unknown = set(chosen.effects) - {"nothing", *names_of("physics")}
     if unknown:
-        parser.error(f"--effects: {', '.join(sorted(unknown))} is not in the catalogue (src/docs/effects.md)")
+        parser.error(f"--effects: {', '.join(sorted(unknown))} is not in the catalogue (docs/reference/effects.md)")
     if chosen.shapes < 1 or not chosen.seconds > 1.0 or not chosen.size > 0.0:
         parser.error("give at least one shape, more than a second and a size above 0")
     return chosen

@@ -1,6 +1,6 @@
 """Every effect the generator knows: its parameters, where they are off, and how it is counted.
 
-Names, units and ranges of the `physics` and `sensor` effects are those of the catalogue in src/docs/effects.md;
+Names, units and ranges of the `physics` and `sensor` effects are those of the catalogue in docs/reference/effects.md;
 `outside` effects are not in that catalogue.
 """
 

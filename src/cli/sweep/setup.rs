@@ -110,8 +110,8 @@ fn quantity(base: &Configuration, name: &str) -> Result<Quantity, Failure> {
     let name = shortened(name);
     let reason = format!("`{name}` is not a parameter of the FMU of this model");
     Err(Failure::argument(reason).with_remedy(format!(
-        "the nearest is {}; the parameters are soil.*, vehicle.* and initial.*, and the effects.* of `ugv effects`; \
-         effects with states must be on in --effects or --model",
+        "the nearest is {}; docs/reference/fmu_variables.md lists soil.*, vehicle.* and initial.*, `ugv effects` the \
+         effects.*; effects with states must be on in --effects or --model",
         near.unwrap_or_default()
     )))
 }

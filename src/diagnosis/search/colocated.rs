@@ -226,6 +226,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "nightly: fits every candidate twice"]
     fn first_steps_there_lead_as_far_as_from_the_re_tuned_soil() {
         let (nominal, recordings) = slowed();
         let (stage, by) = refitted(&nominal, &recordings);

@@ -120,6 +120,7 @@ mod tests {
     use crate::vehicle::{Specification, Vehicle};
 
     #[test]
+    #[ignore = "nightly: fits two recordings from two soils"]
     fn a_name_is_seen_from_the_given_soil_where_re_tuning_has_gone_far() {
         let mut nominal =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());

@@ -1,7 +1,7 @@
 //! Robust least squares of a law's parameters.
 
-use crate::data::Trial;
-use crate::law::{Law, Parameter, Prediction, Rig};
+use super::data::Trial;
+use super::law::{Law, Parameter, Prediction, Rig};
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals beyond so many units of the repeats' scatter count linearly (Huber).

@@ -1,8 +1,8 @@
 //! How far a fitted law is from trials that it was not fitted to.
 
-use crate::data::{Condition, Trial};
-use crate::fit::Fit;
-use crate::law::Rig;
+use super::data::{Condition, Trial};
+use super::fit::Fit;
+use super::law::Rig;
 
 /// Draws of the bootstrap.
 const DRAWS: usize = 2000;

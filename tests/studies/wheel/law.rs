@@ -1,6 +1,6 @@
 //! Laws of contact, the paper's or with effects, and what each predicts of a trial.
 
-use crate::data::{Plate, RADIUS, Trial, WIDTH};
+use super::data::{Plate, RADIUS, Trial, WIDTH};
 use fearless_simd::Level;
 use ugv_terrain::contact::{
     Detail, Regularisation, Resolution, WheelContact, WheelForces, WheelLaw, WheelMemory,

@@ -1,8 +1,8 @@
 //! Predicted against measured.
 
-use crate::data::Trial;
-use crate::law::Rig;
-use crate::tables::Line;
+use super::data::Trial;
+use super::law::Rig;
+use super::tables::Line;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;

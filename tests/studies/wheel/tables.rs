@@ -1,7 +1,7 @@
 //! The tables of the page.
 
-use crate::fit::Fit;
-use crate::judge::{Estimate, Judged};
+use super::fit::Fit;
+use super::judge::{Estimate, Judged};
 use std::fmt::Write;
 
 /// Digits behind the point of traction, side force, and sinkage, and what they are shown in.

@@ -1,0 +1,258 @@
+//! The integrator: accuracy for any communication step, work, determinism, no allocation.
+
+use crate::common::{accelerate_then_turn_right, drive, paper_model, speeds, starting_at};
+use ugv_terrain::simulation::{Simulation, SimulationError, SnapshotError, State};
+use ugv_terrain::terrain::Terrain;
+
+/// The state at the end of the paper's manoeuvre, inputs linear over 0.1 s, taken in
+/// communication steps of `step` seconds.
+fn end_state(terrain: &str, step: f64) -> State {
+    let mut simulation = Simulation::new(paper_model(terrain));
+    let parts = (0.1 / step).round() as usize;
+    let table = accelerate_then_turn_right(0.1);
+    for pair in table.windows(2) {
+        let rate = |a: f64, b: f64| (b - a) / 0.1;
+        simulation
+            .set_wheel_speeds(speeds(pair[0].1, pair[0].2))
+            .unwrap();
+        let rates = speeds(rate(pair[0].1, pair[1].1), rate(pair[0].2, pair[1].2));
+        simulation.set_wheel_accelerations(rates).unwrap();
+        for _ in 0..parts {
+            simulation.step(0.1 / parts as f64).unwrap();
+        }
+    }
+    simulation.state()
+}
+
+#[test]
+fn every_communication_step_gives_the_same_drive() {
+    for terrain in Terrain::PRESETS {
+        let reference = end_state(terrain, 1e-4);
+        for step in [1e-3, 0.01, 0.1] {
+            let state = end_state(terrain, step);
+            let distance = (state.x - reference.x).hypot(state.y - reference.y);
+            // The golden trajectories' tolerance: 2 mm and 1 mrad after 6 s.
+            assert!(distance < 2e-3, "{terrain}, {step} s: {distance} m");
+            assert!(
+                (state.heading - reference.heading).abs() < 1e-3,
+                "{terrain}, {step} s"
+            );
+        }
+    }
+}
+
+#[test]
+fn looks_within_a_step_see_the_drive_between_its_ends() {
+    // The wheels spin up on one side: 2 s in one call, looked at every 20 ms without stopping there.
+    for terrain in Terrain::PRESETS {
+        let begin = || {
+            let mut simulation = Simulation::new(paper_model(terrain));
+            simulation.set_wheel_speeds(speeds(3.0, 3.0)).unwrap();
+            simulation.step(1.0).unwrap();
+            simulation
+                .set_wheel_accelerations(speeds(1.0, -0.5))
+                .unwrap();
+            simulation
+        };
+        let mut stopping = begin();
+        let mut looking = begin();
+        let (mut reached, mut next, mut steps) = (0.0, 1, 0);
+        looking
+            .step_looking(2.0, |step| {
+                reached += step.length();
+                steps += 1;
+                while next <= 100 && 0.02 * f64::from(next) <= reached + 1e-9 {
+                    let back = reached - 0.02 * f64::from(next);
+                    let (state, rates) = step.state(back);
+                    stopping.step(0.02).unwrap();
+                    let other = stopping.state().to_array();
+                    let derivative = stopping.derivative().unwrap();
+                    for (k, (a, b)) in state.to_array().iter().zip(other).enumerate() {
+                        // A few times the integrator's tolerance.
+                        assert!((a - b).abs() < 5e-4, "{terrain}, {next}, {k}: {a} {b}");
+                        let (a, b) = (rates[k], derivative[k]);
+                        assert!((a - b).abs() < 0.05, "{terrain}, {next}, rate {k}: {a} {b}");
+                    }
+                    next += 1;
+                }
+            })
+            .unwrap();
+        assert_eq!(next, 101);
+        assert!(
+            steps < 60,
+            "{steps} steps: there was nothing to look within"
+        );
+    }
+}
+
+#[test]
+fn long_steps_stay_few() {
+    // Work counters on the smooth manoeuvre: 6 s in 60 communication steps.
+    for terrain in Terrain::PRESETS {
+        let mut simulation = Simulation::new(paper_model(terrain));
+        drive(&mut simulation, &accelerate_then_turn_right(0.1), |_, _| {});
+        let counters = simulation.counters();
+        assert!(counters.steps < 250, "{terrain}: {counters:?}");
+        assert!(counters.rejected < 25, "{terrain}: {counters:?}");
+        assert!(counters.jacobians < 60, "{terrain}: {counters:?}");
+        assert!(
+            counters.steps >= 60 && counters.jacobians > 0,
+            "{terrain}: {counters:?}"
+        );
+        assert!(
+            counters.evaluations >= counters.steps,
+            "{terrain}: {counters:?}"
+        );
+        assert!(counters.evaluations <= 2 * (counters.steps + counters.rejected));
+    }
+}
+
+#[test]
+fn standstill_and_high_speed_are_both_stable() {
+    for terrain in Terrain::PRESETS {
+        for step in [1e-4, 0.1] {
+            let start = State {
+                v_x: 5.0,
+                ..State::default()
+            };
+            let mut simulation = starting_at(paper_model(terrain), start);
+            simulation.set_wheel_speeds(speeds(20.0, 20.0)).unwrap();
+            for _ in 0..20 {
+                simulation.step(step).unwrap();
+                assert!((0.5..6.0).contains(&simulation.state().v_x));
+            }
+        }
+    }
+}
+
+#[test]
+fn clones_and_restored_snapshots_go_on_to_the_bit() {
+    let table = accelerate_then_turn_right(0.02);
+    let mut whole = Simulation::new(paper_model("dry_sand"));
+    let mut copies: Option<(Simulation, Simulation)> = None;
+    drive(&mut whole, &table, |index, simulation| {
+        if index == 150 {
+            let clone = simulation.clone();
+            let mut restored = Simulation::new(paper_model("dry_sand"));
+            restored.restore(&simulation.snapshot()).unwrap();
+            copies = Some((clone, restored));
+        }
+    });
+    let (mut clone, mut restored) = copies.unwrap();
+    drive(&mut clone, &table[150..], |_, _| {});
+    drive(&mut restored, &table[150..], |_, simulation| {
+        // Reading leaves no trace.
+        simulation.wrench().unwrap();
+        simulation.jacobian().unwrap();
+    });
+    assert_eq!(whole.state(), clone.state());
+    assert_eq!(whole.snapshot(), restored.snapshot());
+    assert_eq!(whole.wrench().unwrap(), restored.wrench().unwrap());
+}
+
+#[test]
+fn a_snapshot_of_another_vehicle_is_refused() {
+    let mut simulation = Simulation::new(paper_model("dry_sand"));
+    let expected = simulation.snapshot().len();
+    let refused = simulation.restore(&[0.0; 3]);
+    assert_eq!(refused, Err(SnapshotError::Count { expected, found: 3 }));
+}
+
+#[test]
+fn numbers_that_no_simulation_has_are_no_snapshot() {
+    let mut simulation = Simulation::new(paper_model("dry_sand"));
+    simulation.set_wheel_speeds(speeds(3.0, 2.0)).unwrap();
+    simulation.step(0.5).unwrap();
+    let snapshot = simulation.snapshot();
+    for number in [f64::NAN, -1.0, 0.0] {
+        for place in 0..snapshot.len() {
+            let mut other = snapshot.clone();
+            other[place] = number;
+            let mut restored = Simulation::new(paper_model("dry_sand"));
+            if restored.restore(&other).is_ok() {
+                // Of time and state none may be NaN.
+                assert!(place > State::COUNT || !number.is_nan(), "{place}");
+                // Whatever it is then, a step ends.
+                let _ = restored.step(0.05);
+            } else {
+                assert_eq!(restored.state(), State::default());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_budget_of_steps_that_is_used_up_leaves_a_state_to_go_on_from() {
+    let begin = || {
+        let mut simulation = Simulation::new(paper_model("clayed_soil"));
+        simulation.set_wheel_speeds(speeds(3.0, 2.0)).unwrap();
+        simulation
+            .set_wheel_accelerations(speeds(1.0, 0.5))
+            .unwrap();
+        simulation
+    };
+    let mut whole = begin();
+    whole.step(2.0).unwrap();
+    let mut halted = begin();
+    halted.limit_steps(5);
+    let error = halted.step(2.0).unwrap_err();
+    let time = halted.time();
+    assert_eq!(error, SimulationError::StepBudget { time });
+    assert!(time > 0.0 && time < 2.0, "{time}");
+    // Time, inputs and state belong together.
+    assert!((halted.wheel_speeds().left - (3.0 + time)).abs() < 1e-12);
+    halted.limit_steps(u64::MAX);
+    halted.step(2.0 - time).unwrap();
+    let (a, b) = (halted.state(), whole.state());
+    assert!((a.x - b.x).hypot(a.y - b.y) < 1e-5, "{a:?} {b:?}");
+}
+
+#[test]
+fn stepping_allocates_nothing() {
+    let mut simulation = Simulation::new(paper_model("clayed_soil"));
+    simulation
+        .set_wheel_accelerations(speeds(3.0, 2.0))
+        .unwrap();
+    simulation.step(0.5).unwrap();
+    let count = allocation_counter::measure(|| {
+        for _ in 0..100 {
+            simulation.set_wheel_speeds(speeds(6.0, 4.0)).unwrap();
+            simulation.step(0.02).unwrap();
+            simulation.wrench().unwrap();
+        }
+    });
+    assert_eq!(count.count_total, 0, "{count:?}");
+}
+
+#[test]
+fn steps_and_inputs_that_make_no_sense_are_refused_and_change_nothing() {
+    let mut simulation = Simulation::new(paper_model("clayed_soil"));
+    let untouched = simulation.snapshot();
+    assert_eq!(simulation.step(-0.1), Err(SimulationError::StepSize(-0.1)));
+    assert!(simulation.step(f64::NAN).is_err());
+    assert!(simulation.step(1e300).is_err());
+    assert!(simulation.set_time(f64::NAN).is_err());
+    assert!(simulation.set_wheel_speeds(speeds(f64::NAN, 0.0)).is_err());
+    assert!(
+        simulation
+            .set_wheel_accelerations(speeds(0.0, f64::INFINITY))
+            .is_err()
+    );
+    let state = State {
+        x: f64::NAN,
+        ..State::default()
+    };
+    let error = simulation.set_state(state).unwrap_err();
+    assert!(error.to_string().contains("x = NaN"), "{error}");
+    assert_eq!(simulation.snapshot(), untouched);
+}
+
+#[test]
+fn velocities_too_large_for_finite_forces_are_an_error() {
+    let start = State {
+        v_x: 1e200,
+        ..State::default()
+    };
+    let mut simulation = starting_at(paper_model("clayed_soil"), start);
+    assert!(simulation.step(0.01).is_err());
+}
