@@ -198,26 +198,6 @@ fn what_is_wrong_with_effects_or_a_model_is_named() {
         ),
         (
             "effects",
-            r#"{"grade": {"slope_est": 0}}"#.into(),
-            "the nearest known one is `slope_east`",
-        ),
-        (
-            "effects",
-            r#"{"grade": {"slope_east": 0.5}}"#.into(),
-            "grade.slope_east = 0.5 rad is outside its range [-0.3, 0.3] rad",
-        ),
-        (
-            "effects",
-            r#"{"grade": {"slope_east": "steep"}}"#.into(),
-            "grade.slope_east: found the text \"steep\", expected a number [rad]",
-        ),
-        (
-            "effects",
-            r#"{"window": {"effects": ["grade"], "time": [1, 2]}}"#.into(),
-            "window: grade is off: set its parameters beside the window, or leave it out",
-        ),
-        (
-            "effects",
             "{\n  \"grade\": 1,\n}".into(),
             "line 3, column 1: not JSON",
         ),
@@ -225,11 +205,6 @@ fn what_is_wrong_with_effects_or_a_model_is_named() {
             "model",
             "{}".into(),
             "the model has no key `format`, expected \"ugv-model/1\"",
-        ),
-        (
-            "model",
-            model.replace("\"effects\"", "\"efects\""),
-            "nearest known one is `effects`",
         ),
         (
             "model",

@@ -101,45 +101,14 @@ fn malformed_json_is_explained() {
         ),
         (
             "vehicle",
-            vehicle.replace("wheel_radius", "wheel_radus"),
-            "nearest known one is `wheel_radius`",
-        ),
-        (
-            "vehicle",
-            vehicle.replacen("490.0", "490.0, \"mass\": 500.0", 1),
-            "the key \"mass\" comes twice",
-        ),
-        (
-            "vehicle",
             format!(r#"{{"format": "ugv-model/9", "vehicle": {vehicle}}}"#),
             "format: found the text \"ugv-model/9\", expected \"ugv-model/1\"",
-        ),
-        (
-            "vehicle",
-            vehicle.replace("490.0", "\"490\""),
-            "mass: found the text \"490\", expected a number [kg]",
-        ),
-        (
-            "vehicle",
-            vehicle.replace("490.0", "-1"),
-            "mass = -1 kg is outside its range",
-        ),
-        (
-            "vehicle",
-            "{\"mass\": 1}".into(),
-            "has no key `yaw_inertia`",
         ),
         (
             "terrain",
             soil.replace("28.0", "95"),
             "friction_angle_deg = 95 deg is outside its range",
         ),
-        (
-            "terrain",
-            soil.replace("cohesion", "cohesian"),
-            "nearest known one is `cohesion`",
-        ),
-        ("terrain", String::new(), "line 1, column 0: not JSON"),
     ] {
         bench.write("bad.json", text);
         let message = bench.fails(
@@ -161,16 +130,8 @@ fn wrong_arguments_are_explained() {
             "the nearest preset is --terrain dry_sand",
         ),
         (
-            "simulate --input drive.csv --terrain dry_sadn",
-            "dry_sand, sandy_loam, clayed_soil, dry_clay",
-        ),
-        (
             "simulate --input drive.csv --initial vx=1",
             "the nearest is `v_x`",
-        ),
-        (
-            "simulate --input drive.csv --initial no-slip v_x=1",
-            "v_x beside no-slip",
         ),
         (
             "simulate --input drive.csv --output-step 0",

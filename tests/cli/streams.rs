@@ -94,30 +94,10 @@ fn closed_pipe_is_no_error() {
 }
 
 #[test]
-fn help_has_examples_and_completions_name_the_subcommands() {
+fn completions_name_the_subcommands() {
     let bench = Bench::new();
-    for command in [
-        "",
-        "simulate",
-        "inspect",
-        "terrains",
-        "vehicle",
-        "completions",
-    ] {
-        assert!(
-            bench
-                .stdout(&format!("{command} --help"))
-                .contains("Examples:"),
-            "{command}"
-        );
-    }
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        assert!(
-            bench
-                .stdout(&format!("completions {shell}"))
-                .contains("simulate"),
-            "{shell}"
-        );
+        assert_contains(&bench.stdout(&format!("completions {shell}")), "simulate");
     }
     assert_eq!(
         bench.stdout("--version"),

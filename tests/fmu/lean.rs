@@ -39,7 +39,7 @@ const LIBRARY: &[&str] = &[
     "zmij",
 ];
 
-/// What fitting and diagnosing add: `csv`, `fastrand`, `rayon`, `statrs`, and theirs; no argument parsing, plots or C.
+/// What fitting and diagnosing add: `csv`, `fastrand`, `rayon`, `statrs`, `textwrap`, and theirs; no argument parsing, plots or C.
 const ANALYSIS: &[&str] = &[
     "crossbeam_deque",
     "crossbeam_epoch",
@@ -53,6 +53,7 @@ const ANALYSIS: &[&str] = &[
     "rayon_core",
     "ryu",
     "statrs",
+    "textwrap",
 ];
 
 /// What the C interface adds: the standard's types (`fmi_sys`, and theirs), percent-encoded paths.

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 use ugv_terrain::display::visible_line;
+use ugv_terrain::fit::Fit;
 use ugv_terrain::fit::starts::Starts;
-use ugv_terrain::fit::{Estimate, Fit};
 use ugv_terrain::recording::Recording;
+use ugv_terrain::report::aligned;
 use ugv_terrain::report::number::{digits, shown};
 
 /// A larger overdispersion means that the model lacks something.
@@ -19,8 +20,8 @@ pub fn text(fitted: &Fit, recordings: &[Recording], elapsed: f64) -> String {
         "fitted {count} recording{plural}: {:.0} s of driving in {} segments, in {elapsed:.1} s",
         fitted.seconds, fitted.segments
     );
-    parameters(&mut text, fitted, recordings);
-    noise(&mut text, fitted, recordings);
+    text += &parameters(fitted, recordings);
+    text += &noise(fitted, recordings);
     if let Some(found) = &fitted.starts {
         starts(&mut text, found, fitted, recordings);
     }
@@ -30,71 +31,62 @@ pub fn text(fitted: &Fit, recordings: &[Recording], elapsed: f64) -> String {
     text
 }
 
-fn parameters(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
-    let name = |estimate: &Estimate| {
-        let name = short_name(&estimate.parameter.name, fitted, recordings);
-        visible_line(name).into_owned()
-    };
-    let width = fitted
-        .estimates
-        .iter()
-        .map(|e| name(e).chars().count())
-        .max()
-        .unwrap_or(0)
-        .max(9);
-    let _ = writeln!(
-        text,
-        "{:width$}  {:>9}  {:>22}  {:>22}  unit",
-        "parameter", "fitted", "90 % interval", "prior 90 % interval"
-    );
-    for (index, estimate) in fitted.estimates.iter().enumerate() {
-        if index == fitted.model_parameters {
-            text.push_str("sensors\n");
-        }
+fn parameters(fitted: &Fit, recordings: &[Recording]) -> String {
+    let header = [
+        "parameter",
+        "fitted",
+        "90 % interval",
+        "prior 90 % interval",
+        "unit",
+    ];
+    let rows = fitted.estimates.iter().map(|estimate| {
         let (factor, unit) = shown(estimate.parameter.unit);
-        let range = |low: f64, high: f64| {
-            format!(
-                "{} .. {}",
-                digits(low * factor, 3),
-                digits(high * factor, 3)
-            )
-        };
+        let shown = |value: f64| digits(value * factor, 3);
         let (low, high) = estimate.parameter.prior_interval();
-        let _ = writeln!(
-            text,
-            "{:width$}  {:>9}  {:>22}  {:>22}  {unit}",
-            name(estimate),
-            digits(estimate.value * factor, 3),
-            range(estimate.low, estimate.high),
-            range(low, high),
-        );
-    }
+        let name = short_name(&estimate.parameter.name, fitted, recordings);
+        [
+            visible_line(name).into_owned(),
+            shown(estimate.value),
+            format!("{} .. {}", shown(estimate.low), shown(estimate.high)),
+            format!("{} .. {}", shown(low), shown(high)),
+            unit.into(),
+        ]
+    });
+    aligned(header, &rows.collect::<Vec<_>>())
 }
 
-fn noise(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
-    text.push_str("noise      white  coloured  over       residual rms  outliers  unit\n");
-    let mut last = 0;
-    for estimate in &fitted.noise {
-        if recordings.len() > 1 && (estimate.recording != last || estimate == &fitted.noise[0]) {
-            let _ = writeln!(
-                text,
-                "{}",
-                visible_line(&recordings[estimate.recording].name)
-            );
-            last = estimate.recording;
-        }
+fn noise(fitted: &Fit, recordings: &[Recording]) -> String {
+    let header = [
+        "noise",
+        "white",
+        "coloured",
+        "correlated over",
+        "residual rms",
+        "outliers",
+        "unit",
+    ];
+    let rows = fitted.noise.iter().map(|estimate| {
         let (name, unit) = estimate.group.describe();
         let (factor, unit) = shown(unit);
-        let _ = writeln!(
-            text,
-            "{name:8}  {:>6}  {:>8}  {:>5.2} s  {:>12}  {:>6.1} %  {unit}",
-            digits(estimate.noise.white * factor, 3),
-            digits(estimate.noise.coloured * factor, 3),
-            estimate.noise.correlation_time,
-            digits(estimate.rms * factor, 3),
-            100.0 * estimate.outliers,
-        );
-    }
+        let shown = |value: f64| digits(value * factor, 3);
+        let name = match recordings.len() {
+            1 => name.into(),
+            _ => format!(
+                "{} {name}",
+                visible_line(&recordings[estimate.recording].name)
+            ),
+        };
+        [
+            name,
+            shown(estimate.noise.white),
+            shown(estimate.noise.coloured),
+            format!("{:.2} s", estimate.noise.correlation_time),
+            shown(estimate.rms),
+            format!("{:.1} %", 100.0 * estimate.outliers),
+            unit.into(),
+        ]
+    });
+    aligned(header, &rows.collect::<Vec<_>>())
 }
 
 fn starts(text: &mut String, found: &Starts, fitted: &Fit, recordings: &[Recording]) {

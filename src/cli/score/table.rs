@@ -4,10 +4,7 @@ use super::comparison::{ComparisonResult, ModelScores, PooledResult};
 use std::fmt::Write;
 use ugv_terrain::display::visible_line;
 use ugv_terrain::identification::{Estimate, Latency};
-
-/// Widths of the column of names and of the others.
-const NAME: usize = 18;
-const CELL: usize = 17;
+use ugv_terrain::report::aligned;
 
 pub fn render(
     horizon: f64,
@@ -26,13 +23,11 @@ pub fn render(
             results.len(),
             pooled[0].windows
         );
-        heads(&mut text);
-        for model in pooled {
-            rows(&mut text, model.name, &model.scores, model.failed);
-        }
+        let models = pooled.iter();
+        text += &scores(models.map(|model| (model.name, &model.scores, model.failed)));
         for (model, recording) in failed(results) {
             let recording = visible_line(recording);
-            let _ = writeln!(text, "  {model:NAME$} no prediction of {recording}");
+            let _ = writeln!(text, "{model}: no prediction of {recording}");
         }
         text.push('\n');
     }
@@ -77,22 +72,17 @@ fn recording(text: &mut String, horizon: f64, all: &ComparisonResult) {
         Some(noise) => writeln!(text, " (in 1 s pose and gyro differ by {noise:.3} rad RMS)"),
         None => writeln!(text, " (no yaw rate)"),
     };
-    heads(text);
-    for (model, result) in comparison.models.iter().zip(&all.results) {
-        match &result.scores {
-            Some(scores) => rows(text, model.name, scores, result.failed),
-            None => {
-                let _ = writeln!(text, "  {:NAME$} no prediction", model.name);
-            }
+    let results = || comparison.models.iter().zip(&all.results);
+    *text += &scores(results().filter_map(|(model, result)| {
+        let scores = result.scores.as_ref()?;
+        Some((model.name, scores, result.failed))
+    }));
+    for (model, result) in results() {
+        let description = visible_line(&model.description);
+        let _ = write!(text, "{}: {description}", model.name);
+        if result.scores.is_none() {
+            *text += "; no prediction";
         }
-    }
-    for (model, result) in comparison.models.iter().zip(&all.results) {
-        let _ = write!(
-            text,
-            "  {}: {}",
-            model.name,
-            visible_line(&model.description)
-        );
         for p in &model.parameters {
             let bounds = interval(&p.estimate, 4);
             let _ = write!(
@@ -112,39 +102,33 @@ fn recording(text: &mut String, horizon: f64, all: &ComparisonResult) {
     }
 }
 
-fn heads(text: &mut String) {
-    let columns = [
+/// The scores of models, and their intervals below.
+fn scores<'a>(models: impl Iterator<Item = (&'a str, &'a ModelScores, usize)>) -> String {
+    let header = [
+        "model",
         "median [m]",
         "95 % [m]",
         "RMSE [m]",
         "median [rad]",
         "95 % [rad]",
         "RMSE [rad]",
+        "failed",
     ];
-    let _ = write!(text, "  {:NAME$}", "model");
-    for column in columns {
-        let _ = write!(text, "{column:>CELL$}");
+    let mut rows: Vec<[String; 8]> = Vec::new();
+    for (name, scores, failed) in models {
+        let estimates = [&scores.position, &scores.heading].map(|s| [s.median, s.p95, s.rmse]);
+        let estimates = estimates.as_flattened();
+        rows.push(std::array::from_fn(|column| match column {
+            0 => name.into(),
+            7 => failed.to_string(),
+            _ => format!("{:.3}", estimates[column - 1].value),
+        }));
+        rows.push(std::array::from_fn(|column| match column {
+            0 | 7 => String::new(),
+            _ => interval(&estimates[column - 1], 3),
+        }));
     }
-    let _ = writeln!(text, "{:>8}", "failed");
-}
-
-/// The values, and their intervals below.
-fn rows(text: &mut String, name: &str, scores: &ModelScores, failed: usize) {
-    let summaries = [&scores.position, &scores.heading];
-    let estimates = || {
-        summaries
-            .into_iter()
-            .flat_map(|s| [s.median, s.p95, s.rmse])
-    };
-    let _ = write!(text, "  {name:NAME$}");
-    for estimate in estimates() {
-        let _ = write!(text, "{:>CELL$.3}", estimate.value);
-    }
-    let _ = write!(text, "{failed:>8}\n  {:NAME$}", "");
-    for estimate in estimates() {
-        let _ = write!(text, "{:>CELL$}", interval(&estimate, 3));
-    }
-    text.push('\n');
+    aligned(header, &rows)
 }
 
 fn latency(latency: &Latency) -> String {

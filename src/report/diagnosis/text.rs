@@ -3,6 +3,7 @@
 use super::{claim, law, words};
 use crate::diagnosis::{Diagnosis, Finding, Verdict};
 use crate::report::number::digits;
+use textwrap::{Options, WordSplitter};
 
 /// Maximum length of a line.
 const WIDTH: usize = 100;
@@ -16,9 +17,10 @@ const MAX_SIZES: usize = 8;
 /// A finished diagnosis in a few lines.
 #[must_use]
 pub fn text(diagnosis: &Diagnosis) -> String {
-    let mut lines = Lines(wrapped(&format!("{}.", claim::headline(diagnosis)), 0));
+    let mut lines = Lines(String::new());
+    lines.add_wrapped(&format!("{}.", claim::headline(diagnosis)), "", "");
     if !diagnosis.statement.is_empty() {
-        lines.0 += &wrapped(&diagnosis.statement, 0);
+        lines.add_wrapped(&diagnosis.statement, "", "");
     }
     for caution in claim::cautions(diagnosis) {
         lines.add("caution", &caution);
@@ -80,9 +82,18 @@ struct Lines(String);
 impl Lines {
     fn add(&mut self, label: &str, text: &str) {
         if !text.is_empty() {
-            self.0 += &format!("{label:<INDENT$}");
-            self.0 += &wrapped(text, INDENT);
+            self.add_wrapped(text, &format!("{label:<INDENT$}"), &" ".repeat(INDENT));
         }
+    }
+
+    fn add_wrapped(&mut self, text: &str, first: &str, indent: &str) {
+        let options = Options::new(WIDTH)
+            .initial_indent(first)
+            .subsequent_indent(indent)
+            .break_words(false)
+            .word_splitter(WordSplitter::NoHyphenation);
+        self.0 += &textwrap::fill(text, options);
+        self.0.push('\n');
     }
 
     fn add_finding(&mut self, finding: &Finding, diagnosis: &Diagnosis) {
@@ -110,45 +121,9 @@ impl Lines {
     }
 }
 
-/// Wrapped lines; all but the first are indented.
-fn wrapped(text: &str, indent: usize) -> String {
-    let mut wrapped = String::new();
-    let mut column = indent;
-    for word in text.split_whitespace() {
-        let length = word.chars().count();
-        if column > indent && column + 1 + length > WIDTH {
-            wrapped += "\n";
-            wrapped += &" ".repeat(indent);
-            column = indent;
-        } else if column > indent {
-            wrapped += " ";
-            column += 1;
-        }
-        wrapped += word;
-        column += length;
-    }
-    wrapped + "\n"
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lines_are_wrapped() {
-        let text = wrapped(&"word ".repeat(60), INDENT);
-        let lengths: Vec<usize> = text.lines().map(str::len).collect();
-        // The first line follows its label.
-        assert!(lengths[0] + INDENT <= WIDTH && lengths[0] + INDENT > WIDTH - 5);
-        assert!(lengths[1..].iter().all(|length| *length <= WIDTH));
-        assert_eq!(text.split_whitespace().count(), 60);
-        assert!(
-            text.lines()
-                .skip(1)
-                .all(|line| line.starts_with(&" ".repeat(INDENT)))
-        );
-        assert_eq!(wrapped(&"x".repeat(120), 0).lines().count(), 1);
-    }
 
     #[test]
     fn the_others_are_counted() {

@@ -3,6 +3,7 @@
 mod json;
 mod page;
 mod plots;
+mod tables;
 mod text;
 mod words;
 

@@ -1,12 +1,11 @@
 //! As a page with plots.
 
-use super::plots;
-use super::words::{self, noise, remark, title};
+use super::{plots, tables, words};
 use crate::display::markup;
-use crate::inspection::{Inspection, Quality, RunReport};
+use crate::inspection::{Inspection, RunReport};
 use crate::recording::Recording;
 use crate::report::html;
-use crate::report::number::{digits, fixed};
+use crate::report::number::digits;
 
 /// The inspection of a recording as a self-contained HTML page.
 #[must_use]
@@ -27,7 +26,7 @@ pub fn page(recording: &Recording, inspection: &Inspection) -> String {
         body += &chart.figure();
     }
     body += "</div>\n<h2>Channels</h2>\n";
-    body += &channels(inspection);
+    body += &channels(recording, inspection);
     body += "<p>Noise: standard deviation of white noise, from the median distance of a sample to the \
              line between its neighbours. At rest: while no wheel turns. In motion: an upper bound. \
              Held: over half of the samples lie on that line.</p>\n";
@@ -72,57 +71,24 @@ fn delays(inspection: &Inspection) -> String {
         "blocks",
         "",
     ];
-    let rows = inspection.delays.iter().map(|delay| {
-        let (found, scale) = (delay.seconds, delay.scale);
-        let known = delay.quality != Quality::Unknown;
-        let cell = |text: String| if known { text } else { "-".into() };
-        vec![
-            title(delay),
-            cell(fixed(found.value, 3)),
-            cell(format!(
-                "{} .. {}",
-                fixed(found.low, 3),
-                fixed(found.high, 3)
-            )),
-            format!("{:.3}", delay.correlation),
-            cell(format!(
-                "{:.3} ({:.3} .. {:.3})",
-                scale.value, scale.low, scale.high
-            )),
-            delay.blocks.to_string(),
-            remark(delay).into(),
-        ]
-    });
+    let rows = tables::delays(inspection, 3).into_iter().map(Vec::from);
     html::table(&header, rows)
 }
 
-fn channels(inspection: &Inspection) -> String {
+fn channels(recording: &Recording, inspection: &Inspection) -> String {
     let header = [
         "channel",
         "unit",
         "samples",
         "rate [Hz]",
         "interval 5 .. 95 % [s]",
-        "longest gap [s]",
+        "longest gap",
         "in gaps [%]",
         "noise at rest",
         "noise in motion",
     ];
-    let rows = inspection.channels.iter().map(|report| {
-        let timing = report.timing;
-        vec![
-            report.channel.name().into(),
-            report.channel.unit().into(),
-            timing.samples.to_string(),
-            digits(timing.rate(), 3),
-            format!("{:.3} .. {:.3}", timing.usual.0, timing.usual.1),
-            digits(timing.longest, 3),
-            format!("{:.2}", 100.0 * timing.in_gaps),
-            noise(report.noise_at_rest, true),
-            noise(report.noise_in_motion, true),
-        ]
-    });
-    html::table(&header, rows)
+    let rows = tables::channels(recording, inspection, true);
+    html::table(&header, rows.into_iter().map(Vec::from))
 }
 
 fn runs(runs: &[RunReport]) -> String {
