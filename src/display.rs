@@ -1,12 +1,12 @@
-//! Foreign text and numbers in messages: harmless on a terminal, and short.
+//! Foreign text and numbers in messages and pages: harmless on a terminal and in a browser, and short.
 
 use std::borrow::Cow;
 
-/// A message shows so many characters of a foreign text.
-const SHOWN: usize = 60;
-/// A list in a message shows so many entries.
-const LISTED: usize = 20;
-/// Sizes of numbers that are shown without an exponent.
+/// A message shows this many characters of a foreign text.
+const MAX_CHARACTERS: usize = 60;
+/// A list in a message shows this many entries.
+const MAX_ENTRIES: usize = 20;
+/// Magnitudes of numbers that are shown without an exponent.
 const PLAIN: std::ops::Range<f64> = 1e-6..1e15;
 
 /// Whether a terminal or browser obeys a character instead of showing it: control characters (C0, DEL and C1), line
@@ -19,16 +19,26 @@ fn is_obeyed(character: char) -> bool {
         )
 }
 
-/// A text of one line with visible escapes for line ends and all else that a terminal obeys.
+/// A text on one line, with visible escapes for line ends and everything else that a terminal obeys.
 #[must_use]
 pub fn visible_line(text: &str) -> Cow<'_, str> {
     escaped(text, is_obeyed)
 }
 
-/// As [`visible_line`], for a text of several lines: its line ends and tabs stay.
+/// As [`visible_line`] for a text of several lines: its line ends and tabs stay.
 #[must_use]
 pub fn visible(text: &str) -> Cow<'_, str> {
     escaped(text, |c| is_obeyed(c) && !matches!(c, '\n' | '\t'))
+}
+
+/// A text within HTML or SVG, with visible escapes for characters that these forbid or that reverse the direction of text.
+#[must_use]
+pub fn markup(text: &str) -> String {
+    visible(text)
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
@@ -49,7 +59,7 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
 /// The first characters of a foreign text, and the length of a longer one.
 #[must_use]
 pub fn shortened(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(SHOWN) {
+    match text.char_indices().nth(MAX_CHARACTERS) {
         None => text.into(),
         Some((end, _)) => format!("{}… ({} bytes)", &text[..end], text.len()).into(),
     }
@@ -60,17 +70,17 @@ pub fn shortened(text: &str) -> Cow<'_, str> {
 pub fn listed<T: AsRef<str>>(texts: &[T], between: &str) -> String {
     let shown: Vec<_> = texts
         .iter()
-        .take(LISTED)
+        .take(MAX_ENTRIES)
         .map(|text| shortened(text.as_ref()))
         .collect();
     let shown = shown.join(between);
-    match texts.len().saturating_sub(LISTED) {
+    match texts.len().saturating_sub(MAX_ENTRIES) {
         0 => shown,
         others => format!("{shown}{between}… ({others} more)"),
     }
 }
 
-/// A number with all its digits; with an exponent where these would be many zeros.
+/// A number with all its digits; with an exponent where it would have many zeros.
 #[must_use]
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() || PLAIN.contains(&value.abs()) {
@@ -80,12 +90,12 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// A number rounded to so many decimals, without zeros at its end.
+/// A number rounded to this many decimals, without trailing zeros.
 #[must_use]
 pub fn rounded(value: f64, decimals: i32) -> String {
     let scale = 10f64.powi(decimals);
     let rounded = (value * scale).round() / scale + 0.0;
-    // What has no decimals may overflow.
+    // A number too large to have decimals may overflow.
     number(if rounded.is_finite() { rounded } else { value })
 }
 

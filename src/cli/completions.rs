@@ -1,8 +1,8 @@
 //! `ugv completions`: scripts that complete the tool's arguments in a shell.
 
+use super::failure::Failure;
 use super::output::write_stdout;
-use super::{Cli, Failure};
-use clap::CommandFactory;
+use clap::Command;
 use clap_complete::Shell;
 
 const EXAMPLES: &str = "\
@@ -18,8 +18,8 @@ pub struct Args {
     shell: Shell,
 }
 
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub fn run(args: &Args, mut tool: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "ugv", &mut script);
+    clap_complete::generate(args.shell, &mut tool, "ugv", &mut script);
     write_stdout(&String::from_utf8_lossy(&script))
 }

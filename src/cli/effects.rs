@@ -1,7 +1,7 @@
-//! `ugv effects`: the physics that the paper leaves out, and what sensors add.
+//! `ugv effects`: physics beyond the paper, and effects of the sensors.
 
-use super::output::write_stdout;
-use super::{Failure, tell};
+use super::failure::Failure;
+use super::output::{notify, write_stdout};
 use clap::builder::PossibleValuesParser;
 use std::fmt::Write;
 use ugv_terrain::effects::{
@@ -10,24 +10,24 @@ use ugv_terrain::effects::{
 
 const EXAMPLES: &str = "\
 Examples:
-  ugv effects                              # what there is
+  ugv effects                              # list all
   ugv effects grade payload > mine.json    # edit it, then: ugv simulate --effects mine.json ...
 
-An effect is off while its parameters have the values that the list calls off; a file of effects
-needs only what differs. In a file, grade may also hold slopes along the drive, linear in between:
+An effect is off while its parameters have the values that the list calls off; a file needs only
+the other parameters. In a file, grade can have slopes along the drive, linear in between:
   \"grade\": {\"profile\": {\"over\": \"time\", \"points\": [[0, 0, 0], [5, 0.1, 0]]}}
 with [at, slope_east, slope_north] over \"time\" [s, from the first row on] or \"distance\" [m], or
   {\"over\": \"place\", \"x\": [...], \"y\": [...], \"slopes\": [[[slope_east, slope_north], ...], ...]}
-with a list for each x of a pair for each y; terrain_change tells by \"over\" (time, distance or place)
-what its position is measured over, place where nothing is said. Effects that act for a while [s, from
-the first row on] or somewhere [m] stand beside a window with hard edges, outside of which they are off:
+with a list for each x of a pair for each y. In terrain_change, \"over\" says what its position is
+measured over: time, distance or place (default). A window with hard edges limits effects to a time
+[s, from the first row on] or a place [m]; outside of it they are off:
   \"drawbar\": {\"force\": 300}, \"window\": {\"effects\": [\"drawbar\"], \"time\": [12.4, 21]}
-  or in the place of \"time\" \"place\": {\"x\": 5, \"y\": 0, \"radius\": 2} (the reference point's).";
+  or instead of \"time\" \"place\": {\"x\": 5, \"y\": 0, \"radius\": 2} (of the reference point).";
 
-/// List the physics that the paper leaves out, or print effects as JSON.
+/// List the physics beyond the paper, or print effects as JSON.
 ///
-/// With names the JSON on standard output has typical values, to copy and edit; standard error
-/// tells the equation, its source, and what is believed of the parameters before any data.
+/// With names, standard output has JSON with typical values, to copy and edit. Standard error has
+/// the equation, its source, and the priors of the parameters.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -46,9 +46,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             explain(effect);
             for (place, declared) in effect.parameters.iter().enumerate() {
                 if let Some(parameter) = ParameterName::at(index, place) {
-                    effects
-                        .set(parameter, typical(declared))
-                        .map_err(Failure::Model)?;
+                    effects.set(parameter, typical(declared))?;
                 }
             }
         }
@@ -63,7 +61,7 @@ fn list() -> String {
         (EffectKind::Physics, "Physics: how the vehicle moves"),
         (
             EffectKind::Measurement,
-            "Measurement: what sensors report of it",
+            "Measurement: what the sensors report",
         ),
     ] {
         let _ = writeln!(text, "{title}\n");
@@ -78,7 +76,7 @@ fn list() -> String {
             text.push('\n');
         }
     }
-    text + "`ugv effects NAME` prints equation, source and a file to edit.\n"
+    text + "`ugv effects NAME` prints equation, source, priors and a file to edit.\n"
 }
 
 /// "-0.3 to 0.3 rad".
@@ -90,7 +88,7 @@ fn range(declared: &ParameterDeclaration) -> String {
     format!("{low} to {high} {unit}").trim_end().into()
 }
 
-/// What the value means where none is given.
+/// The value of a parameter that a file leaves out, and whether the effect is off then.
 fn state(declared: &ParameterDeclaration) -> String {
     let kind = if declared.switches {
         "off at"
@@ -101,18 +99,18 @@ fn state(declared: &ParameterDeclaration) -> String {
 }
 
 fn explain(effect: &Declaration) {
-    tell(&format!("{} lifts: {}", effect.name, effect.lifts));
-    tell(&format!("  equation: {}", effect.equation));
-    tell(&format!("  source: {}", effect.source));
+    notify(&format!("{} lifts: {}", effect.name, effect.lifts));
+    notify(&format!("  equation: {}", effect.equation));
+    notify(&format!("  source: {}", effect.source));
     for declared in effect.parameters {
-        let believed = match declared.prior {
+        let prior = match declared.prior {
             Prior::Normal { mean, deviation } => format!("{mean} +- {deviation}"),
             Prior::LogNormal { median, deviation } => {
-                format!("{median}, up or down by a factor of {:.2}", deviation.exp())
+                format!("{median} */ {:.2}", deviation.exp())
             }
         };
-        tell(&format!(
-            "  {}: {}; {}, {}; where on, believed to be {believed}",
+        notify(&format!(
+            "  {}: {}; {}, {}; prior when on {prior}",
             declared.name,
             declared.description,
             range(declared),
@@ -121,7 +119,7 @@ fn explain(effect: &Declaration) {
     }
 }
 
-/// A value at which the effect is on, as strong as it commonly is.
+/// A value that switches the effect on, with a common strength.
 fn typical(declared: &ParameterDeclaration) -> f64 {
     if !declared.switches {
         return declared.default;
@@ -130,16 +128,13 @@ fn typical(declared: &ParameterDeclaration) -> f64 {
         Prior::Normal { mean, deviation } => (mean, mean + deviation),
         Prior::LogNormal { median, deviation } => (median, median * deviation.exp()),
     };
-    let chosen = if centre == declared.default {
-        beside
-    } else {
-        centre
-    };
+    let is_off = centre == declared.default;
+    let chosen = if is_off { beside } else { centre };
     let rounded = |decimals: f64| {
         let digits = 10_f64.powf(decimals - chosen.abs().log10().floor());
         ((chosen * digits).round() / digits).clamp(declared.low, declared.high)
     };
-    // Not so short that the effect is off again.
+    // Two digits may be those of the value that switches the effect off.
     let short = rounded(1.0);
     if short == declared.default {
         rounded(2.0)
@@ -167,20 +162,13 @@ mod tests {
 
     #[test]
     fn typical_values_are_short() {
-        let slope = ParameterName::find("grade.slope_east")
-            .unwrap()
-            .declaration()
-            .1;
-        assert_eq!(typical(slope), 0.05);
-        let ratio = ParameterName::find("left_right_soil.ratio")
-            .unwrap()
-            .declaration()
-            .1;
-        assert_eq!(typical(ratio), 1.5);
-        let hitch = ParameterName::find("drawbar.hitch_height")
-            .unwrap()
-            .declaration()
-            .1;
-        assert_eq!(typical(hitch), 0.3);
+        for (name, expected) in [
+            ("grade.slope_east", 0.05),
+            ("left_right_soil.ratio", 1.5),
+            ("drawbar.hitch_height", 0.3),
+        ] {
+            let (_, declared) = ParameterName::find(name).unwrap().declaration();
+            assert_eq!(typical(declared), expected, "{name}");
+        }
     }
 }

@@ -1,9 +1,8 @@
 //! Everything that can end the tool early, with its exit status and remedy.
 
 use std::error::Error;
-use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use ugv_terrain::diagnosis::DiagnosisError;
 use ugv_terrain::display::{visible, visible_line};
 use ugv_terrain::fit::FitError;
@@ -15,50 +14,84 @@ use ugv_terrain::recording::{CsvError, RecordingError, SameName};
 use ugv_terrain::simulation::SimulationError;
 use ugv_terrain::vehicle::BalanceError;
 
-/// Exit status where the arguments or the files that they name are wrong.
+/// Exit status for wrong arguments or files.
 const BAD_INPUT: u8 = 2;
-/// Exit status where the work itself fails.
+/// Exit status for work that fails.
 const FAILED: u8 = 1;
 
 /// Why the tool stops.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// Arguments that do not parse.
+    #[error(transparent)]
     Usage(clap::Error),
     /// Arguments that do not fit together.
+    #[error("{reason}")]
     Argument {
-        /// What is wrong.
         reason: String,
-        /// What to write instead.
-        hint: Option<String>,
+        remedy: Option<String>,
     },
     /// A file that cannot be read.
+    #[error("cannot read {}", path.display())]
     Read { path: PathBuf, source: io::Error },
-    /// A file that describes no vehicle, terrain, effects or model.
+    /// A file that does not describe a vehicle, a terrain, effects or a model.
+    #[error("{}: {source}", path.display())]
     Json { path: PathBuf, source: JsonError },
-    /// A file that is no recording.
-    Recording(CsvError),
-    /// A recording or the file beside it that cannot be read.
-    ReadRecording(RecordingError),
+    /// A file that is not a recording.
+    #[error(transparent)]
+    Recording(#[from] CsvError),
     /// Two recordings of one name.
-    SameName(SameName),
-    /// Recordings that nothing can be fitted to.
-    Fit(FitError),
-    /// Recordings that nothing can be said of.
-    Diagnosis(DiagnosisError),
-    /// A robot's log that gives no recording.
-    Import(ImportError),
-    /// A recording by which nothing can be judged.
-    Identification(IdentificationError),
+    #[error(transparent)]
+    SameName(#[from] SameName),
+    /// Recordings that do not allow a fit.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// Recordings that do not allow a diagnosis.
+    #[error(transparent)]
+    Diagnosis(#[from] DiagnosisError),
+    /// A robot's log without a usable recording.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// A recording that does not allow a comparison of models.
+    #[error(transparent)]
+    Identification(#[from] IdentificationError),
     /// Vehicle and terrain that do not fit together.
-    Model(ParameterError),
+    #[error(transparent)]
+    Model(#[from] ParameterError),
     /// A vehicle that cannot drive on; times are those of the recording.
-    Simulation(SimulationError),
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
     /// A file that cannot be written.
+    #[error("cannot write {target}")]
     Write { target: String, source: io::Error },
 }
 
 impl Failure {
+    /// Arguments that do not fit together, without a remedy.
+    pub fn argument(reason: impl Into<String>) -> Self {
+        Self::Argument {
+            reason: reason.into(),
+            remedy: None,
+        }
+    }
+
+    /// Adds what to do to arguments that do not fit together.
+    pub fn with_remedy(self, text: impl Into<String>) -> Self {
+        match self {
+            Self::Argument { reason, .. } => Self::Argument {
+                reason,
+                remedy: Some(text.into()),
+            },
+            other => other,
+        }
+    }
+
+    /// A file that cannot be read.
+    pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        |source| Self::Read { path, source }
+    }
+
     /// The exit status.
     pub fn status(&self) -> u8 {
         match self {
@@ -71,11 +104,10 @@ impl Failure {
         }
     }
 
-    /// The error with all its causes on one line, and a remedy below where there is one; what a terminal would obey is
-    /// escaped.
+    /// The error with all its causes on one line, and the remedy below it. What a terminal obeys is escaped.
     pub fn report(&self) -> String {
         if let Self::Usage(error) = self {
-            // It brings its own hints; without any argument it is the help.
+            // It has its own hints; without any argument it is the help.
             let text = error.render().to_string();
             let prefix = if text.starts_with("error:") {
                 "ugv: "
@@ -88,101 +120,104 @@ impl Failure {
         let mut cause = self.source();
         while let Some(error) = cause {
             let text = error.to_string();
-            // Some errors tell their cause themselves.
+            // Some errors have the text of their cause in their own.
             if !message.ends_with(&text) {
                 message = format!("{message}: {text}");
             }
             cause = error.source();
         }
-        let message = visible_line(&message);
-        match self.hint() {
-            Some(hint) => format!(
-                "ugv: error: {message}\nugv: hint: {}\n",
-                visible_line(&hint)
-            ),
-            None => format!("ugv: error: {message}\n"),
+        let mut report = format!("ugv: error: {}\n", visible_line(&message));
+        if let Some(remedy) = self.remedy() {
+            report += &format!("ugv: hint: {}\n", visible_line(&remedy));
         }
+        report
     }
 
-    fn hint(&self) -> Option<String> {
-        match self {
-            Self::Argument { hint, .. } => hint.clone(),
-            Self::Import(error) => error.remedy(),
-            Self::Diagnosis(DiagnosisError::NothingMeasured { .. })
-            | Self::Fit(FitError::NothingMeasured { .. }) => Some(
-                "record a pose (x, y, heading) or at least the yaw rate beside the wheel speeds".into(),
-            ),
-            Self::Fit(FitError::AtRest | FitError::TooShort { .. }) => Some(
-                "give recordings in which the vehicle drives on, with wheel speeds and a pose, for half a minute or more in all".into(),
-            ),
-            Self::Identification(IdentificationError::NoPose { .. }) => {
-                Some("record a pose (x, y, heading) beside the wheel speeds".into())
-            }
-            Self::Identification(
-                IdentificationError::TooShort { .. } | IdentificationError::NoWindows { .. },
-            ) => Some("`ugv score` predicts less far ahead with --horizon 2; `ugv inspect` shows gaps".into()),
-            Self::Read { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
-                Some("save the file as UTF-8".into())
-            }
-            Self::SameName(_) => Some(
-                "name each file once, and rename one of two: what is said of a recording names it".into(),
-            ),
-            Self::Diagnosis(DiagnosisError::Undrivable(_)) => Some(
-                "check the vehicle's mass, wheel radius and track (--vehicle), and the terrain to begin with (--terrain)".into(),
-            ),
+    fn remedy(&self) -> Option<String> {
+        let remedy = match self {
+            Self::Argument { remedy, .. } => return remedy.clone(),
+            Self::Import(error) => return error.remedy(),
             Self::Json {
                 source: JsonError::SeveralTerrains { names },
                 ..
-            } => Some(format!(
-                "keep one of the objects in the file, or name a preset: --terrain {}",
-                names.first()?
-            )),
-            Self::Json { .. } => Some(
-                "`ugv vehicle`, `ugv terrains NAME`, `ugv effects NAME` and `ugv model` print files that are right".into(),
-            ),
+            } => {
+                return Some(format!(
+                    "keep one of the objects in the file, or name a preset: --terrain {}",
+                    names.first()?
+                ));
+            }
+            Self::Diagnosis(DiagnosisError::NothingMeasured { .. })
+            | Self::Fit(FitError::NothingMeasured { .. }) => {
+                "record a pose (x, y, heading) or at least the yaw rate beside the wheel speeds"
+            }
+            Self::Fit(FitError::AtRest | FitError::TooShort { .. }) => {
+                "give recordings with wheel speeds and a pose, with half a minute of driving or more in total"
+            }
+            Self::Identification(IdentificationError::NoPose { .. }) => {
+                "record a pose (x, y, heading) beside the wheel speeds"
+            }
+            Self::Identification(
+                IdentificationError::TooShort { .. } | IdentificationError::NoWindows { .. },
+            ) => "`ugv score --horizon 2` predicts a shorter time; `ugv inspect` shows gaps",
+            Self::Read { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
+                "save the file as UTF-8"
+            }
+            Self::SameName(_) => {
+                "name each file once, and rename one of two: results refer to recordings by name"
+            }
+            Self::Diagnosis(DiagnosisError::Undrivable(_)) => {
+                "check the vehicle's mass, wheel radius and track (--vehicle), and the initial terrain (--terrain)"
+            }
+            Self::Json { .. } => {
+                "`ugv vehicle`, `ugv terrains NAME`, `ugv effects NAME` and `ugv model` print valid files"
+            }
             Self::Write { source, .. } if is_place(source) => {
-                Some("name a place in a folder that is there and can be written".into())
+                "name a place in a folder that exists and is writable"
             }
             Self::Simulation(SimulationError::Balance {
                 source: BalanceError::Bogged { load, bearing, .. },
                 ..
-            }) => Some(if bearing > load {
-                "let the wheels slip less there (brake or turn more gently), or take a soil with less cohesion or a larger \
-                 frictional_modulus; nothing was written".into()
-            } else {
-                "take a firmer terrain (a larger frictional_modulus), a lighter vehicle, or larger or \
-                 wider wheels; nothing was written"
-                    .into()
-            }),
+            }) if bearing > load => {
+                "reduce the wheels' slip there (brake or turn more gently), or take a soil with less cohesion or a \
+                 larger frictional_modulus; nothing was written"
+            }
+            Self::Simulation(SimulationError::Balance {
+                source: BalanceError::Bogged { .. },
+                ..
+            }) => {
+                "take a firmer terrain (a larger frictional_modulus), a lighter vehicle, or larger or wider wheels; \
+                 nothing was written"
+            }
             Self::Simulation(
-                SimulationError::StepTooSmall { suspect: Some(_), .. }
-                | SimulationError::TooStiff { suspect: Some(_), .. },
-            ) => Some("take a usual value for that parameter; nothing was written".into()),
+                SimulationError::StepTooSmall {
+                    suspect: Some(_), ..
+                }
+                | SimulationError::TooStiff {
+                    suspect: Some(_), ..
+                },
+            ) => "take a usual value for that parameter; nothing was written",
             Self::Simulation(
                 SimulationError::Balance { .. }
                 | SimulationError::StepTooSmall { .. }
                 | SimulationError::TooStiff { .. },
-            ) => Some(
-                "look for a jump or an outlier in the wheel speeds at that time; nothing was written".into(),
-            ),
-            _ => None,
-        }
+            ) => {
+                "look for a jump or an outlier in the wheel speeds at that time; nothing was written"
+            }
+            _ => return None,
+        };
+        Some(remedy.into())
     }
 }
 
-/// Whether it is the place that cannot be written, rather than the content.
+/// Whether the place cannot be written, rather than the content.
 fn is_place(error: &io::Error) -> bool {
     use io::ErrorKind::{
         IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem,
     };
-    let kinds = [
-        IsADirectory,
-        NotADirectory,
-        NotFound,
-        PermissionDenied,
-        ReadOnlyFilesystem,
-    ];
-    kinds.contains(&error.kind())
+    matches!(
+        error.kind(),
+        IsADirectory | NotADirectory | NotFound | PermissionDenied | ReadOnlyFilesystem
+    )
 }
 
 impl From<RecordingError> for Failure {
@@ -193,47 +228,6 @@ impl From<RecordingError> for Failure {
                 path: file.into(),
                 source,
             },
-        }
-    }
-}
-
-impl From<IdentificationError> for Failure {
-    fn from(error: IdentificationError) -> Self {
-        Self::Identification(error)
-    }
-}
-
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Usage(error) => error.fmt(f),
-            Self::Argument { reason, .. } => reason.fmt(f),
-            Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
-            Self::Json { path, source } => write!(f, "{}: {source}", path.display()),
-            Self::Recording(error) => error.fmt(f),
-            Self::ReadRecording(error) => error.fmt(f),
-            Self::SameName(error) => error.fmt(f),
-            Self::Fit(error) => error.fmt(f),
-            Self::Diagnosis(error) => error.fmt(f),
-            Self::Import(error) => error.fmt(f),
-            Self::Identification(error) => error.fmt(f),
-            Self::Model(error) => error.fmt(f),
-            Self::Simulation(error) => error.fmt(f),
-            Self::Write { target, .. } => write!(f, "cannot write {target}"),
-        }
-    }
-}
-
-impl Error for Failure {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
-            Self::Json { source, .. } => source.source(),
-            Self::Recording(error) => error.source(),
-            Self::ReadRecording(error) => error.source(),
-            Self::Import(error) => error.source(),
-            Self::Simulation(error) => error.source(),
-            _ => None,
         }
     }
 }

@@ -1,8 +1,9 @@
-//! `ugv import`: makes a recording of a robot's log.
+//! `ugv import`: makes a recording from a robot's log.
 
-use super::output::{Output, finish_all, print};
-use super::progress::Progress;
-use super::{Failure, tell};
+use super::failure::Failure;
+use super::output::{Output, finish_all, is_stream, notify, print};
+use super::progress::ProgressLine;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
 use std::io;
@@ -25,19 +26,19 @@ Input:   MCAP (ROS 2 or ROS 1 messages) or a ROS 1 bag, with any of
            odometry  nav_msgs/Odometry       x, y, heading, v_x, v_y
            imu       sensor_msgs/Imu         yaw_rate, a_x, a_y
            fix       sensor_msgs/NavSatFix   x, y: metres east and north of the first fix
-Output:  CSV in SI units and radians: time, omega_left, omega_right, then what there is; a row for
-         every time at which anything was measured, an empty cell where a column was not. Beside
-         FILE.csv, FILE.json tells under `source` and `provenance` where each column comes from; what else it
-         holds stays.
-Choice:  of several topics of a type the one with wheels in it (joints), the one that tells of GPS,
-         INS, lidar or motion capture by its name rather than of wheels (odometry), the one that is
-         not raw (imu, fix) and of no camera or lidar (imu), then the one with the most messages.
-         What was chosen is told. The pose is from odometry unless there are fixes and that is of
-         wheels, or its name does not tell and the fixes are good to 0.1 m. Wheels are told by the
-         names of their joints; their velocities are taken, or else the differences of their
-         positions. yaw_rate is about the vertical, as gravity in an IMU's accelerations tells it.";
+Output:  CSV in SI units and radians: time, omega_left, omega_right, then the other columns. It has
+         a row for every time with a measurement, and empty cells for the others. FILE.json beside
+         FILE.csv gets the origin of each column under `source` and `provenance`, and keeps its
+         other keys.
+Choice:  of several topics of a type: one with wheels (joints); one whose name suggests GPS, INS,
+         lidar or motion capture rather than wheels (odometry); one that is not raw (imu, fix) and
+         not of a camera or lidar (imu); then the one with the most messages. Notes name the
+         choice. The pose is from odometry, or from fixes if the odometry is of wheels, or of
+         unknown origin while the fixes are good to 0.1 m. The names of joints identify the wheels;
+         their velocities are used, or else the differences of their positions. yaw_rate is about
+         the vertical, which follows from gravity in the accelerations of the IMU.";
 
-/// Make a recording of a robot's log: MCAP or ROS 1 bag in, CSV out.
+/// Make a recording from a robot's log: MCAP or ROS 1 bag in, CSV out.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -45,7 +46,7 @@ pub struct Args {
     #[arg(value_name = "FILE")]
     input: PathBuf,
 
-    /// Show the topics with type, number of messages, rate and span, and which would serve
+    /// List the topics with type, number of messages, rate, span and use
     #[arg(long, conflicts_with = "output")]
     list: bool,
 
@@ -53,40 +54,40 @@ pub struct Args {
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 
-    /// Topics by what they serve as: any of joints, odometry, imu, fix; `none` leaves one out
+    /// Topics for any of joints, odometry, imu, fix; `none` omits a kind
     #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
     topics: Vec<(MessageKind, Wish)>,
 
-    /// Joints of the left wheels [default: by their names]
+    /// Joints of the left wheels [default: by name]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     left: Vec<String>,
 
-    /// Joints of the right wheels [default: by their names]
+    /// Joints of the right wheels [default: by name]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     right: Vec<String>,
 
-    /// Change the sign of wheel speeds that are reported mirrored
-    #[arg(long, value_name = "SIDE")]
-    invert: Option<Invert>,
+    /// Change the sign of mirrored wheel speeds
+    #[arg(long, value_name = "SIDE", value_parser = choice(&SIDES))]
+    invert: Option<[bool; 2]>,
 
-    /// Where x and y come from [default: odometry unless there are fixes and it is of wheels, or of
-    /// unknown origin and they are precise]
-    #[arg(long, value_name = "SOURCE")]
-    pose: Option<PoseSource>,
+    /// Source of x and y [default: odometry, or fixes if the odometry is of wheels, or of unknown
+    /// origin while the fixes are precise]
+    #[arg(long, value_name = "SOURCE", value_parser = choice(&POSES))]
+    pose: Option<Pose>,
 
-    /// Where heading comes from [default: odometry if x and y are from there]
-    #[arg(long, value_name = "SOURCE")]
-    heading: Option<HeadingSource>,
+    /// Source of heading [default: odometry if x and y are from there]
+    #[arg(long, value_name = "SOURCE", value_parser = choice(&HEADINGS))]
+    heading: Option<Heading>,
 
-    /// Which time counts: that of measuring, in each message's header, or that of logging
-    #[arg(long, value_name = "CLOCK", default_value = "header")]
-    time: Time,
+    /// Source of time: the measurement, in each message's header, or the log
+    #[arg(long, value_name = "CLOCK", default_value = "header", value_parser = choice(&CLOCKS))]
+    time: Clock,
 
     /// The IMU's z axis points down, its x axis ahead: change the sign of yaw_rate and a_y
     #[arg(long)]
     imu_z_down: bool,
 
-    /// Import what comes before the damage in a file that was cut off or is damaged
+    /// Import what comes before the damage in a truncated or damaged file
     #[arg(long)]
     partial: bool,
 
@@ -95,30 +96,29 @@ pub struct Args {
     quiet: bool,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Invert {
-    Left,
-    Right,
-    Both,
-}
+/// Left and right, whether inverted.
+const SIDES: [(&str, [bool; 2]); 3] = [
+    ("left", [true, false]),
+    ("right", [false, true]),
+    ("both", [true; 2]),
+];
+const POSES: [(&str, Pose); 2] = [("odometry", Pose::Odometry), ("fix", Pose::Fix)];
+const HEADINGS: [(&str, Heading); 3] = [
+    ("odometry", Heading::Odometry),
+    ("imu", Heading::Imu),
+    ("none", Heading::Without),
+];
+const CLOCKS: [(&str, Clock); 2] = [("header", Clock::Header), ("log", Clock::Log)];
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum PoseSource {
-    Odometry,
-    Fix,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum HeadingSource {
-    Odometry,
-    Imu,
-    None,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Time {
-    Header,
-    Log,
+/// Parses one of these names.
+fn choice<T: Copy + Send + Sync>(
+    named: &'static [(&'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    let names = PossibleValuesParser::new(named.iter().map(|(name, _)| *name));
+    names.try_map(|text| {
+        let found = named.iter().find(|(name, _)| *name == text);
+        found.map(|(_, value)| *value).ok_or("an unknown name")
+    })
 }
 
 fn topic(text: &str) -> Result<(MessageKind, Wish), String> {
@@ -144,25 +144,10 @@ impl Args {
                 left: self.left.clone(),
                 right: self.right.clone(),
             },
-            invert: match self.invert {
-                None => [false; 2],
-                Some(Invert::Left) => [true, false],
-                Some(Invert::Right) => [false, true],
-                Some(Invert::Both) => [true; 2],
-            },
-            pose: self.pose.map(|pose| match pose {
-                PoseSource::Odometry => Pose::Odometry,
-                PoseSource::Fix => Pose::Fix,
-            }),
-            heading: self.heading.map(|heading| match heading {
-                HeadingSource::Odometry => Heading::Odometry,
-                HeadingSource::Imu => Heading::Imu,
-                HeadingSource::None => Heading::Without,
-            }),
-            clock: match self.time {
-                Time::Header => Clock::Header,
-                Time::Log => Clock::Log,
-            },
+            invert: self.invert.unwrap_or_default(),
+            pose: self.pose,
+            heading: self.heading,
+            clock: self.time,
             imu_z_down: self.imu_z_down,
             partial: self.partial,
         }
@@ -171,10 +156,11 @@ impl Args {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let options = args.options();
-    let files = (!args.list).then(|| Files::new(args)).transpose()?;
-    let progress = Progress::bytes(args.quiet);
-    let surveyed = import::survey(&args.input, &mut |done, of| progress.reach(done, 2 * of));
-    let survey = surveyed.map_err(Failure::Import)?;
+    let files = (!args.list)
+        .then(|| RecordingFiles::new(args))
+        .transpose()?;
+    let progress = ProgressLine::bytes(args.quiet);
+    let survey = import::survey(&args.input, &mut |done, of| progress.reach(done, 2 * of))?;
     let Some(files) = files else {
         progress.finish();
         return list(&args.input, &survey, &options);
@@ -183,7 +169,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         progress.reach(of + done, 2 * of);
     });
     progress.finish();
-    let imported = imported.map_err(Failure::Import)?;
+    let imported = imported?;
     let rows = files.write(&imported, &args.input, &survey)?;
     if !args.quiet {
         summarise(&imported, rows);
@@ -191,36 +177,31 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The recording, and what is told beside it.
-struct Files {
+/// The recording, and the JSON file beside it.
+struct RecordingFiles {
     table: Output,
-    beside: Option<Beside>,
+    beside: Option<BesideFile>,
 }
 
-/// The file that tells of the recording, with what it held before.
-struct Beside {
+/// The JSON file beside a recording, with its former content.
+struct BesideFile {
     output: Output,
     content: Map<String, Value>,
 }
 
-impl Files {
+impl RecordingFiles {
     fn new(args: &Args) -> Result<Self, Failure> {
-        let table = Output::of(args.output.as_deref(), [&args.input])?;
-        let path = args.output.as_ref().filter(|path| *path != Path::new("-"));
-        let beside = path.map(|path| Beside::new(&path.with_extension("json")));
-        let files = Self {
-            table,
-            beside: beside.transpose()?,
-        };
-        let collides = |beside: &Beside| beside.output.collides_with(&files.table);
-        if files.beside.as_ref().is_some_and(collides) {
-            return Err(Failure::Argument {
-                reason: "--output is to be a CSV file; beside it goes one that ends in .json"
-                    .into(),
-                hint: Some("--output FILE.csv".into()),
-            });
+        let table = Output::from_inputs(args.output.as_deref(), [&args.input])?;
+        let path = args.output.as_ref().filter(|path| !is_stream(path));
+        let beside = path.map(|path| BesideFile::new(&path.with_extension("json")));
+        let beside = beside.transpose()?;
+        if let Some(beside) = &beside {
+            beside
+                .output
+                .check_distinct(&table, "the recording and the .json file beside it")
+                .map_err(|failure| failure.with_remedy("--output FILE.csv"))?;
         }
-        Ok(files)
+        Ok(Self { table, beside })
     }
 
     /// Writes both and returns the number of rows.
@@ -236,26 +217,20 @@ impl Files {
     }
 }
 
-impl Beside {
+impl BesideFile {
     fn new(path: &Path) -> Result<Self, Failure> {
         let output = Output::to(Some(path))?;
         let content = match read_file(path) {
             Ok(text) => {
-                serde_json::from_str(text.trim_start_matches('\u{feff}')).map_err(|error| {
-                    Failure::Argument {
-                        reason: format!(
-                            "{} is there already and no JSON object: {error}",
-                            path.display()
-                        ),
-                        hint: Some("move it away, or choose another name for --output".into()),
-                    }
+                let text = text.trim_start_matches('\u{feff}');
+                serde_json::from_str(text).map_err(|error| {
+                    let path = path.display();
+                    Failure::argument(format!("{path} exists and is not a JSON object: {error}"))
+                        .with_remedy("move it away, or choose another name for --output")
                 })?
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Map::new(),
-            Err(source) => {
-                let path = path.into();
-                return Err(Failure::Read { path, source });
-            }
+            Err(error) => return Err(Failure::read(path)(error)),
         };
         Ok(Self { output, content })
     }
@@ -273,10 +248,10 @@ impl Beside {
     }
 }
 
-/// Tells what was made of what.
+/// Prints the origin of each column.
 fn summarise(imported: &Imported, rows: u64) {
     for column in &imported.columns {
-        tell(&format!(
+        notify(&format!(
             "{:<11} {:>7} samples from {}: {}",
             column.name,
             column.samples.len(),
@@ -290,19 +265,18 @@ fn summarise(imported: &Imported, rows: u64) {
         } else {
             "note: "
         };
-        tell(&format!("{prefix}{note}"));
+        notify(&format!("{prefix}{note}"));
     }
-    tell(&format!("{rows} rows over {:.2} s", imported.seconds()));
+    notify(&format!("{rows} rows over {:.2} s", imported.seconds()));
 }
 
-/// Prints the topics; a star marks those that would serve.
+/// Prints the topics; a star marks those that an import uses.
 fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure> {
-    let mut serving = Vec::new();
+    let mut used = Vec::new();
     for kind in MessageKind::ALL {
         let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
-        let choice =
-            import::choose(survey, kind, wish, &options.wheels).map_err(Failure::Import)?;
-        serving.extend(choice.map(|choice| (choice.topic, kind)));
+        let choice = import::choose(survey, kind, wish, &options.wheels)?;
+        used.extend(choice.map(|choice| (choice.topic, kind)));
     }
     let start = survey.logged().map_or(0, |[first, _]| first);
     let since = |time: i64| (time - start) as f64 * 1e-9;
@@ -316,19 +290,18 @@ fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure>
     let name_width = width(|topic| &topic.name).max(5);
     let type_width = width(|topic| &topic.message_type).max(4);
     let mut text = format!(
-        "{:name_width$}  {:type_width$}  {:8}  {:>8}  {:>8}  {:>17}  serves as\n",
+        "{:name_width$}  {:type_width$}  {:8}  {:>8}  {:>8}  {:>17}  use\n",
         "topic", "type", "encoding", "messages", "rate/Hz", "logged/s"
     );
     for topic in &survey.topics {
         let rate = topic.rate().map_or("-".into(), |rate| format!("{rate:.2}"));
         let [first, last] = topic.logged.map(since);
-        let role = serving.iter().find(|(chosen, _)| *chosen == topic);
+        let role = used.iter().find(|(chosen, _)| *chosen == topic);
         let role = match (role, topic.kind()) {
             (Some((_, kind)), _) => format!("{} *", kind.name()),
             (None, Some(kind)) => kind.name().into(),
             (None, None) => "-".into(),
         };
-        // A string takes everything.
         let _ = writeln!(
             text,
             "{:name_width$}  {:type_width$}  {:8}  {:>8}  {rate:>8}  {:>17}  {role}",
@@ -345,8 +318,8 @@ fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure>
     }
     print(&text)?;
     if let Ending::Broken { offset, reason } = &survey.ending {
-        tell(&format!(
-            "warning: {} is damaged near byte {offset}: {reason}; the topics are those before",
+        notify(&format!(
+            "warning: {} is damaged near byte {offset}: {reason}; the list has the topics before the damage",
             input.display()
         ));
     }

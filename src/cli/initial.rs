@@ -1,100 +1,74 @@
-//! `--initial`: where the vehicle starts, and how fast.
+//! `--initial`: the initial pose and velocities.
 
-use super::Failure;
+use super::failure::Failure;
 use std::str::FromStr;
 use ugv_terrain::parameter::{Bounds, ParameterError};
 use ugv_terrain::simulation::{State, WheelSpeeds};
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::vehicle::Vehicle;
 
-/// Velocities of rolling without slip at the first wheel speeds.
+/// Sets the velocities of rolling without slip at the first wheel speeds.
 const NO_SLIP: &str = "no-slip";
 
-/// A state that can be set.
-struct Key {
-    name: &'static str,
-    bounds: Bounds,
-    /// Whether `no-slip` sets it.
-    velocity: bool,
-    field: fn(&mut State) -> &mut f64,
-}
-
-/// Larger sizes are none of a ground vehicle's: `ugv inspect` takes none in a recording either.
-const fn within(name: &'static str, unit: &'static str, size: f64) -> Bounds {
-    Bounds::closed(name, unit, -size, size)
-}
-
-const KEYS: [Key; State::COUNT] = [
-    Key {
-        name: "x",
-        bounds: within("x", "m", 1e8),
-        velocity: false,
-        field: |state| &mut state.x,
-    },
-    Key {
-        name: "y",
-        bounds: within("y", "m", 1e8),
-        velocity: false,
-        field: |state| &mut state.y,
-    },
-    Key {
-        name: "heading",
-        bounds: within("heading", "rad", 1e5),
-        velocity: false,
-        field: |state| &mut state.heading,
-    },
-    Key {
-        name: "v_x",
-        bounds: within("v_x", "m/s", 100.0),
-        velocity: true,
-        field: |state| &mut state.v_x,
-    },
-    Key {
-        name: "v_y",
-        bounds: within("v_y", "m/s", 100.0),
-        velocity: true,
-        field: |state| &mut state.v_y,
-    },
-    Key {
-        name: "yaw_rate",
-        bounds: within("yaw_rate", "rad/s", 35.0),
-        velocity: true,
-        field: |state| &mut state.yaw_rate,
-    },
+/// The states in the order of [`State::to_array`]: no ground vehicle has larger values. `ugv inspect` has the same limits for
+/// recordings.
+const STATES: [(&str, Bounds); State::COUNT] = [
+    limited("x", "m", 1e8),
+    limited("y", "m", 1e8),
+    limited("heading", "rad", 1e5),
+    limited("v_x", "m/s", 100.0),
+    limited("v_y", "m/s", 100.0),
+    limited("yaw_rate", "rad/s", 35.0),
 ];
+/// The states from here on are velocities.
+const FIRST_VELOCITY: usize = 3;
+
+const fn limited(name: &'static str, unit: &'static str, limit: f64) -> (&'static str, Bounds) {
+    (name, Bounds::closed(name, unit, -limit, limit))
+}
 
 /// One of the arguments of `--initial`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Initial {
+pub enum InitialArgument {
     /// `no-slip`.
     NoSlip,
-    /// `key=value`: the index of the key, and the value.
+    /// `key=value`: the place of the key in [`State::to_array`], and the value.
     Value(usize, f64),
 }
 
-impl FromStr for Initial {
+impl InitialArgument {
+    /// Whether it sets the state at this place.
+    pub fn sets(self, place: usize) -> bool {
+        match self {
+            Self::NoSlip => place >= FIRST_VELOCITY,
+            Self::Value(set, _) => set == place,
+        }
+    }
+}
+
+impl FromStr for InitialArgument {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         if text == NO_SLIP {
             return Ok(Self::NoSlip);
         }
-        let names = KEYS.iter().map(|key| key.name);
+        let names = STATES.map(|(name, _)| name);
         let Some((name, value)) = text.split_once('=') else {
             return Err(format!("found `{text}`, expected KEY=VALUE or {NO_SLIP}"));
         };
         let (name, value) = (name.trim(), value.trim());
-        let Some(index) = names.clone().position(|key| key == name) else {
-            let meant = nearest(name, names.clone()).unwrap_or_default();
-            let known = names.collect::<Vec<_>>().join(", ");
+        let Some(place) = names.iter().position(|known| *known == name) else {
             return Err(format!(
-                "unknown key `{name}`, the nearest is `{meant}` (of {known})"
+                "unknown key `{name}`, the nearest is `{}` (of {})",
+                nearest(name, names).unwrap_or_default(),
+                names.join(", ")
             ));
         };
         match value.parse() {
             Ok(number) if f64::is_finite(number) => {
-                check(index, number).map_err(|error| error.to_string())?;
-                Ok(Self::Value(index, number))
+                check(place, number).map_err(|error| error.to_string())?;
+                Ok(Self::Value(place, number))
             }
             _ => Err(format!(
                 "found `{value}` for {name}, expected a finite number"
@@ -103,52 +77,44 @@ impl FromStr for Initial {
     }
 }
 
-/// Refuses the value of an initial state, by its place in [`State`], that no ground vehicle has.
+/// Refuses the value of an initial state, by its place in [`State::to_array`], that no ground vehicle has.
 ///
 /// # Errors
 /// Names the state, the value, the unit and the range.
-pub fn check(index: usize, value: f64) -> Result<(), ParameterError> {
-    KEYS[index].bounds.check(value)
+pub fn check(place: usize, value: f64) -> Result<(), ParameterError> {
+    STATES[place].1.check(value)
 }
 
-/// The state at the beginning: at rest at the origin but for what the arguments say.
+/// The initial state: at rest at the origin, except for what the arguments set.
 pub fn initial_state(
-    arguments: &[Initial],
+    arguments: &[InitialArgument],
     vehicle: &Vehicle,
     wheel_speeds: WheelSpeeds,
 ) -> Result<State, Failure> {
     let mut state = State::default();
-    let no_slip = arguments.contains(&Initial::NoSlip);
-    if no_slip {
+    if arguments.contains(&InitialArgument::NoSlip) {
         state = state.rolling_without_slip(wheel_speeds, vehicle.wheel_radius, vehicle.half_track);
     }
-    let mut seen = [false; State::COUNT];
-    for argument in arguments {
-        let Initial::Value(index, value) = *argument else {
+    let mut values = state.to_array();
+    for (index, argument) in arguments.iter().enumerate() {
+        let InitialArgument::Value(place, value) = *argument else {
             continue;
         };
-        let Key {
-            name,
-            velocity,
-            field,
-            ..
-        } = &KEYS[index];
-        if seen[index] {
-            return Err(conflict(format!("--initial sets {name} twice")));
+        let name = STATES[place].0;
+        if arguments[..index]
+            .iter()
+            .any(|other| matches!(other, InitialArgument::Value(set, _) if *set == place))
+        {
+            return Err(Failure::argument(format!("--initial sets {name} twice")));
         }
-        if no_slip && *velocity {
-            return Err(conflict(format!(
+        if arguments.contains(&InitialArgument::NoSlip) && place >= FIRST_VELOCITY {
+            return Err(Failure::argument(format!(
                 "--initial sets {name} beside {NO_SLIP}, which sets it too"
             )));
         }
-        seen[index] = true;
-        *field(&mut state) = value;
+        values[place] = value;
     }
-    Ok(state)
-}
-
-fn conflict(reason: String) -> Failure {
-    Failure::Argument { reason, hint: None }
+    Ok(State::from_array(values))
 }
 
 #[cfg(test)]
@@ -156,7 +122,7 @@ mod tests {
     use super::*;
 
     fn state(words: &[&str]) -> Result<State, String> {
-        let arguments: Vec<Initial> = words
+        let arguments: Vec<InitialArgument> = words
             .iter()
             .map(|word| word.parse())
             .collect::<Result<_, _>>()?;
@@ -169,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn rest_unless_told_otherwise() {
+    fn the_default_is_rest_at_the_origin() {
         assert_eq!(state(&[]), Ok(State::default()));
         let expected = State {
             y: 2.0,
@@ -180,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn no_slip_goes_with_a_pose() {
+    fn no_slip_combines_with_a_pose() {
         let expected = State {
             heading: 0.5,
             // r (4 + 8) / 2 and r (8 - 4) / (2 B).

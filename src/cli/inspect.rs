@@ -1,8 +1,8 @@
-//! `ugv inspect`: what a recording is worth, before anything is fitted to it.
+//! `ugv inspect`: the quality of a recording, before a model is fitted to it.
 
-use super::output::{Output, finish_all, print};
-use super::{Failure, tell};
-use std::path::{Path, PathBuf};
+use super::failure::Failure;
+use super::output::{Output, finish_all, print_beside};
+use std::path::PathBuf;
 use ugv_terrain::inspection::inspect;
 use ugv_terrain::recording::read_recording;
 use ugv_terrain::report::inspection::{json, page, text};
@@ -13,15 +13,15 @@ Examples:
   ugv inspect drive.csv --page drive.html --json drive.inspection.json --quiet
 
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
-         [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]; an empty cell is a missing sample, and so is nan;
-         a column `run` marks separate runs. Other columns are not read. drive.json beside
-         drive.csv may tell vehicle, terrain and sensors.
-Repairs: wrong units, swapped columns, late rows and wrapped headings are put right where that is
-         unambiguous, and told; where it is not, the file is refused.
-Delays:  positive where the first signal trails the second. Those against the wheels hold what the
-         vehicle takes to respond to them, too: up to 0.3 s in turns.";
+         [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A column
+         `run` separates runs. Other columns are ignored. drive.json beside drive.csv may hold
+         vehicle, terrain and sensors.
+Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected if they are
+         unambiguous, with a note. Otherwise the file is refused.
+Delays:  positive if the first signal is behind the second. A delay behind the wheels includes the
+         response of the vehicle: up to 0.3 s in turns.";
 
-/// Look at a recording: rates, gaps, noise, and how far its sensors trail each other.
+/// Check a recording: rates, gaps, noise, and delays between its sensors.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
 
-    /// Write everything as JSON; - writes to standard output
+    /// Write all results as JSON; - writes to standard output
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
 
@@ -37,7 +37,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE.html")]
     page: Option<PathBuf>,
 
-    /// No text, only the files that are asked for
+    /// Write the files without a text
     #[arg(long, short)]
     quiet: bool,
 }
@@ -45,15 +45,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut files = Vec::new();
     for path in [&args.json, &args.page].into_iter().flatten() {
-        files.push(Output::of(Some(path), [&args.recording])?);
+        files.push(Output::from_inputs(Some(path), [&args.recording])?);
     }
-    if let [json, page] = &files[..]
-        && json.collides_with(page)
-    {
-        return Err(Failure::Argument {
-            reason: "--json and --page lead to the same place".into(),
-            hint: None,
-        });
+    if let [json, page] = &files[..] {
+        json.check_distinct(page, "--json and --page")?;
     }
     let recording = read_recording(&args.recording)?;
     let inspection = inspect(&recording);
@@ -67,16 +62,5 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.quiet {
         return Ok(());
     }
-    let text = text(&recording, &inspection);
-    let taken = [&args.json, &args.page];
-    if taken
-        .into_iter()
-        .flatten()
-        .any(|path| path == Path::new("-"))
-    {
-        // Standard output is taken.
-        text.lines().for_each(tell);
-        return Ok(());
-    }
-    print(&text)
+    print_beside(&text(&recording, &inspection), &[&args.json, &args.page])
 }

@@ -1,24 +1,16 @@
-//! The threads that an argument asks for.
+//! The number of threads.
 
-use super::Failure;
+use super::failure::Failure;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 
 /// No machine has use for more threads, and each takes memory.
-const MOST: usize = 1024;
+pub const RANGE: RangeInclusive<i64> = 1..=1024;
 
-/// So many threads, or one per processor.
-pub fn pool(jobs: Option<NonZeroUsize>) -> Result<ThreadPool, Failure> {
-    let jobs = jobs.map_or(0, NonZeroUsize::get);
-    if jobs > MOST {
-        return Err(Failure::Argument {
-            reason: format!("--jobs {jobs}: the limit is {MOST} threads"),
-            hint: Some("leave --jobs out for one thread per processor".into()),
-        });
-    }
-    let pool = ThreadPoolBuilder::new().num_threads(jobs);
-    pool.build().map_err(|error| Failure::Argument {
-        reason: format!("--jobs: {error}"),
-        hint: None,
-    })
+/// This many threads, or one per processor.
+pub fn pool(jobs: Option<u16>) -> Result<ThreadPool, Failure> {
+    ThreadPoolBuilder::new()
+        .num_threads(jobs.unwrap_or(0).into())
+        .build()
+        .map_err(|error| Failure::argument(format!("--jobs: {error}")))
 }

@@ -7,13 +7,13 @@ mod failure;
 mod fit;
 mod import;
 mod initial;
+mod input;
 mod inspect;
 mod jobs;
 mod model;
 mod nominal;
 mod output;
 mod package;
-mod plot;
 mod presets;
 mod progress;
 mod score;
@@ -22,9 +22,8 @@ mod sweep;
 
 pub use failure::Failure;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use output::write_stdout;
-use ugv_terrain::display::visible_line;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -32,14 +31,14 @@ Examples:
   ugv sweep --input drive.csv --vary soil.cohesion=uniform:500,2000 --samples 1000 --output ends.csv
   ugv import drive.mcap --output drive.csv
   ugv inspect field.csv --page field.html
-  ugv score drive.csv          # how well do models predict what was recorded?
-  ugv diagnose drive.csv       # what physics did the model leave out?
+  ugv score drive.csv          # how well do models predict the recording?
+  ugv diagnose drive.csv       # which physics does the model leave out?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
-  ugv effects                  # physics that the paper leaves out, to switch on
+  ugv effects                  # physics beyond the paper, to switch on
   ugv model --terrain soil.json --effects effects.json > model.json
 
-Exit status: 0 done; 1 the simulation or writing failed; 2 wrong arguments or input.";
+Exit status: 0 success; 1 the simulation or a write failed; 2 wrong arguments or input.";
 
 /// Wheel-terrain model of a skid-steer UGV (Tran et al. 2007).
 #[derive(Parser)]
@@ -66,7 +65,7 @@ enum Command {
     Completions(completions::Args),
 }
 
-/// Parses the arguments and does what they ask for.
+/// Parses the arguments and runs the command.
 pub fn run() -> Result<(), Failure> {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -87,13 +86,6 @@ pub fn run() -> Result<(), Failure> {
         Command::Vehicle(args) => presets::vehicle(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Model(args) => presets::model(&args),
-        Command::Completions(args) => completions::run(&args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
     }
-}
-
-/// Prints a line for the user beside whatever goes to standard output.
-fn tell(line: &str) {
-    use std::io::Write;
-    // A closed standard error is no reason to stop.
-    let _ = writeln!(std::io::stderr(), "ugv: {}", visible_line(line));
 }

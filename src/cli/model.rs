@@ -1,6 +1,7 @@
-//! The arguments that name a vehicle, a terrain and the effects besides the paper's physics.
+//! The arguments that name a vehicle, a terrain and effects beyond the paper's physics.
 
-use super::{Failure, tell};
+use super::failure::Failure;
+use super::output::notify;
 use std::path::{Path, PathBuf};
 use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects};
 use ugv_terrain::json::{FittedTo, JsonError, read_file};
@@ -8,31 +9,31 @@ use ugv_terrain::spelling::nearest;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
-/// Which vehicle drives on which terrain, with which effects.
+/// The vehicle, the terrain and the effects of a simulation.
 #[derive(clap::Args)]
 pub struct ModelArgs {
-    /// Vehicle, as `ugv vehicle` prints it; a file with one under the key `vehicle` will do
+    /// Vehicle as printed by `ugv vehicle`, or a file with one under the key `vehicle`
     /// [default: the vehicle of the paper]
     #[arg(long, value_name = "FILE.json")]
     pub vehicle: Option<PathBuf>,
 
-    /// Terrain: dry_sand, sandy_loam, clayed_soil, dry_clay, or a file as `ugv terrains NAME`
-    /// prints it
+    /// Terrain: dry_sand, sandy_loam, clayed_soil, dry_clay, or a file as printed by
+    /// `ugv terrains NAME`
     #[arg(long, value_name = "NAME|FILE.json", default_value = "clayed_soil")]
     pub terrain: PathBuf,
 
-    /// Vehicle, terrain and effects in one file, as `ugv model` prints it
+    /// Vehicle, terrain and effects in one file, as printed by `ugv model`
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
     pub model: Option<PathBuf>,
 
-    /// Physics that the paper leaves out, as `ugv effects NAME` prints it; takes the place of the
-    /// model's effects [default: none]
+    /// Effects beyond the paper's physics, as printed by `ugv effects NAME`; they replace those of
+    /// the model [default: none]
     #[arg(long, value_name = "FILE.json")]
     pub effects: Option<PathBuf>,
 }
 
 impl ModelArgs {
-    /// Reads what the arguments name; whether it fits together is not checked.
+    /// Reads the files, without a check that vehicle and terrain fit together.
     pub fn specification(&self) -> Result<Specification, Failure> {
         let mut specification = match &self.model {
             Some(path) => load_model(path)?,
@@ -42,7 +43,7 @@ impl ModelArgs {
         Ok(specification)
     }
 
-    /// The vehicle of the arguments, where they name no model.
+    /// The vehicle of the arguments that name no model.
     pub fn vehicle(&self) -> Result<Vehicle, Failure> {
         match &self.vehicle {
             Some(path) => load_vehicle(path),
@@ -50,21 +51,21 @@ impl ModelArgs {
         }
     }
 
-    /// Puts the effects of `--effects` in the place of a model's.
+    /// Replaces the effects of a model by those of `--effects`.
     pub fn replace_effects(&self, effects: &mut Effects) -> Result<(), Failure> {
         if let Some(path) = &self.effects {
-            let own = load_effects(path)?;
+            let named = load_effects(path)?;
             if let (Some(model), false) = (&self.model, *effects == Effects::NONE) {
-                tell(&format!(
-                    "note: the effects of {} take the place of those in {} ({})",
+                notify(&format!(
+                    "note: the effects of {} replace those of {} ({})",
                     path.display(),
                     model.display(),
-                    names(effects, EffectKind::Physics).unwrap_or("all of them off".into())
+                    names(effects, EffectKind::Physics).unwrap_or("all off".into())
                 ));
             }
-            *effects = own;
+            *effects = named;
         }
-        tell_of_sensors(effects);
+        note_sensors(effects);
         Ok(())
     }
 
@@ -75,7 +76,7 @@ impl ModelArgs {
         named.filter(|path| path.exists()).cloned().collect()
     }
 
-    /// What the vehicle drives on, for people: the terrain's name or the model's file.
+    /// A name of the ground for people: the terrain's name or the model's file.
     pub fn ground(&self) -> String {
         self.model
             .as_ref()
@@ -85,33 +86,25 @@ impl ModelArgs {
     }
 }
 
-/// Says that what is of the sensors moves nothing.
-pub fn tell_of_sensors(effects: &Effects) {
+/// Notes that effects of the sensors do not change the motion.
+fn note_sensors(effects: &Effects) {
     if let Some(names) = names(effects, EffectKind::Measurement) {
-        let change = if names.contains(',') {
-            "change"
-        } else {
-            "changes"
-        };
-        tell(&format!(
-            "note: {names} {change} what sensors report, not how the vehicle moves; left out here"
+        notify(&format!(
+            "note: these effects change what sensors report, not the motion, and are ignored here: {names}"
         ));
     }
 }
 
-/// Leaves out what is of the sensors, and says so: a fit has numbers of its own for it.
-pub fn without_sensors(effects: &mut Effects) -> Result<(), Failure> {
-    tell_of_sensors(effects);
-    for effect in CATALOGUE
+/// Drops the effects of the sensors, with a note: a fit has parameters for them.
+pub fn drop_sensors(effects: &mut Effects) -> Result<(), Failure> {
+    note_sensors(effects);
+    let sensors = CATALOGUE
         .iter()
-        .filter(|e| e.kind == EffectKind::Measurement)
-    {
+        .filter(|effect| effect.kind == EffectKind::Measurement);
+    for effect in sensors {
         for parameter in effect.parameters {
             let name = format!("{}.{}", effect.name, parameter.name);
-            *effects = effects
-                .clone()
-                .with(&name, parameter.default)
-                .map_err(Failure::Model)?;
+            *effects = effects.clone().with(&name, parameter.default)?;
         }
     }
     Ok(())
@@ -133,7 +126,7 @@ pub fn load_model(path: &Path) -> Result<Specification, Failure> {
     read(path, Specification::from_json)
 }
 
-/// As [`load_model`], with what the model was fitted to.
+/// As [`load_model`], with the recordings that the model was fitted to.
 pub fn load_fitted(path: &Path) -> Result<(Specification, Vec<FittedTo>), Failure> {
     read(path, |text| {
         Ok((Specification::from_json(text)?, FittedTo::from_json(text)))
@@ -145,22 +138,17 @@ pub fn load_effects(path: &Path) -> Result<Effects, Failure> {
     read(path, Effects::from_json)
 }
 
-/// Refuses effects that depend on when a drive began, where its pieces are looked at one by one.
+/// Refuses effects that depend on the start of a drive: commands that cut a drive into pieces do not know it.
 pub fn check_piecewise(effects: &Effects) -> Result<(), Failure> {
     if !effects.depend_on_beginning() {
         return Ok(());
     }
-    Err(Failure::Argument {
-        reason:
-            "effects over the time or the distance driven do not fit pieces of a drive, each with \
-                 a beginning of its own"
-                .into(),
-        hint: Some(
-            "say where on the map the slope or the boundary lies: \"over\": \"place\"; a window's \
-             \"place\" may stand for its \"time\""
-                .into(),
-        ),
-    })
+    let reason =
+        "effects over time or distance driven do not fit pieces of a drive, which start anywhere";
+    Err(Failure::argument(reason).with_remedy(
+        "give the slope or the boundary a place on the map: \"over\": \"place\"; a window can have a \"place\" \
+         instead of a \"time\"",
+    ))
 }
 
 /// Takes a preset by its name, or reads a terrain from a file.
@@ -171,23 +159,19 @@ pub fn load_terrain(name: &Path) -> Result<Terrain, Failure> {
     if !name.exists() {
         let presets = Terrain::PRESETS;
         let meant = nearest(&name.to_string_lossy(), presets).unwrap_or_default();
-        return Err(Failure::Argument {
-            reason: format!(
-                "--terrain {}: no such file, and no preset terrain (these are {})",
-                name.display(),
-                presets.join(", ")
-            ),
-            hint: Some(format!("the nearest preset is --terrain {meant}")),
-        });
+        let reason = format!(
+            "--terrain {}: no such file, and no preset terrain (these are {})",
+            name.display(),
+            presets.join(", ")
+        );
+        return Err(Failure::argument(reason)
+            .with_remedy(format!("the nearest preset is --terrain {meant}")));
     }
     read(name, Terrain::from_json)
 }
 
 fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, JsonError>) -> Result<T, Failure> {
-    let text = read_file(path).map_err(|source| Failure::Read {
-        path: path.into(),
-        source,
-    })?;
+    let text = read_file(path).map_err(Failure::read(path))?;
     parse(&text).map_err(|source| Failure::Json {
         path: path.into(),
         source,

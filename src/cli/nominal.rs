@@ -1,9 +1,10 @@
-//! The model that recordings are compared with: what the arguments name, or the recordings.
+//! The model that recordings are compared with: from the arguments, or from the JSON files beside the recordings.
 
+use super::failure::Failure;
 use super::model::{
-    check_piecewise, load_effects, load_model, load_terrain, load_vehicle, without_sensors,
+    check_piecewise, drop_sensors, load_effects, load_fitted, load_terrain, load_vehicle,
 };
-use super::{Failure, tell};
+use super::output::notify;
 use std::path::PathBuf;
 use ugv_terrain::effects::Effects;
 use ugv_terrain::json::FittedTo;
@@ -11,47 +12,77 @@ use ugv_terrain::recording::{Recording, different_names, read_recording_of};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
-/// Which model; what is not named comes from what stands beside the recordings.
+/// Name of the terrain that is assumed if nothing names one.
+pub const DEFAULT_TERRAIN: &str = "clayed_soil";
+
+/// The files of a model.
 #[derive(clap::Args)]
 pub struct NominalArgs {
     /// Vehicle [default: that of the recordings, or else the paper's]
     #[arg(long, value_name = "FILE.json")]
     vehicle: Option<PathBuf>,
 
-    /// Terrain to begin with: a preset or a file
+    /// Terrain, a preset or a file; a fit starts from it
     /// [default: that of the recordings, or else clayed_soil]
     #[arg(long, value_name = "NAME|FILE.json")]
     terrain: Option<PathBuf>,
 
-    /// Vehicle, terrain and effects to begin with, as `ugv model` prints it
+    /// Vehicle, terrain and effects in one file, as printed by `ugv fit` and `ugv model`
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
     model: Option<PathBuf>,
 
-    /// Physics that the paper leaves out, as `ugv effects NAME` prints it [default: the model's]
+    /// Effects beyond the paper's physics, as printed by `ugv effects NAME` [default: the model's]
     #[arg(long, value_name = "FILE.json")]
     effects: Option<PathBuf>,
 }
 
 /// What the arguments name.
-pub struct NominalModel {
-    model: Option<Specification>,
-    vehicle: Option<Vehicle>,
-    terrain: Option<Terrain>,
-    effects: Option<Effects>,
+pub struct NamedModel {
+    pub vehicle: Option<Vehicle>,
+    pub terrain: Option<Terrain>,
+    pub effects: Option<Effects>,
+    /// What a model from one file was fitted to.
+    pub fitted_to: Vec<FittedTo>,
 }
 
 impl NominalArgs {
-    /// Reads the files that the arguments name.
-    pub fn load(&self) -> Result<NominalModel, Failure> {
-        Ok(NominalModel {
-            model: self.model.as_deref().map(load_model).transpose()?,
+    /// Reads the files.
+    pub fn load(&self) -> Result<NamedModel, Failure> {
+        let mut named = NamedModel {
             vehicle: self.vehicle.as_deref().map(load_vehicle).transpose()?,
             terrain: self.terrain.as_deref().map(load_terrain).transpose()?,
             effects: self.effects.as_deref().map(load_effects).transpose()?,
-        })
+            fitted_to: Vec::new(),
+        };
+        if let Some(path) = &self.model {
+            let (model, fitted_to) = load_fitted(path)?;
+            named.fitted_to = fitted_to;
+            named.vehicle = Some(model.vehicle);
+            named.terrain = Some(model.terrain);
+            named.effects.get_or_insert(model.effects);
+        }
+        if let Some(effects) = &mut named.effects {
+            check_piecewise(effects)?;
+            drop_sensors(effects)?;
+        }
+        Ok(named)
     }
 
-    /// The files that the arguments name.
+    /// The arguments and their values, for people.
+    pub fn describe(&self) -> String {
+        let arguments = [
+            ("vehicle", &self.vehicle),
+            ("terrain", &self.terrain),
+            ("model", &self.model),
+            ("effects", &self.effects),
+        ];
+        let named = arguments
+            .iter()
+            .filter_map(|(key, path)| Some(format!("{key} {}", path.as_ref()?.display())));
+        named.collect::<Vec<_>>().join(", ")
+    }
+
+    /// The files that the arguments name. The name of a preset terrain is not a file.
     pub fn files(&self) -> Vec<PathBuf> {
         let named = [&self.vehicle, &self.terrain, &self.model, &self.effects];
         let named = named.into_iter().flatten();
@@ -59,99 +90,80 @@ impl NominalArgs {
     }
 }
 
-impl NominalModel {
-    /// Reads recordings, with what stands beside them; no two of one name. Units of wheel speeds are seen by the vehicle that
-    /// is named here where none stands beside them.
+impl NamedModel {
+    /// Reads recordings of different names, with the JSON files beside them. Units of wheel speeds are recognised by
+    /// the vehicle of the JSON file, or else by the named one.
     pub fn read(&self, paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
-        let of_model = self.model.as_ref().map(|model| &model.vehicle);
-        let vehicle = of_model.or(self.vehicle.as_ref());
+        let vehicle = self.vehicle.as_ref();
         let each = paths.iter().map(|path| read_recording_of(path, vehicle));
-        let recordings: Vec<Recording> = each
-            .collect::<Result<_, _>>()
-            .map_err(Failure::ReadRecording)?;
-        different_names(recordings.iter().map(|one| one.name.as_str()))
-            .map_err(Failure::SameName)?;
+        let recordings: Vec<Recording> = each.collect::<Result<_, _>>()?;
+        different_names(recordings.iter().map(|one| one.name.as_str()))?;
         Ok(recordings)
     }
 
-    /// Whether nobody named a vehicle: neither an argument nor a recording.
+    /// Whether neither the arguments nor a recording name a vehicle.
     pub fn lacks_vehicle(&self, recordings: &[Recording]) -> bool {
         let mut recordings = recordings.iter();
-        self.model.is_none()
-            && self.vehicle.is_none()
-            && recordings.all(|recording| recording.about.vehicle.is_none())
+        self.vehicle.is_none() && recordings.all(|recording| recording.about.vehicle.is_none())
     }
 
-    /// What is named, or stands beside the recordings, or else the paper's.
+    /// What the arguments name, or else the recordings, or else the paper.
     pub fn nominal(self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
-        let mut nominal = match self.model {
-            Some(model) => model,
-            None => {
-                let vehicle = match self.vehicle {
-                    Some(vehicle) => vehicle,
-                    None => recorded_vehicle(recordings, quiet)?,
-                };
-                let terrain = match self.terrain {
-                    Some(terrain) => terrain,
-                    None => recorded_terrain(recordings, quiet)?,
-                };
-                Specification::plain(vehicle, terrain)
-            }
-        };
-        if let Some(effects) = self.effects {
-            nominal.effects = effects;
-        }
-        check_piecewise(&nominal.effects)?;
-        without_sensors(&mut nominal.effects)?;
-        Ok(nominal)
+        Ok(Specification {
+            vehicle: match self.vehicle {
+                Some(vehicle) => vehicle,
+                None => recorded_vehicle(recordings, quiet)?,
+            },
+            terrain: match self.terrain {
+                Some(terrain) => terrain,
+                None => recorded_terrain(recordings, quiet)?,
+            },
+            effects: self.effects.unwrap_or_default(),
+        })
     }
 }
 
-/// That of the first recording that tells one: the others drive on the same, or so the fit has it.
+/// The terrain of the first recording that has one: a fit assumes one soil for all.
 fn recorded_terrain(recordings: &[Recording], quiet: bool) -> Result<Terrain, Failure> {
-    let told = |recording: &&Recording| recording.about.terrain.is_some();
-    let Some(first) = recordings.iter().find(told) else {
-        return load_terrain("clayed_soil".as_ref());
+    let terrain = |recording: &'_ Recording| recording.about.terrain;
+    let mut named = recordings.iter().filter_map(|r| Some((r, terrain(r)?)));
+    let Some((first, terrain)) = named.next() else {
+        return load_terrain(DEFAULT_TERRAIN.as_ref());
     };
-    let differs = |other: &&Recording| other.about.terrain != first.about.terrain;
-    let other = recordings.iter().filter(told).find(differs);
-    if let Some(other) = other.filter(|_| !quiet) {
-        tell(&format!(
-            "note: {} and {} tell different terrains; beginning with that of {} for all (see --terrain)",
+    if let Some((other, _)) = named.find(|(_, other)| *other != terrain)
+        && !quiet
+    {
+        notify(&format!(
+            "note: {} and {} have different terrains; the fit starts from that of {} for all (see --terrain)",
             first.name, other.name, first.name
         ));
     }
-    match first.about.terrain {
-        Some(terrain) => Ok(terrain),
-        None => load_terrain("clayed_soil".as_ref()),
-    }
+    Ok(terrain)
 }
 
 fn recorded_vehicle(recordings: &[Recording], quiet: bool) -> Result<Vehicle, Failure> {
-    let mut told = recordings
+    let mut named = recordings
         .iter()
         .filter_map(|r| Some((r, r.about.vehicle.as_ref()?)));
-    let Some((first, vehicle)) = told.next() else {
+    let Some((first, vehicle)) = named.next() else {
         if !quiet {
-            tell(
-                "note: no vehicle is told beside the recordings; taking the paper's (see --vehicle)",
-            );
+            notify("note: no recording names its vehicle; the paper's is used (see --vehicle)");
         }
         return Ok(Vehicle::tran2007());
     };
-    match told.find(|(_, other)| *other != vehicle) {
-        Some((other, _)) => Err(Failure::Argument {
-            reason: format!(
-                "{} and {} were driven by different vehicles",
-                first.name, other.name
-            ),
-            hint: Some("take them one by one, or say which vehicle it was with --vehicle".into()),
-        }),
+    match named.find(|(_, other)| *other != vehicle) {
+        Some((other, _)) => {
+            let (one, other) = (&first.name, &other.name);
+            Err(
+                Failure::argument(format!("{one} and {other} have different vehicles"))
+                    .with_remedy("give them one by one, or name the vehicle with --vehicle"),
+            )
+        }
         None => Ok(vehicle.clone()),
     }
 }
 
-/// What a model is fitted to, as its file tells.
+/// What a model is fitted to, for its file.
 pub fn fitted_to(recordings: &[Recording], whole: bool) -> Vec<FittedTo> {
     let one = |recording: &Recording| FittedTo {
         recording: recording.name.clone(),

@@ -1,26 +1,31 @@
-//! Files that appear whole or not at all.
+//! What the user gets: files that appear complete or not at all, and texts on the terminal.
 
-use super::Failure;
+use super::failure::Failure;
 use std::fs;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, SpooledTempFile, TempPath};
-use ugv_terrain::display::visible;
+use ugv_terrain::display::{visible, visible_line};
 
-/// Bytes of output that are kept in memory; what is longer goes to a temporary file.
+/// Bytes of output that stay in memory; a longer output goes to a temporary file.
 const SPOOL_BYTES: usize = 64 << 20;
+
+/// Whether an argument stands for standard input or output.
+pub fn is_stream(path: &Path) -> bool {
+    path == Path::new("-")
+}
 
 /// Where output goes in the end.
 #[derive(Debug, Clone, PartialEq)]
-enum Target {
+enum Destination {
     Stdout,
     File(PathBuf),
 }
 
-/// Output that is collected and only shows when it is complete.
+/// Output that is collected, and appears when it is complete.
 #[derive(Debug)]
 pub struct Output {
-    target: Target,
+    destination: Destination,
     spool: BufWriter<SpooledTempFile>,
 }
 
@@ -28,69 +33,73 @@ impl Output {
     /// Output to a file, or to standard output for `-` or nothing.
     ///
     /// # Errors
-    /// A folder that is not there or cannot be written, or a folder in the file's place: better
-    /// known before the work than after it.
+    /// A folder that does not exist or is not writable, or a folder with the file's name. The user learns of it before the
+    /// work, not after it.
     pub fn to(path: Option<&Path>) -> Result<Self, Failure> {
-        let target = match path {
-            None => Target::Stdout,
-            Some(path) if path == Path::new("-") => Target::Stdout,
-            Some(path) => Target::File(path.into()),
+        let destination = match path {
+            Some(path) if !is_stream(path) => Destination::File(path.into()),
+            _ => Destination::Stdout,
         };
-        let spool = match &target {
-            // Where there is room for the file, there is for what becomes it.
-            Target::File(path) => SpooledTempFile::new_in(SPOOL_BYTES, folder(path)),
-            Target::Stdout => SpooledTempFile::new(SPOOL_BYTES),
+        let spool = match &destination {
+            // A folder with room for the file has room for the temporary one.
+            Destination::File(path) => SpooledTempFile::new_in(SPOOL_BYTES, folder(path)),
+            Destination::Stdout => SpooledTempFile::new(SPOOL_BYTES),
         };
         let output = Self {
-            target,
+            destination,
             spool: BufWriter::new(spool),
         };
-        match &output.target {
-            Target::File(path) => check_place(path).map_err(|source| output.failure(source))?,
-            Target::Stdout => {}
+        if let Destination::File(path) = &output.destination {
+            check_place(path).map_err(|source| output.failure(source))?;
         }
         Ok(output)
     }
 
-    /// As [`Output::to`], for what is made of some files: neither those nor what stands beside a recording is replaced.
+    /// As [`Output::to`], for a result of some input files: it replaces neither these nor the JSON file beside a recording.
     ///
     /// # Errors
     /// As [`Output::to`], and a path that leads to one of these files.
-    pub fn of<'a>(
+    pub fn from_inputs<'a>(
         path: Option<&Path>,
-        made_of: impl IntoIterator<Item = &'a PathBuf>,
+        inputs: impl IntoIterator<Item = &'a PathBuf>,
     ) -> Result<Self, Failure> {
         let output = Self::to(path)?;
-        for source in made_of {
-            let beside = source.with_extension("json");
-            if output.is_at(source) || output.is_at(&beside) {
+        for input in inputs {
+            let beside = input.with_extension("json");
+            if output.is_at(input) || output.is_at(&beside) {
                 let path = path.map_or_else(String::new, |path| path.display().to_string());
-                return Err(Failure::Argument {
-                    reason: format!("{path} is what is read, or stands beside it"),
-                    hint: Some("take another name, or another folder".into()),
-                });
+                let reason = format!("{path} is an input file, or belongs to one");
+                return Err(
+                    Failure::argument(reason).with_remedy("take another name, or another folder")
+                );
             }
         }
         Ok(output)
     }
 
     fn is_at(&self, other: &Path) -> bool {
-        matches!(&self.target, Target::File(path) if place(path) == place(other))
+        matches!(&self.destination, Destination::File(path) if place(path) == place(other))
     }
 
-    /// Whether both would end up in the same place.
-    pub fn collides_with(&self, other: &Self) -> bool {
-        match &other.target {
-            Target::Stdout => self.target == Target::Stdout,
-            Target::File(path) => self.is_at(path),
+    /// Refuses two outputs with one destination; `names` are those of their arguments.
+    pub fn check_distinct(&self, other: &Self, names: &str) -> Result<(), Failure> {
+        let is_same = match &other.destination {
+            Destination::Stdout => self.destination == Destination::Stdout,
+            Destination::File(path) => self.is_at(path),
+        };
+        if is_same {
+            return Err(Failure::argument(format!(
+                "{names} have the same destination"
+            )));
         }
+        Ok(())
     }
 
-    /// An error of writing, with the target's name instead of a temporary file's.
+    /// A write error, with the name of the destination instead of a temporary file's.
     pub fn failure(&self, source: io::Error) -> Failure {
-        let target = match &self.target {
-            Target::Stdout => "standard output".into(),
-            Target::File(path) => path.display().to_string(),
+        let target = match &self.destination {
+            Destination::Stdout => "standard output".into(),
+            Destination::File(path) => path.display().to_string(),
         };
         let source = without_path(source);
         Failure::Write { target, source }
@@ -99,14 +108,14 @@ impl Output {
     /// Adds a text.
     ///
     /// # Errors
-    /// A disk that is full.
+    /// A full disk.
     pub fn with(mut self, text: &str) -> Result<Self, Failure> {
         let written = self.write_all(text.as_bytes());
         written.map_err(|source| self.failure(source))?;
         Ok(self)
     }
 
-    /// Brings everything written so far to where it belongs, as a last step.
+    /// Moves the content to its destination.
     ///
     /// # Errors
     /// As [`finish_all`].
@@ -114,17 +123,17 @@ impl Output {
         finish_all([self])
     }
 
-    /// Writes the content beside the file that it replaces; nothing for a stream.
+    /// Writes the content beside the file that it replaces; `None` for a stream.
     fn stage(&mut self) -> io::Result<Option<Staged>> {
         // Seeking writes what the buffer holds.
         self.spool.rewind()?;
-        let Target::File(path) = &self.target else {
+        let Destination::File(path) = &self.destination else {
             return Ok(None);
         };
-        // A link stays a link: what it leads to is replaced.
+        // A link stays a link: the file behind it is replaced.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
         let replaced = fs::metadata(&path).ok();
-        if !takes_a_file(replaced.as_ref()) {
+        if !is_replaceable(replaced.as_ref()) {
             return Ok(None);
         }
         let content = temporary_file(folder(&path))?;
@@ -133,28 +142,28 @@ impl Output {
         if let Some(metadata) = replaced {
             file.set_permissions(metadata.permissions())?;
         }
-        // Otherwise a crash soon after the renaming may leave an empty file.
+        // Otherwise a crash soon after the rename may leave an empty file.
         file.sync_all()?;
         Ok(Some(Staged { path, content }))
     }
 
-    /// Writes to what no file can take the place of: standard output, a device, a named pipe.
+    /// Writes to what a file cannot replace: standard output, a device, a named pipe.
     fn stream(&mut self) -> io::Result<()> {
         let spool = self.spool.get_mut();
-        match &self.target {
-            Target::Stdout => ignore_broken_pipe(copy(spool, io::stdout().lock())),
-            Target::File(path) => copy(spool, fs::OpenOptions::new().write(true).open(path)?),
+        match &self.destination {
+            Destination::Stdout => ignore_broken_pipe(copy(spool, io::stdout().lock())),
+            Destination::File(path) => copy(spool, fs::OpenOptions::new().write(true).open(path)?),
         }
     }
 }
 
-/// Brings several outputs to where they belong: all files or none, so that they always belong together.
+/// Moves several outputs to their destinations: all files or none, so that they always match.
 ///
-/// Every file is first written beside its target. Only when all of them are on the disk are they renamed; where a
-/// rename fails, those before it are taken back.
+/// Every file is first written beside its destination. They are renamed when all of them are on the disk. If a rename
+/// fails, the earlier ones are undone.
 ///
 /// # Errors
-/// Whatever the file system refuses. A reader of standard output that has seen enough is no error.
+/// Whatever the file system refuses. A closed pipe behind standard output is not an error.
 pub fn finish_all(outputs: impl IntoIterator<Item = Output>) -> Result<(), Failure> {
     let (mut streams, mut files) = (Vec::new(), Vec::new());
     for mut output in outputs {
@@ -171,13 +180,13 @@ pub fn finish_all(outputs: impl IntoIterator<Item = Output>) -> Result<(), Failu
     replace_all(files).map_err(|(place, source)| outputs[place].failure(source))
 }
 
-/// Content that is complete, beside the file that it is to replace.
+/// Complete content, beside the file that it replaces.
 struct Staged {
     path: PathBuf,
     content: NamedTempFile,
 }
 
-/// A file that has been replaced, with what was there before.
+/// A replaced file, with its former content.
 struct Replaced {
     path: PathBuf,
     before: Option<TempPath>,
@@ -188,7 +197,7 @@ impl Replaced {
         match self.before {
             Some(before) => {
                 if let Err(error) = before.persist(&self.path) {
-                    // Better under a strange name than lost.
+                    // Better an odd name than a lost file.
                     let _ = error.path.keep();
                 }
             }
@@ -199,12 +208,12 @@ impl Replaced {
     }
 }
 
-/// Renames all files or none; the place of the first that cannot be, and why.
+/// Renames all files or none; an error has the place of the file that cannot be renamed.
 fn replace_all(files: Vec<Staged>) -> Result<(), (usize, io::Error)> {
     let is_set = files.len() > 1;
     let mut done: Vec<Replaced> = Vec::new();
     for (place, Staged { path, content }) in files.into_iter().enumerate() {
-        // One rename alone succeeds or changes nothing.
+        // A single rename succeeds or changes nothing.
         let before = if is_set { second_name(&path) } else { Ok(None) };
         let renamed = before.and_then(|before| {
             content.persist(&path)?;
@@ -221,7 +230,7 @@ fn replace_all(files: Vec<Staged>) -> Result<(), (usize, io::Error)> {
     Ok(())
 }
 
-/// A second name for a file, if it is there; a copy where the file system has no such names.
+/// A second name for a file that exists; a copy if the file system has no hard links.
 fn second_name(path: &Path) -> io::Result<Option<TempPath>> {
     if !path.exists() {
         return Ok(None);
@@ -246,15 +255,31 @@ impl Write for Output {
     }
 }
 
+/// Prints a line for the user on standard error.
+pub fn notify(line: &str) {
+    // A closed standard error is no reason to stop.
+    let _ = writeln!(io::stderr(), "ugv: {}", visible_line(line));
+}
+
 /// Prints data.
 pub fn write_stdout(text: &str) -> Result<(), Failure> {
     Output::to(None)?.with(text)?.finish()
 }
 
-/// Prints a text for people, with visible escapes for what a terminal would obey. Line ends stay, so a foreign text
-/// within a line goes through [`ugv_terrain::display::visible_line`] first.
+/// Prints a text for people, with visible escapes for what a terminal obeys. Line ends stay, so a foreign text
+/// within a line goes through [`visible_line`] first.
 pub fn print(text: &str) -> Result<(), Failure> {
     write_stdout(&visible(text))
+}
+
+/// As [`print`], but on standard error if one of these arguments sends data to standard output.
+pub fn print_beside(text: &str, files: &[&Option<PathBuf>]) -> Result<(), Failure> {
+    let mut files = files.iter().copied().flatten();
+    if files.any(|path| is_stream(path)) {
+        text.lines().for_each(notify);
+        return Ok(());
+    }
+    print(text)
 }
 
 fn check_place(path: &Path) -> io::Result<()> {
@@ -268,21 +293,21 @@ fn check_place(path: &Path) -> io::Result<()> {
     }
     let existing = fs::canonicalize(path).ok();
     let path = existing.as_deref().unwrap_or(path);
-    if takes_a_file(fs::metadata(path).ok().as_ref()) {
+    if is_replaceable(fs::metadata(path).ok().as_ref()) {
         temporary_file(folder(path))?;
     }
     Ok(())
 }
 
-/// Whether a file can take the place of what is there, if there is anything.
-fn takes_a_file(there: Option<&fs::Metadata>) -> bool {
-    there.is_none_or(fs::Metadata::is_file)
+/// Whether a file can replace what exists there, if anything does.
+fn is_replaceable(existing: Option<&fs::Metadata>) -> bool {
+    existing.is_none_or(fs::Metadata::is_file)
 }
 
-/// A file's place whatever way leads there; the file need not be there yet.
+/// The canonical path of a file, which need not exist.
 fn place(path: &Path) -> PathBuf {
-    if let Ok(there) = fs::canonicalize(path) {
-        return there;
+    if let Ok(existing) = fs::canonicalize(path) {
+        return existing;
     }
     match (fs::canonicalize(folder(path)), path.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
@@ -309,7 +334,7 @@ fn ignore_broken_pipe(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// A temporary file with the permissions of any new file, not only the owner's.
+/// A temporary file with the permissions of any new file, not the owner's alone.
 fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = temporary();
     #[cfg(unix)]
@@ -323,11 +348,11 @@ fn temporary() -> tempfile::Builder<'static, 'static> {
     builder
 }
 
-/// The system's words without the path of a temporary file, which nobody knows.
+/// The system's message without the path of a temporary file, which the user does not know.
 fn without_path(error: io::Error) -> io::Error {
     let text = error.to_string();
     match text.rsplit_once(" at path ") {
-        Some((words, _)) => io::Error::new(error.kind(), words),
+        Some((message, _)) => io::Error::new(error.kind(), message),
         None => error,
     }
 }
@@ -342,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn a_set_that_cannot_be_renamed_as_a_whole_is_taken_back() {
+    fn a_set_that_cannot_be_renamed_as_a_whole_is_undone() {
         let folder = tempfile::tempdir().unwrap();
         let [old, new, blocked] = ["old", "new", "blocked"].map(|name| folder.path().join(name));
         fs::write(&old, "before").unwrap();
@@ -354,7 +379,7 @@ mod tests {
             names
         };
         let files = set();
-        // Nothing is renamed over a folder.
+        // A file cannot replace a folder.
         fs::create_dir(&blocked).unwrap();
         let (place, _) = replace_all(files).unwrap_err();
         assert_eq!(place, 2);

@@ -1,8 +1,8 @@
 //! `ugv package`: makes an FMU of a vehicle on a terrain.
 
+use super::failure::Failure;
 use super::model::{ModelArgs, load_terrain};
-use super::output::Output;
-use super::{Failure, tell};
+use super::output::{Output, notify};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
@@ -22,17 +22,17 @@ Examples:
 
 /// Make an FMU of a vehicle on a terrain.
 ///
-/// The four terrains of the paper are in every FMU, to be chosen by its parameter `terrain`;
-/// a terrain from a file, or a model's, becomes its custom one. An effect that adds states of its own
-/// (transient_shear, multipass, what is measured over the distance driven) makes the FMU one for
-/// co-simulation alone, and so does a window on the map.
+/// Every FMU has the four terrains of the paper; its parameter `terrain` selects one. A terrain from
+/// a file or a model is its custom one. An effect with states that depend on the path makes the FMU
+/// one for co-simulation only (transient_shear, multipass, effects over the distance driven), and so
+/// does a window on the map.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
     #[command(flatten)]
     model: ModelArgs,
 
-    /// Version of the standard; to FMI 3 the quantities of rows and wheels are arrays
+    /// Version of the standard; in FMI 3 the quantities of rows and wheels are arrays
     #[arg(
         long,
         value_name = "VERSION",
@@ -48,11 +48,11 @@ pub struct Args {
 
     /// Shared library of a platform (linux64, win64, darwin64, aarch64-linux), once for each
     /// [default: the ugv.so that scripts/package.sh built]
-    #[arg(long, value_name = "PLATFORM=FILE")]
-    library: Vec<String>,
+    #[arg(long, value_name = "PLATFORM=FILE", value_parser = library)]
+    library: Vec<(Platform, PathBuf)>,
 
-    /// FMUs of the same model with libraries of different platforms, to be made one FMU with all of
-    /// them; everything else in them has to be equal
+    /// FMUs of one model for different platforms, to merge into one FMU; they may differ in their
+    /// libraries only
     #[arg(
         long,
         value_name = "FILE.fmu",
@@ -63,45 +63,56 @@ pub struct Args {
     merge: Vec<PathBuf>,
 }
 
+/// Parses PLATFORM=FILE.
+fn library(text: &str) -> Result<(Platform, PathBuf), String> {
+    let library = text.split_once('=').and_then(|(name, path)| {
+        let mut platforms = Platform::ALL.into_iter();
+        let platform = platforms.find(|platform| platform.name() == name)?;
+        Some((platform, path.into()))
+    });
+    library.ok_or_else(|| {
+        let names = Platform::ALL.map(Platform::name).join(", ");
+        format!("expected PLATFORM=FILE with a PLATFORM of {names}")
+    })
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     if !args.merge.is_empty() {
         return merge(args);
     }
     let configuration = configuration(args)?;
-    let libraries = libraries(&args.library)?;
+    let files = libraries(&args.library)?;
+    let mut libraries = Vec::new();
+    for (platform, path) in &files {
+        libraries.push((*platform, read(path)?));
+    }
     let (standard, default) = match args.fmi.as_str() {
         "3" => (Standard::Fmi3, "ugv-fmi3.fmu"),
         _ => (Standard::Fmi2, "ugv.fmu"),
     };
     let path = args.output.as_deref().unwrap_or(Path::new(default));
-    let mut read = args.model.files();
-    read.extend(libraries.iter().map(|library| library.path.clone()));
-    let output = Output::of(Some(path), &read)?;
-    let libraries: Vec<(Platform, Vec<u8>)> = libraries
-        .into_iter()
-        .map(|library| (library.platform, library.bytes))
-        .collect();
+    let mut inputs = args.model.files();
+    inputs.extend(files.into_iter().map(|(_, path)| path));
+    let output = Output::from_inputs(Some(path), &inputs)?;
     let mut fmu = Cursor::new(Vec::new());
     let written = write_fmu(&mut fmu, standard, &configuration, &libraries);
     written.map_err(|error| match error {
         PackageError::Write(source) => output.failure(source),
-        other => Failure::Argument {
-            reason: other.to_string(),
-            hint: Some("build the library anew with scripts/package.sh".into()),
-        },
+        other => Failure::argument(other.to_string())
+            .with_remedy("rebuild the library with scripts/package.sh"),
     })?;
-    put(output, fmu.get_ref())?;
+    finish(output, fmu.get_ref())?;
     let platforms: Vec<&str> = libraries
         .iter()
         .map(|(platform, _)| platform.name())
         .collect();
-    let alone = configuration.for_co_simulation_alone();
-    let limits = if alone.is_empty() {
+    let reasons = configuration.for_co_simulation_alone();
+    let limits = if reasons.is_empty() {
         String::new()
     } else {
-        format!(", for co-simulation alone ({})", alone.join(", "))
+        format!(", for co-simulation alone ({})", reasons.join(", "))
     };
-    tell(&format!(
+    notify(&format!(
         "{} written, for {}{limits}",
         path.display(),
         platforms.join(", ")
@@ -111,24 +122,21 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 /// Makes one FMU of several.
 fn merge(args: &Args) -> Result<(), Failure> {
-    let mut parts = Vec::new();
+    let mut inputs = Vec::new();
     for path in &args.merge {
-        let file = File::open(path).map_err(|source| unread(path, source))?;
-        parts.push((path.display().to_string(), BufReader::new(file)));
+        let file = File::open(path).map_err(Failure::read(path))?;
+        inputs.push((path.display().to_string(), BufReader::new(file)));
     }
     let path = args.output.as_deref().unwrap_or(Path::new("ugv.fmu"));
-    // One of the parts may be replaced by all of them.
+    // The result may replace one of the inputs.
     let output = Output::to(Some(path))?;
     let mut fmu = Cursor::new(Vec::new());
-    let merged = merge_fmus(&mut fmu, parts).map_err(|error| match error {
+    let merged = merge_fmus(&mut fmu, inputs).map_err(|error| match error {
         MergeError::Write(source) => output.failure(source),
-        other => Failure::Argument {
-            hint: Some(remedy(&other).into()),
-            reason: other.to_string(),
-        },
+        other => Failure::argument(other.to_string()).with_remedy(remedy(&other)),
     })?;
-    put(output, fmu.get_ref())?;
-    tell(&format!(
+    finish(output, fmu.get_ref())?;
+    notify(&format!(
         "{} written, with {}",
         path.display(),
         merged.join(", ")
@@ -138,11 +146,9 @@ fn merge(args: &Args) -> Result<(), Failure> {
 
 fn remedy(error: &MergeError) -> &'static str {
     match error {
-        MergeError::Read { .. } | MergeError::Refused { .. } => {
-            "name FMUs that `ugv package` wrote"
-        }
+        MergeError::Read { .. } | MergeError::Refused { .. } => "name FMUs of `ugv package`",
         MergeError::Differs { entry, .. } if entry.starts_with("binaries/") => {
-            "build each platform once, and merge FMUs of one source only"
+            "build each platform once, and merge FMUs of one version of the source"
         }
         _ => {
             "package each with the same --fmi, vehicle, terrain and effects, by the same version of ugv"
@@ -150,8 +156,7 @@ fn remedy(error: &MergeError) -> &'static str {
     }
 }
 
-/// Brings an FMU to where it belongs.
-fn put(mut output: Output, fmu: &[u8]) -> Result<(), Failure> {
+fn finish(mut output: Output, fmu: &[u8]) -> Result<(), Failure> {
     let written = output.write_all(fmu);
     written.map_err(|source| output.failure(source))?;
     output.finish()
@@ -175,99 +180,54 @@ fn configuration(args: &Args) -> Result<Configuration, Failure> {
         args.model.replace_effects(&mut configuration.effects)?;
         configuration
     };
-    // Refuses what does not fit together.
-    VehicleModel::from_specification(&configuration.specification()).map_err(Failure::Model)?;
+    // Refuses a vehicle and a terrain that do not fit together.
+    VehicleModel::from_specification(&configuration.specification())?;
     Ok(configuration)
 }
 
-/// A shared library with its file.
-struct Library {
-    platform: Platform,
-    path: PathBuf,
-    bytes: Vec<u8>,
-}
-
-impl Library {
-    fn read(platform: Platform, path: PathBuf) -> Result<Self, Failure> {
-        let bytes = read(&path)?;
-        Ok(Self {
-            platform,
-            path,
-            bytes,
-        })
-    }
-}
-
-fn libraries(named: &[String]) -> Result<Vec<Library>, Failure> {
+/// The shared libraries, at most one for each platform.
+fn libraries(named: &[(Platform, PathBuf)]) -> Result<Vec<(Platform, PathBuf)>, Failure> {
     if named.is_empty() {
-        return Ok(vec![Library::read(Platform::Linux64, built_library()?)?]);
+        return Ok(vec![(Platform::Linux64, built_library()?)]);
     }
-    let mut libraries: Vec<Library> = Vec::new();
-    for argument in named {
-        let platform = argument.split_once('=').and_then(|(name, path)| {
-            let known = Platform::ALL
-                .into_iter()
-                .find(|platform| platform.name() == name)?;
-            Some((known, path))
-        });
-        let Some((platform, path)) = platform else {
-            return Err(Failure::Argument {
-                reason: format!("--library {argument}: PLATFORM=FILE is expected"),
-                hint: Some(format!(
-                    "the platforms are {}",
-                    Platform::ALL.map(Platform::name).join(", ")
-                )),
-            });
-        };
-        if libraries.iter().any(|other| other.platform == platform) {
-            return Err(Failure::Argument {
-                reason: format!("--library {argument}: there is one for this platform already"),
-                hint: None,
-            });
+    for (index, (platform, _)) in named.iter().enumerate() {
+        if named[..index].iter().any(|(other, _)| other == platform) {
+            let name = platform.name();
+            return Err(Failure::argument(format!(
+                "--library names two libraries for {name}"
+            )));
         }
-        libraries.push(Library::read(platform, path.into())?);
     }
-    Ok(libraries)
+    Ok(named.into())
 }
 
-/// The library that the build leaves beside the tool's own folder, or beside the tool.
+/// The library that the build puts beside the tool's folder, or beside the tool.
 fn built_library() -> Result<PathBuf, Failure> {
     let tool = std::env::current_exe().unwrap_or_default();
     let folder = tool.parent().unwrap_or(Path::new("."));
     let places = [folder.join("ugv.so"), folder.join("../fmu/ugv.so")];
-    places
-        .into_iter()
-        .find(|place| place.is_file())
-        .ok_or_else(|| Failure::Argument {
-            reason: "there is no ugv.so beside the tool".into(),
-            hint: Some(
-                "build it with scripts/package.sh, or name one: --library linux64=path/to/ugv.so"
-                    .into(),
-            ),
-        })
+    let found = places.into_iter().find(|place| place.is_file());
+    found.ok_or_else(|| {
+        Failure::argument("there is no ugv.so beside the tool").with_remedy(
+            "build it with scripts/package.sh, or name one: --library linux64=path/to/ugv.so",
+        )
+    })
 }
 
-/// Larger files are no shared library of an FMU \[MB\].
-const LARGEST: u64 = 256;
+/// Maximum size of a shared library of an FMU \[MB\].
+const MAX_SIZE: u64 = 256;
 
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
-    let opened = File::open(path);
-    let read = opened.and_then(|file| file.take((LARGEST << 20) + 1).read_to_end(&mut bytes));
-    match read {
-        Ok(length) if length as u64 > LARGEST << 20 => {
-            let reason = format!("it is larger than {LARGEST} MB, the limit for a shared library");
-            Err(unread(
-                path,
-                io::Error::new(io::ErrorKind::FileTooLarge, reason),
-            ))
-        }
-        Ok(_) => Ok(bytes),
-        Err(source) => Err(unread(path, source)),
+    let file = File::open(path).map_err(Failure::read(path))?;
+    let length = file
+        .take((MAX_SIZE << 20) + 1)
+        .read_to_end(&mut bytes)
+        .map_err(Failure::read(path))?;
+    if length as u64 > MAX_SIZE << 20 {
+        let reason = format!("it is larger than {MAX_SIZE} MB, the limit for a shared library");
+        let source = io::Error::new(io::ErrorKind::FileTooLarge, reason);
+        return Err(Failure::read(path)(source));
     }
-}
-
-fn unread(path: &Path, source: io::Error) -> Failure {
-    let path = path.into();
-    Failure::Read { path, source }
+    Ok(bytes)
 }

@@ -1,10 +1,9 @@
-//! `ugv terrains`, `ugv vehicle` and `ugv model`: the presets as JSON, to copy and edit, and what is
-//! made of them.
+//! `ugv terrains`, `ugv vehicle` and `ugv model`: presets and models as JSON, to copy and edit.
 
+use super::failure::Failure;
+use super::model::ModelArgs;
 use super::output::write_stdout;
-use super::{Failure, model};
 use clap::builder::PossibleValuesParser;
-use std::fmt::Write;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Vehicle, VehicleModel};
 
@@ -13,11 +12,11 @@ Examples:
   ugv terrains
   ugv terrains dry_sand > soil.json    # edit it, then: ugv simulate --terrain soil.json ...";
 
-/// Print the preset terrains as JSON, all of them or one.
+/// Print the preset terrains as JSON.
 #[derive(clap::Args)]
 #[command(after_help = TERRAINS_EXAMPLES)]
 pub struct TerrainsArgs {
-    /// Print this one alone, as --terrain takes it.
+    /// Print this one, as --terrain takes it.
     #[arg(value_parser = PossibleValuesParser::new(Terrain::PRESETS))]
     name: Option<String>,
 }
@@ -42,13 +41,13 @@ Examples:
 #[command(after_help = MODEL_EXAMPLES)]
 pub struct WholeModelArgs {
     #[command(flatten)]
-    model: model::ModelArgs,
+    model: ModelArgs,
 }
 
 pub fn model(args: &WholeModelArgs) -> Result<(), Failure> {
     let specification = args.model.specification()?;
-    // Refuses what does not fit together.
-    VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
+    // Refuses a vehicle and a terrain that do not fit together.
+    VehicleModel::from_specification(&specification)?;
     write_stdout(&specification.to_json())
 }
 
@@ -64,15 +63,10 @@ pub fn vehicle(_: &VehicleArgs) -> Result<(), Failure> {
 }
 
 fn all_terrains() -> String {
-    let mut text = String::from("{");
-    let mut comma = "\n";
-    for (name, terrain) in Terrain::PRESETS
-        .iter()
-        .filter_map(|name| Some((name, Terrain::preset(name)?)))
-    {
-        let json = terrain.to_json().trim_end().replace('\n', "\n  ");
-        let _ = write!(text, "{comma}  \"{name}\": {json}");
-        comma = ",\n";
-    }
-    text + "\n}\n"
+    let terrains = Terrain::PRESETS.iter().filter_map(|name| {
+        let json = Terrain::preset(name)?.to_json();
+        let json = json.trim_end().replace('\n', "\n  ");
+        Some(format!("  \"{name}\": {json}"))
+    });
+    format!("{{\n{}\n}}\n", terrains.collect::<Vec<_>>().join(",\n"))
 }

@@ -1,19 +1,19 @@
-//! The progress of a command: one line on standard error, on a terminal only, and only for what takes longer than a second.
+//! The progress of a command: one line on a terminal, for work that takes longer than a second.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
-/// Jobs shorter than this show no progress.
+/// Shorter work shows no progress.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How far a command has come; may be advanced from any thread.
-pub struct Progress {
+/// A line with the progress, which any thread may advance.
+pub struct ProgressLine {
     started: Instant,
     quiet: bool,
     bar: ProgressBar,
 }
 
-impl Progress {
+impl ProgressLine {
     /// Counts things of one kind.
     pub fn counting(count: u64, quiet: bool) -> Self {
         Self::new(count, quiet, "{bar:40} {percent} %, {eta} remaining")
@@ -25,7 +25,7 @@ impl Progress {
         Self::new(0, quiet, template)
     }
 
-    /// Names the step that is being taken, where nobody can say how many are to come.
+    /// Names the current step, for an unknown number of steps.
     pub fn steps(quiet: bool) -> Self {
         Self::new(0, quiet, "{msg}, {elapsed} so far")
     }
@@ -40,20 +40,20 @@ impl Progress {
         }
     }
 
-    /// One more is done.
+    /// Counts one more.
     pub fn count(&self) {
         self.bar.inc(1);
         self.show();
     }
 
-    /// So many of so many are done.
+    /// Sets the count and the total.
     pub fn reach(&self, done: u64, total: u64) {
         self.bar.set_length(total);
         self.bar.set_position(done);
         self.show();
     }
 
-    /// The next step.
+    /// Starts the next step.
     pub fn step(&self, name: impl Into<String>) {
         self.bar.set_message(name.into());
         if !self.quiet {
@@ -69,7 +69,7 @@ impl Progress {
 
     fn show(&self) {
         if !self.quiet && self.bar.is_hidden() && self.started.elapsed() > PATIENCE {
-            // It stays hidden where standard error is no terminal.
+            // It stays hidden unless standard error is a terminal.
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
     }

@@ -1,7 +1,10 @@
 //! Results as text, JSON and pages; only renders.
 
+mod aligned;
 pub mod chart;
 pub mod diagnosis;
+mod html;
 pub mod inspection;
-mod number;
-mod page;
+pub mod number;
+
+pub use aligned::aligned;

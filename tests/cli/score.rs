@@ -71,10 +71,7 @@ fn fitted_kinematics_predict_a_kinematic_world() {
     let description = model(recording, "nominal_soil")["description"]
         .as_str()
         .unwrap();
-    assert!(
-        description.contains("clayed_soil by default"),
-        "{description}"
-    );
+    assert_contains(description, "clayed_soil by default");
     assert_eq!(
         model(recording, "given_model")["description"],
         "terrain dry_sand"
@@ -82,7 +79,7 @@ fn fitted_kinematics_predict_a_kinematic_world() {
 }
 
 #[test]
-fn table_tells_every_model_and_goes_with_the_file() {
+fn the_table_has_every_model() {
     let bench = Bench::new();
     bench.write("a.csv", drive(40.0));
     bench.write("b.csv", drive(50.0));
@@ -98,7 +95,7 @@ fn table_tells_every_model_and_goes_with_the_file() {
         "latency removed: pose 0.0",
         "All 2 recordings",
     ] {
-        assert!(table.contains(word), "{word}: {table}");
+        assert_contains(&table, word);
     }
     assert!(!table.contains("given_model"), "{table}");
     let score: Value = serde_json::from_str(&bench.read("score.json")).unwrap();
@@ -155,31 +152,28 @@ fn without_a_vehicle_beside_the_recording_all_models_have_the_given_one() {
 }
 
 #[test]
-fn a_model_that_has_learned_from_the_windows_is_told() {
+fn a_model_that_was_fitted_to_the_windows_causes_a_warning() {
     let bench = Bench::new();
     bench.write("a.csv", drive(40.0));
     let fit = "fit a.csv --free friction_angle --sensors none --starts 0";
     bench.stdout(&format!("{fit} --output whole.json"));
     bench.stdout(&format!("{fit} --half --output half.json"));
-    let told = |model: &str| {
+    let score = |model: &str| {
         let mut command = bench.ugv(&format!("score a.csv --model {model}"));
         let output = command.unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         (text(output.stdout), text(output.stderr))
     };
-    let (table, warning) = told("whole.json");
-    assert!(warning.contains("fitted to all of a"), "{warning}");
-    assert!(table.contains("fitted to these windows too"), "{table}");
-    let (table, warning) = told("half.json");
+    let (table, warning) = score("whole.json");
+    assert_contains(&warning, "fitted to all of a");
+    assert_contains(&table, "fitted to these windows too");
+    let (table, warning) = score("half.json");
     assert!(!warning.contains("fitted"), "{warning}");
     assert!(!table.contains("fitted to these windows"), "{table}");
-    // Other windows part the recording elsewhere.
+    // Other windows overlap with the half of the fit.
     for other in ["--horizon 2", "--spacing 1", "--heading gyro"] {
-        let (_, warning) = told(&format!("half.json {other}"));
-        assert!(
-            warning.contains("fitted to a half of a"),
-            "{other}: {warning}"
-        );
+        let (_, warning) = score(&format!("half.json {other}"));
+        assert_contains(&warning, "fitted to one half of a");
     }
     // Of several drives every second one is judged, however they are cut.
     let drive = drive(40.0);
@@ -199,7 +193,7 @@ fn a_model_that_has_learned_from_the_windows_is_told() {
         .unwrap()
         .stderr;
     let warning = String::from_utf8(warning).unwrap();
-    assert!(!warning.contains("fitted to a half"), "{warning}");
+    assert!(!warning.contains("fitted to one half"), "{warning}");
 }
 
 #[test]
@@ -232,10 +226,7 @@ fn windows_that_fail_are_counted() {
     let table = bench.stdout("score a.csv b.csv --terrain soft.json");
     let pooled = &table[table.find("All 2 recordings").unwrap()..];
     for name in ["a", "b"] {
-        assert!(
-            pooled.contains(&format!("no prediction of {name}\n")),
-            "{pooled}"
-        );
+        assert_contains(pooled, &format!("no prediction of {name}\n"));
     }
     let score = json(&bench, "score a.csv b.csv --terrain soft.json --json -");
     assert_eq!(score["pooled"][0]["failed"], 0, "{}", score["pooled"]);
@@ -250,7 +241,7 @@ fn a_preset_is_no_file_that_would_be_overwritten() {
         "score a.csv --terrain dry_sand.json --json dry_sand.json",
         2,
     );
-    assert!(again.contains("dry_sand.json is what is read"), "{again}");
+    assert_contains(&again, "dry_sand.json is an input file");
 }
 
 #[test]
@@ -269,7 +260,7 @@ fn short_recordings_are_judged_without_a_fit() {
         "{two}"
     );
     let median = &model(recording, "no_slip")["position_m"]["median"];
-    // One stretch of the drive tells no interval.
+    // One piece of the drive gives no interval.
     assert!(
         median["value"].is_number() && median["low"].is_null(),
         "{median}"
@@ -304,8 +295,8 @@ fn what_cannot_be_judged_is_refused() {
         ("score", "REC.csv"),
     ] {
         let error = bench.fails(arguments, 2);
-        assert!(error.contains(expected), "{arguments}: {error}");
+        assert_contains(&error, expected);
     }
     let error = bench.fails("score a.csv --json nowhere/score.json", 1);
-    assert!(error.contains("cannot write nowhere/score.json"), "{error}");
+    assert_contains(&error, "cannot write nowhere/score.json");
 }

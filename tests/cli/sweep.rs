@@ -94,7 +94,7 @@ fn the_bits_do_not_depend_on_threads_nor_on_the_way_of_the_table() {
 }
 
 #[test]
-fn what_does_not_reach_the_end_is_told_and_kept() {
+fn a_drive_that_does_not_reach_the_end_is_kept() {
     let bench = Bench::new();
     bench.write(
         "long.csv",
@@ -104,11 +104,11 @@ fn what_does_not_reach_the_end_is_told_and_kept() {
                  --vary effects.terrain_change.position=list:1e6,2 --vary vehicle.mass=list:490,1e5 \
                  --vary effects.terrain_change.stiffness_factor=list:0.02";
     let assert = bench.ugv(sweep).assert().success();
-    let told = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    let notes = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(
-        told.contains("3 of 4 drives did not reach the end")
-            && told.contains("the first is 1: at 0 s"),
-        "{told}"
+        notes.contains("3 of 4 drives did not reach the end")
+            && notes.contains("the first is 1: at 0 s"),
+        "{notes}"
     );
     let csv = bench.read("ends.csv");
     let errors = cells(&csv, "error");
@@ -142,19 +142,19 @@ fn wrong_sweeps_are_refused() {
     for (arguments, reason, remedy) in [
         (
             "--vary soil.cohesio=list:1",
-            "`soil.cohesio` is no parameter",
+            "`soil.cohesio` is not a parameter",
             "the nearest is soil.cohesion",
         ),
-        ("--vary terrain=list:1", "`terrain` is no parameter", ""),
+        ("--vary terrain=list:1", "`terrain` is not a parameter", ""),
         (
             "--vary effects.multipass.memory=list:1",
-            "`effects.multipass.memory` is no parameter",
+            "`effects.multipass.memory` is not a parameter",
             "must be on",
         ),
         (
             "--vary vehicle.mass=list:400,-3",
             "sample 1: mass = -3 kg",
-            "bound what is drawn",
+            "bound the distribution",
         ),
         (
             "--vary vehicle.mass=list:4 --vary vehicle.mass=list:5",
@@ -168,18 +168,18 @@ fn wrong_sweeps_are_refused() {
         ),
         (
             "--vary vehicle.mass=list:400 --samples 5",
-            "--samples draws nothing",
-            "leave --samples out",
+            "--samples has no effect",
+            "remove --samples",
         ),
         (
             "--vary initial.v_x=list:1 --initial no-slip",
             "initial.v_x differs",
-            "leave it out",
+            "remove one of them",
         ),
         (
             "--vary initial.x=list:1 --initial x=2",
             "initial.x differs",
-            "leave it out",
+            "remove one of them",
         ),
         (
             "--table bad.csv",
@@ -200,7 +200,7 @@ fn wrong_sweeps_are_refused() {
         (
             "--table light.csv",
             "light.csv: sample 1: mass = -3 kg",
-            "take the row out of the table",
+            "remove the row from the table",
         ),
         ("--table nowhere.csv", "cannot read nowhere.csv", ""),
         ("", "--vary", ""),
@@ -215,6 +215,6 @@ fn wrong_sweeps_are_refused() {
         );
     }
     let message = bench.fails("sweep --input one.csv --vary vehicle.mass=list:400", 2);
-    assert!(message.contains("a drive of one row"), "{message}");
+    assert_contains(&message, "the drive has one row");
     assert!(!bench.files().contains(&"ends.csv".to_owned()));
 }

@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// What the model itself is built on: nalgebra, `serde_json`, `serde_core`, `fearless_simd`, `uuid`, and theirs.
+/// What the model itself is built on: nalgebra, `serde_json`, `serde_core`, `fearless_simd`, `strsim`, `thiserror`,
+/// `uuid`, and theirs.
 const LIBRARY: &[&str] = &[
     "approx",
     "bytemuck",
@@ -27,6 +28,7 @@ const LIBRARY: &[&str] = &[
     "serde_json",
     "sha1_smol",
     "simba",
+    "strsim",
     "syn",
     "thiserror",
     "thiserror_impl",
@@ -37,7 +39,7 @@ const LIBRARY: &[&str] = &[
     "zmij",
 ];
 
-/// What fitting and diagnosing add: `csv`, `fastrand`, `rayon`, `statrs`, and theirs; no argument parsing, plots or C.
+/// What fitting and diagnosing add: `csv`, `fastrand`, `rayon`, `statrs`, `textwrap`, and theirs; no argument parsing, plots or C.
 const ANALYSIS: &[&str] = &[
     "crossbeam_deque",
     "crossbeam_epoch",
@@ -51,6 +53,7 @@ const ANALYSIS: &[&str] = &[
     "rayon_core",
     "ryu",
     "statrs",
+    "textwrap",
 ];
 
 /// What the C interface adds: the standard's types (`fmi_sys`, and theirs), percent-encoded paths.

@@ -246,7 +246,7 @@ class Drive(ImportCase):
         beside.write_text("[1]")
         run = ugv(self.logs / "drive_lz4.bag", "--output", self.folder / "out.csv")
         self.assertEqual(run.status, BAD_INPUT)
-        self.assertIn("no JSON object", run.told)
+        self.assertIn("not a JSON object", run.told)
         self.assertEqual(beside.read_text(), "[1]")
 
     def test_standard_output_has_the_table(self) -> None:

@@ -1,4 +1,4 @@
-"""The pages of `ugv diagnose` in a real browser: those that `cargo test --test report` and
+"""The pages of `ugv diagnose` in a real browser: those that `cargo test --test analysis report` and
 `--test diagnosis_suite` left, one of a drive that is diagnosed here, and those that UGV_REPORT_PAGES
 names (separated by colons)."""
 

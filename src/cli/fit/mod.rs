@@ -4,17 +4,16 @@ mod names;
 mod report;
 mod summary;
 
+use super::failure::Failure;
+use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
-use super::output::{Output, finish_all, print};
-use super::progress::Progress;
-use super::{Failure, tell};
-use names::{Wanted, print_names};
-use std::num::NonZeroUsize;
+use super::output::{Output, finish_all, notify, print_beside};
+use super::progress::ProgressLine;
+use names::{FreeNames, print_names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use ugv_terrain::fit::{Fit, Fitted, Options, Stage, fit_model};
+use ugv_terrain::fit::{Fitted, Options, Stage, fit_model};
 use ugv_terrain::identification::{Cut, fitted_part};
-use ugv_terrain::recording::Recording;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -25,16 +24,16 @@ Examples:
   ugv fit --free help          # all parameters, with their priors
 
 Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
-         yaw_rate [s, m, rad]; an empty cell is a missing sample. Several recordings share soil and
-         vehicle; latencies and biases are each recording's own.
-Output:  the fitted model, which `ugv simulate --model FILE` reads. The report holds
-         the intervals and everything else, in SI units and radians.";
+         yaw_rate [s, m, rad]. An empty cell is a missing sample. Several recordings share soil and
+         vehicle; each has its latencies and biases.
+Output:  the fitted model, for `ugv simulate --model FILE`. The report has the intervals and all
+         other results, in SI units and radians.";
 
-/// Fit soil parameters to recordings, with their intervals.
+/// Fit soil parameters to recordings, with intervals.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Recordings; what NAME.json beside NAME.csv tells of the vehicle is used
+    /// Recordings; NAME.json beside NAME.csv may hold the vehicle
     #[arg(value_name = "REC.csv")]
     recordings: Vec<PathBuf>,
 
@@ -52,19 +51,18 @@ pub struct Args {
     )]
     sensors: Vec<String>,
 
-    /// What is not fitted stays as it is there
     #[command(flatten)]
     nominal: NominalArgs,
 
-    /// Leave out the half of each recording by which `ugv score` judges
+    /// Fit the half of each recording that `ugv score` does not judge
     #[arg(long)]
     half: bool,
 
-    /// Length of a segment, each with a start of its own
+    /// Length of a segment; each has an initial state
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     segment: f64,
 
-    /// Random starts that look for another answer; 0 for none
+    /// Random starts in search of other solutions; 0 for none
     #[arg(long, value_name = "N", default_value_t = 20)]
     starts: usize,
 
@@ -72,19 +70,19 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Every sample counts alike, outliers too
+    /// Weight outliers as all other samples
     #[arg(long)]
     not_robust: bool,
 
     /// Threads [default: one per processor]; the result does not depend on it
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(jobs::RANGE))]
+    jobs: Option<u16>,
 
     /// JSON file for the fitted model; - writes to standard output
     #[arg(long, value_name = "FILE.json")]
     output: Option<PathBuf>,
 
-    /// JSON file for everything: intervals, correlations, noise, other answers
+    /// JSON file for all results: intervals, correlations, noise, other solutions
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
 
@@ -96,25 +94,25 @@ pub struct Args {
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if (3.0..=8.0).contains(&seconds) => Ok(seconds),
-        _ => Err("expected 3 to 8 seconds: shorter ones tell little, longer ones drift".into()),
+        _ => Err(
+            "expected 3 to 8 seconds: shorter segments have little information, longer ones drift"
+                .into(),
+        ),
     }
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
-        // No recording can tell a vehicle here.
         return print_names(&args.nominal.load()?.nominal(&[], true)?);
     }
     if args.recordings.is_empty() {
-        return Err(Failure::Argument {
-            reason: "no recording to fit to".into(),
-            hint: Some("ugv fit drive.csv --output model.json".into()),
-        });
+        return Err(Failure::argument("no recording to fit")
+            .with_remedy("ugv fit drive.csv --output model.json"));
     }
     let named = args.nominal.load()?;
     let mut recordings = named.read(&args.recordings)?;
     for recording in &recordings {
-        recording.warnings().for_each(|warning| tell(&warning));
+        recording.warnings().for_each(|warning| notify(&warning));
     }
     if args.half {
         for recording in &mut recordings {
@@ -122,42 +120,36 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     let nominal = named.nominal(&recordings, args.quiet)?;
-    let wanted = Wanted::parse(&args.free, &args.sensors)?;
+    let free = FreeNames::parse(&args.free, &args.sensors)?;
     let options = Options {
-        sensors: wanted.sensors,
+        sensors: free.sensors,
         segment: args.segment,
         starts: args.starts,
         seed: args.seed,
         robust: !args.not_robust,
     };
     let files = args.nominal.files();
-    let own = |path: &Path| Output::of(Some(path), args.recordings.iter().chain(&files));
-    let output = args.output.as_deref().map(own).transpose()?;
-    let report = args.report.as_deref().map(own).transpose()?;
-    if let (Some(output), Some(report)) = (&output, &report)
-        && report.collides_with(output)
-    {
-        return Err(Failure::Argument {
-            reason: "--report and --output lead to the same place".into(),
-            hint: None,
-        });
+    let inputs = || args.recordings.iter().chain(&files);
+    let file = |path: &Path| Output::from_inputs(Some(path), inputs());
+    let output = args.output.as_deref().map(file).transpose()?;
+    let report = args.report.as_deref().map(file).transpose()?;
+    if let (Some(output), Some(report)) = (&output, &report) {
+        report.check_distinct(output, "--report and --output")?;
     }
     let started = Instant::now();
-    let progress = Progress::steps(args.quiet);
-    let pool = super::jobs::pool(args.jobs)?;
+    let progress = ProgressLine::steps(args.quiet);
+    let pool = jobs::pool(args.jobs)?;
     let show = |stage| {
         progress.step(match stage {
             Stage::Turn(turn) => format!("fitting motion and noise, turn {turn}"),
             Stage::Start(start) => format!("random start {} of {}", start + 1, args.starts),
         });
     };
-    let found = pool.install(|| fit_model(&nominal, &wanted.model, &recordings, &options, &show));
-    let Fitted { model, fit: fitted } = found.map_err(Failure::Fit)?;
+    let found = pool.install(|| fit_model(&nominal, &free.model, &recordings, &options, &show));
+    let Fitted { model, fit } = found?;
     progress.finish();
-    let mut files = [&args.output, &args.report].into_iter().flatten();
-    let to_stdout = files.any(|path| path.as_os_str() == "-");
     let model_text = || model.to_json_fitted(&fitted_to(&recordings, !args.half));
-    let report_text = || report::to_json(&fitted, &model, &recordings, &options);
+    let report_text = || report::to_json(&fit, &model, &recordings, &options);
     let filled = [
         output.map(|output| output.with(&model_text())),
         report.map(|report| report.with(&report_text())),
@@ -165,24 +157,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let filled: Result<Vec<_>, _> = filled.into_iter().flatten().collect();
     let written = filled.and_then(finish_all);
     if !args.quiet {
-        // Where the disk is full, too: what took minutes to find is not lost.
-        let text = summary::text(&fitted, &recordings, started.elapsed().as_secs_f64());
-        if to_stdout {
-            text.lines().for_each(super::tell);
-        } else {
-            print(&text)?;
-        }
+        // Also after a failed write, so that minutes of work are not lost.
+        let text = summary::text(&fit, &recordings, started.elapsed().as_secs_f64());
+        print_beside(&text, &[&args.output, &args.report])?;
     }
     written
-}
-
-/// The name of a parameter; that of a recording's sensor without the recording, where there is but one.
-fn short_name<'a>(name: &'a str, fitted: &Fit, recordings: &[Recording]) -> &'a str {
-    let is_sensor = fitted.estimates[fitted.model_parameters..]
-        .iter()
-        .any(|estimate| estimate.parameter.name == name);
-    match name.rsplit_once('.') {
-        Some((_, short)) if is_sensor && recordings.len() == 1 => short,
-        _ => name,
-    }
 }

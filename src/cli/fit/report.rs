@@ -1,12 +1,10 @@
-//! The report, format `ugv-fit/1`: everything, in SI units and radians.
+//! The report, format `ugv-fit/1`: all results, in SI units and radians.
 
 use serde_json::{Value, json};
-use ugv_terrain::fit::starts::Starts;
+use ugv_terrain::fit::starts::{OtherMinimum, Starts};
 use ugv_terrain::fit::{Estimate, Fit, NoiseEstimate, Options};
 use ugv_terrain::recording::Recording;
 use ugv_terrain::vehicle::Specification;
-
-const FORMAT: &str = "ugv-fit/1";
 
 pub fn to_json(
     fitted: &Fit,
@@ -22,7 +20,7 @@ pub fn to_json(
             .collect()
     };
     let document = json!({
-        "format": FORMAT,
+        "format": "ugv-fit/1",
         "recordings": names,
         "settings": {
             "segment_s": options.segment, "starts": options.starts, "seed": options.seed,
@@ -72,7 +70,7 @@ fn channel(estimate: &NoiseEstimate, names: &[&str]) -> Value {
 }
 
 fn starts(found: &Starts, fitted: &Fit) -> Value {
-    let other = |minimum: &ugv_terrain::fit::starts::OtherMinimum| {
+    let other = |minimum: &OtherMinimum| {
         let values = fitted.estimates.iter().zip(&minimum.values);
         let values: serde_json::Map<String, Value> = values
             .map(|(estimate, value)| (estimate.parameter.name.clone(), json!(value)))

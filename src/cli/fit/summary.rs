@@ -1,13 +1,14 @@
-//! The summary: what a person reads.
+//! The summary for people.
 
-use super::short_name;
 use std::fmt::Write;
 use ugv_terrain::display::visible_line;
+use ugv_terrain::fit::Fit;
 use ugv_terrain::fit::starts::Starts;
-use ugv_terrain::fit::{Estimate, Fit};
 use ugv_terrain::recording::Recording;
+use ugv_terrain::report::aligned;
+use ugv_terrain::report::number::{digits, shown};
 
-/// An overdispersion beyond this says that the model lacks something.
+/// A larger overdispersion means that the model lacks something.
 const LACKING: f64 = 3.0;
 
 pub fn text(fitted: &Fit, recordings: &[Recording], elapsed: f64) -> String {
@@ -19,8 +20,8 @@ pub fn text(fitted: &Fit, recordings: &[Recording], elapsed: f64) -> String {
         "fitted {count} recording{plural}: {:.0} s of driving in {} segments, in {elapsed:.1} s",
         fitted.seconds, fitted.segments
     );
-    parameters(&mut text, fitted, recordings);
-    noise(&mut text, fitted, recordings);
+    text += &parameters(fitted, recordings);
+    text += &noise(fitted, recordings);
     if let Some(found) = &fitted.starts {
         starts(&mut text, found, fitted, recordings);
     }
@@ -30,81 +31,75 @@ pub fn text(fitted: &Fit, recordings: &[Recording], elapsed: f64) -> String {
     text
 }
 
-fn parameters(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
-    let name = |estimate: &Estimate| {
-        let name = short_name(&estimate.parameter.name, fitted, recordings);
-        visible_line(name).into_owned()
-    };
-    let width = fitted
-        .estimates
-        .iter()
-        .map(|e| name(e).chars().count())
-        .max()
-        .unwrap_or(0)
-        .max(9);
-    let _ = writeln!(
-        text,
-        "{:width$}  {:>9}  {:>22}  {:>22}  unit",
-        "parameter", "fitted", "90 % interval", "before the data"
-    );
-    for (index, estimate) in fitted.estimates.iter().enumerate() {
-        if index == fitted.model_parameters {
-            text.push_str("sensors\n");
-        }
+fn parameters(fitted: &Fit, recordings: &[Recording]) -> String {
+    let header = [
+        "parameter",
+        "fitted",
+        "90 % interval",
+        "prior 90 % interval",
+        "unit",
+    ];
+    let rows = fitted.estimates.iter().map(|estimate| {
         let (factor, unit) = shown(estimate.parameter.unit);
-        let range =
-            |low: f64, high: f64| format!("{} .. {}", digits(low * factor), digits(high * factor));
+        let shown = |value: f64| digits(value * factor, 3);
         let (low, high) = estimate.parameter.prior_interval();
-        let _ = writeln!(
-            text,
-            "{:width$}  {:>9}  {:>22}  {:>22}  {unit}",
-            name(estimate),
-            digits(estimate.value * factor),
-            range(estimate.low, estimate.high),
-            range(low, high),
-        );
-    }
+        let name = short_name(&estimate.parameter.name, fitted, recordings);
+        [
+            visible_line(name).into_owned(),
+            shown(estimate.value),
+            format!("{} .. {}", shown(estimate.low), shown(estimate.high)),
+            format!("{} .. {}", shown(low), shown(high)),
+            unit.into(),
+        ]
+    });
+    aligned(header, &rows.collect::<Vec<_>>())
 }
 
-fn noise(text: &mut String, fitted: &Fit, recordings: &[Recording]) {
-    text.push_str("noise      white  coloured  over       residual rms  outliers  unit\n");
-    let mut last = 0;
-    for estimate in &fitted.noise {
-        if recordings.len() > 1 && (estimate.recording != last || estimate == &fitted.noise[0]) {
-            let _ = writeln!(
-                text,
-                "{}",
-                visible_line(&recordings[estimate.recording].name)
-            );
-            last = estimate.recording;
-        }
+fn noise(fitted: &Fit, recordings: &[Recording]) -> String {
+    let header = [
+        "noise",
+        "white",
+        "coloured",
+        "correlated over",
+        "residual rms",
+        "outliers",
+        "unit",
+    ];
+    let rows = fitted.noise.iter().map(|estimate| {
         let (name, unit) = estimate.group.describe();
         let (factor, unit) = shown(unit);
-        let _ = writeln!(
-            text,
-            "{name:8}  {:>6}  {:>8}  {:>5.2} s  {:>12}  {:>6.1} %  {unit}",
-            digits(estimate.noise.white * factor),
-            digits(estimate.noise.coloured * factor),
-            estimate.noise.correlation_time,
-            digits(estimate.rms * factor),
-            100.0 * estimate.outliers,
-        );
-    }
+        let shown = |value: f64| digits(value * factor, 3);
+        let name = match recordings.len() {
+            1 => name.into(),
+            _ => format!(
+                "{} {name}",
+                visible_line(&recordings[estimate.recording].name)
+            ),
+        };
+        [
+            name,
+            shown(estimate.noise.white),
+            shown(estimate.noise.coloured),
+            format!("{:.2} s", estimate.noise.correlation_time),
+            shown(estimate.rms),
+            format!("{:.1} %", 100.0 * estimate.outliers),
+            unit.into(),
+        ]
+    });
+    aligned(header, &rows.collect::<Vec<_>>())
 }
 
 fn starts(text: &mut String, found: &Starts, fitted: &Fit, recordings: &[Recording]) {
     let (agreed, tried) = (found.agreed, found.tried);
-    let _ = match (agreed == tried, found.others.is_empty()) {
-        (true, _) => writeln!(text, "all {tried} random starts lead to this answer"),
-        (false, true) => writeln!(
-            text,
-            "{agreed} of {tried} random starts lead to this answer"
-        ),
-        (false, false) => writeln!(
-            text,
-            "{agreed} of {tried} random starts lead to this answer; others:"
-        ),
+    let others = if found.others.is_empty() {
+        ""
+    } else {
+        "; others:"
     };
+    let _ = writeln!(
+        text,
+        "{agreed} of {tried} random starts lead to this solution{others}"
+    );
     for other in &found.others {
         let values = fitted
             .estimates
@@ -113,12 +108,16 @@ fn starts(text: &mut String, found: &Starts, fitted: &Fit, recordings: &[Recordi
             .map(|(estimate, value)| {
                 let (factor, unit) = shown(estimate.parameter.unit);
                 let name = short_name(&estimate.parameter.name, fitted, recordings);
-                format!("{} {} {unit}", visible_line(name), digits(value * factor))
+                format!(
+                    "{} {} {unit}",
+                    visible_line(name),
+                    digits(value * factor, 3)
+                )
             });
         let verdict = if other.ruled_out() {
-            "the data rule it out"
+            "ruled out by the data"
         } else {
-            "THE DATA CANNOT CHOOSE"
+            "EQUALLY GOOD"
         };
         let _ = writeln!(
             text,
@@ -128,11 +127,11 @@ fn starts(text: &mut String, found: &Starts, fitted: &Fit, recordings: &[Recordi
             values.collect::<Vec<_>>().join(", ")
         );
     }
-    let lost = tried - agreed - found.others.iter().map(|other| other.count).sum::<usize>();
-    if lost > 0 {
+    let failed = tried - agreed - found.others.iter().map(|other| other.count).sum::<usize>();
+    if failed > 0 {
         let _ = writeln!(
             text,
-            "  - {lost} starts came to nothing ({} of them at soils on which the vehicle cannot drive)",
+            "  - {failed} starts failed ({} of them on soils on which the vehicle cannot drive)",
             found.failed
         );
     }
@@ -140,80 +139,49 @@ fn starts(text: &mut String, found: &Starts, fitted: &Fit, recordings: &[Recordi
 
 fn warnings(fitted: &Fit) -> Vec<String> {
     let mut warnings: Vec<String> = fitted.limits.iter().map(ToString::to_string).collect();
-    let names = |part: &str| {
+    let has = |word: &str| {
         let mut model = fitted.estimates[..fitted.model_parameters].iter();
-        model.any(|estimate| estimate.parameter.name.contains(part))
+        model.any(|estimate| estimate.parameter.name.contains(word))
     };
-    if names("modulus") || names("sinkage") {
+    if has("modulus") || has("sinkage") {
         warnings.push(
-            "planar motion tells of sinkage only through its drag: pressure-sinkage parameters are \
-             as good as a plate test only if their interval says so"
+            "planar motion depends on sinkage only through its drag: pressure-sinkage parameters are \
+             as good as a plate test only with a narrow interval"
                 .into(),
         );
     }
     if fitted.uncertainty.overdispersion > LACKING {
         warnings.push(format!(
-            "segments disagree {:.1} times more than their noise explains: the model lacks something, \
-             and the intervals are widened for it",
+            "the segments scatter {:.1} times as much as their noise explains: the model lacks something, \
+             and the intervals are wider for it",
             fitted.uncertainty.overdispersion
         ));
     }
     if fitted.unusable > 0.0 {
         warnings.push(format!(
-            "{:.0} s were left out for want of wheel speeds or samples",
+            "{:.0} s without wheel speeds or samples were not used",
             fitted.unusable
         ));
     }
     if fitted.undrivable > 0.0 {
         warnings.push(format!(
-            "{:.0} s were left out because the model cannot drive there from where the sensors see it",
+            "{:.0} s were not used: the model cannot drive there from the measured state",
             fitted.undrivable
         ));
     }
     if !fitted.converged {
-        warnings.push("the fit had not come to rest after its last turn".into());
+        warnings.push("the fit did not converge".into());
     }
     warnings
 }
 
-/// Factor and unit of what is shown: angles in degrees.
-fn shown(unit: &'static str) -> (f64, &'static str) {
-    match unit {
-        "rad" => (1f64.to_degrees(), "deg"),
-        "rad/s" => (1f64.to_degrees(), "deg/s"),
-        _ => (1.0, unit),
-    }
-}
-
-/// Three significant digits.
-fn digits(value: f64) -> String {
-    let size = value.abs();
-    if size != 0.0 && !(1e-3..1e5).contains(&size) {
-        return format!("{value:.2e}");
-    }
-    let places = if size > 0.0 {
-        2 - size.log10().floor() as i32
-    } else {
-        2
-    };
-    format!("{value:.*}", places.clamp(0, 5) as usize)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn three_digits_are_shown() {
-        for (value, expected) in [
-            (0.0, "0.00"),
-            (12_345.0, "12345"),
-            (1.234e6, "1.23e6"),
-            (-0.012_34, "-0.0123"),
-            (1.0, "1.00"),
-            (1e-5, "1.00e-5"),
-        ] {
-            assert_eq!(digits(value), expected);
-        }
+/// The name of a parameter; a sensor parameter of a single recording is named without the recording.
+fn short_name<'a>(name: &'a str, fitted: &Fit, recordings: &[Recording]) -> &'a str {
+    let is_sensor = fitted.estimates[fitted.model_parameters..]
+        .iter()
+        .any(|estimate| estimate.parameter.name == name);
+    match name.rsplit_once('.') {
+        Some((_, short)) if is_sensor && recordings.len() == 1 => short,
+        _ => name,
     }
 }

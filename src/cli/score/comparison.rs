@@ -1,78 +1,73 @@
 //! Models predict the same windows.
 
-use super::entries::Entry;
+use super::models::ComparedModel;
 use rayon::prelude::*;
 use ugv_terrain::identification::{
     Cut, Halves, Latencies, PredictionError, Summary, Window, WindowSet, common, summarise,
 };
 
-/// A recording's windows and the models that are to predict them.
-pub struct Comparison {
+/// A recording's windows and the models that predict them.
+pub struct ModelComparison {
     pub name: String,
     pub latencies: Latencies,
     /// How the windows are cut.
-    pub how: Cut,
+    pub cut: Cut,
     pub heading_noise: Option<f64>,
     pub set: WindowSet,
     pub halves: Halves,
-    pub entries: Vec<Entry>,
+    pub models: Vec<ComparedModel>,
 }
 
-/// A contest with its results.
-pub struct ModelScore<'a> {
-    pub comparison: &'a Comparison,
-    /// Windows that all models predicted: those that count.
+/// The results of a comparison.
+pub struct ComparisonResult<'a> {
+    pub comparison: &'a ModelComparison,
+    /// Number of windows that all models predicted: the scores are of these.
     pub counted: usize,
-    /// In the order of the entries.
-    pub results: Vec<Outcomes>,
+    /// In the order of the models.
+    pub results: Vec<ModelResult>,
 }
 
-/// What a model achieved.
-pub struct Outcomes {
-    /// Windows in which the model failed, and why it did first.
+/// The result of a model.
+pub struct ModelResult {
+    /// Number of windows in which the model failed.
     pub failed: usize,
+    /// Why it failed first.
     pub reason: Option<String>,
-    /// On the windows that count.
-    pub scores: Option<Scores>,
+    pub scores: Option<ModelScores>,
     errors: Vec<PredictionError>,
     blocks: Vec<(usize, i64)>,
 }
 
 /// Errors at the end of windows.
-pub struct Scores {
+pub struct ModelScores {
     pub position: Summary,
     pub heading: Summary,
 }
 
-/// What a model achieved on the windows of all recordings.
-pub struct Pooled {
+/// The result of a model on the windows of all recordings.
+pub struct PooledResult {
     pub name: &'static str,
     pub windows: usize,
-    /// Windows of all recordings in which it failed.
+    /// Number of windows in which it failed.
     pub failed: usize,
-    pub scores: Scores,
+    pub scores: ModelScores,
 }
 
-impl Comparison {
+impl ModelComparison {
     /// Number of predictions.
     pub fn work(&self) -> u64 {
-        (self.halves.judged.len() * self.entries.len()) as u64
+        (self.halves.judged.len() * self.models.len()) as u64
     }
 
-    /// Lets every model predict every window that is to be judged; on all cores, with results
-    /// that do not depend on how many there are.
-    pub fn run(&self, done: impl Fn() + Sync) -> ModelScore<'_> {
-        let windows: Vec<&Window> = self
-            .halves
-            .judged
-            .iter()
-            .map(|k| &self.set.windows[*k])
-            .collect();
+    /// Predicts every judged window with every model on all threads; the results do not depend on their number.
+    pub fn run(&self, done: impl Fn() + Sync) -> ComparisonResult<'_> {
+        let windows = self.halves.judged.iter();
+        let windows: Vec<&Window> = windows.map(|k| &self.set.windows[*k]).collect();
         let mut predictions = Vec::new();
         let mut reasons = Vec::new();
-        for entry in &self.entries {
+        for model in &self.models {
             let predict = |window: &&Window| {
-                let predictor = entry.predictor.as_ref()?;
+                let predictor = model.predictor.as_ref()?;
                 let predicted = predictor.predict(window);
                 done();
                 Some(predicted.map(|pose| PredictionError::new(window, pose)))
@@ -83,38 +78,32 @@ impl Comparison {
                 .flatten()
                 .find_map(|result| result.as_ref().err());
             reasons.push(reason.map(ToString::to_string));
-            predictions.push(
-                all.into_iter()
-                    .map(|result| result?.ok())
-                    .collect::<Vec<_>>(),
-            );
+            let errors = all.into_iter().map(|result| result?.ok());
+            predictions.push(errors.collect::<Vec<_>>());
         }
-        let counting = common(&predictions);
-        let blocks: Vec<(usize, i64)> = counting.iter().map(|k| windows[*k].block()).collect();
+        let counted = common(&predictions);
+        let blocks: Vec<(usize, i64)> = counted.iter().map(|k| windows[*k].block()).collect();
         let result = |(errors, reason): (Vec<Option<PredictionError>>, Option<String>)| {
             let failed = errors.iter().filter(|error| error.is_none()).count();
-            let errors: Vec<_> = counting.iter().filter_map(|k| errors[*k]).collect();
-            Outcomes {
+            let errors: Vec<_> = counted.iter().filter_map(|k| errors[*k]).collect();
+            ModelResult {
                 failed,
                 reason,
-                scores: Scores::of(&errors, &blocks),
+                scores: ModelScores::of(&errors, &blocks),
                 errors,
                 blocks: blocks.clone(),
             }
         };
-        ModelScore {
+        let results = predictions.into_par_iter().zip(reasons).map(result);
+        ComparisonResult {
             comparison: self,
-            counted: counting.len(),
-            results: predictions
-                .into_par_iter()
-                .zip(reasons)
-                .map(result)
-                .collect(),
+            counted: counted.len(),
+            results: results.collect(),
         }
     }
 }
 
-impl Scores {
+impl ModelScores {
     fn of<B: Ord + Clone>(errors: &[PredictionError], blocks: &[B]) -> Option<Self> {
         let pick = |value: fn(&PredictionError) -> f64| {
             let values: Vec<f64> = errors.iter().map(value).collect();
@@ -127,37 +116,27 @@ impl Scores {
     }
 }
 
-/// The windows of all recordings taken together, for the models that predicted some of each;
-/// `None` for a single recording.
-pub fn pool(outcomes: &[ModelScore]) -> Option<Vec<Pooled>> {
-    let (first, _) = outcomes
-        .split_first()
-        .filter(|(_, rest)| !rest.is_empty())?;
-    let together = |(index, entry): (usize, &Entry)| {
+/// The results on the windows of all recordings, of the models with predictions of each; `None` for a single recording.
+pub fn pool(results: &[ComparisonResult]) -> Option<Vec<PooledResult>> {
+    let (first, _) = results.split_first().filter(|(_, rest)| !rest.is_empty())?;
+    let pooled = |(index, model): (usize, &ComparedModel)| {
         let mut errors = Vec::new();
         let mut blocks = Vec::new();
         let mut failed = 0;
-        for (recording, outcome) in outcomes.iter().enumerate() {
-            let result = outcome.results.get(index)?;
+        for (recording, all) in results.iter().enumerate() {
+            let result = all.results.get(index)?;
             result.scores.as_ref()?;
             failed += result.failed;
             errors.extend_from_slice(&result.errors);
             blocks.extend(result.blocks.iter().map(|block| (recording, *block)));
         }
-        Some(Pooled {
-            name: entry.name,
+        Some(PooledResult {
+            name: model.name,
             windows: errors.len(),
             failed,
-            scores: Scores::of(&errors, &blocks)?,
+            scores: ModelScores::of(&errors, &blocks)?,
         })
     };
-    Some(
-        first
-            .comparison
-            .entries
-            .iter()
-            .enumerate()
-            .filter_map(together)
-            .collect(),
-    )
+    let models = first.comparison.models.iter().enumerate();
+    Some(models.filter_map(pooled).collect())
 }

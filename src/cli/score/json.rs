@@ -1,47 +1,47 @@
 //! Scores as JSON, format `ugv-score/1`.
 
-use super::comparison::{ModelScore, Pooled, Scores};
+use super::comparison::{ComparisonResult, ModelScores, PooledResult};
 use serde_json::{Map, Value, json};
 use ugv_terrain::identification::{Estimate, Latency, Summary};
 
 pub fn render(
     horizon: f64,
     spacing: f64,
-    outcomes: &[ModelScore],
-    pooled: Option<&Vec<Pooled>>,
+    results: &[ComparisonResult],
+    pooled: Option<&[PooledResult]>,
 ) -> String {
     let pooled = pooled.map(|models| models.iter().map(pooled_model).collect::<Vec<_>>());
     let value = json!({
         "format": "ugv-score/1",
         "horizon_s": horizon,
         "spacing_s": spacing,
-        "recordings": outcomes.iter().map(recording).collect::<Vec<_>>(),
+        "recordings": results.iter().map(recording).collect::<Vec<_>>(),
         "pooled": pooled,
     });
     format!("{value:#}\n")
 }
 
-fn recording(outcome: &ModelScore) -> Value {
-    let comparison = outcome.comparison;
+fn recording(all: &ComparisonResult) -> Value {
+    let comparison = all.comparison;
     let models = comparison
-        .entries
+        .models
         .iter()
-        .zip(&outcome.results)
-        .map(|(entry, result)| {
-            let parameters: Map<String, Value> = entry
+        .zip(&all.results)
+        .map(|(model, result)| {
+            let parameters: Map<String, Value> = model
                 .parameters
                 .iter()
                 .map(|p| (format!("{}_{}", p.name, p.unit), estimate(&p.estimate)))
                 .collect();
-            let mut model = json!({
-                "model": entry.name,
-                "description": entry.description,
+            let mut value = json!({
+                "model": model.name,
+                "description": model.description,
                 "failed": result.failed,
                 "first_failure": result.reason,
                 "parameters": parameters,
             });
-            insert(&mut model, result.scores.as_ref());
-            model
+            insert(&mut value, result.scores.as_ref());
+            value
         });
     json!({
         "recording": comparison.name,
@@ -52,26 +52,26 @@ fn recording(outcome: &ModelScore) -> Value {
         },
         "fitted": comparison.halves.fitted.len(),
         "judged": comparison.halves.judged.len(),
-        "counted": outcome.counted,
+        "counted": all.counted,
         "latency_s": {
             "pose": latency(&comparison.latencies.pose),
             "wheels": latency(&comparison.latencies.wheels),
         },
-        "heading": comparison.how.heading.name(),
+        "heading": comparison.cut.heading.name(),
         "heading_noise_rad": comparison.heading_noise,
         "models": models.collect::<Vec<_>>(),
     })
 }
 
-fn pooled_model(pooled: &Pooled) -> Value {
+fn pooled_model(pooled: &PooledResult) -> Value {
     let mut model =
         json!({ "model": pooled.name, "counted": pooled.windows, "failed": pooled.failed });
     insert(&mut model, Some(&pooled.scores));
     model
 }
 
-/// Adds the scores; null where there is none.
-fn insert(model: &mut Value, scores: Option<&Scores>) {
+/// Adds the scores; null without any.
+fn insert(model: &mut Value, scores: Option<&ModelScores>) {
     model["position_m"] = scores.map_or(Value::Null, |scores| summary(&scores.position));
     model["heading_rad"] = scores.map_or(Value::Null, |scores| summary(&scores.heading));
 }

@@ -1,33 +1,26 @@
 //! `ugv score`: how well models predict recordings.
 
 mod comparison;
-mod entries;
 mod json;
+mod models;
 mod table;
 
-use super::model::{
-    check_piecewise, load_effects, load_fitted, load_terrain, load_vehicle, without_sensors,
-};
-use super::output::{Output, print};
-use super::progress::Progress;
-use super::{Failure, tell};
-use comparison::{Comparison, ModelScore, pool};
-use entries::Entry;
+use super::failure::Failure;
+use super::jobs;
+use super::nominal::NominalArgs;
+use super::output::{Output, is_stream, notify, print};
+use super::progress::ProgressLine;
+use comparison::{ComparisonResult, ModelComparison, pool};
+use models::{ComparedModel, GivenModel};
 use rayon::prelude::*;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::Arc;
-use ugv_terrain::effects::Effects;
 use ugv_terrain::identification::{
     Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
 };
-use ugv_terrain::json::FittedTo;
 use ugv_terrain::recording::{Recording, different_names, read_recording_of};
-use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
 
-/// Recorded headings that stray further from the gyro's within a second are worth less than
-/// its integral \[rad\].
+/// A recorded heading that differs more from the gyro's within a second is worse than the gyro's
+/// integral \[rad\].
 const POOR_HEADING: f64 = 0.1;
 
 const EXAMPLES: &str = "\
@@ -35,17 +28,19 @@ Examples:
   ugv score drive.csv
   ugv score recordings/*.csv --terrain dry_sand --json score.json
   ugv score drive.csv --vehicle mine.json --terrain soil.json --horizon 3
-  ugv score drive.csv --model model.json    # as ugv fit leaves it
+  ugv score drive.csv --model model.json    # of ugv fit
 
-Recordings:  time,omega_left,omega_right,x,y,heading and, better, yaw_rate; NAME.json beside NAME.csv
-             may tell vehicle and terrain.
-Windows:     each starts at the recorded state; a model gets the recorded wheel speeds and predicts the
-             pose at the end. Constant latencies of pose and wheels are estimated and removed first.
-             Of a single run the second half is judged, of several runs every second one; the
-             kinematic models are fitted on the rest, and so is a soil by `ugv fit --half`.
-             In brackets: 90 % intervals, from four pieces of the drive on.";
+Recordings:  time,omega_left,omega_right,x,y,heading, and yaw_rate if possible; NAME.json beside
+             NAME.csv may hold vehicle and terrain.
+Models:      kinematics, the recording's vehicle on its nominal soil, and the model of --vehicle,
+             --terrain, --model and --effects.
+Windows:     each starts at the recorded state. A model predicts the pose at the end from the
+             recorded wheel speeds. Constant latencies of pose and wheels are estimated and removed
+             first. Of a single run the second half is judged, of several runs every second one. The
+             kinematic models are fitted to the rest, and so is the soil of `ugv fit --half`.
+             In brackets: 90 % intervals, for four or more pieces of the drive.";
 
-/// Compare how well models predict recordings: kinematics, nominal soil, a soil of your own.
+/// Compare how well models predict recordings: kinematics, nominal soil, a given model.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -53,44 +48,30 @@ pub struct Args {
     #[arg(required = true, value_name = "REC.csv")]
     recordings: Vec<PathBuf>,
 
-    /// Vehicle of the model to judge beside the nominal one [default: the recording's]
-    #[arg(long, value_name = "FILE.json")]
-    vehicle: Option<PathBuf>,
+    #[command(flatten)]
+    model: NominalArgs,
 
-    /// Terrain of the model to judge beside the nominal one, a preset or a file
-    /// [default: the recording's]
-    #[arg(long, value_name = "NAME|FILE.json")]
-    terrain: Option<PathBuf>,
-
-    /// Model to judge beside the nominal one, as `ugv fit` and `ugv model` print it
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["vehicle", "terrain"])]
-    model: Option<PathBuf>,
-
-    /// Effects of the model to judge, as `ugv effects NAME` prints it [default: the model's]
-    #[arg(long, value_name = "FILE.json")]
-    effects: Option<PathBuf>,
-
-    /// Predict so many seconds ahead
+    /// Length of a prediction
     #[arg(long, value_name = "S", default_value_t = Cut::default().horizon)]
     horizon: f64,
 
-    /// Start a window every so many seconds
+    /// Interval between the starts of windows
     #[arg(long, value_name = "S", default_value_t = Cut::default().spacing)]
     spacing: f64,
 
     /// Compare the heading with the recorded one or with the integrated yaw rate; auto takes
     /// the yaw rate where the recorded heading is poor
-    #[arg(long, value_enum, default_value_t = Heading::Auto)]
-    heading: Heading,
+    #[arg(long, value_enum, default_value_t = HeadingChoice::Auto)]
+    heading: HeadingChoice,
 
-    /// Write everything to a file (format ugv-score/1); - writes it to standard output
-    /// instead of the table
+    /// Write all results to a file (format ugv-score/1); - writes to standard output instead of the
+    /// table
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
 
     /// Threads [default: one per processor]; the result does not depend on it
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(jobs::RANGE))]
+    jobs: Option<u16>,
 
     /// Show no progress
     #[arg(long, short)]
@@ -98,54 +79,47 @@ pub struct Args {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Heading {
+enum HeadingChoice {
     Auto,
     Pose,
     Gyro,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let files = [&args.vehicle, &args.terrain, &args.model, &args.effects];
-    // The name of a preset is no path.
-    let files = || files.into_iter().flatten().filter(|path| path.exists());
-    let json = args
-        .json
-        .as_deref()
-        .map(|path| Output::of(Some(path), args.recordings.iter().chain(files())))
-        .transpose()?;
-    let given = ComparedModels::load(args)?;
-    let threads = super::jobs::pool(args.jobs)?;
-    let prepared = |path: &PathBuf| -> Result<(Vec<String>, Comparison), Failure> {
-        let recording = read_recording_of(path, given.vehicle.as_ref())?;
+    let files = args.model.files();
+    let inputs = || args.recordings.iter().chain(&files);
+    let json = args.json.as_deref();
+    let output = json.map(|path| Output::from_inputs(Some(path), inputs()));
+    let output = output.transpose()?;
+    let given = GivenModel::load(&args.model)?;
+    let threads = jobs::pool(args.jobs)?;
+    let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
+        let recording = read_recording_of(path, given.named.vehicle.as_ref())?;
         let comparison = prepare(args, &recording, &given)?;
-        let warnings = recording
-            .warnings()
-            .chain(given.doubt(&recording, &comparison));
-        Ok((warnings.collect(), comparison))
+        let within_a_run = comparison.halves.within_a_run;
+        let doubt = given.doubt(&recording, &comparison.cut, within_a_run);
+        Ok((recording.warnings().chain(doubt).collect(), comparison))
     };
-    // Collected in the order of the arguments, so the first error is always the same.
+    // Collected in the order of the arguments, so that the first error is always the same.
     let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
-    let mut contests = Vec::new();
+    let mut comparisons = Vec::new();
     for recording in prepared {
-        let (notes, comparison) = recording?;
-        notes.iter().for_each(|note| tell(note));
-        contests.push(comparison);
+        let (warnings, comparison) = recording?;
+        warnings.iter().for_each(|warning| notify(warning));
+        comparisons.push(comparison);
     }
-    different_names(contests.iter().map(|one| one.name.as_str())).map_err(Failure::SameName)?;
-    let progress = Progress::counting(contests.iter().map(Comparison::work).sum(), args.quiet);
-    let run = || contests.iter().map(|c| c.run(|| progress.count()));
-    let outcomes: Vec<ModelScore> = threads.install(|| run().collect());
+    different_names(comparisons.iter().map(|one| one.name.as_str()))?;
+    let work = comparisons.iter().map(ModelComparison::work).sum();
+    let progress = ProgressLine::counting(work, args.quiet);
+    let run = || comparisons.iter().map(|one| one.run(|| progress.count()));
+    let results: Vec<ComparisonResult> = threads.install(|| run().collect());
     progress.finish();
-    let pooled = pool(&outcomes);
-    if args
-        .json
-        .as_deref()
-        .is_none_or(|path| path.as_os_str() != "-")
-    {
-        print(&table::render(args.horizon, &outcomes, pooled.as_ref()))?;
+    let pooled = pool(&results);
+    if !json.is_some_and(is_stream) {
+        print(&table::render(args.horizon, &results, pooled.as_deref()))?;
     }
-    if let Some(output) = json {
-        let text = json::render(args.horizon, args.spacing, &outcomes, pooled.as_ref());
+    if let Some(output) = output {
+        let text = json::render(args.horizon, args.spacing, &results, pooled.as_deref());
         output.with(&text)?.finish()?;
     }
     Ok(())
@@ -154,8 +128,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 fn prepare(
     args: &Args,
     recording: &Recording,
-    given: &ComparedModels,
-) -> Result<Comparison, Failure> {
+    given: &GivenModel,
+) -> Result<ModelComparison, Failure> {
     let mut runs = Signals::of(recording)?;
     let latencies = Latencies::estimate(&runs);
     for run in &mut runs {
@@ -163,14 +137,12 @@ fn prepare(
     }
     let noise = heading_noise(&runs);
     let heading = match (args.heading, noise) {
-        (Heading::Auto, Some(noise)) if noise > POOR_HEADING => HeadingSource::Gyro,
-        (Heading::Auto | Heading::Pose, _) => HeadingSource::Pose,
-        (Heading::Gyro, Some(_)) => HeadingSource::Gyro,
-        (Heading::Gyro, None) => {
-            return Err(Failure::Argument {
-                reason: format!("--heading gyro: {} has no yaw_rate", recording.name),
-                hint: Some("take --heading pose".into()),
-            });
+        (HeadingChoice::Auto, Some(noise)) if noise > POOR_HEADING => HeadingSource::Gyro,
+        (HeadingChoice::Auto | HeadingChoice::Pose, _) => HeadingSource::Pose,
+        (HeadingChoice::Gyro, Some(_)) => HeadingSource::Gyro,
+        (HeadingChoice::Gyro, None) => {
+            let reason = format!("--heading gyro: {} has no yaw_rate", recording.name);
+            return Err(Failure::argument(reason).with_remedy("take --heading pose"));
         }
     };
     let how = Cut {
@@ -182,134 +154,14 @@ fn prepare(
     let set = cut(&recording.name, &runs, &how)?;
     let halves = split(&runs, &set.windows);
     let (nominal, given) = given.models(recording)?;
-    let entries = Entry::all(&set.windows, &halves.fitted, nominal, given);
-    Ok(Comparison {
+    let models = ComparedModel::all(&set.windows, &halves.fitted, nominal, given);
+    Ok(ModelComparison {
         name: recording.name.clone(),
         latencies,
-        how,
+        cut: how,
         heading_noise: noise,
         set,
         halves,
-        entries,
+        models,
     })
-}
-
-/// A model with a few words on it.
-type Described = (String, Arc<VehicleModel>);
-
-/// What the arguments say of the model to judge.
-struct ComparedModels {
-    vehicle: Option<Vehicle>,
-    terrain: Option<Terrain>,
-    effects: Option<Effects>,
-    words: String,
-    fitted_to: Vec<FittedTo>,
-}
-
-impl ComparedModels {
-    fn load(args: &Args) -> Result<Self, Failure> {
-        let named = [
-            ("vehicle", &args.vehicle),
-            ("terrain", &args.terrain),
-            ("model", &args.model),
-            ("effects", &args.effects),
-        ];
-        let words = named
-            .iter()
-            .filter_map(|(key, path)| Some(format!("{key} {}", path.as_ref()?.display())));
-        let mut given = Self {
-            vehicle: args.vehicle.as_deref().map(load_vehicle).transpose()?,
-            terrain: args.terrain.as_deref().map(load_terrain).transpose()?,
-            effects: args.effects.as_deref().map(load_effects).transpose()?,
-            words: words.collect::<Vec<_>>().join(", "),
-            fitted_to: Vec::new(),
-        };
-        if let Some(path) = &args.model {
-            let (model, fitted_to) = load_fitted(path)?;
-            given.fitted_to = fitted_to;
-            given.vehicle = Some(model.vehicle);
-            given.terrain = Some(model.terrain);
-            given.effects.get_or_insert(model.effects);
-        }
-        if let Some(effects) = &mut given.effects {
-            check_piecewise(effects)?;
-            without_sensors(effects)?;
-        }
-        Ok(given)
-    }
-
-    /// Whether the model has learned from the windows by which it is judged.
-    fn is_fitted_to_all_of(&self, recording: &Recording) -> bool {
-        let mut to = self.fitted_to.iter();
-        to.any(|to| to.whole && to.recording == recording.name)
-    }
-
-    /// What is doubtful about judging the model by a recording's windows.
-    fn doubt(&self, recording: &Recording, comparison: &Comparison) -> Option<String> {
-        let name = &recording.name;
-        if self.is_fitted_to_all_of(recording) {
-            return Some(format!(
-                "warning: the given model was fitted to all of {name}, also to the windows that judge it here; \
-                 judge it by another recording, or one by `ugv fit --half`"
-            ));
-        }
-        let is_half = self.fitted_to.iter().any(|to| to.recording == *name);
-        // Whole runs are judged or not, however they are cut.
-        let is_cut_anew = comparison.halves.within_a_run && comparison.how != Cut::default();
-        (is_half && is_cut_anew).then(|| {
-            format!(
-                "warning: the given model was fitted to a half of {name} that windows of {} s every {} s and the \
-                 recorded heading part; cut otherwise, as here, the other half may hold some of what it has seen",
-                Cut::default().horizon,
-                Cut::default().spacing
-            )
-        })
-    }
-
-    /// The nominal model of a recording, and the one that the arguments ask for.
-    fn models(&self, recording: &Recording) -> Result<(Described, Option<Described>), Failure> {
-        const TERRAIN: &str = "clayed_soil";
-        let about = &recording.about;
-        let (mut words, vehicle) = match (&about.vehicle, &self.vehicle) {
-            (Some(told), _) => ("the recording's vehicle, ".to_string(), told.clone()),
-            (None, Some(given)) => (
-                "the given vehicle (none is told beside the recording), ".into(),
-                given.clone(),
-            ),
-            (None, None) => (
-                "the paper's vehicle (none is told beside the recording), ".into(),
-                Vehicle::tran2007(),
-            ),
-        };
-        let terrain = match (&about.terrain, &about.terrain_name) {
-            (Some(terrain), name) => {
-                words += name.as_deref().unwrap_or("the recording's terrain");
-                *terrain
-            }
-            (None, _) => {
-                words += TERRAIN;
-                words += " by default (no terrain is told beside the recording)";
-                Terrain::preset(TERRAIN).expect("a preset")
-            }
-        };
-        let model = |specification: &Specification| {
-            let model = VehicleModel::from_specification(specification);
-            model.map(Arc::new).map_err(Failure::Model)
-        };
-        let told = Specification::plain(vehicle, terrain);
-        let nominal = (words, model(&told)?);
-        if self.vehicle.is_none() && self.terrain.is_none() && self.effects.is_none() {
-            return Ok((nominal, None));
-        }
-        let given = Specification {
-            vehicle: self.vehicle.clone().unwrap_or(told.vehicle),
-            terrain: self.terrain.unwrap_or(told.terrain),
-            effects: self.effects.clone().unwrap_or_default(),
-        };
-        let mut words = self.words.clone();
-        if self.is_fitted_to_all_of(recording) {
-            words += ", fitted to these windows too";
-        }
-        Ok((nominal, Some((words, model(&given)?))))
-    }
 }

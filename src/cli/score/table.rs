@@ -1,58 +1,57 @@
 //! Scores as a text for the terminal.
 
-use super::comparison::{ModelScore, Pooled, Scores};
+use super::comparison::{ComparisonResult, ModelScores, PooledResult};
 use std::fmt::Write;
 use ugv_terrain::display::visible_line;
 use ugv_terrain::identification::{Estimate, Latency};
+use ugv_terrain::report::aligned;
 
-/// Widths of the column of names and of the others.
-const NAME: usize = 18;
-const CELL: usize = 17;
-
-pub fn render(horizon: f64, outcomes: &[ModelScore], pooled: Option<&Vec<Pooled>>) -> String {
+pub fn render(
+    horizon: f64,
+    results: &[ComparisonResult],
+    pooled: Option<&[PooledResult]>,
+) -> String {
     let mut text = String::new();
-    for outcome in outcomes {
-        recording(&mut text, horizon, outcome);
+    for result in results {
+        recording(&mut text, horizon, result);
         text.push('\n');
     }
     if let Some(pooled) = pooled.filter(|pooled| !pooled.is_empty()) {
         let _ = writeln!(
             text,
             "All {} recordings: {} windows",
-            outcomes.len(),
+            results.len(),
             pooled[0].windows
         );
-        heads(&mut text);
-        for model in pooled {
-            rows(&mut text, model.name, &model.scores, model.failed);
-        }
-        for (model, recording) in lost(outcomes) {
+        let models = pooled.iter();
+        text += &scores(models.map(|model| (model.name, &model.scores, model.failed)));
+        for (model, recording) in failed(results) {
             let recording = visible_line(recording);
-            let _ = writeln!(text, "  {model:NAME$} no prediction of {recording}");
+            let _ = writeln!(text, "{model}: no prediction of {recording}");
         }
         text.push('\n');
     }
-    // One line end closes the last table.
+    // The last table ends with one line end.
     text.truncate(text.trim_end().len());
     text.push('\n');
     text
 }
 
-/// Models that predicted nothing of some recording, with its name.
-fn lost<'a>(outcomes: &'a [ModelScore]) -> impl Iterator<Item = (&'a str, &'a str)> {
-    outcomes.iter().flat_map(|outcome| {
-        let results = outcome.comparison.entries.iter().zip(&outcome.results);
-        let lost = results.filter(|(_, result)| result.scores.is_none());
-        lost.map(|(entry, _)| (entry.name, outcome.comparison.name.as_str()))
+/// Models without a prediction of a recording, with its name.
+fn failed<'a>(results: &'a [ComparisonResult]) -> impl Iterator<Item = (&'a str, &'a str)> {
+    results.iter().flat_map(|all| {
+        let results = all.comparison.models.iter().zip(&all.results);
+        let failed = results.filter(|(_, result)| result.scores.is_none());
+        failed.map(|(model, _)| (model.name, all.comparison.name.as_str()))
     })
 }
 
-fn recording(text: &mut String, horizon: f64, outcome: &ModelScore) {
-    let comparison = outcome.comparison;
+fn recording(text: &mut String, horizon: f64, all: &ComparisonResult) {
+    let comparison = all.comparison;
     let (set, halves) = (&comparison.set, &comparison.halves);
     let _ = writeln!(
         text,
-        "{}: {} windows of {horizon} s (left out: {} standing, {} with gaps); \
+        "{}: {} windows of {horizon} s (not used: {} standing, {} with gaps); \
          {} fitted, {} judged, {} counted",
         visible_line(&comparison.name),
         set.windows.len(),
@@ -60,36 +59,31 @@ fn recording(text: &mut String, horizon: f64, outcome: &ModelScore) {
         set.rejected.gaps,
         halves.fitted.len(),
         halves.judged.len(),
-        outcome.counted
+        all.counted
     );
     let _ = write!(
         text,
         "latency removed: pose {}, wheels {}; heading compared with the {}",
         latency(&comparison.latencies.pose),
         latency(&comparison.latencies.wheels),
-        comparison.how.heading.name()
+        comparison.cut.heading.name()
     );
     let _ = match comparison.heading_noise {
         Some(noise) => writeln!(text, " (in 1 s pose and gyro differ by {noise:.3} rad RMS)"),
         None => writeln!(text, " (no yaw rate)"),
     };
-    heads(text);
-    for (entry, result) in comparison.entries.iter().zip(&outcome.results) {
-        match &result.scores {
-            Some(scores) => rows(text, entry.name, scores, result.failed),
-            None => {
-                let _ = writeln!(text, "  {:NAME$} no prediction", entry.name);
-            }
+    let results = || comparison.models.iter().zip(&all.results);
+    *text += &scores(results().filter_map(|(model, result)| {
+        let scores = result.scores.as_ref()?;
+        Some((model.name, scores, result.failed))
+    }));
+    for (model, result) in results() {
+        let description = visible_line(&model.description);
+        let _ = write!(text, "{}: {description}", model.name);
+        if result.scores.is_none() {
+            *text += "; no prediction";
         }
-    }
-    for (entry, result) in comparison.entries.iter().zip(&outcome.results) {
-        let _ = write!(
-            text,
-            "  {}: {}",
-            entry.name,
-            visible_line(&entry.description)
-        );
-        for p in &entry.parameters {
+        for p in &model.parameters {
             let bounds = interval(&p.estimate, 4);
             let _ = write!(
                 text,
@@ -108,39 +102,33 @@ fn recording(text: &mut String, horizon: f64, outcome: &ModelScore) {
     }
 }
 
-fn heads(text: &mut String) {
-    let columns = [
+/// The scores of models, and their intervals below.
+fn scores<'a>(models: impl Iterator<Item = (&'a str, &'a ModelScores, usize)>) -> String {
+    let header = [
+        "model",
         "median [m]",
         "95 % [m]",
         "RMSE [m]",
         "median [rad]",
         "95 % [rad]",
         "RMSE [rad]",
+        "failed",
     ];
-    let _ = write!(text, "  {:NAME$}", "model");
-    for column in columns {
-        let _ = write!(text, "{column:>CELL$}");
+    let mut rows: Vec<[String; 8]> = Vec::new();
+    for (name, scores, failed) in models {
+        let estimates = [&scores.position, &scores.heading].map(|s| [s.median, s.p95, s.rmse]);
+        let estimates = estimates.as_flattened();
+        rows.push(std::array::from_fn(|column| match column {
+            0 => name.into(),
+            7 => failed.to_string(),
+            _ => format!("{:.3}", estimates[column - 1].value),
+        }));
+        rows.push(std::array::from_fn(|column| match column {
+            0 | 7 => String::new(),
+            _ => interval(&estimates[column - 1], 3),
+        }));
     }
-    let _ = writeln!(text, "{:>8}", "failed");
-}
-
-/// The values, and below them their intervals.
-fn rows(text: &mut String, name: &str, scores: &Scores, failed: usize) {
-    let summaries = [&scores.position, &scores.heading];
-    let estimates = || {
-        summaries
-            .into_iter()
-            .flat_map(|s| [s.median, s.p95, s.rmse])
-    };
-    let _ = write!(text, "  {name:NAME$}");
-    for estimate in estimates() {
-        let _ = write!(text, "{:>CELL$.3}", estimate.value);
-    }
-    let _ = write!(text, "{failed:>8}\n  {:NAME$}", "");
-    for estimate in estimates() {
-        let _ = write!(text, "{:>CELL$}", interval(&estimate, 3));
-    }
-    text.push('\n');
+    aligned(header, &rows)
 }
 
 fn latency(latency: &Latency) -> String {
@@ -148,8 +136,8 @@ fn latency(latency: &Latency) -> String {
         Latency::Estimated(estimate) => {
             format!("{:.2} s {}", estimate.value, interval(estimate, 2))
         }
-        Latency::Unknown => "none (too few turns to tell)".into(),
-        Latency::Reference => "none (the pose's is against them)".into(),
+        Latency::Unknown => "unknown (too few turns)".into(),
+        Latency::Reference => "none (the reference for the pose)".into(),
     }
 }
 

@@ -1,30 +1,30 @@
 //! Steps a simulation along a recording's wheel speeds.
 
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use ugv_terrain::recording::Drive;
 use ugv_terrain::simulation::{Simulation, SimulationError, State, WheelSpeeds};
 use ugv_terrain::vehicle::Wrench;
 
-/// An instant at which the simulation stands still to be looked at.
-pub struct Stop<'a> {
+/// A point of the drive: a row of the input or of the output.
+pub struct DrivePoint<'a> {
     /// Time of the recording \[s\].
     pub time: f64,
     /// Pose and velocities.
     pub state: State,
     /// Wheel speeds \[rad/s\].
     pub wheel_speeds: WheelSpeeds,
-    /// Forces, moments and each wheel's share.
+    /// Forces and moments, in total and of each wheel.
     pub wrench: &'a Wrench,
     /// Whether a row of the output is due.
     pub is_row: bool,
 }
 
-/// More rows than this are a slip of the pen.
-const MOST_ROWS: f64 = 1e8;
-/// An output this close to a row of the input, as a share of the output step, is that row.
+/// More rows than this are a typing error.
+const MAX_ROWS: f64 = 1e8;
+/// An output this close to a row of the input, as a share of the output step, coincides with that row.
 const SAME_TIME: f64 = 1e-9;
 
-/// When rows of the output are due: at each row of the input, or on a grid of its own.
+/// When rows of the output are due: at each row of the input, or on a grid.
 pub struct Schedule {
     start: f64,
     end: f64,
@@ -36,17 +36,14 @@ pub struct Schedule {
 
 impl Schedule {
     /// # Errors
-    /// A step so small that the output would never end.
+    /// A step so small that the output is too large.
     pub fn new(recording: &Drive, step: Option<f64>) -> Result<Self, Failure> {
         let start = recording.time[0];
         let rows = step.map_or(0.0, |step| recording.duration() / step);
-        if rows > MOST_ROWS {
-            return Err(Failure::Argument {
-                reason: format!(
-                    "--output-step would give {rows:.1e} rows, more than {MOST_ROWS:.0e}"
-                ),
-                hint: None,
-            });
+        if rows > MAX_ROWS {
+            return Err(Failure::argument(format!(
+                "--output-step gives {rows:.1e} rows; the limit is {MAX_ROWS:.0e}"
+            )));
         }
         Ok(Self {
             start,
@@ -57,8 +54,8 @@ impl Schedule {
         })
     }
 
-    /// The grid's next time. Where a whole number of steps makes a second, it divides by
-    /// that number: 3 steps of 0.1 s end at 0.3 s, not at 0.30000000000000004 s.
+    /// The grid's next time. If a whole number of steps makes a second, it divides by that number:
+    /// 3 steps of 0.1 s end at 0.3 s, not at 0.30000000000000004 s.
     fn next_time(&self, step: f64) -> f64 {
         let per_second = (1.0 / step).round();
         if per_second >= 1.0 && (per_second * step - 1.0).abs() < 1e-12 {
@@ -72,7 +69,7 @@ impl Schedule {
         SAME_TIME * step + 4.0 * f64::EPSILON * time.abs()
     }
 
-    /// Whether a row is due at a row of the input; every such row is to be asked about.
+    /// Whether a row is due at a row of the input. The caller asks once for every row.
     fn due_at(&mut self, knot: f64) -> bool {
         let Some(step) = self.step else { return true };
         let due = (self.next_time(step) - knot).abs() <= Self::tolerance(step, knot);
@@ -90,22 +87,21 @@ impl Schedule {
     }
 }
 
-/// Drives along a recording and shows every stop: each row of the input, and each row of the
-/// output.
+/// Drives along a recording and visits each row of the input and of the output.
 ///
 /// # Errors
-/// Whatever stops the simulation, at the recording's time, and whatever the visitor refuses.
+/// Whatever stops the simulation, at the recording's time, and errors of the visitor.
 pub fn drive(
     recording: &Drive,
     mut schedule: Schedule,
     simulation: &mut Simulation,
-    mut visit: impl FnMut(&Stop) -> Result<(), Failure>,
+    mut visit: impl FnMut(&DrivePoint) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let start = recording.time[0];
     let failed = |error| Failure::Simulation(at_recording_time(error, start));
     for (row, &knot) in recording.time.iter().enumerate() {
-        // The simulation counts from zero: its smallest step is a share of its time, which
-        // a clock that started in 1970 would make far too long.
+        // The simulation counts from zero: its smallest step is a share of its time, too long
+        // for a clock that counts from 1970.
         simulation.set_time(knot - start).map_err(failed)?;
         simulation
             .set_wheel_speeds(recording.wheel_speeds(row).into())
@@ -113,14 +109,14 @@ pub fn drive(
         simulation
             .set_wheel_accelerations(recording.wheel_accelerations(row).into())
             .map_err(failed)?;
-        visit(&stop(simulation, knot, schedule.due_at(knot)).map_err(failed)?)?;
+        visit(&point(simulation, knot, schedule.due_at(knot)).map_err(failed)?)?;
         let Some(&next) = recording.time.get(row + 1) else {
             break;
         };
         let mut now = knot;
         while let Some(time) = schedule.due_before(next) {
             simulation.step(time - now).map_err(failed)?;
-            visit(&stop(simulation, time, true).map_err(failed)?)?;
+            visit(&point(simulation, time, true).map_err(failed)?)?;
             now = time;
         }
         simulation.step(next - now).map_err(failed)?;
@@ -128,9 +124,13 @@ pub fn drive(
     Ok(())
 }
 
-fn stop(simulation: &mut Simulation, time: f64, is_row: bool) -> Result<Stop<'_>, SimulationError> {
+fn point(
+    simulation: &mut Simulation,
+    time: f64,
+    is_row: bool,
+) -> Result<DrivePoint<'_>, SimulationError> {
     let (state, wheel_speeds) = (simulation.state(), simulation.wheel_speeds());
-    Ok(Stop {
+    Ok(DrivePoint {
         time,
         state,
         wheel_speeds,
@@ -165,29 +165,29 @@ mod tests {
         }
     }
 
-    /// Times of the rows, and number of all stops.
+    /// Times of the rows, and number of all points.
     fn rows(time: &[f64], step: Option<f64>) -> (Vec<f64>, usize) {
         let recording = recording(time);
         let terrain = Terrain::preset("clayed_soil").unwrap();
         let mut simulation =
             Simulation::new(VehicleModel::new(Vehicle::tran2007(), terrain).unwrap());
-        let (mut rows, mut stops) = (Vec::new(), 0);
+        let (mut rows, mut points) = (Vec::new(), 0);
         drive(
             &recording,
             Schedule::new(&recording, step).unwrap(),
             &mut simulation,
-            |stop| {
-                stops += 1;
-                if stop.is_row {
-                    rows.push(stop.time);
+            |point| {
+                points += 1;
+                if point.is_row {
+                    rows.push(point.time);
                     // Rounding of the speeds between two rows.
-                    assert!((stop.wheel_speeds.left - (stop.time - time[0])).abs() < 1e-12);
+                    assert!((point.wheel_speeds.left - (point.time - time[0])).abs() < 1e-12);
                 }
                 Ok(())
             },
         )
         .unwrap();
-        (rows, stops)
+        (rows, points)
     }
 
     #[test]
@@ -209,12 +209,12 @@ mod tests {
     }
 
     #[test]
-    fn grid_and_input_meet_in_one_stop() {
+    fn grid_and_input_coincide() {
         // 3 * 0.1 is not 0.3 in binary numbers, nor is 1.7e9 + 0.1.
-        let (times, stops) = rows(&[0.0, 0.1, 0.2, 0.3], Some(0.1));
-        assert_eq!((times, stops), (vec![0.0, 0.1, 0.2, 0.3], 4));
-        let (times, stops) = rows(&[1.7e9, 1.7e9 + 0.1, 1.7e9 + 0.2, 1.7e9 + 0.3], Some(0.1));
-        assert_eq!((times.len(), stops), (4, 4));
+        let (times, points) = rows(&[0.0, 0.1, 0.2, 0.3], Some(0.1));
+        assert_eq!((times, points), (vec![0.0, 0.1, 0.2, 0.3], 4));
+        let (times, points) = rows(&[1.7e9, 1.7e9 + 0.1, 1.7e9 + 0.2, 1.7e9 + 0.3], Some(0.1));
+        assert_eq!((times.len(), points), (4, 4));
     }
 
     #[test]

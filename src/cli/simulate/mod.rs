@@ -1,18 +1,17 @@
-//! `ugv simulate`: drives a vehicle with recorded or invented wheel speeds.
+//! `ugv simulate`: drives a vehicle with given wheel speeds.
 
 mod drive;
-mod input;
+mod plot;
 mod table;
 
-use super::initial::{Initial, initial_state};
+use super::failure::Failure;
+use super::initial::{InitialArgument, initial_state};
+use super::input::{doubts, filled, read_file, read_input};
 use super::model::{ModelArgs, names};
-use super::output::{Output, finish_all};
-use super::plot::{self, Trace};
-use super::progress::Progress;
-use super::{Failure, tell};
-pub use drive::Stop;
-use drive::{Schedule, drive};
-pub use input::{doubts, filled, read_file, read_input};
+use super::output::{Output, finish_all, notify};
+use super::progress::ProgressLine;
+use drive::{DrivePoint, Schedule, drive};
+use plot::Trace;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,11 +32,11 @@ Examples:
   generate | ugv simulate --input - --quiet | plot
 
 Input:   a header with time,omega_left,omega_right [s, rad/s], linear in between. Other columns are
-         ignored; an empty cell of a wheel speed is a missing sample. Units, sides and times are taken
-         as they stand: what `ugv inspect` puts right in a recording is not put right here.
+         ignored. An empty cell of a wheel speed is a missing sample. Units, sides and times are used
+         as they are: `ugv inspect` corrects a recording, this command does not.
 Output:  wheel speeds, pose, velocities, accelerations, resistances and moments, then each wheel's
-         slips, load, sinkage, entry angle and forces, in SI units and radians. When the vehicle
-         cannot drive on to the end, nothing is written.";
+         slips, load, sinkage, entry angle and forces, in SI units and radians. If the vehicle
+         cannot drive to the end, no file is written.";
 
 /// Drive a vehicle over a terrain: wheel speeds in, motion and forces out.
 #[derive(clap::Args)]
@@ -50,19 +49,18 @@ pub struct Args {
     #[command(flatten)]
     model: ModelArgs,
 
-    /// Where the vehicle starts and how fast: any of x, y, heading, v_x, v_y, yaw_rate, or
-    /// no-slip for the velocities of rolling without slip at the first wheel speeds
-    /// [default: at rest at the origin]
+    /// Initial state: any of x, y, heading, v_x, v_y, yaw_rate, or no-slip for the velocities of
+    /// rolling without slip at the first wheel speeds [default: at rest at the origin]
     #[arg(long, value_name = "KEY=VALUE|no-slip", num_args = 1..)]
-    initial: Vec<Initial>,
+    initial: Vec<InitialArgument>,
 
-    /// Begin in the midst of a drive: ruts and shear as if the initial motion had lasted, instead of on
-    /// untouched ground
+    /// Start in the middle of a drive: with the ruts and shear of a steady motion in the initial
+    /// state, instead of untouched ground
     #[arg(long)]
     settled: bool,
 
-    /// As --settled, with the ruts of a vehicle that came to the initial pose over these: columns x,y,heading
-    /// [m, m, rad], the oldest first
+    /// As --settled, with the ruts of a vehicle that reached the initial pose over these poses:
+    /// columns x,y,heading [m, m, rad], the oldest first
     #[arg(long, value_name = "FILE.csv")]
     course: Option<PathBuf>,
 
@@ -70,7 +68,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 
-    /// Write a row every so many seconds and at the end, instead of one per row of the input
+    /// Write a row at this interval and at the end, instead of one per row of the input
     #[arg(long, value_name = "S", value_parser = step)]
     output_step: Option<f64>,
 
@@ -93,9 +91,9 @@ fn step(text: &str) -> Result<f64, String> {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let specification = args.model.specification()?;
     let effects = names(&specification.effects, EffectKind::Physics);
-    let model = VehicleModel::from_specification(&specification).map_err(Failure::Model)?;
+    let model = VehicleModel::from_specification(&specification)?;
     let recording = read_input(&args.input)?;
-    doubts(&recording).for_each(|doubt| tell(&doubt));
+    doubts(&recording).iter().for_each(|doubt| notify(doubt));
     let state = initial_state(
         &args.initial,
         model.vehicle(),
@@ -104,38 +102,39 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let course = args.course.as_deref();
     let course = course.map(|path| read_file(path, read_poses)).transpose()?;
     let schedule = Schedule::new(&recording, args.output_step)?;
-    let mut read = args.model.files();
-    read.push(args.input.clone());
-    read.extend(args.course.clone());
-    let own = |path: Option<&Path>| Output::of(path, &read);
-    let mut table = own(args.output.as_deref())?;
-    let picture = args
-        .plot
-        .as_deref()
-        .map(|path| picture(own(Some(path))?, &table))
-        .transpose()?;
+    let mut inputs = args.model.files();
+    inputs.push(args.input.clone());
+    inputs.extend(args.course.clone());
+    let output = |path: Option<&Path>| Output::from_inputs(path, &inputs);
+    let mut table = output(args.output.as_deref())?;
+    let picture = args.plot.as_deref().map(|path| output(Some(path)));
+    let picture = picture.transpose()?;
+    if let Some(picture) = &picture {
+        picture.check_distinct(&table, "--plot and --output")?;
+    }
 
     let mut trace = picture
         .is_some()
         .then(|| Trace::new(model.vehicle(), state));
-    let progress = Progress::counting(0, args.quiet);
+    let progress = ProgressLine::counting(0, args.quiet);
     let mut simulation = Simulation::new(model);
-    let midst = course.or(args.settled.then(Vec::new));
-    begin(&mut simulation, &recording, state, midst.as_deref()).map_err(Failure::Simulation)?;
-    let mut summary = Summary::new(&recording, simulation.state());
+    let course = course.or(args.settled.then(Vec::new));
+    start(&mut simulation, &recording, state, course.as_deref())?;
+    let mut summary = DriveSummary::new(&recording, simulation.state());
     let columns = table::columns(simulation.model().vehicle());
     table
         .write_all(table::header(&columns).as_bytes())
         .map_err(|source| table.failure(source))?;
-    drive(&recording, schedule, &mut simulation, |stop| {
-        summary.visit(stop);
-        let share = (stop.time - recording.time[0]) / recording.duration();
+    drive(&recording, schedule, &mut simulation, |point| {
+        summary.visit(point);
+        let share = (point.time - recording.time[0]) / recording.duration();
         progress.reach((1e3 * share) as u64, 1000);
         if let Some(trace) = &mut trace {
-            trace.visit(stop);
+            trace.visit(point);
         }
-        if stop.is_row {
-            table::write_row(&mut table, &columns, stop).map_err(|source| table.failure(source))?;
+        if point.is_row {
+            table::write_row(&mut table, &columns, point)
+                .map_err(|source| table.failure(source))?;
         }
         Ok(())
     })?;
@@ -144,25 +143,24 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
     let mut outputs = vec![table];
     if let (Some(trace), Some(picture)) = (&trace, picture) {
-        let svg = plot::draw(trace, &args.model.ground());
-        outputs.push(picture.with(&svg)?);
+        outputs.push(picture.with(&trace.draw(&args.model.ground()))?);
     }
     finish_all(outputs)?;
     if !args.quiet {
-        summary.tell(&recording, effects.as_deref(), elapsed.as_secs_f64());
+        summary.print(&recording, effects.as_deref(), elapsed.as_secs_f64());
     }
     Ok(())
 }
 
-/// Places the vehicle where a recording begins, maybe in the midst of a drive that came over some poses to there.
-fn begin(
+/// Places the vehicle at the start of a recording; with a course in the middle of a drive that came over these poses.
+fn start(
     simulation: &mut Simulation,
     recording: &Drive,
     state: State,
-    midst: Option<&[[f64; 3]]>,
+    course: Option<&[[f64; 3]]>,
 ) -> Result<(), SimulationError> {
     simulation.set_state(state)?;
-    if let Some(course) = midst {
+    if let Some(course) = course {
         simulation.set_wheel_speeds(recording.wheel_speeds(0).into())?;
         let here = [state.x, state.y, state.heading];
         let seen = course.iter().map(|pose| seen_from(*pose, here));
@@ -171,65 +169,49 @@ fn begin(
     Ok(())
 }
 
-fn picture(picture: Output, table: &Output) -> Result<Output, Failure> {
-    if picture.collides_with(table) {
-        return Err(Failure::Argument {
-            reason: "--plot and --output lead to the same place".into(),
-            hint: None,
-        });
-    }
-    Ok(picture)
-}
-
-/// What the user is told in the end.
-struct Summary {
+/// The drive in one line.
+struct DriveSummary {
     started: Instant,
     start: f64,
     last: State,
     distance: f64,
-    warned: bool,
+    has_warned: bool,
 }
 
-impl Summary {
+impl DriveSummary {
     fn new(recording: &Drive, state: State) -> Self {
         Self {
             started: Instant::now(),
             start: recording.time[0],
             last: state,
             distance: 0.0,
-            warned: false,
+            has_warned: false,
         }
     }
 
-    fn visit(&mut self, stop: &Stop) {
-        self.distance += (stop.state.x - self.last.x).hypot(stop.state.y - self.last.y);
-        self.last = stop.state;
-        let lifted = stop
-            .wrench
-            .wheels
-            .iter()
-            .position(|wheel| wheel.load <= 0.0);
-        if let Some(wheel) = lifted
-            && !self.warned
+    fn visit(&mut self, point: &DrivePoint) {
+        self.distance += (point.state.x - self.last.x).hypot(point.state.y - self.last.y);
+        self.last = point.state;
+        let mut wheels = point.wrench.wheels.iter();
+        if let Some(wheel) = wheels.position(|wheel| wheel.load <= 0.0)
+            && !self.has_warned
         {
-            self.warned = true;
-            tell(&format!(
+            self.has_warned = true;
+            notify(&format!(
                 "warning: at {} s wheel {} lifts off the ground; the others carry its load",
-                stop.time,
+                point.time,
                 wheel + 1
             ));
         }
     }
 
-    fn tell(&self, recording: &Drive, effects: Option<&str>, elapsed: f64) {
+    fn print(&self, recording: &Drive, effects: Option<&str>, elapsed: f64) {
         let seconds = recording.duration();
         let State { x, y, heading, .. } = self.last;
         let heading_deg = heading.to_degrees();
-        if recording.filled_rows > 0 {
-            tell(&filled(recording));
-        }
+        filled(recording).iter().for_each(|note| notify(note));
         let effects = effects.map_or(String::new(), |names| format!(", effects: {names}"));
-        tell(&format!(
+        notify(&format!(
             "simulated {seconds:.2} s from {} s on, drove {:.3} m to x {x:.3} m, y {y:.3} m, \
              heading {heading_deg:.2} deg, {:.0} times as fast as real time{effects}",
             self.start,

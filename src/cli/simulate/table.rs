@@ -1,6 +1,6 @@
 //! The motion as CSV.
 
-use super::drive::Stop;
+use super::drive::DrivePoint;
 use std::io::{self, Write};
 use ugv_terrain::declaration::{Causality, Configuration, Variable, variables};
 use ugv_terrain::vehicle::Vehicle;
@@ -24,11 +24,11 @@ pub fn header(columns: &[Variable]) -> String {
 }
 
 /// Writes a row; its numbers read back to the last bit.
-pub fn write_row(out: &mut impl Write, columns: &[Variable], stop: &Stop) -> io::Result<()> {
-    write!(out, "{:?}", unsigned_zero(stop.time))?;
+pub fn write_row(out: &mut impl Write, columns: &[Variable], point: &DrivePoint) -> io::Result<()> {
+    write!(out, "{:?}", unsigned_zero(point.time))?;
     for column in columns {
         let quantity = column.quantity;
-        let value = quantity.output(stop.wheel_speeds, stop.state, stop.wrench);
+        let value = quantity.output(point.wheel_speeds, point.state, point.wrench);
         let value = value.expect("inputs and outputs have values");
         write!(out, ",{:?}", unsigned_zero(value))?;
     }

@@ -1,4 +1,4 @@
-//! Where a parameter's values come from: `NAME=DISTRIBUTION` of `--vary`.
+//! The values of a parameter: `NAME=DISTRIBUTION` of `--vary`.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::str::FromStr;
@@ -6,36 +6,36 @@ use ugv_terrain::display;
 
 const FORMS: &str = "uniform:LOW,HIGH, log-uniform:LOW,HIGH, normal:MEAN,SD[,LOW,HIGH], \
                      log-normal:MEDIAN,FACTOR[,LOW,HIGH], list:A,B,... or grid:LOW,HIGH,COUNT";
-/// A grid of more values is a slip of the pen.
-const MOST_VALUES: f64 = 1e6;
+/// A larger grid is a typing error.
+const MAX_GRID: f64 = 1e6;
 
 /// A parameter that differs from drive to drive.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Varied {
-    /// The FMU's name of it.
+pub struct VariedParameter {
+    /// Its name in the FMU.
     pub name: String,
-    pub values: Values,
+    pub values: VariedValues,
 }
 
-/// What values it takes.
+/// Its values.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Values {
+pub enum VariedValues {
     /// These, each with every sample.
     Listed(Vec<f64>),
     /// One for each sample.
     Drawn(Distribution),
 }
 
-/// A distribution, on a logarithmic scale or a plain one.
+/// A distribution, on a logarithmic or a linear scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distribution {
     shape: Shape,
     is_log: bool,
-    /// No value lies outside.
+    /// All values lie within.
     range: (f64, f64),
 }
 
-/// On the scale of the distribution.
+/// The shape on the scale of the distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
     Uniform,
@@ -43,7 +43,7 @@ enum Shape {
 }
 
 impl Distribution {
-    /// The value below which a share of them lies, for 0 < share < 1.
+    /// The value below which this share of the values lies, for 0 < share < 1.
     pub fn quantile(&self, share: f64) -> f64 {
         let (low, high) = self.range;
         let scaled = |value: f64| self.scaled(value);
@@ -59,15 +59,13 @@ impl Distribution {
         let value = if self.is_log { value.exp() } else { value };
         value.clamp(low, high)
     }
-}
 
-impl Distribution {
     fn scaled(&self, value: f64) -> f64 {
         if self.is_log { value.ln() } else { value }
     }
 
-    /// Shares of a normal distribution below both ends of the range; of its mirror image where both are in the upper tail, for
-    /// those of the lower one keep their digits.
+    /// Shares of a normal distribution below both ends of the range. If both are in the upper tail, shares of the mirror image,
+    /// because those of the lower tail keep their digits.
     fn tails(&self, mean: f64, deviation: f64) -> (f64, f64, bool) {
         let normal = Normal::standard();
         let [low, high] =
@@ -79,7 +77,7 @@ impl Distribution {
         }
     }
 
-    /// Share of the distribution within its bounds, none where it is too small for a number.
+    /// Share of the distribution within its range; 0 if it is too small for a number.
     fn share_within(&self) -> f64 {
         match self.shape {
             Shape::Uniform => 1.0,
@@ -91,7 +89,7 @@ impl Distribution {
     }
 }
 
-impl FromStr for Varied {
+impl FromStr for VariedParameter {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -105,7 +103,7 @@ impl FromStr for Varied {
     }
 }
 
-impl FromStr for Values {
+impl FromStr for VariedValues {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -128,9 +126,9 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 fn grid(low: f64, high: f64, count: f64) -> Result<Vec<f64>, String> {
-    if !(2.0..=MOST_VALUES).contains(&count) || count.fract() != 0.0 {
+    if !(2.0..=MAX_GRID).contains(&count) || count.fract() != 0.0 {
         return Err(format!(
-            "a grid of {} values: expected a whole number of 2 or more, at most {MOST_VALUES:.0e}",
+            "a grid of {} values: expected a whole number from 2 to {MAX_GRID:.0e}",
             display::number(count)
         ));
     }
@@ -141,17 +139,18 @@ fn grid(low: f64, high: f64, count: f64) -> Result<Vec<f64>, String> {
 }
 
 fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
-    let everywhere = |is_log| match is_log {
-        true => (f64::MIN_POSITIVE, f64::MAX),
-        false => (f64::MIN, f64::MAX),
-    };
     let (is_log, form) = match form.strip_prefix("log-") {
         Some(form) => (true, form),
         None => (false, form),
     };
+    let unbounded = if is_log {
+        (f64::MIN_POSITIVE, f64::MAX)
+    } else {
+        (f64::MIN, f64::MAX)
+    };
     let (shape, range) = match (form, numbers) {
         ("uniform", [low, high]) => (None, (*low, *high)),
-        ("normal", [centre, spread]) => (Some((*centre, *spread)), everywhere(is_log)),
+        ("normal", [centre, spread]) => (Some((*centre, *spread)), unbounded),
         ("normal", [centre, spread, low, high]) => (Some((*centre, *spread)), (*low, *high)),
         _ => return Err(format!("expected {FORMS}")),
     };
@@ -200,7 +199,7 @@ fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
     };
     if drawn.share_within() <= 0.0 {
         return Err(format!(
-            "none of it lies between {} and {}, to the last digit: expected bounds farther apart or nearer to the \
+            "nothing lies between {} and {}, to the last digit: expected bounds farther apart or nearer to the \
              mean, or uniform:LOW,HIGH",
             range.0, range.1
         ));
@@ -212,13 +211,13 @@ fn drawn(form: &str, numbers: &[f64]) -> Result<Distribution, String> {
 mod tests {
     use super::*;
 
-    /// What statrs leaves of the error function's inverse.
+    /// Error of statrs' inverse of the error function.
     const ROUNDING: f64 = 1e-9;
 
     fn quantile(text: &str, share: f64) -> f64 {
         match text.parse().unwrap() {
-            Values::Drawn(distribution) => distribution.quantile(share),
-            Values::Listed(_) => panic!("{text} is a list"),
+            VariedValues::Drawn(distribution) => distribution.quantile(share),
+            VariedValues::Listed(_) => panic!("{text} is a list"),
         }
     }
 
@@ -255,9 +254,9 @@ mod tests {
 
     #[test]
     fn lists_and_grids_name_their_values() {
-        let listed = |text: &str| text.parse::<Values>();
-        assert_eq!(listed("list:3,1"), Ok(Values::Listed(vec![3.0, 1.0])));
-        let grid = Values::Listed(vec![1.0, 1.5, 2.0]);
+        let listed = |text: &str| text.parse::<VariedValues>();
+        assert_eq!(listed("list:3,1"), Ok(VariedValues::Listed(vec![3.0, 1.0])));
+        let grid = VariedValues::Listed(vec![1.0, 1.5, 2.0]);
         assert_eq!(listed("grid:1,2,3"), Ok(grid));
     }
 
@@ -273,16 +272,10 @@ mod tests {
             ("a=normal:1,0", "a standard deviation of 0"),
             ("a=log-normal:5,0.5", "a factor above 1"),
             ("a=grid:1,2,1.5", "a grid of 1.5 values"),
-            (
-                "a=normal:5,1,100,200",
-                "none of it lies between 100 and 200",
-            ),
-            (
-                "a=log-normal:1040,1.05,10000,20000",
-                "none of it lies between",
-            ),
+            ("a=normal:5,1,100,200", "nothing lies between 100 and 200"),
+            ("a=log-normal:1040,1.05,10000,20000", "nothing lies between"),
         ] {
-            let message = text.parse::<Varied>().unwrap_err();
+            let message = text.parse::<VariedParameter>().unwrap_err();
             assert!(message.contains(expected), "{text}: {message}");
         }
     }

@@ -1,21 +1,21 @@
 //! `ugv sweep`: one drive with many sets of parameters.
 
 mod distribution;
-mod outcome;
-mod samples;
+mod drive;
+mod parameters;
 mod setup;
 
-use super::initial::Initial;
-use super::jobs::pool;
+use super::failure::Failure;
+use super::initial::InitialArgument;
+use super::input::{doubts, filled, read_input};
+use super::jobs;
 use super::model::ModelArgs;
-use super::output::Output;
-use super::progress::Progress;
-use super::simulate::{doubts, filled, read_input};
-use super::{Failure, tell};
-use distribution::{Values, Varied};
-use outcome::{COLUMNS, DriveResult};
+use super::output::{Output, notify};
+use super::progress::ProgressLine;
+use distribution::{VariedParameter, VariedValues};
+use drive::{COLUMNS, DriveResult, drive};
+use parameters::{ParameterRow, ParameterTable};
 use rayon::prelude::*;
-use samples::{Sample, Samples};
 use setup::Setup;
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use ugv_terrain::recording::Drive;
 
-/// Drives between two writings: memory stays small, and no thread waits long for another.
+/// Drives between two writes: few enough for a small memory, enough to keep all threads busy.
 const BLOCK: usize = 4096;
 
 const EXAMPLES: &str = "\
@@ -36,16 +36,16 @@ Examples:
 
 Distributions:  uniform:LOW,HIGH   log-uniform:LOW,HIGH   list:A,B,...   grid:LOW,HIGH,COUNT
                 normal:MEAN,SD     log-normal:MEDIAN,FACTOR (two thirds lie between MEDIAN / FACTOR
-                and MEDIAN * FACTOR); with ,LOW,HIGH behind them nothing lies beyond
-Parameters:     the FMU's: soil.*, vehicle.*, initial.*, effects.* (effects.payload.mass), in SI
-                units, or degrees where the name says so. The model gives those that are not varied.
-Output:         one row per drive: index; its parameters; how long it drove (seconds from the first row); pose and
-                velocities there; distance; largest and mean |longitudinal slip| and largest sinkage
+                and MEDIAN * FACTOR); an appended ,LOW,HIGH bounds the values
+Parameters:     those of the FMU: soil.*, vehicle.*, initial.*, effects.* (effects.payload.mass), in
+                SI units, or degrees if the name says so. The other parameters are the model's.
+Output:         one row per drive: index; its parameters; duration (from the first row) and final pose
+                and velocities; distance; largest and mean |longitudinal slip| and largest sinkage
                 over wheels and rows; work against the rolling resistance [J]; and in `error` why it
-                did not reach the end (a bogged vehicle, say): then the other columns tell of the
-                last row that it reached. The same bits whatever --jobs.";
+                did not reach the end (a bogged vehicle, for example). The other columns are then
+                those of the last row that it reached. The same bits for any --jobs.";
 
-/// Drive the same wheel speeds with many sets of parameters; a table of where each drive ends.
+/// Drive the same wheel speeds with many sets of parameters: a table of where each drive ends.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -60,31 +60,31 @@ pub struct Args {
     #[command(flatten)]
     model: ModelArgs,
 
-    /// Where the vehicle starts and how fast, as for `ugv simulate` [default: at rest at the origin]
+    /// Initial state, as for `ugv simulate` [default: at rest at the origin]
     #[arg(long, value_name = "KEY=VALUE|no-slip", num_args = 1..)]
-    initial: Vec<Initial>,
+    initial: Vec<InitialArgument>,
 
-    /// A parameter that differs from drive to drive; may be given several times
+    /// A parameter that differs from drive to drive; repeatable
     #[arg(
         long,
         value_name = "NAME=DISTRIBUTION",
         required_unless_present = "table"
     )]
-    vary: Vec<Varied>,
+    vary: Vec<VariedParameter>,
 
-    /// How many samples of what is drawn; each is driven with every combination of what is listed
+    /// Number of samples of the distributions; each drives with every combination of the listed values
     #[arg(long, value_name = "N", default_value = "1")]
     samples: NonZeroUsize,
 
-    /// Seed of what is drawn; the same seed, the same numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Take the parameters from a table, one row per drive, in place of --vary
+    /// Take the parameters from a table, one row per drive, instead of --vary
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["vary", "samples", "seed", "samples_only"])]
     table: Option<PathBuf>,
 
-    /// Write the table of parameters, and do not drive
+    /// Write the table of parameters without driving
     #[arg(long)]
     samples_only: bool,
 
@@ -93,8 +93,8 @@ pub struct Args {
     output: Option<PathBuf>,
 
     /// Threads [default: one per processor]
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(jobs::RANGE))]
+    jobs: Option<u16>,
 
     /// Neither summary nor progress
     #[arg(long, short)]
@@ -103,10 +103,10 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let files = args.model.files();
-    let sources = args.input.iter().chain(&args.table).chain(&files);
-    let mut output = Output::of(args.output.as_deref(), sources)?;
+    let inputs = args.input.iter().chain(&args.table).chain(&files);
+    let mut output = Output::from_inputs(args.output.as_deref(), inputs)?;
     let samples = match &args.table {
-        Some(path) => Samples::read(path)?,
+        Some(path) => ParameterTable::read(path)?,
         None => draw(args)?,
     };
     let specification = args.model.specification()?;
@@ -114,9 +114,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => read_input(path)?,
         None => standstill(),
     };
-    doubts(&drive).for_each(|doubt| tell(&doubt));
-    if drive.filled_rows > 0 && !args.quiet {
-        tell(&filled(&drive));
+    doubts(&drive).iter().for_each(|doubt| notify(doubt));
+    if let Some(note) = filled(&drive)
+        && !args.quiet
+    {
+        notify(&note);
     }
     let setup = Setup::new(specification, &args.initial, &drive, &samples.names)?;
     setup.check(&samples, args.table.as_deref())?;
@@ -127,33 +129,30 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return output.finish();
     }
     if drive.len() < 2 {
-        return Err(Failure::Argument {
-            reason: "a drive of one row leads nowhere".into(),
-            hint: Some("give --input two rows or more".into()),
-        });
+        return Err(
+            Failure::argument("the drive has one row").with_remedy("give --input two rows or more")
+        );
     }
-    let begin = Instant::now();
+    let started = Instant::now();
     let summary = sweep(args, &setup, &drive, &samples, &mut output)?;
-    let elapsed = begin.elapsed().as_secs_f64();
+    let elapsed = started.elapsed().as_secs_f64();
     output.finish()?;
     if !args.quiet {
-        summary.tell(samples.rows.len(), drive.duration(), elapsed);
+        summary.print(samples.rows.len(), drive.duration(), elapsed);
     }
     Ok(())
 }
 
-fn draw(args: &Args) -> Result<Samples, Failure> {
-    let drawn = |v: &Varied| matches!(v.values, Values::Drawn(_));
-    if args.samples.get() > 1 && !args.vary.iter().any(drawn) {
-        return Err(Failure::Argument {
-            reason: "--samples draws nothing: every parameter of --vary is a list or a grid".into(),
-            hint: Some("leave --samples out".into()),
-        });
+fn draw(args: &Args) -> Result<ParameterTable, Failure> {
+    let is_drawn = |v: &VariedParameter| matches!(v.values, VariedValues::Drawn(_));
+    if args.samples.get() > 1 && !args.vary.iter().any(is_drawn) {
+        let reason = "--samples has no effect: every parameter of --vary is a list or a grid";
+        return Err(Failure::argument(reason).with_remedy("remove --samples"));
     }
-    Samples::draw(&args.vary, args.samples.get(), args.seed)
+    ParameterTable::draw(&args.vary, args.samples.get(), args.seed)
 }
 
-/// Stands for the input where nothing is driven.
+/// The input of `--samples-only` without one.
 fn standstill() -> Drive {
     Drive {
         time: vec![0.0],
@@ -166,60 +165,60 @@ fn standstill() -> Drive {
 fn sweep(
     args: &Args,
     setup: &Setup,
-    drive: &Drive,
-    samples: &Samples,
+    rows: &Drive,
+    samples: &ParameterTable,
     output: &mut Output,
-) -> Result<Summary, Failure> {
-    let pool = pool(args.jobs)?;
-    let progress = Progress::counting(samples.rows.len() as u64, args.quiet);
-    let one = |sample: &Sample| -> Result<DriveResult, Failure> {
+) -> Result<SweepSummary, Failure> {
+    let pool = jobs::pool(args.jobs)?;
+    let progress = ProgressLine::counting(samples.rows.len() as u64, args.quiet);
+    let one = |sample: &ParameterRow| -> Result<DriveResult, Failure> {
         let (model, start) = setup.prepare(sample)?;
-        let outcome = outcome::drive(drive, model, start);
+        let result = drive(rows, model, start);
         progress.count();
-        Ok(outcome)
+        Ok(result)
     };
-    let mut summary = Summary::default();
+    let mut summary = SweepSummary::default();
     writeln!(output, "{},{COLUMNS}", samples.header()).map_err(|e| output.failure(e))?;
     for block in samples.rows.chunks(BLOCK) {
-        let outcomes: Vec<_> = pool.install(|| block.par_iter().map(one).collect());
-        for (sample, outcome) in block.iter().zip(outcomes) {
-            let outcome = outcome?;
-            let written = sample.write(output).and_then(|()| outcome.write(output));
+        let results: Vec<_> = pool.install(|| block.par_iter().map(one).collect());
+        for (sample, result) in block.iter().zip(results) {
+            let result = result?;
+            let written = sample.write(output).and_then(|()| result.write(output));
             written.map_err(|source| output.failure(source))?;
-            summary.count(sample, &outcome);
+            summary.count(sample, &result);
         }
     }
     progress.finish();
     Ok(summary)
 }
 
-/// What the user is told in the end.
+/// The sweep in one line, and its first failure.
 #[derive(Default)]
-struct Summary {
+struct SweepSummary {
     failed: usize,
     /// The first drive that did not reach the end, and why.
     first: Option<(u64, String)>,
 }
 
-impl Summary {
-    fn count(&mut self, sample: &Sample, outcome: &DriveResult) {
-        if let Some(error) = &outcome.error {
+impl SweepSummary {
+    fn count(&mut self, sample: &ParameterRow, result: &DriveResult) {
+        if let Some(error) = &result.error {
             self.failed += 1;
             self.first
                 .get_or_insert_with(|| (sample.index, error.clone()));
         }
     }
 
-    fn tell(&self, drives: usize, seconds: f64, elapsed: f64) {
+    fn print(&self, drives: usize, seconds: f64, elapsed: f64) {
         if let Some((index, error)) = &self.first {
             let failed = self.failed;
-            tell(&format!(
+            notify(&format!(
                 "note: {failed} of {drives} drives did not reach the end (column error); the first is \
                  {index}: {error}"
             ));
         }
         let rate = drives as f64 / elapsed;
-        tell(&format!(
+        notify(&format!(
             "{drives} drives of {seconds:.2} s in {elapsed:.2} s, {rate:.0} per second"
         ));
     }

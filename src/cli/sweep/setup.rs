@@ -1,9 +1,8 @@
-//! What each drive begins with: the model and the start that all have in common, and its own
-//! parameters by the FMU's names.
+//! The model and the initial state of each drive: those of all drives, with the parameters of one.
 
-use super::samples::{Sample, Samples};
-use crate::cli::Failure;
-use crate::cli::initial::{Initial, check, initial_state};
+use super::parameters::{ParameterRow, ParameterTable};
+use crate::cli::failure::Failure;
+use crate::cli::initial::{InitialArgument, check, initial_state};
 use std::path::Path;
 use ugv_terrain::declaration::{Causality, Configuration, Kind, Quantity, variables};
 use ugv_terrain::display::shortened;
@@ -13,24 +12,21 @@ use ugv_terrain::simulation::State;
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::vehicle::{Specification, VehicleModel};
 
-/// Of the states, those that rolling without slip sets.
-const FIRST_VELOCITY: usize = 3;
-
 /// What all drives have in common.
 pub struct Setup<'a> {
     base: Configuration,
-    initial: &'a [Initial],
-    /// What each column of the table sets.
+    initial: &'a [InitialArgument],
+    /// The quantity that each column of the table sets.
     columns: Vec<Quantity>,
     drive: &'a Drive,
 }
 
 impl<'a> Setup<'a> {
     /// # Errors
-    /// A name that is no parameter of the FMU, or one that `--initial` sets already.
+    /// A name that is not a parameter of the FMU, or one that `--initial` sets too.
     pub fn new(
         specification: Specification,
-        initial: &'a [Initial],
+        initial: &'a [InitialArgument],
         drive: &'a Drive,
         names: &[String],
     ) -> Result<Self, Failure> {
@@ -38,8 +34,12 @@ impl<'a> Setup<'a> {
         let columns = names.iter().map(|name| quantity(&base, name));
         let columns = columns.collect::<Result<Vec<_>, _>>()?;
         for (name, column) in names.iter().zip(&columns) {
-            if let Quantity::Initial(index) = column {
-                check_free(name, *index, initial)?;
+            if let Quantity::Initial(place) = column
+                && initial.iter().any(|argument| argument.sets(*place))
+            {
+                let reason =
+                    format!("{name} differs from drive to drive, and --initial sets it too");
+                return Err(Failure::argument(reason).with_remedy("remove one of them"));
             }
         }
         Ok(Self {
@@ -50,29 +50,30 @@ impl<'a> Setup<'a> {
         })
     }
 
-    /// Refuses a table of which a row describes no vehicle, soil or effect.
+    /// Refuses a table with an invalid vehicle, soil or effect.
     ///
     /// # Errors
-    /// The first such row, with the parameter and its range.
-    pub fn check(&self, samples: &Samples, table: Option<&Path>) -> Result<(), Failure> {
+    /// The first row with one, with the parameter and its range.
+    pub fn check(&self, samples: &ParameterTable, table: Option<&Path>) -> Result<(), Failure> {
         let file = table.map_or(String::new(), |path| format!("{}: ", path.display()));
         for sample in &samples.rows {
             self.prepare(sample).map_err(|failure| match failure {
-                Failure::Model(error) => Failure::Argument {
-                    reason: format!("{file}sample {}: {error}", sample.index),
-                    hint: Some(
-                        "bound what is drawn (normal:MEAN,SD,LOW,HIGH, log-normal:MEDIAN,FACTOR,LOW,HIGH), or take the row out of the table".into(),
-                    ),
-                },
+                Failure::Model(error) => {
+                    Failure::argument(format!("{file}sample {}: {error}", sample.index))
+                        .with_remedy(
+                            "bound the distribution (normal:MEAN,SD,LOW,HIGH, log-normal:MEDIAN,FACTOR,LOW,HIGH), \
+                             or remove the row from the table",
+                        )
+                }
                 other => other,
             })?;
         }
         Ok(())
     }
 
-    /// Model and start of a drive.
-    pub fn prepare(&self, sample: &Sample) -> Result<(VehicleModel, State), Failure> {
-        let model = self.model(sample).map_err(Failure::Model)?;
+    /// Model and initial state of a drive.
+    pub fn prepare(&self, sample: &ParameterRow) -> Result<(VehicleModel, State), Failure> {
+        let model = self.model(sample)?;
         let speeds = self.drive.wheel_speeds(0).into();
         let mut state = initial_state(self.initial, model.vehicle(), speeds)?.to_array();
         for (column, value) in self.columns.iter().zip(&sample.values) {
@@ -83,7 +84,7 @@ impl<'a> Setup<'a> {
         Ok((model, State::from_array(state)))
     }
 
-    fn model(&self, sample: &Sample) -> Result<VehicleModel, ParameterError> {
+    fn model(&self, sample: &ParameterRow) -> Result<VehicleModel, ParameterError> {
         let mut configuration = self.base.clone();
         for (column, value) in self.columns.iter().zip(&sample.values) {
             Configuration::check_parameter(*column, *value)?;
@@ -105,30 +106,12 @@ fn quantity(base: &Configuration, name: &str) -> Result<Quantity, Failure> {
     if let Some(variable) = known.iter().find(|variable| variable.name == name) {
         return Ok(variable.quantity);
     }
-    let meant = nearest(name, known.iter().map(|variable| variable.name.as_str()));
-    Err(Failure::Argument {
-        reason: format!(
-            "`{}` is no parameter of the FMU of this model",
-            shortened(name)
-        ),
-        hint: Some(format!(
-            "the nearest is {}; docs/reference/fmu_variables.md lists soil.*, vehicle.* and initial.*, `ugv effects` the \
-             effects.*, of which those that remember must be on in --effects or --model",
-            meant.unwrap_or_default()
-        )),
-    })
-}
-
-fn check_free(name: &str, index: usize, initial: &[Initial]) -> Result<(), Failure> {
-    let taken = initial.iter().any(|argument| match argument {
-        Initial::NoSlip => index >= FIRST_VELOCITY,
-        Initial::Value(set, _) => *set == index,
-    });
-    if taken {
-        return Err(Failure::Argument {
-            reason: format!("{name} differs from drive to drive, and --initial sets it too"),
-            hint: Some("leave it out of one of them".into()),
-        });
-    }
-    Ok(())
+    let near = nearest(name, known.iter().map(|variable| variable.name.as_str()));
+    let name = shortened(name);
+    let reason = format!("`{name}` is not a parameter of the FMU of this model");
+    Err(Failure::argument(reason).with_remedy(format!(
+        "the nearest is {}; docs/reference/fmu_variables.md lists soil.*, vehicle.* and initial.*, `ugv effects` the \
+         effects.*; effects with states must be on in --effects or --model",
+        near.unwrap_or_default()
+    )))
 }

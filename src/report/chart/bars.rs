@@ -1,15 +1,15 @@
 //! Horizontal bars.
 
-use super::frame::{SIZE, ticks};
-use super::{escape, opening};
+use super::frame::{SIZE, figure_opening, ticks};
+use crate::display::markup;
 use std::fmt::Write;
 
 const ROW: f64 = 19.0;
 const TOP: f64 = 4.0;
 const BOTTOM: f64 = 34.0;
-/// Room of the values' texts, right of the longest bar, at least.
+/// Minimum room for the values' texts, right of the longest bar.
 const TEXT: f64 = 62.0;
-/// Most intervals between ticks: labels leave less room.
+/// Maximum number of intervals between ticks: labels leave less room than in other charts.
 const TICKS: f64 = 3.0;
 /// Width of a letter of a label or a value's text.
 const LETTER: f64 = 5.9;
@@ -21,14 +21,14 @@ pub enum Tint {
     First,
     /// Sensors.
     Second,
-    /// What stands beside.
+    /// What it is compared with.
     Plain,
 }
 
 /// One bar.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bar {
-    /// What it is of.
+pub struct LabelledBar {
+    /// Its name.
     pub label: String,
     /// Its length; not finite draws none.
     pub value: f64,
@@ -40,25 +40,25 @@ pub struct Bar {
 
 /// A chart of bars.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bars {
+pub struct BarChart {
     /// What it shows.
     pub title: String,
     /// Name and unit of the axis.
     pub x_label: String,
     /// The bars from top to bottom.
-    pub bars: Vec<Bar>,
-    /// End of the axis, where it is fixed.
+    pub bars: Vec<LabelledBar>,
+    /// End of the axis; without one the longest bar ends it.
     pub full: Option<f64>,
 }
 
-impl Bars {
-    /// The chart as an HTML figure; nothing without bars.
+impl BarChart {
+    /// The chart as an HTML figure; empty without bars.
     #[must_use]
     pub fn figure(&self) -> String {
         if self.bars.is_empty() {
             return String::new();
         }
-        let width = |of: fn(&Bar) -> &str| {
+        let width = |of: fn(&LabelledBar) -> &str| {
             let letters = self.bars.iter().map(|bar| of(bar).chars().count());
             10.0 + LETTER * letters.max().unwrap_or(0) as f64
         };
@@ -66,15 +66,15 @@ impl Bars {
         let right = SIZE.0 - width(|bar| &bar.text).max(TEXT);
         let bottom = TOP + ROW * self.bars.len() as f64;
         let values = self.bars.iter().map(|bar| bar.value);
-        let most = values.filter(|value| value.is_finite()).fold(0.0, f64::max);
-        let full = self.full.unwrap_or(most);
+        let longest = values.filter(|value| value.is_finite()).fold(0.0, f64::max);
+        let full = self.full.unwrap_or(longest);
         let full = if full > 0.0 { full } else { 1.0 };
         let at = |value: f64| left + (value / full).clamp(0.0, 1.0) * (right - left);
-        let rows = self.bars.iter();
-        let rows: Vec<String> = rows
+        let words = self.bars.iter();
+        let words: Vec<String> = words
             .map(|bar| format!("{}: {}", bar.label, bar.text))
             .collect();
-        let mut html = opening(&self.title, &rows.join("; "), bottom + BOTTOM);
+        let mut html = figure_opening(&self.title, &words.join("; "), bottom + BOTTOM);
         for (value, text) in ticks(&(0.0..=full), TICKS) {
             let _ = write!(
                 html,
@@ -103,13 +103,13 @@ impl Bars {
                  <text class=\"name\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
                 left - 5.0,
                 top + 13.0,
-                escape(&bar.label),
+                markup(&bar.label),
                 top + 3.5,
                 (end - left).max(0.8),
                 ROW - 6.0,
                 end + 4.0,
                 top + 13.0,
-                escape(&bar.text)
+                markup(&bar.text)
             );
         }
         let _ = write!(
@@ -118,7 +118,7 @@ impl Bars {
              <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text></svg></figure>",
             f64::midpoint(left, right),
             bottom + BOTTOM - 5.0,
-            escape(&self.x_label)
+            markup(&self.x_label)
         );
         html + "\n"
     }
@@ -130,31 +130,31 @@ mod tests {
 
     #[test]
     fn lengths_follow_the_values() {
-        let bar = |value| Bar {
+        let bar = |value| LabelledBar {
             label: "a & b".into(),
             value,
             text: format!("{value}"),
             tint: Tint::First,
         };
-        let mut bars = Bars {
+        let mut chart = BarChart {
             title: "t".into(),
             x_label: "x".into(),
             bars: Vec::new(),
             full: None,
         };
-        assert_eq!(bars.figure(), "");
-        bars.bars = vec![bar(2.0), bar(1.0), bar(f64::NAN)];
-        let figure = bars.figure();
+        assert_eq!(chart.figure(), "");
+        chart.bars = vec![bar(2.0), bar(1.0), bar(f64::NAN)];
+        let figure = chart.figure();
         let widths: Vec<f64> = figure
             .split(" width=\"")
             .skip(1)
             .map(|rest| rest.split('"').next().unwrap().parse().unwrap())
             .collect();
         assert!((widths[0] / widths[1] - 2.0).abs() < 0.01, "{widths:?}");
+        assert!(widths[2] < 1.0);
         assert!(
             figure.contains("aria-label=\"t: a &amp; b: 2; a &amp; b: 1"),
             "{figure}"
         );
-        assert!(widths[2] < 1.0 && figure.contains("a &amp; b"));
     }
 }

@@ -1,20 +1,31 @@
 //! Where values are on the picture, and the axes.
 
-use super::escape;
+use crate::display::markup;
 use std::fmt::Write;
 use std::ops::RangeInclusive;
 
 /// Size of a chart; small enough that a phone shows it without shrinking the text.
 pub const SIZE: (f64, f64) = (360.0, 230.0);
-/// Margins around the plot beside the left one, which the ticks' texts decide.
+/// Margins around the plot; the ticks' texts decide the left one.
 const TOP: f64 = 8.0;
 const RIGHT: f64 = 12.0;
 const BOTTOM: f64 = 34.0;
 /// Width of the vertical axis' name, and of a digit.
 const NAME: f64 = 20.0;
 const DIGIT: f64 = 6.2;
-/// Most intervals between ticks.
+/// Maximum number of intervals between ticks.
 const TICKS: f64 = 6.0;
+
+/// The start of a figure, up to its drawing, with what it shows in words.
+pub fn figure_opening(title: &str, words: &str, height: f64) -> String {
+    format!(
+        "<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 {} {height}\" role=\"img\" \
+         aria-label=\"{}\">\n",
+        markup(title),
+        SIZE.0,
+        markup(&format!("{title}: {words}"))
+    )
+}
 
 /// Where values are on the picture.
 pub struct Frame {
@@ -27,7 +38,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame of so many pixels around ranges, widened to one scale on a map.
+    /// A frame of this size in pixels around ranges, widened to one scale on a map.
     pub fn new(
         size: (f64, f64),
         x: RangeInclusive<f64>,
@@ -114,20 +125,20 @@ impl Frame {
             "<text x=\"{middle:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
              <text transform=\"translate(11 {across}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             self.size.1 - 5.0,
-            escape(x_label),
-            escape(y_label)
+            markup(x_label),
+            markup(y_label)
         );
     }
 }
 
-/// Round values within a range, so many intervals at most, with their texts.
-pub fn ticks(range: &RangeInclusive<f64>, most: f64) -> Vec<(f64, String)> {
+/// Round values within a range, with at most `max` intervals between them, and their texts.
+pub fn ticks(range: &RangeInclusive<f64>, max: f64) -> Vec<(f64, String)> {
     let length = range.end() - range.start();
-    let power = 10f64.powf((length / most).log10().floor());
+    let power = 10f64.powf((length / max).log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0]
         .map(|factor| factor * power)
         .into_iter()
-        .find(|step| length / step <= most)
+        .find(|step| length / step <= max)
         .unwrap_or(length);
     let decimals = (-(step * 1.001).log10().floor()).max(0.0) as usize;
     let first = (range.start() / step).ceil() as i64;

@@ -2,47 +2,16 @@
 
 mod bars;
 mod frame;
-mod mark;
-mod thin;
+mod series;
 
-pub use bars::{Bar, Bars, Tint};
-pub use mark::Mark;
+pub use bars::{BarChart, LabelledBar, Tint};
+pub use series::{Line, Stroke, Underlay};
 
 use super::number::digits;
-use crate::display::visible;
-use frame::{Frame, SIZE};
+use crate::display::markup;
+use frame::{Frame, SIZE, figure_opening};
 use std::fmt::Write;
 use std::ops::RangeInclusive;
-use thin::{connected, thinned};
-
-/// More points per line are not visible.
-const MOST_POINTS: usize = 700;
-
-/// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stroke {
-    /// Connected.
-    Line,
-    /// As dots.
-    Dots,
-    /// Connected, in the colour of this step of the sequential scale, 0 to 5.
-    Step(usize),
-    /// Connected, broad and pale, to mark a part of a line that is drawn over it.
-    Halo,
-    /// As large dots in the text's colour.
-    Points,
-}
-
-/// Points with a name; those after a gap begin a new part.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Line {
-    /// Name in the legend; lines after the first of one name share its entry and colour.
-    pub name: String,
-    /// Parts of connected points; one that is not finite interrupts.
-    pub parts: Vec<Vec<(f64, f64)>>,
-    /// How it is drawn.
-    pub stroke: Stroke,
-}
 
 /// A chart with its axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,10 +25,10 @@ pub struct Chart {
     /// Its lines.
     pub lines: Vec<Line>,
     /// What lies beneath, with its name in the legend.
-    pub marks: Vec<(&'static str, Mark)>,
+    pub underlays: Vec<(&'static str, Underlay)>,
     /// Whether both axes have one scale.
     pub is_map: bool,
-    /// How high it is; its width is 360.
+    /// Its height; its width is 360.
     pub height: f64,
 }
 
@@ -76,199 +45,95 @@ impl Chart {
             x_label: x_label.into(),
             y_label: y_label.into(),
             lines: Vec::new(),
-            marks: Vec::new(),
+            underlays: Vec::new(),
             is_map: false,
             height: SIZE.1,
         }
     }
 
-    /// The chart as an HTML figure with a legend; nothing where no line has a point.
+    /// The chart as an HTML figure with a legend; empty where no line has a point.
     #[must_use]
     pub fn figure(&self) -> String {
         let Some((drawing, legend)) = self.draw() else {
             return String::new();
         };
-        let opening = opening(&self.title, &self.in_words(), self.height);
+        let opening = figure_opening(&self.title, &self.in_words(), self.height);
         opening + &drawing + "</svg>" + &legend.html() + "</figure>\n"
     }
 
-    /// Axes, marks and lines, and what stands in the legend.
+    /// Axes, underlays and lines, and what stands in the legend.
     fn draw(&self) -> Option<(String, Legend)> {
         let (x, y) = self.ranges()?;
         let frame = Frame::new((SIZE.0, self.height), x, y, self.is_map);
         let mut svg = String::new();
         let mut legend = Legend::default();
-        for (name, mark) in &self.marks {
-            frame.mark(&mut svg, mark);
-            legend.add(2, name, mark.class().into());
+        for (name, underlay) in &self.underlays {
+            frame.underlay(&mut svg, underlay);
+            legend.add(name, (2, underlay.class().into()));
         }
         frame.axes(&mut svg, &self.x_label, &self.y_label);
         let mut coloured: Vec<&str> = Vec::new();
-        for line in self.lines.iter().filter(|line| !line.parts.is_empty()) {
-            let place = coloured
-                .iter()
-                .position(|name| *name == line.name)
-                .unwrap_or(coloured.len());
-            if matches!(line.stroke, Stroke::Line | Stroke::Dots) && place == coloured.len() {
+        for line in self.lines.iter().filter(|line| !line.pieces.is_empty()) {
+            let known = coloured.iter().position(|name| *name == line.name);
+            let place = known.unwrap_or(coloured.len());
+            if matches!(line.stroke, Stroke::Line | Stroke::Dots) && known.is_none() {
                 coloured.push(&line.name);
             }
             frame.line(&mut svg, line, place);
-            let (rank, swatch) = match line.stroke {
-                Stroke::Line | Stroke::Dots => (0, format!("s{place}")),
-                Stroke::Step(step) => (0, format!("m{step}")),
-                Stroke::Halo => (1, "halo".into()),
-                Stroke::Points => (1, "points".into()),
-            };
-            legend.add(rank, &line.name, swatch);
+            legend.add(&line.name, line.stroke.swatch(place));
         }
         Some((svg, legend))
     }
 
-    /// What it shows, for those who do not see it: the axes, and from where to where each line goes.
+    /// What it shows, for readers who do not see it: the axes, and the range of each line.
     fn in_words(&self) -> String {
-        let mut ends: Vec<(&str, f64, f64)> = Vec::new();
+        let mut ranges: Vec<(&str, f64, f64)> = Vec::new();
         for line in &self.lines {
-            let values = line.parts.iter().flatten().map(|point| point.1);
+            let values = line.pieces.iter().flatten().map(|point| point.1);
             for value in values.filter(|value| value.is_finite()) {
-                match ends.iter_mut().find(|known| known.0 == line.name) {
+                match ranges.iter_mut().find(|known| known.0 == line.name) {
                     Some(known) => (known.1, known.2) = (known.1.min(value), known.2.max(value)),
-                    None => ends.push((&line.name, value, value)),
+                    None => ranges.push((&line.name, value, value)),
                 }
             }
         }
-        let ends = ends.iter().map(|(name, low, high)| {
+        let ranges = ranges.iter().map(|(name, low, high)| {
             let colon = if name.is_empty() { "" } else { ": " };
             format!("{name}{colon}{} to {}", digits(*low, 3), digits(*high, 3))
         });
-        let ends: Vec<String> = ends.collect();
+        let ranges: Vec<String> = ranges.collect();
         format!(
             "{} over {}; {}",
             self.y_label,
             self.x_label,
-            ends.join("; ")
+            ranges.join("; ")
         )
     }
 
     fn ranges(&self) -> Option<(RangeInclusive<f64>, RangeInclusive<f64>)> {
-        let mut points: Vec<(f64, f64)> = Vec::new();
-        for line in &self.lines {
-            points.extend(line.parts.iter().flatten());
-        }
-        points.retain(|point| point.0.is_finite() && point.1.is_finite());
-        if points.is_empty() {
-            return None;
-        }
-        let first = points[0].0;
-        for (_, mark) in &self.marks {
-            match mark {
-                Mark::Span(..) => {}
-                Mark::Band(parts) => {
-                    let ends = parts.iter().flatten();
+        let lines = self.lines.iter();
+        let mut points: Vec<(f64, f64)> = lines
+            .flat_map(|line| line.pieces.iter().flatten().copied())
+            .filter(|point| point.0.is_finite() && point.1.is_finite())
+            .collect();
+        let first = points.first()?.0;
+        for (_, underlay) in &self.underlays {
+            match underlay {
+                Underlay::Span(..) => {}
+                Underlay::Band(pieces) => {
+                    let ends = pieces.iter().flatten();
                     points.extend(ends.flat_map(|p| [(p.0, p.1), (p.0, p.2)]));
                 }
-                Mark::Circle((x, y), radius) => {
+                Underlay::Circle((x, y), radius) => {
                     points.extend([(x - radius, y - radius), (x + radius, y + radius)]);
                 }
-                Mark::Zero => points.push((first, 0.0)),
+                Underlay::Zero => points.push((first, 0.0)),
             }
         }
         Some((
             range(points.iter().map(|point| point.0))?,
             range(points.iter().map(|point| point.1))?,
         ))
-    }
-}
-
-/// The beginning of a figure, up to its drawing, with what it shows in words.
-fn opening(title: &str, words: &str, height: f64) -> String {
-    format!(
-        "<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 {} {height}\" role=\"img\" \
-         aria-label=\"{}\">\n",
-        escape(title),
-        SIZE.0,
-        escape(&format!("{title}: {words}"))
-    )
-}
-
-/// Charts in two columns as an SVG file that stands alone, with the colours of the page's style sheet.
-#[must_use]
-pub fn sheet(title: &str, charts: &[Chart]) -> String {
-    const HEADER: f64 = 42.0;
-    const MARGIN: f64 = 14.0;
-    let height = charts
-        .iter()
-        .fold(0.0, |most: f64, chart| most.max(chart.height));
-    let cell = (SIZE.0 + 2.0 * MARGIN, height + HEADER + MARGIN);
-    let (width, total) = (
-        2.0 * cell.0,
-        30.0 + cell.1 * charts.len().div_ceil(2) as f64,
-    );
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {width} {total}\">\n\
-         <style>{SHEET_STYLE}</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\
-         <text class=\"title\" x=\"{MARGIN}\" y=\"22\">{2}</text>\n",
-        1.5 * width,
-        1.5 * total,
-        escape(title)
-    );
-    for (place, chart) in charts.iter().enumerate() {
-        let (x, y) = (
-            cell.0 * (place % 2) as f64 + MARGIN,
-            30.0 + cell.1 * (place / 2) as f64,
-        );
-        let (drawing, legend) = chart.draw().unwrap_or_default();
-        let _ = writeln!(
-            svg,
-            "<g transform=\"translate({x} {y})\"><text class=\"name\" y=\"14\">{}</text>{}\
-             <g transform=\"translate(0 {HEADER})\">\n{drawing}</g></g>",
-            escape(&chart.title),
-            legend.svg(32.0)
-        );
-    }
-    svg + "</svg>\n"
-}
-
-/// The style sheet of a [`sheet`]: the light colours of the page's.
-const SHEET_STYLE: &str = "\
-    text{font:11px sans-serif;fill:#63636a}.name,.title{fill:#1c1c1e;font-weight:600}.title{font-size:14px}\
-    path{fill:none;stroke-linejoin:round;stroke-linecap:round;stroke-width:1.3}.grid{stroke:#e0e0e6;stroke-width:1}\
-    .points{stroke:#1c1c1e;stroke-width:9}.s0{stroke:#1f69b4}.s1{stroke:#c74a0a}.s2{stroke:#288c50}.s3{stroke:#823c96}";
-
-/// Names with their swatches, each once: lines, what marks parts of them, what lies beneath.
-#[derive(Default)]
-struct Legend(Vec<(usize, String, String)>);
-
-impl Legend {
-    fn add(&mut self, rank: usize, name: &str, swatch: String) {
-        if !name.is_empty() && self.0.iter().all(|entry| entry.1 != name) {
-            self.0.push((rank, name.into(), swatch));
-        }
-    }
-
-    /// In a row of an SVG file, whose letters are about so wide.
-    fn svg(&self, y: f64) -> String {
-        const LETTER: f64 = 5.6;
-        let mut x = 0.0;
-        let entries = self.0.iter().map(|(_, name, swatch)| {
-            let (line, text) = (x, x + 20.0);
-            x = text + LETTER * name.chars().count() as f64 + 12.0;
-            let middle = y - 4.0;
-            let name = escape(name);
-            format!("<path class=\"{swatch}\" d=\"M{line} {middle}h16\"/><text x=\"{text}\" y=\"{y}\">{name}</text>")
-        });
-        entries.collect()
-    }
-
-    fn html(mut self) -> String {
-        self.0.sort_by_key(|entry| entry.0);
-        let entries = self.0.iter().map(|(_, name, swatch)| {
-            format!("<span><i class=\"{swatch}\"></i>{}</span> ", escape(name))
-        });
-        let entries: String = entries.collect();
-        if entries.is_empty() {
-            return entries;
-        }
-        format!("<p class=\"legend\">{entries}</p>")
     }
 }
 
@@ -287,44 +152,107 @@ fn range(values: impl Iterator<Item = f64>) -> Option<RangeInclusive<f64>> {
     (low <= high).then_some(low - room..=high + room)
 }
 
-impl Frame {
-    fn line(&self, svg: &mut String, line: &Line, place: usize) {
-        let total: usize = line.parts.iter().map(Vec::len).sum();
-        let stride = total.div_ceil(MOST_POINTS).max(1);
-        let dots = matches!(line.stroke, Stroke::Dots | Stroke::Points);
-        let mut path = String::new();
-        for part in line.parts.iter().flat_map(|part| connected(part)) {
-            for (index, &(x, y)) in thinned(part, stride).iter().enumerate() {
-                let (right, down) = (self.right(x), self.down(y));
-                let _ = match index {
-                    _ if dots || part.len() == 1 => write!(path, "M{right:.1} {down:.1}h0"),
-                    0 => write!(path, "M{right:.1} {down:.1}"),
-                    _ => write!(path, "L{right:.1} {down:.1}"),
-                };
-            }
+/// Charts in two columns as an SVG file that stands alone, with the colours of the page's style sheet.
+#[must_use]
+pub fn sheet(title: &str, charts: &[Chart]) -> String {
+    const MARGIN: f64 = 14.0;
+    const TITLE: f64 = 30.0;
+    const CAPTION: f64 = 18.0;
+    let drawn = charts.iter().map(Chart::draw);
+    let drawn: Vec<(String, Legend)> = drawn.map(Option::unwrap_or_default).collect();
+    let legends: Vec<Vec<String>> = drawn.iter().map(|(_, legend)| legend.rows()).collect();
+    let legend_rows = legends.iter().map(Vec::len).max().unwrap_or(0);
+    let header = CAPTION + LEGEND_ROW * legend_rows as f64;
+    let height = charts.iter().map(|chart| chart.height).fold(0.0, f64::max);
+    let cell = (SIZE.0 + 2.0 * MARGIN, header + height + MARGIN);
+    let rows = charts.len().div_ceil(2) as f64;
+    let (width, total) = (2.0 * cell.0, TITLE + rows * cell.1);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {width} {total}\">\n\
+         <style>{SHEET_STYLE}</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\
+         <text class=\"title\" x=\"{MARGIN}\" y=\"22\">{2}</text>\n",
+        1.5 * width,
+        1.5 * total,
+        markup(title)
+    );
+    for (place, (chart, (drawing, _))) in charts.iter().zip(&drawn).enumerate() {
+        let x = cell.0 * (place % 2) as f64 + MARGIN;
+        let y = TITLE + cell.1 * (place / 2) as f64;
+        let _ = writeln!(
+            svg,
+            "<g transform=\"translate({x} {y})\"><text class=\"name\" y=\"14\">{}</text>",
+            markup(&chart.title)
+        );
+        for (row, entries) in legends[place].iter().enumerate() {
+            let down = CAPTION + LEGEND_ROW * row as f64;
+            let _ = writeln!(svg, "<g transform=\"translate(0 {down})\">{entries}</g>");
         }
-        if path.is_empty() {
-            return;
-        }
-        let class = match line.stroke {
-            Stroke::Line => format!("line s{place}"),
-            Stroke::Dots => format!("dots s{place}"),
-            Stroke::Step(step) => format!("step m{step}"),
-            Stroke::Halo => "halo".into(),
-            Stroke::Points => "points".into(),
-        };
-        let _ = writeln!(svg, "<path class=\"{class}\" d=\"{path}\"/>");
+        let _ = writeln!(
+            svg,
+            "<g transform=\"translate(0 {header})\">\n{drawing}</g></g>"
+        );
     }
+    svg + "</svg>\n"
 }
 
-/// A text within HTML or SVG, with visible escapes for characters that these forbid or that turn text round.
-#[must_use]
-pub fn escape(text: &str) -> String {
-    visible(text)
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+/// Height of a row of the legend of a [`sheet`].
+const LEGEND_ROW: f64 = 15.0;
+
+/// The style sheet of a [`sheet`]: the light colours of the page's.
+const SHEET_STYLE: &str = "\
+    text{font:11px sans-serif;fill:#63636a}.name,.title{fill:#1c1c1e;font-weight:600}.title{font-size:14px}\
+    path{fill:none;stroke-linejoin:round;stroke-linecap:round;stroke-width:1.3}.grid{stroke:#e0e0e6;stroke-width:1}\
+    .zero{stroke:#63636a;stroke-width:.8}.points{stroke:#1c1c1e;stroke-width:9}.s0{stroke:#1f69b4}.s1{stroke:#c74a0a}.s2{stroke:#288c50}.s3{stroke:#823c96}";
+
+/// Names with the classes of their swatches, each once, with a rank: lines, what marks stretches of them, what lies beneath.
+#[derive(Default)]
+struct Legend(Vec<(usize, String, String)>);
+
+impl Legend {
+    fn add(&mut self, name: &str, (rank, swatch): (usize, String)) {
+        if !name.is_empty() && self.0.iter().all(|entry| entry.1 != name) {
+            self.0.push((rank, name.into(), swatch));
+        }
+    }
+
+    /// The entries in rows of an SVG file, as wide as a chart.
+    fn rows(&self) -> Vec<String> {
+        /// Approximate width of a letter.
+        const LETTER: f64 = 5.6;
+        let mut rows = Vec::new();
+        let mut x = f64::INFINITY;
+        for (_, name, swatch) in &self.0 {
+            let width = 20.0 + LETTER * name.chars().count() as f64;
+            if x + width > SIZE.0 {
+                rows.push(String::new());
+                x = 0.0;
+            }
+            let line = if swatch == "points" {
+                format!("M{} 8h0", x + 8.0)
+            } else {
+                format!("M{x} 8h16")
+            };
+            if let Some(row) = rows.last_mut() {
+                let (text, name) = (x + 20.0, markup(name));
+                *row += &format!(
+                    "<path class=\"{swatch}\" d=\"{line}\"/><text x=\"{text}\" y=\"12\">{name}</text>"
+                );
+            }
+            x += width + 12.0;
+        }
+        rows
+    }
+
+    fn html(mut self) -> String {
+        if self.0.is_empty() {
+            return String::new();
+        }
+        self.0.sort_by_key(|entry| entry.0);
+        let entries = self.0.iter().map(|(_, name, swatch)| {
+            format!("<span><i class=\"{swatch}\"></i>{}</span> ", markup(name))
+        });
+        format!("<p class=\"legend\">{}</p>", entries.collect::<String>())
+    }
 }
 
 #[cfg(test)]
@@ -332,16 +260,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn chart_without_points_is_nothing() {
+    fn the_legend_of_a_sheet_is_no_wider_than_a_chart() {
+        let mut chart = Chart::new("t", "x", "y");
+        chart.lines = ["rolling resistance [N]", "turning moment [N m]", "start"]
+            .map(|name| Line {
+                name: name.into(),
+                pieces: vec![vec![(0.0, 1.0)]],
+                stroke: Stroke::Line,
+            })
+            .into();
+        let rows = chart.draw().unwrap().1.rows();
+        let counts = rows.iter().map(|row| row.matches("<text").count());
+        assert_eq!(counts.collect::<Vec<_>>(), [2, 1]);
+    }
+
+    #[test]
+    fn a_chart_without_points_is_empty() {
         let mut chart = Chart::new("a < b", "x", "y");
         assert_eq!(chart.figure(), "");
         chart.lines.push(Line {
             name: "one".into(),
-            parts: vec![vec![(f64::NAN, 2.0)]],
+            pieces: vec![vec![(f64::NAN, 2.0)]],
             stroke: Stroke::Dots,
         });
         assert_eq!(chart.figure(), "");
-        chart.lines[0].parts[0].push((1.0, 2.0));
+        chart.lines[0].pieces[0].push((1.0, 2.0));
         let figure = chart.figure();
         assert!(
             figure.contains("a &lt; b") && !figure.contains("NaN"),
@@ -350,25 +293,25 @@ mod tests {
     }
 
     #[test]
-    fn marks_stay_within_the_plot() {
+    fn underlays_stay_within_the_plot() {
         let mut chart = Chart::new("t", "x", "y");
         chart.lines.push(Line {
             name: "one".into(),
-            parts: vec![vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.5), (3.0, 2.0)]],
+            pieces: vec![vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.5), (3.0, 2.0)]],
             stroke: Stroke::Line,
         });
-        chart.marks = vec![
-            ("found", Mark::Span(-5.0, 1.0)),
-            ("found", Mark::Span(2.0, f64::INFINITY)),
+        chart.underlays = vec![
+            ("found", Underlay::Span(-5.0, 1.0)),
+            ("found", Underlay::Span(2.0, f64::INFINITY)),
             (
                 "band",
-                Mark::Band(vec![vec![
+                Underlay::Band(vec![vec![
                     (0.0, -4.0, 1.0),
                     (1.0, f64::NAN, 0.0),
                     (3.0, 1.0, 9.0),
                 ]]),
             ),
-            ("", Mark::Zero),
+            ("", Underlay::Zero),
         ];
         let figure = chart.figure();
         assert!(
@@ -377,12 +320,12 @@ mod tests {
         );
         assert_eq!(figure.matches("class=\"span\" x=").count(), 2);
         assert_eq!(figure.matches("</i>found</span>").count(), 1);
-        // The gap leaves a lone point before it, shown as a dot, and a line after it.
+        // Before the gap a lone point, shown as a dot; after it a line.
         let path = figure.split("class=\"line s0\" d=\"").nth(1).unwrap();
         let path = path.split('"').next().unwrap();
         let count = |letter| path.matches(letter).count();
         assert_eq!((count('M'), count('L'), count('h')), (2, 1, 1));
-        // Who does not see it reads from where to where it goes.
+        // A screen reader speaks the range.
         assert!(
             figure.contains("aria-label=\"t: y over x; one: 1.00 to 2.00\""),
             "{figure}"

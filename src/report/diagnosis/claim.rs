@@ -1,15 +1,17 @@
-//! What the verdict claims, and how sure it is.
+//! What the verdict claims, and with which probability.
 
 use super::words::{list, name};
-use crate::diagnosis::{Caution, Diagnosis, Finding, Insufficient, Subject, Verdict, phrase};
+use crate::diagnosis::{
+    Candidate, Caution, Diagnosis, Finding, Insufficient, Subject, Verdict, phrase,
+};
 use crate::report::number::percent;
 
-/// What limits the verdict, but for what the headline says.
+/// What limits the verdict, except for what the headline states.
 pub fn cautions(diagnosis: &Diagnosis) -> impl Iterator<Item = String> {
-    let said = diagnosis.insufficient == Some(Insufficient::TimeUp);
+    let in_headline = diagnosis.insufficient == Some(Insufficient::TimeUp);
     let cautions = diagnosis.cautions.iter();
-    let unsaid = cautions.filter(move |caution| !said || **caution != Caution::TimeUp);
-    unsaid.map(Caution::text)
+    let others = cautions.filter(move |caution| !in_headline || **caution != Caution::TimeUp);
+    others.map(Caution::text)
 }
 
 /// The verdict in plain words.
@@ -18,14 +20,14 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
     let leading = diagnosis.leading.and_then(|k| findings.get(k));
     match (diagnosis.verdict, leading) {
         (Verdict::NothingMissing, _) => {
-            "Nothing is missing: the re-tuned model explains the recordings".into()
+            "Nothing is missing: the refitted model explains the recordings".into()
         }
         (Verdict::InsufficientData, _) => match diagnosis.insufficient {
-            Some(Insufficient::TimeUp) => "Time was up before there was a verdict".into(),
+            Some(Insufficient::TimeUp) => "The time limit was reached before a verdict".into(),
             Some(Insufficient::Undecided) => {
                 "These recordings do not decide whether something is missing".into()
             }
-            _ => "These recordings are too little to tell".into(),
+            _ => "These recordings are not sufficient for a verdict".into(),
         },
         (Verdict::Ambiguous, Some(set)) => {
             let all = || std::iter::once(&set.subject).chain(&set.ambiguous_with);
@@ -36,7 +38,7 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
                 "The model lacks"
             };
             format!(
-                "{what} {}: these recordings do not tell which",
+                "{what} {}: these recordings cannot separate them",
                 list(&names, "or")
             )
         }
@@ -46,12 +48,12 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
                 phrases(findings, Subject::is_sensor)
             )
         }
-        (_, None) => "Something is missing: these recordings do not tell what".into(),
+        (_, None) => "Something is missing: these recordings do not show what".into(),
         _ => lacking(findings),
     }
 }
 
-/// What was found of a sort, each thing once; what is less likely than not with a word of doubt.
+/// The findings of a kind, each once; "perhaps" marks what is less likely than not.
 fn phrases(findings: &[Finding], of: fn(Subject) -> bool) -> String {
     let mut phrases: Vec<String> = Vec::new();
     for finding in findings.iter().filter(|finding| of(finding.subject)) {
@@ -86,26 +88,25 @@ fn lacking(findings: &[Finding]) -> String {
     }
 }
 
-/// How sure: the finding's probability and the runner-up's. Of several findings each is told with its own.
-pub fn sureness(diagnosis: &Diagnosis) -> String {
-    let asked = matches!(diagnosis.insufficient, None | Some(Insufficient::Undecided));
-    if diagnosis.account.segments == 0 || !asked {
+/// The probability of the finding and of the runner-up. Empty for several findings: each states its probability.
+pub fn probability(diagnosis: &Diagnosis) -> String {
+    let judged = matches!(diagnosis.insufficient, None | Some(Insufficient::Undecided));
+    if diagnosis.account.segments == 0 || !judged {
         return String::new();
     }
-    if let Some(together) = together(diagnosis) {
-        return together;
+    if let Some(joint) = joint_probability(diagnosis) {
+        return joint;
     }
     if diagnosis.findings.len() > 1 {
         return String::new();
     }
-    let told = diagnosis.findings.iter().map(|f| percent(f.probability));
-    let mut told: Vec<String> = told.collect();
-    let asked = |subject: Subject| diagnosis.candidates.iter().find(|c| c.subject == subject);
-    let nothing = asked(Subject::Nothing).map(|nothing| percent(nothing.probability));
+    let found = diagnosis.findings.iter().map(|f| percent(f.probability));
+    let mut probabilities: Vec<String> = found.collect();
+    let nothing = candidate(diagnosis, Subject::Nothing).map(|c| percent(c.probability));
     match diagnosis.verdict {
-        Verdict::NothingMissing => told.extend(nothing),
-        Verdict::InsufficientData if told.is_empty() => {
-            told.extend(nothing.map(|nothing| format!("nothing missing {nothing}")));
+        Verdict::NothingMissing => probabilities.extend(nothing),
+        Verdict::InsufficientData if probabilities.is_empty() => {
+            probabilities.extend(nothing.map(|nothing| format!("nothing missing {nothing}")));
         }
         _ => {}
     }
@@ -118,17 +119,21 @@ pub fn sureness(diagnosis: &Diagnosis) -> String {
         .filter(|candidate| candidate.probability >= 0.005)
         .max_by(|a, b| a.probability.total_cmp(&b.probability));
     if let Some(next) = next {
-        told.push(format!(
+        probabilities.push(format!(
             "next {} {}",
             name(next.subject),
             percent(next.probability)
         ));
     }
-    told.join(", ")
+    probabilities.join(", ")
 }
 
-/// How sure it is that it is one of a set, and which.
-fn together(diagnosis: &Diagnosis) -> Option<String> {
+fn candidate(diagnosis: &Diagnosis, subject: Subject) -> Option<&Candidate> {
+    diagnosis.candidates.iter().find(|c| c.subject == subject)
+}
+
+/// The probability of an ambiguous set, and of each of its subjects.
+fn joint_probability(diagnosis: &Diagnosis) -> Option<String> {
     let [finding] = &diagnosis.findings[..] else {
         return None;
     };
@@ -136,11 +141,10 @@ fn together(diagnosis: &Diagnosis) -> Option<String> {
         return None;
     }
     let others = finding.ambiguous_with.iter().filter_map(|other| {
-        let asked = diagnosis.candidates.iter().find(|c| c.subject == *other)?;
-        Some((*other, asked.probability))
+        let probability = candidate(diagnosis, *other)?.probability;
+        Some((*other, probability))
     });
-    let all: Vec<(Subject, f64)> = [(finding.subject, finding.probability)]
-        .into_iter()
+    let all: Vec<(Subject, f64)> = std::iter::once((finding.subject, finding.probability))
         .chain(others)
         .collect();
     let sum: f64 = all.iter().map(|(_, probability)| probability).sum();
@@ -148,7 +152,7 @@ fn together(diagnosis: &Diagnosis) -> Option<String> {
         .iter()
         .map(|(subject, probability)| format!("{} {}", name(*subject), percent(*probability)));
     Some(format!(
-        "{} that it is one of these: {}",
+        "{} for one of these: {}",
         percent(sum),
         each.collect::<Vec<_>>().join(", ")
     ))

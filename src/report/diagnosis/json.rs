@@ -1,4 +1,4 @@
-//! As JSON (format `ugv-diagnosis/1`), in SI units and radians; numbers that are none are null.
+//! As JSON (format `ugv-diagnosis/1`), in SI units and radians; numbers that are not finite are null.
 //!
 //! Nothing here depends on the machine: one seed gives the same bytes.
 
@@ -37,13 +37,13 @@ pub fn json(diagnosis: &Diagnosis) -> String {
             "noise": account.noise.iter().map(noise).collect::<Vec<_>>(),
             "overdispersion": account.overdispersion,
             "threshold": account.threshold,
-            "refused": odds(&account.refused),
-            // How long they took is not of the recordings, but of the machine.
+            "refused": log_odds(&account.refused),
+            // Without their seconds, which depend on the machine.
             "steps": account.steps.iter().map(|step| step.0).collect::<Vec<_>>(),
             "notes": account.notes,
         },
     });
-    // Values of this kind always have a text.
+    // This value always has a text.
     serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
 }
 
@@ -60,7 +60,7 @@ fn kind(subject: Subject) -> Option<&'static str> {
 }
 
 fn finding(finding: &Finding, diagnosis: &Diagnosis) -> Value {
-    // Terms of a law may have one name in two channels.
+    // Two channels may have terms of one name, so terms have the full name of their parameter.
     let terms = finding.law.iter();
     let terms = terms.map(|term| (term.parameter.clone(), quantity(&term.coefficient)));
     let named = finding.parameters.iter().filter(|_| finding.law.is_empty());
@@ -72,7 +72,7 @@ fn finding(finding: &Finding, diagnosis: &Diagnosis) -> Value {
         "probability": finding.probability,
         "ambiguous_with": finding.ambiguous_with.iter().map(|s| s.name()).collect::<Vec<_>>(),
         "evidence": finding.evidence,
-        "rivals": odds(&finding.rivals),
+        "rivals": log_odds(&finding.rivals),
         "parameters": parameters,
         "where": finding.places.iter().map(place).collect::<Vec<_>>(),
         "local": finding.local,
@@ -81,7 +81,7 @@ fn finding(finding: &Finding, diagnosis: &Diagnosis) -> Value {
     })
 }
 
-fn odds(odds: &[(Subject, f64)]) -> Vec<Value> {
+fn log_odds(odds: &[(Subject, f64)]) -> Vec<Value> {
     let one =
         |(subject, odds): &(Subject, f64)| object!({ "effect": subject.name(), "log_odds": odds });
     odds.iter().map(one).collect()

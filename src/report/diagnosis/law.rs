@@ -1,80 +1,73 @@
-//! A law for what has no name, as a formula.
+//! The empirical residual model as a formula.
 
 use super::words;
 use crate::diagnosis::{Channel, Diagnosis, Term};
 use crate::report::number::{percent, with_interval};
 use crate::vehicle::GRAVITY;
 
-/// The channels that a law may push.
-const PUSHED: [Channel; 3] = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw];
+/// The channels that a residual model acts on, with the left side of its equation.
+const CHANNELS: [(Channel, &str); 3] = [
+    (Channel::Longitudinal, "dF_X / (m g) ="),
+    (Channel::Lateral, "dF_Y / (m g) ="),
+    (Channel::Yaw, "dM_Z / (m g B) ="),
+];
 
-/// Symbols of a law with what they stand for.
+/// Symbols of the equations with their meaning.
 const SYMBOLS: [(&str, &str); 6] = [
-    ("u", "speed ahead over sqrt(g B)"),
+    ("u", "forward speed over sqrt(g B)"),
     ("w", "speed to the left over sqrt(g B)"),
     ("q", "yaw rate times sqrt(B / g)"),
     (
         "p",
-        "rims' speed over the ground (in turns that of their difference) over sqrt(g B)",
+        "speed of the rims over the ground (for the yaw moment their difference) over sqrt(g B)",
     ),
     ("s", "sign, fading towards standstill"),
     ("psi", "heading, counter-clockwise from east"),
 ];
 
-/// One equation for each channel that is pushed.
+/// One equation for each channel that the terms act on.
 pub fn equations(law: &[Term]) -> Vec<String> {
-    let of = |channel: Channel| {
-        let terms: Vec<&Term> = law.iter().filter(|term| term.channel == channel).collect();
-        let mut text = match channel {
-            Channel::Longitudinal => "dF_X / (m g) =".to_owned(),
-            Channel::Lateral => "dF_Y / (m g) =".to_owned(),
-            _ => "dM_Z / (m g B) =".to_owned(),
-        };
-        for (place, term) in terms.iter().enumerate() {
+    let equation = |(channel, left_side): (Channel, &str)| {
+        let mut terms = law.iter().filter(|term| term.channel == channel).peekable();
+        terms.peek()?;
+        let mut text = left_side.to_owned();
+        for (place, term) in terms.enumerate() {
             let found = &term.coefficient;
             let [value, ..] = with_interval(found.value, found.low, found.high);
-            let (turned, group) = unsigned(&term.group);
-            let (sign, size) = match (value.strip_prefix('-'), turned) {
-                (Some(size), true) => ("+", size),
-                (Some(size), false) => ("-", size),
-                (None, true) => ("-", &value[..]),
-                (None, false) => ("+", &value[..]),
+            let size = value.strip_prefix('-');
+            let group = term.group.strip_prefix('-');
+            let is_negative = size.is_some() != group.is_some();
+            text += match (place, is_negative) {
+                (0, false) => " ",
+                (0, true) => " -",
+                (_, false) => " + ",
+                (_, true) => " - ",
             };
-            match (place, sign) {
-                (0, "+") => text += &format!(" {size}"),
-                (0, _) => text += &format!(" -{size}"),
-                _ => text += &format!(" {sign} {size}"),
-            }
+            text += size.unwrap_or(&value);
+            let group = group.unwrap_or(&term.group);
             if group != "1" {
                 text += &format!(" {group}");
             }
         }
-        (!terms.is_empty()).then_some(text)
+        Some(text)
     };
-    PUSHED.into_iter().filter_map(of).collect()
+    CHANNELS.into_iter().filter_map(equation).collect()
 }
 
-/// Whether a group has a minus of its own, and the group without it.
-fn unsigned(group: &str) -> (bool, &str) {
-    group
-        .strip_prefix('-')
-        .map_or((false, group), |rest| (true, rest))
-}
-
-/// An equation as one writes it by hand.
-pub fn handwritten(equation: &str) -> String {
+/// An equation with typographic signs.
+pub fn typeset(equation: &str) -> String {
     let text = equation
         .replace(" - ", " \u{2212} ")
         .replace("= -", "= \u{2212}");
     text.replace("psi", "\u{3c8}").replace("^2", "\u{b2}")
 }
 
-/// What the symbols of a law stand for, with the numbers of the vehicle.
+/// The meaning of the symbols in some terms, with the numbers of the vehicle.
 pub fn symbols(law: &[Term], diagnosis: &Diagnosis) -> String {
     let vehicle = &diagnosis.model.vehicle;
     let weight = vehicle.mass * GRAVITY;
     let speed = (GRAVITY * vehicle.half_track).sqrt();
-    let mut told = vec![
+    let mut meanings = vec![
         format!("m g = {weight:.0} N, the weight"),
         format!(
             "B = {:.2} m, half the track; sqrt(g B) = {speed:.2} m/s",
@@ -86,17 +79,17 @@ pub fn symbols(law: &[Term], diagnosis: &Diagnosis) -> String {
     let words: Vec<&str> = groups.split(|c: char| !c.is_alphanumeric()).collect();
     for (symbol, meaning) in SYMBOLS {
         if words.contains(&symbol) {
-            told.push(format!("{symbol}: {meaning}"));
+            meanings.push(format!("{symbol}: {meaning}"));
         }
     }
-    told.join("; ")
+    meanings.join("; ")
 }
 
-/// A row of the terms' table.
+/// A row of the table of terms.
 pub fn cells(term: &Term) -> Vec<String> {
     vec![
         words::channel(term.channel).into(),
-        handwritten(&term.group),
+        typeset(&term.group),
         words::value(&term.coefficient),
         percent(term.stability),
         term.parameter.clone(),
@@ -142,7 +135,7 @@ mod tests {
             ]
         );
         assert_eq!(
-            handwritten("y = -0.042 |u| q - 0.3 w^2 sin psi"),
+            typeset("y = -0.042 |u| q - 0.3 w^2 sin psi"),
             "y = \u{2212}0.042 |u| q \u{2212} 0.3 w\u{b2} sin \u{3c8}"
         );
         assert!(equations(&[]).is_empty());

@@ -1,22 +1,23 @@
-//! The plots of a diagnosis: where on the path, when, and what is left over.
+//! The plots of a diagnosis: the mismatch on the path, and residuals over time.
 
 use super::words;
 use crate::diagnosis::{Diagnosis, Interval, ResidualTrace, RunTrace, WrenchTrace};
-use crate::report::chart::{Chart, Line, Mark, Stroke};
+use crate::display::markup;
+use crate::report::chart::{Chart, Line, Stroke, Underlay};
 use crate::report::number::shown;
 
-/// More runs are not plotted.
-const MOST_RUNS: usize = 4;
-/// Points of a map's path, about.
+/// Maximum number of runs that are plotted.
+const MAX_RUNS: usize = 4;
+/// Approximate number of points of a map's path.
 const MAP_POINTS: usize = 900;
-/// Height of a map, that of two charts with what lies between them.
+/// Height of a map: that of two charts with the space between them.
 const MAP_HEIGHT: f64 = 470.0;
-/// A stretch that covers more of a run marks nothing.
+/// A stretch that covers a larger share of a run is not marked.
 const WHOLE: f64 = 0.95;
-/// Residuals are cut off at so many times what nearly all stay under, if one goes so much further again.
+/// An axis of residuals ends at `CUT` times the quantile `NEARLY_ALL` of their sizes if one exceeds that by as much again.
 const NEARLY_ALL: f64 = 0.98;
 const CUT: f64 = 2.0;
-/// A gap of so many intervals between points interrupts a path.
+/// A gap of this many intervals between points interrupts a path.
 const GAP: f64 = 8.0;
 /// Times from here on have too many digits for an axis \[s\].
 const LONG_CLOCK: f64 = 1e5;
@@ -36,7 +37,7 @@ pub fn chosen(diagnosis: &Diagnosis) -> Vec<&RunTrace> {
         let (a, b) = (key(a.1), key(b.1));
         b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
     });
-    runs.truncate(MOST_RUNS);
+    runs.truncate(MAX_RUNS);
     runs.sort_by_key(|run| run.0);
     runs.into_iter().map(|run| run.1).collect()
 }
@@ -45,43 +46,56 @@ pub fn chosen(diagnosis: &Diagnosis) -> Vec<&RunTrace> {
 pub fn figures(run: &RunTrace, diagnosis: &Diagnosis) -> String {
     let map = map(run, diagnosis).figure();
     let mut html = map.replacen("<figure>", "<figure class=\"tall\">", 1);
-    let from = origin(run);
-    let label = match from {
-        0.0 => "time [s]".to_string(),
-        from => format!("time after {from} s [s]"),
-    };
-    let spans = spans(run, diagnosis).into_iter();
-    let spans: Vec<_> = spans
-        .map(|(name, start, end)| (name, start - from, end - from))
-        .collect();
-    let over_time = |chart: Chart| {
-        let x_label = label.clone();
-        Chart { x_label, ..chart }.figure()
-    };
+    let axis = TimeAxis::new(run, diagnosis);
+    let is_mended = words::has_model(diagnosis);
     for residual in &run.residuals {
-        let time = since(from, &residual.time);
-        let residual = ResidualTrace {
-            time,
-            ..residual.clone()
-        };
-        html += &over_time(residuals(&residual, &spans, words::has_model(diagnosis)));
+        html += &residuals(residual, &axis, is_mended).figure();
     }
-    if let Some(wrench) = &run.wrench {
-        let time = since(from, &wrench.time);
-        let wrench = WrenchTrace {
-            time,
-            ..wrench.clone()
-        };
-        html += &wrenches(&wrench, &spans)
-            .into_iter()
-            .map(over_time)
-            .collect::<String>();
-    }
-    html
+    let wrench = run.wrench.iter().flat_map(|wrench| wrenches(wrench, &axis));
+    html + &wrench.map(|chart| chart.figure()).collect::<String>()
 }
 
-/// From where times are shown \[s\]: a clock of more digits than an axis has room for counts from the run's start, to the
-/// second.
+/// The time axis of a run's charts.
+struct TimeAxis {
+    /// Where its times count from \[s\].
+    origin: f64,
+    /// Stretches to be marked, in the recording's time, with their names.
+    spans: Vec<(&'static str, f64, f64)>,
+}
+
+impl TimeAxis {
+    fn new(run: &RunTrace, diagnosis: &Diagnosis) -> Self {
+        Self {
+            origin: origin(run),
+            spans: spans(run, diagnosis),
+        }
+    }
+
+    fn label(&self) -> String {
+        match self.origin {
+            0.0 => "time [s]".into(),
+            origin => format!("time after {origin} s [s]"),
+        }
+    }
+
+    fn has_marked(&self, time: f64) -> bool {
+        let mut spans = self.spans.iter();
+        spans.any(|(_, start, end)| (*start..=*end).contains(&time))
+    }
+
+    /// The marked stretches and the line of zero.
+    fn underlays(&self) -> Vec<(&'static str, Underlay)> {
+        let spans = self.spans.iter().map(|(name, start, end)| {
+            (
+                *name,
+                Underlay::Span(start - self.origin, end - self.origin),
+            )
+        });
+        spans.chain([("", Underlay::Zero)]).collect()
+    }
+}
+
+/// Where the times of a run's charts count from \[s\]: a long clock counts from the run's start, to the second.
 fn origin(run: &RunTrace) -> f64 {
     let traces = run.residuals.iter().map(|residual| &residual.time);
     let first = traces.chain([&run.time]).filter_map(|time| time.first());
@@ -94,10 +108,6 @@ fn origin(run: &RunTrace) -> f64 {
     } else {
         0.0
     }
-}
-
-fn since(from: f64, time: &[f64]) -> Vec<f64> {
-    time.iter().map(|time| time - from).collect()
 }
 
 fn places<'a>(
@@ -113,7 +123,7 @@ fn places<'a>(
     })
 }
 
-/// Stretches to be marked, with what they are called.
+/// Stretches to be marked, with their names.
 fn spans(run: &RunTrace, diagnosis: &Diagnosis) -> Vec<(&'static str, f64, f64)> {
     let times = run
         .residuals
@@ -128,20 +138,16 @@ fn spans(run: &RunTrace, diagnosis: &Diagnosis) -> Vec<(&'static str, f64, f64)>
     places(run, diagnosis)
         .filter(|(place, _)| place.end - place.start < WHOLE * (end - start))
         .map(|(place, local)| {
-            let name = if local {
-                "where it acts"
-            } else {
-                "where it shows most"
-            };
+            let name = if local { "only here" } else { "mainly here" };
             (name, place.start, place.end)
         })
         .collect()
 }
 
-/// Upper ends of the steps of the scale, in deviations of the noise.
+/// Upper ends of the steps of the scale, in standard deviations of the noise.
 fn steps(mismatch: &[f64]) -> [f64; 5] {
-    let most = mismatch.iter().copied().filter(|v| v.is_finite());
-    if most.fold(0.0, f64::max) < 20.0 {
+    let finite = mismatch.iter().copied().filter(|v| v.is_finite());
+    if finite.fold(0.0, f64::max) < 20.0 {
         [1.0, 2.0, 3.0, 5.0, 8.0]
     } else {
         [1.0, 3.0, 10.0, 30.0, 100.0]
@@ -150,13 +156,13 @@ fn steps(mismatch: &[f64]) -> [f64; 5] {
 
 fn step_name(step: usize, ends: &[f64; 5]) -> String {
     match step {
-        0 => format!("under {} sigma", ends[0]),
-        5 => format!("over {}", ends[4]),
+        0 => format!("below {} sigma", ends[0]),
+        5 => format!("above {}", ends[4]),
         _ => format!("{} .. {}", ends[step - 1], ends[step]),
     }
 }
 
-/// The path, coloured by how much the re-tuned model misses there.
+/// The path, coloured by the mismatch of the refitted model.
 fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
     let stride = run.path.len().div_ceil(MAP_POINTS).max(1);
     let usual = (run.time.last().unwrap_or(&0.0) - run.time.first().unwrap_or(&0.0))
@@ -174,7 +180,7 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
         })
         .collect();
     let ends = steps(&run.mismatch);
-    let mut parts: [Vec<Vec<(f64, f64)>>; 6] = Default::default();
+    let mut steps: [Vec<Vec<(f64, f64)>>; 6] = Default::default();
     let mut last = None;
     for pair in points.windows(2) {
         let [(time, from, worst), (next, to, _)] = [pair[0], pair[1]];
@@ -184,15 +190,15 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
         }
         let step = ends.iter().filter(|end| worst >= **end).count();
         if last != Some(step) {
-            parts[step].push(vec![from]);
+            steps[step].push(vec![from]);
         }
-        if let Some(part) = parts[step].last_mut() {
-            part.push(to);
+        if let Some(piece) = steps[step].last_mut() {
+            piece.push(to);
         }
         last = Some(step);
     }
     let mut chart = Chart::new(
-        "Mismatch of the re-tuned model on the path",
+        "Mismatch of the refitted model on the path",
         "x, east [m]",
         "y, north [m]",
     );
@@ -204,24 +210,24 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
             .map(|point| point.1);
         chart.lines.push(Line {
             name: name.into(),
-            parts: vec![within.collect()],
+            pieces: vec![within.collect()],
             stroke: Stroke::Halo,
         });
     }
     for (place, _) in places(run, diagnosis) {
         if let Some([east, north, radius]) = place.patch {
-            let circle = Mark::Circle((east, north), radius);
-            chart.marks.push(("patch", circle));
+            let circle = Underlay::Circle((east, north), radius);
+            chart.underlays.push(("patch", circle));
         }
     }
-    let highest = parts.iter().rposition(|parts| !parts.is_empty());
-    for (step, mut parts) in parts.into_iter().enumerate() {
+    let highest = steps.iter().rposition(|pieces| !pieces.is_empty());
+    for (step, mut pieces) in steps.into_iter().enumerate() {
         if Some(step) <= highest {
-            // Steps between that are not reached have their place on the scale.
-            parts.push(Vec::new());
+            // The legend shows the whole scale up to the highest step, also steps without points.
+            pieces.push(Vec::new());
             chart.lines.push(Line {
                 name: step_name(step, &ends),
-                parts,
+                pieces,
                 stroke: Stroke::Step(step),
             });
         }
@@ -230,159 +236,236 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
     if let Some(start) = points.iter().find(finite) {
         chart.lines.push(Line {
             name: "start".into(),
-            parts: vec![vec![start.1]],
+            pieces: vec![vec![start.1]],
             stroke: Stroke::Points,
         });
     }
     chart
 }
 
-fn marks(spans: &[(&'static str, f64, f64)]) -> Vec<(&'static str, Mark)> {
-    let spans = spans
-        .iter()
-        .map(|(name, start, end)| (*name, Mark::Span(*start, *end)));
-    spans.chain([("", Mark::Zero)]).collect()
-}
-
-fn residuals(trace: &ResidualTrace, spans: &[(&'static str, f64, f64)], found: bool) -> Chart {
+fn residuals(trace: &ResidualTrace, axis: &TimeAxis, is_mended: bool) -> Chart {
     let (factor, unit) = shown(trace.unit);
     let channel = trace.channel.replace('_', " ");
-    let shown = if found {
-        [&trace.before, &trace.after]
-    } else {
-        [&trace.before; 2]
-    };
-    // What was found for some seconds is no outlier: there nearly all is shown as well.
-    let inside = |time: f64| {
-        spans
-            .iter()
-            .any(|(_, start, end)| (*start..=*end).contains(&time))
-    };
-    let there = |values: &[f64]| -> Vec<f64> {
-        let pairs = trace.time.iter().zip(values);
-        let pairs = pairs.filter(|(time, _)| inside(**time));
-        pairs.map(|(_, value)| *value).collect()
-    };
-    let there = shown.map(|values| there(values));
-    let limit = limit(&shown).max(usual(&there.each_ref()).unwrap_or(0.0));
-    let beyond = |index: &usize| shown.iter().any(|values| values[*index].abs() > limit);
-    let cut = match (0..trace.time.len()).filter(beyond).count() {
+    let mut models = vec![("refitted", &trace.before)];
+    if is_mended {
+        models.push(("mended", &trace.after));
+    }
+    // Within a marked stretch large residuals are a finding, not outliers: the axis shows nearly all of them too.
+    let marked = models.iter().map(|(_, values)| -> Vec<f64> {
+        let pairs = trace.time.iter().zip(*values);
+        let marked = pairs.filter(|(time, _)| axis.has_marked(**time));
+        marked.map(|(_, value)| *value).collect()
+    });
+    let marked: Vec<Vec<f64>> = marked.collect();
+    let all: Vec<&[f64]> = models.iter().map(|(_, values)| &values[..]).collect();
+    let limit = limit(&all).max(usual(&marked).unwrap_or(0.0));
+    let is_cut = |index: &usize| all.iter().any(|values| values[*index].abs() > limit);
+    let cut = match (0..trace.time.len()).filter(is_cut).count() {
         0 => String::new(),
         1 => " (one sample beyond the axis)".into(),
         count => format!(" ({count} samples beyond the axis)"),
     };
-    let line = |name: &str, values: &[f64]| Line {
+    let lines = models.into_iter().map(|(name, values)| Line {
         name: name.into(),
-        parts: parted(&trace.time, |index| {
-            (
-                trace.time[index],
-                values[index].clamp(-limit, limit) * factor,
-            )
+        pieces: pieces(&trace.time, |index| {
+            let value = values[index].clamp(-limit, limit) * factor;
+            (trace.time[index] - axis.origin, value)
         }),
         stroke: Stroke::Line,
-    };
-    let mut lines = vec![line("re-tuned", &trace.before)];
-    if found {
-        lines.push(line("with what was found", &trace.after));
-    }
+    });
     Chart {
-        lines,
-        marks: marks(spans),
+        lines: lines.collect(),
+        underlays: axis.underlays(),
         ..Chart::new(
-            format!("{channel}: measured less predicted{cut}"),
-            "time [s]",
+            format!("{channel}: measured minus predicted{cut}"),
+            axis.label(),
             format!("{channel} [{unit}]"),
         )
     }
 }
 
-/// Where residuals are cut off: far beyond nearly all of them, infinite where none goes much further. One
-/// outlier would hide all the others.
-fn limit(shown: &[&Vec<f64>]) -> f64 {
-    let sizes = shown.iter().flat_map(|values| values.iter());
-    let largest = sizes.fold(0.0, |most: f64, value| most.max(value.abs()));
+/// The end of the axis of residuals, so that one outlier does not hide all the others; infinite without outliers.
+fn limit(shown: &[&[f64]]) -> f64 {
+    let sizes = shown.iter().copied().flatten().map(|value| value.abs());
+    let largest = sizes.fold(0.0, f64::max);
     match usual(shown) {
         Some(limit) if limit > 0.0 && largest > CUT * limit => limit,
         _ => f64::INFINITY,
     }
 }
 
-/// What nearly all stay under, with room; `None` of nothing.
-fn usual(shown: &[&Vec<f64>]) -> Option<f64> {
-    let sizes = shown
-        .iter()
-        .flat_map(|values| values.iter().map(|value| value.abs()));
+/// The size that nearly all residuals stay under, with room; `None` without any.
+fn usual(shown: &[impl AsRef<[f64]>]) -> Option<f64> {
+    let sizes = shown.iter().flat_map(|values| values.as_ref());
+    let sizes = sizes.map(|value| value.abs());
     let mut sizes: Vec<f64> = sizes.filter(|size| size.is_finite()).collect();
     sizes.sort_by(f64::total_cmp);
     let last = sizes.len().checked_sub(1)?;
     Some(CUT * sizes[(NEARLY_ALL * last as f64) as usize])
 }
 
-/// Points of a curve or a band, parted where nothing was recorded for a while.
-fn parted<P>(time: &[f64], point: impl Fn(usize) -> P) -> Vec<Vec<P>> {
+/// Points of a line or a band, in pieces: gaps in the time separate them.
+fn pieces<P>(time: &[f64], point: impl Fn(usize) -> P) -> Vec<Vec<P>> {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
-    let mut parts: Vec<Vec<P>> = Vec::new();
+    let mut pieces: Vec<Vec<P>> = Vec::new();
     let mut last = f64::NEG_INFINITY;
     for (index, time) in time.iter().enumerate() {
-        if time - last > GAP * usual || parts.is_empty() {
-            parts.push(Vec::new());
+        if time - last > GAP * usual || pieces.is_empty() {
+            pieces.push(Vec::new());
         }
-        if let Some(part) = parts.last_mut() {
-            part.push(point(index));
+        if let Some(piece) = pieces.last_mut() {
+            piece.push(point(index));
         }
         last = *time;
     }
-    parts
+    pieces
 }
 
-fn wrenches(trace: &WrenchTrace, spans: &[(&'static str, f64, f64)]) -> Vec<Chart> {
-    let axes = [
-        ("Force left over along the vehicle", "dF_X [N]"),
-        ("Force left over across the vehicle", "dF_Y [N]"),
-        ("Turning moment left over", "dM_Z [N m]"),
-    ];
-    let chart = |(axis, (title, y_label)): (usize, (&str, &str))| {
-        let value = |index: usize| trace.value[index][axis];
-        let band = parted(&trace.time, |index| {
-            let (value, reach) = (value(index), 2.0 * trace.deviation[index][axis]);
-            (trace.time[index], value - reach, value + reach)
+fn wrenches(trace: &WrenchTrace, axis: &TimeAxis) -> [Chart; 3] {
+    [
+        ("Residual force along the vehicle", "dF_X [N]", 0),
+        ("Residual force across the vehicle", "dF_Y [N]", 1),
+        ("Residual yaw moment", "dM_Z [N m]", 2),
+    ]
+    .map(|(title, y_label, component)| {
+        let point = |index: usize| {
+            let time = trace.time[index] - axis.origin;
+            (time, trace.value[index][component])
+        };
+        let band = pieces(&trace.time, |index| {
+            let (time, value) = point(index);
+            let reach = 2.0 * trace.deviation[index][component];
+            (time, value - reach, value + reach)
         });
-        let mut marks = marks(spans);
-        marks.push(("2 deviations to both sides", Mark::Band(band)));
+        let mut underlays = axis.underlays();
+        underlays.push(("\u{b1} 2 standard deviations", Underlay::Band(band)));
         Chart {
             lines: vec![Line {
                 name: String::new(),
-                parts: parted(&trace.time, |index| (trace.time[index], value(index))),
+                pieces: pieces(&trace.time, point),
                 stroke: Stroke::Line,
             }],
-            marks,
-            ..Chart::new(title, "time [s]", y_label)
+            underlays,
+            ..Chart::new(title, axis.label(), y_label)
         }
-    };
-    axes.into_iter().enumerate().map(chart).collect()
+    })
 }
 
 /// How many runs are not plotted.
 pub fn note(diagnosis: &Diagnosis) -> String {
-    match diagnosis.runs.len().saturating_sub(MOST_RUNS) {
-        0 => String::new(),
-        1 => "<p>Plotted are the runs with a place that was found, and the worst; one more is not.</p>\n".into(),
-        more => format!(
-            "<p>Plotted are the runs with a place that was found, and the worst; {more} more are not.</p>\n"
+    match diagnosis.runs.len() {
+        0..=MAX_RUNS => String::new(),
+        all => format!(
+            "<p>Plotted: {MAX_RUNS} of {all} runs, those with a place of a finding and those with the largest mismatch.</p>\n"
         ),
     }
 }
 
-/// A run's heading, where there are several.
+/// A run's heading, if there are several runs.
 pub fn heading(run: &RunTrace, diagnosis: &Diagnosis) -> String {
     if diagnosis.runs.len() < 2 {
         return String::new();
     }
     let name = words::run(&run.recording, &run.label);
-    format!("<h3>{}</h3>\n", crate::report::chart::escape(&name))
+    format!("<h3>{}</h3>\n", markup(&name))
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    fn axis(spans: &[(&'static str, f64, f64)]) -> TimeAxis {
+        TimeAxis {
+            origin: 0.0,
+            spans: spans.into(),
+        }
+    }
+
+    #[test]
+    fn a_gap_separates_the_band_as_its_line() {
+        let trace = WrenchTrace {
+            time: [0.0, 1.0, 2.0, 30.0, 31.0].into(),
+            value: vec![[1.0; 3]; 5],
+            deviation: vec![[0.5; 3]; 5],
+        };
+        for chart in wrenches(&trace, &axis(&[])) {
+            let Some((_, Underlay::Band(band))) = chart.underlays.last() else {
+                panic!("no band")
+            };
+            let line: Vec<usize> = chart.lines[0].pieces.iter().map(Vec::len).collect();
+            let band: Vec<usize> = band.iter().map(Vec::len).collect();
+            assert_eq!((line, band), (vec![3, 2], vec![3, 2]));
+        }
+    }
+
+    #[test]
+    fn an_outlier_does_not_hide_the_others() {
+        let noise: Vec<f64> = (0..200).map(|k| f64::from(k % 7) - 3.0).collect();
+        let mut spiked = noise.clone();
+        spiked[50] = -400.0;
+        spiked[60] = f64::NAN;
+        assert_eq!(limit(&[&noise, &noise]), f64::INFINITY);
+        assert_eq!(limit(&[&noise, &spiked]), 6.0);
+        assert_eq!(limit(&[&[0.0; 9]]), f64::INFINITY);
+        assert_eq!(limit(&[&[]]), f64::INFINITY);
+        let trace = |before: &Vec<f64>| ResidualTrace {
+            channel: "yaw_rate",
+            unit: "m",
+            time: (0..200).map(f64::from).collect(),
+            before: before.clone(),
+            after: noise.clone(),
+        };
+        let chart = residuals(&trace(&spiked), &axis(&[]), true);
+        assert!(
+            chart
+                .title
+                .ends_with("predicted (one sample beyond the axis)")
+        );
+        let lowest = chart.lines[0].pieces.iter().flatten().map(|point| point.1);
+        assert_eq!(lowest.fold(f64::INFINITY, f64::min), -6.0);
+        // Within a marked stretch a signal is shown, a single outlier is not.
+        let acts = axis(&[("only here", 45.0, 55.0)]);
+        let title = |before: &Vec<f64>| residuals(&trace(before), &acts, true).title;
+        assert!(title(&spiked).ends_with("predicted (one sample beyond the axis)"));
+        spiked[47..54].fill(-400.0);
+        assert!(title(&spiked).ends_with("predicted"));
+        assert!(
+            residuals(&trace(&noise), &axis(&[]), true)
+                .title
+                .ends_with("predicted")
+        );
+    }
+
+    #[test]
+    fn a_long_clock_counts_from_the_start_of_the_run() {
+        let residual = |start: f64| ResidualTrace {
+            channel: "yaw_rate",
+            unit: "rad/s",
+            time: (0..3).map(|k| start + f64::from(k)).collect(),
+            before: vec![1.0; 3],
+            after: vec![0.0; 3],
+        };
+        let run = |start: f64| RunTrace {
+            recording: "drive".into(),
+            run: 0,
+            label: String::new(),
+            time: vec![start, start + 2.0],
+            path: Vec::new(),
+            mismatch: Vec::new(),
+            residuals: vec![residual(start)],
+            wrench: None,
+        };
+        assert_eq!(origin(&run(12.5)), 0.0);
+        let late = run(1_700_000_000.25);
+        let axis = TimeAxis {
+            origin: origin(&late),
+            spans: Vec::new(),
+        };
+        assert_eq!(axis.label(), "time after 1700000000 s [s]");
+        let chart = residuals(&late.residuals[0], &axis, false);
+        let times = chart.lines[0].pieces.iter().flatten().map(|point| point.0);
+        assert_eq!(times.collect::<Vec<_>>(), [0.25, 1.25, 2.25]);
+    }
+}

@@ -3,19 +3,19 @@
 use super::words;
 use crate::diagnosis::{Candidate, Diagnosis, HeldOut, Manoeuvre, Subject};
 use crate::fit::Estimate;
-use crate::report::chart::{Bar, Bars, Tint};
+use crate::report::chart::{BarChart, LabelledBar, Tint};
+use crate::report::html::table;
 use crate::report::number::{digits, percent, shown, with_interval, with_unit};
-use crate::report::page::table;
 
-/// More candidates are in the table alone.
-const MOST_BARS: usize = 8;
-/// Less likely ones are, too.
+/// Maximum number of effects in the chart; the table has all candidates.
+const MAX_BARS: usize = 8;
+/// Minimum probability of an effect in the chart.
 const LIKELY: f64 = 0.005;
 
 /// The candidates, the likeliest first.
 fn ranked(diagnosis: &Diagnosis) -> Vec<&Candidate> {
     let mut ranked: Vec<&Candidate> = diagnosis.candidates.iter().collect();
-    // NaN last; a stable sort keeps the given order where all is alike.
+    // NaN comes last; the sort is stable.
     let key = |value: f64| {
         if value.is_nan() {
             f64::NEG_INFINITY
@@ -39,30 +39,30 @@ pub fn probabilities(diagnosis: &Diagnosis) -> String {
         Subject::Effect(_) => Tint::First,
         Subject::Unknown | Subject::Nothing => Tint::Plain,
     };
-    // Nothing and unknown are always among them.
+    // Nothing and unknown are always shown.
     let shown = ranked.iter().enumerate().filter(|(place, candidate)| {
-        let likely = *place < MOST_BARS && candidate.probability >= LIKELY;
+        let likely = *place < MAX_BARS && candidate.probability >= LIKELY;
         likely || !matches!(candidate.subject, Subject::Effect(_))
     });
-    let mut bars: Vec<Bar> = shown
-        .map(|(_, candidate)| Bar {
+    let mut bars: Vec<LabelledBar> = shown
+        .map(|(_, candidate)| LabelledBar {
             label: words::name(candidate.subject).into(),
             value: candidate.probability,
             text: percent(candidate.probability),
             tint: tint(candidate.subject),
         })
         .collect();
-    let left: f64 = 1.0 - bars.iter().map(|bar| bar.value).sum::<f64>();
     let others = ranked.len() - bars.len();
     if others > 0 {
-        bars.push(Bar {
+        let rest = 1.0 - bars.iter().map(|bar| bar.value).sum::<f64>();
+        bars.push(LabelledBar {
             label: format!("{others} others"),
-            value: left.max(0.0),
-            text: percent(left.max(0.0)),
+            value: rest.max(0.0),
+            text: percent(rest.max(0.0)),
             tint: Tint::Plain,
         });
     }
-    let chart = Bars {
+    let chart = BarChart {
         title: "What is missing?".into(),
         x_label: "probability".into(),
         bars,
@@ -73,18 +73,18 @@ pub fn probabilities(diagnosis: &Diagnosis) -> String {
     chart.figure().replacen("</figure>", legend, 1)
 }
 
-/// Everything that was asked about.
+/// All candidates.
 pub fn candidates(diagnosis: &Diagnosis) -> String {
     let header = [
         "candidate",
         "probability",
-        "taken up by re-tuning",
-        "signal over chance",
-        "of ",
+        "absorbed fraction",
+        "signal / threshold",
+        "parameter ",
         "estimate",
-        "would show from",
+        "smallest detectable",
         "held-out gain",
-        "looks like ",
+        "look-alikes ",
     ];
     let finite = |value: f64, text: String| if value.is_finite() { text } else { "-".into() };
     let rows = ranked(diagnosis).into_iter().map(|candidate| {
@@ -112,8 +112,8 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
                 never.into()
             },
             candidate.held_out_gain.map_or("-".into(), |(gain, error)| {
-                let [told, ..] = with_interval(gain, gain - error, gain + error);
-                finite(gain + error, format!("{told} \u{b1} {}", digits(error, 2)))
+                let [mean, ..] = with_interval(gain, gain - error, gain + error);
+                finite(gain + error, format!("{mean} \u{b1} {}", digits(error, 2)))
             }),
             alike.collect::<Vec<_>>().join(", "),
         ]
@@ -129,17 +129,17 @@ pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
         let bars = models
             .iter()
             .enumerate()
-            .map(|(place, (model, errors))| Bar {
+            .map(|(place, (model, errors))| LabelledBar {
                 label: (*model).into(),
                 value: of(errors) * factor,
                 text: with_unit(of(errors), unit),
                 tint: if place == 2 { Tint::First } else { Tint::Plain },
             });
-        let bars: Vec<Bar> = bars.collect();
+        let bars: Vec<LabelledBar> = bars.collect();
         if bars.iter().all(|bar| !bar.value.is_finite()) {
             return String::new();
         }
-        let chart = Bars {
+        let chart = BarChart {
             title: format!("Error of {name}"),
             x_label: format!("root mean square [{shown}]"),
             bars,
@@ -150,14 +150,14 @@ pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     charts.collect()
 }
 
-/// Held-out errors as a table, with what is left of the re-tuned model's.
+/// Held-out errors as a table, with the remaining share of the refitted model's.
 pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = words::models(held_out, diagnosis);
-    let mut header = vec!["on data not fitted"];
+    let mut header = vec!["on held-out data"];
     header.extend(models.iter().map(|model| model.0));
-    let found = models.len() > 2;
-    if found {
-        header.push("left of the re-tuned error");
+    let is_mended = models.len() > 2;
+    if is_mended {
+        header.push("mended / refitted");
     }
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (name, unit, of) in words::MEASURES {
@@ -166,10 +166,10 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
         }
         let mut row = vec![format!("error of {name}, rms")];
         row.extend(models.iter().map(|(_, errors)| with_unit(of(errors), unit)));
-        if found {
-            let left = of(&held_out.augmented) / of(&held_out.refitted);
-            row.push(if left.is_finite() {
-                format!("{:.0} %", 100.0 * left)
+        if is_mended {
+            let ratio = of(&held_out.augmented) / of(&held_out.refitted);
+            row.push(if ratio.is_finite() {
+                format!("{:.0} %", 100.0 * ratio)
             } else {
                 "-".into()
             });
@@ -185,21 +185,21 @@ pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
             "-".into()
         }
     }));
-    if found {
+    if is_mended {
         row.push(String::new());
     }
     rows.push(row);
     table(&header, rows.into_iter())
 }
 
-/// The soil as given, re-tuned and with what was found.
+/// The soil as given, refitted and in the mended model.
 pub fn soil(diagnosis: &Diagnosis) -> String {
-    let found = words::has_model(diagnosis);
-    let mut header = vec!["soil", "unit ", "as given", "re-tuned", "90 % interval"];
-    if found {
-        header.extend(["with what was found", "90 % interval"]);
+    let is_mended = words::has_model(diagnosis);
+    let mut header = vec!["soil", "unit ", "as given", "refitted", "90 % interval"];
+    if is_mended {
+        header.extend(["mended", "90 % interval"]);
     }
-    header.push("left of the prior's width");
+    header.push("posterior / prior width");
     let rows = diagnosis.soil.iter().map(|(refitted, augmented)| {
         let parameter = &refitted.parameter;
         let (factor, unit) = shown(parameter.unit);
@@ -215,7 +215,7 @@ pub fn soil(diagnosis: &Diagnosis) -> String {
             digits(refitted.nominal * factor, 3),
         ];
         row.extend(cells(refitted));
-        let last = if found {
+        let last = if is_mended {
             row.extend(cells(augmented));
             augmented
         } else {
@@ -227,9 +227,9 @@ pub fn soil(diagnosis: &Diagnosis) -> String {
     table(&header, rows)
 }
 
-/// How well the manoeuvres that were compared would separate.
+/// How well the compared manoeuvres would separate.
 pub fn manoeuvres(next: &Manoeuvre) -> String {
-    let bars = next.compared.iter().map(|(name, separation)| Bar {
+    let bars = next.compared.iter().map(|(name, separation)| LabelledBar {
         label: name.replace('_', " "),
         value: *separation,
         text: digits(*separation, 2),
@@ -239,7 +239,7 @@ pub fn manoeuvres(next: &Manoeuvre) -> String {
             Tint::Plain
         },
     });
-    Bars {
+    BarChart {
         title: format!("How well manoeuvres {}", words::purpose(next)),
         x_label: "expected separation [standard deviations]".into(),
         bars: bars.collect(),
@@ -255,7 +255,7 @@ pub fn noise(diagnosis: &Diagnosis) -> String {
         "recording ",
         "white",
         "coloured",
-        "correlated over",
+        "correlation time",
         "residuals, rms",
         "outliers",
         "samples",
@@ -284,7 +284,7 @@ pub fn steps(diagnosis: &Diagnosis) -> String {
     let rows = steps
         .iter()
         .map(|(name, seconds)| (*name, *seconds))
-        .chain([("together", total)])
+        .chain([("total", total)])
         .map(|(name, seconds)| vec![name.to_owned(), with_unit(seconds, "s")]);
-    table(&["step", "took"], rows)
+    table(&["step", "time"], rows)
 }

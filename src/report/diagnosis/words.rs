@@ -1,4 +1,4 @@
-//! What text and page say alike.
+//! Wording that text and page share.
 
 use crate::diagnosis::{
     Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject,
@@ -6,7 +6,7 @@ use crate::diagnosis::{
 use crate::effects::{CATALOGUE, ParameterDeclaration};
 use crate::report::number::{percent, shown, with_interval, with_unit};
 
-/// The name of a subject as in `diagnosis.json`, in words where it is none of the catalogue's.
+/// The name of a subject as in `diagnosis.json`, in words for the model without additions.
 pub fn name(subject: Subject) -> &'static str {
     match subject {
         Subject::Nothing => "nothing missing",
@@ -14,45 +14,36 @@ pub fn name(subject: Subject) -> &'static str {
     }
 }
 
-/// What a manoeuvre is for.
+/// The purpose of a manoeuvre.
 pub fn purpose(next: &Manoeuvre) -> String {
     match next.separates {
         [Subject::Unknown, Subject::Nothing] => {
-            "show half of the effects that these recordings hide".into()
+            "reveal half of the effects that these recordings hide".into()
         }
         separates => {
             let [one, other] = separates.map(name);
-            format!("part {one} from {other}")
+            format!("separate {one} from {other}")
         }
     }
 }
 
-/// What it is expected to do, and how well: less than two deviations decide hardly anything.
-pub fn expected(next: &Manoeuvre) -> String {
-    let hardly = if next.separation < 2.0 {
-        ", which decides hardly anything"
+/// How to drive next, and what that is expected to show. Less than two deviations decide little.
+pub fn drive_next(next: &Manoeuvre) -> String {
+    let weak = if next.separation < 2.0 {
+        ", too little to decide"
     } else {
         ""
     };
     format!(
-        "{} by {:.1} deviations{hardly}",
+        "{}: {} Expected to {} by {:.1} standard deviations{weak}.",
+        next.name.replace('_', " "),
+        next.description,
         purpose(next),
         next.separation
     )
 }
 
-/// A sentence with its full stop.
-pub fn sentence(text: &str) -> String {
-    let text = text.trim();
-    let stop = if text.ends_with(['.', '!', '?']) {
-        ""
-    } else {
-        "."
-    };
-    format!("{text}{stop}")
-}
-
-/// Names in a row: "a, b and c".
+/// Names in a sentence: "a, b and c".
 pub fn list(names: &[String], last: &str) -> String {
     match names {
         [] => String::new(),
@@ -70,7 +61,7 @@ pub fn value(quantity: &Quantity) -> String {
     format!("{value}{space}{unit} ({low} .. {high})")
 }
 
-/// A finding's name, with its probability where there are several.
+/// A finding's name, with its probability if there are several findings.
 pub fn title(finding: &Finding, diagnosis: &Diagnosis) -> String {
     let name = name(finding.subject);
     if diagnosis.findings.len() > 1 {
@@ -87,7 +78,7 @@ pub fn values(finding: &Finding, diagnosis: &Diagnosis) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// Whose parameter it is, and its name.
+/// A parameter's name, with its recording if there are several.
 pub fn parameter(quantity: &Quantity, diagnosis: &Diagnosis) -> String {
     match &quantity.recording {
         Some(recording) if diagnosis.recordings.len() > 1 => {
@@ -97,7 +88,7 @@ pub fn parameter(quantity: &Quantity, diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// What the catalogue says of a parameter.
+/// The catalogue's declaration of a parameter.
 pub fn declared(subject: Subject, name: &str) -> Option<&'static ParameterDeclaration> {
     let Subject::Effect(index) = subject else {
         return None;
@@ -105,7 +96,7 @@ pub fn declared(subject: Subject, name: &str) -> Option<&'static ParameterDeclar
     CATALOGUE[index].parameters.iter().find(|p| p.name == name)
 }
 
-/// A recording and its run, which is told where there are several.
+/// A recording and its run, which has a label if there are several.
 pub fn run(recording: &str, label: &str) -> String {
     if label.is_empty() {
         recording.into()
@@ -142,38 +133,38 @@ pub fn place(place: &Interval) -> String {
     text
 }
 
-/// Whether something was found that the augmented model has: a wrench that comes and goes is in none.
+/// Whether the mended model differs from the refitted one: it cannot have a latent wrench.
 pub fn has_model(diagnosis: &Diagnosis) -> bool {
     let findings = &diagnosis.findings;
     findings.iter().any(|found| !found.parameters.is_empty())
 }
 
-/// The models of a comparison with their names; the last only where something was found.
+/// The models of a comparison with their names; the mended one only if it differs.
 pub fn models(held_out: &HeldOut, diagnosis: &Diagnosis) -> Vec<(&'static str, Errors)> {
     let mut models = vec![
         ("as given", held_out.nominal),
-        ("re-tuned", held_out.refitted),
+        ("refitted", held_out.refitted),
     ];
     if has_model(diagnosis) {
-        models.push(("with what was found", held_out.augmented));
+        models.push(("mended", held_out.augmented));
     }
     models
 }
 
-/// What a measure of errors is of a model.
+/// Name, unit and value of an error measure.
 pub type Measure = (&'static str, &'static str, fn(&Errors) -> f64);
 
-/// What models are compared by: name, unit, and which of the errors it is.
+/// The error measures by which models are compared.
 pub const MEASURES: [Measure; 3] = [
     ("position", "m", |errors| errors.position),
     ("heading", "rad", |errors| errors.heading),
     ("yaw rate", "rad/s", |errors| errors.yaw_rate),
 ];
 
-/// How much better: "position 0.41 m as given, 0.30 m re-tuned, 0.05 m with what was found".
+/// The errors of all models: "position 0.41 m as given, 0.30 m refitted, 0.05 m mended".
 pub fn improvement(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = models(held_out, diagnosis);
-    let told = MEASURES.iter().filter_map(|(name, unit, of)| {
+    let lines = MEASURES.iter().filter_map(|(name, unit, of)| {
         if !of(&held_out.refitted).is_finite() {
             return None;
         }
@@ -182,11 +173,11 @@ pub fn improvement(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
             .map(|(model, errors)| format!("{} {model}", with_unit(of(errors), unit)));
         Some(format!("{name} {}", values.collect::<Vec<_>>().join(", ")))
     });
-    // Where a pose was recorded, the gyro adds nothing that a reader in haste needs.
-    told.take(2).collect::<Vec<_>>().join("; ")
+    // Beside a pose the yaw rate adds little.
+    lines.take(2).collect::<Vec<_>>().join("; ")
 }
 
-/// A candidate's smallest size: of a parameter that is off elsewhere than at 0 its distance from there.
+/// A candidate's smallest detectable size, as a distance from the value at which the effect is off.
 pub fn smallest(candidate: &Candidate) -> String {
     let size = with_unit(candidate.smallest_detectable, candidate.unit);
     let off = declared(candidate.subject, candidate.parameter).map_or(0.0, |p| p.default);
@@ -197,38 +188,39 @@ pub fn smallest(candidate: &Candidate) -> String {
     }
 }
 
-/// Which effects would have shown, from which size on; and those that would not. What was not screened is neither.
+/// Effects that these recordings would have shown, with the smallest size; and those that they cannot show. A candidate
+/// that was not screened is in neither list.
 pub fn detectable(diagnosis: &Diagnosis) -> (Vec<String>, Vec<String>) {
     let (mut shown, mut hidden) = (Vec::new(), Vec::new());
-    for candidate in &diagnosis.candidates {
-        if !matches!(candidate.subject, Subject::Effect(_)) {
-            continue;
-        }
+    let candidates = diagnosis.candidates.iter();
+    for candidate in candidates.filter(|c| matches!(c.subject, Subject::Effect(_))) {
         let name = name(candidate.subject);
-        if candidate.smallest_detectable.is_finite() {
-            let size = smallest(candidate);
-            shown.push(format!("{name} ({} {size})", candidate.parameter));
-        } else if !candidate.smallest_detectable.is_nan() {
-            hidden.push(name.to_owned());
+        match candidate.smallest_detectable {
+            smallest if smallest.is_nan() => {}
+            smallest if smallest.is_finite() => {
+                let size = self::smallest(candidate);
+                shown.push(format!("{name} ({} {size})", candidate.parameter));
+            }
+            _ => hidden.push(name.to_owned()),
         }
     }
     (shown, hidden)
 }
 
-/// What may be confused with a finding, with the cosine where it is known.
+/// What may be confused with a finding, with the cosine if it is known.
 pub fn alike(finding: &Finding, diagnosis: &Diagnosis) -> Vec<String> {
     let candidate = diagnosis
         .candidates
         .iter()
         .find(|candidate| candidate.subject == finding.subject);
     let cosines = candidate.map_or(&[][..], |candidate| &candidate.alike);
-    let told = finding.ambiguous_with.iter().map(|other| {
+    let others = finding.ambiguous_with.iter().map(|other| {
         match cosines.iter().find(|(subject, _)| subject == other) {
             Some((_, cosine)) => format!("{} (cosine {cosine:.2})", name(*other)),
             None => name(*other).to_owned(),
         }
     });
-    told.collect()
+    others.collect()
 }
 
 #[cfg(test)]
@@ -236,12 +228,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lists_read_as_sentences() {
+    fn lists_read_as_in_a_sentence() {
         let names = ["a", "b", "c"].map(String::from);
         assert_eq!(list(&names, "or"), "a, b or c");
         assert_eq!(list(&names[..2], "and"), "a and b");
         assert_eq!(list(&names[..1], "and"), "a");
         assert_eq!(list(&[], "and"), "");
-        assert_eq!(sentence("Drive on "), "Drive on.");
     }
 }

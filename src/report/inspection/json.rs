@@ -1,6 +1,6 @@
 //! As JSON (format `ugv-inspection/1`), in SI units and radians.
 
-use super::word;
+use super::words::quality;
 use crate::inspection::{ChannelReport, Delay, Inspection, Interval, Motion, Noise, Timing};
 use crate::recording::{Note, Recording};
 use serde_json::{Value, json as object};
@@ -26,7 +26,7 @@ pub fn json(recording: &Recording, inspection: &Inspection) -> String {
             }).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
     });
-    // Values of this kind always have a text.
+    // This value always has a text.
     serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
 }
 
@@ -88,7 +88,7 @@ fn delay(delay: &Delay) -> Value {
         "seconds": interval(delay.seconds),
         "scale": interval(delay.scale),
         "correlation": delay.correlation,
-        "quality": word(delay.quality),
+        "quality": quality(delay.quality),
         "signals_contradict": delay.contradicts,
         "blocks": delay.blocks,
     })

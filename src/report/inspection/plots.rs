@@ -1,11 +1,11 @@
 //! The plots of an inspection.
 
-use super::{is_wheel, title};
+use super::words::title;
 use crate::inspection::{Inspection, Signal, heading_rate, wheel_mean};
 use crate::recording::{Channel, Recording, Run, Series};
 use crate::report::chart::{Chart, Line, Stroke};
 
-/// Window of rates that follow from a pose \[s\].
+/// Window for rates from a pose \[s\].
 const WINDOW: f64 = 0.5;
 
 /// All charts that the recording has data for.
@@ -69,20 +69,20 @@ pub fn charts(recording: &Recording, inspection: &Inspection) -> Vec<Chart> {
 /// A line over the time since the first run's start, runs end to end.
 fn line(runs: &[Run], name: &str, of: impl Fn(&Run) -> Option<Series>) -> Line {
     let mut offset = 0.0;
-    let mut parts = Vec::new();
+    let mut pieces = Vec::new();
     for run in runs {
         let start = run.start();
         if let Some(series) = of(run) {
             let points = series
                 .samples()
                 .map(|(time, value)| (offset + time - start, value));
-            parts.push(points.collect());
+            pieces.push(points.collect());
         }
         offset += run.duration();
     }
     Line {
         name: name.into(),
-        parts,
+        pieces,
         stroke: Stroke::Line,
     }
 }
@@ -106,28 +106,28 @@ fn speed(run: &Run) -> Option<Series> {
 }
 
 fn path(runs: &[Run]) -> Chart {
-    let part = |run: &Run| {
+    let piece = |run: &Run| {
         let (x, y) = (run.series(Channel::X)?, run.series(Channel::Y)?);
         let points = x
             .samples()
             .filter_map(|(time, east)| Some((east, y.at(time)?)));
         Some(points.collect::<Vec<_>>())
     };
-    let parts: Vec<Vec<(f64, f64)>> = runs.iter().filter_map(part).collect();
-    let starts = parts
+    let pieces: Vec<Vec<(f64, f64)>> = runs.iter().filter_map(piece).collect();
+    let starts = pieces
         .iter()
-        .filter_map(|part| Some(vec![*part.first()?]))
+        .filter_map(|piece| Some(vec![*piece.first()?]))
         .collect();
     Chart {
         lines: vec![
             Line {
                 name: "path".into(),
-                parts,
+                pieces,
                 stroke: Stroke::Line,
             },
             Line {
                 name: "start".into(),
-                parts: starts,
+                pieces: starts,
                 stroke: Stroke::Points,
             },
         ],
@@ -139,7 +139,7 @@ fn path(runs: &[Run]) -> Chart {
 fn correlations(inspection: &Inspection) -> Chart {
     let lines = inspection.delays.iter().map(|delay| Line {
         name: title(delay),
-        parts: vec![delay.curve.clone()],
+        pieces: vec![delay.curve.clone()],
         stroke: Stroke::Line,
     });
     Chart {
@@ -148,37 +148,25 @@ fn correlations(inspection: &Inspection) -> Chart {
     }
 }
 
-/// Intervals as dots, for each kind of sensor.
+/// Intervals as dots, for each kind of sensor: one channel stands for all that its sensor measures at once.
 fn intervals(runs: &[Run]) -> Vec<Line> {
-    let mut lines: Vec<Line> = Vec::new();
-    for channel in Channel::ALL {
-        // One of the wheels and one of the pose stand for the others.
-        if (is_wheel(channel) && channel != Channel::OmegaLeft)
-            || matches!(
-                channel,
-                Channel::Y | Channel::Heading | Channel::VY | Channel::AY
-            )
-        {
-            continue;
-        }
-        let of = |run: &Run| -> Option<Series> {
-            let series = run.series(channel)?;
-            Some(
-                series
-                    .time
-                    .iter()
-                    .copied()
-                    .zip(series.intervals())
-                    .collect(),
-            )
-        };
-        let line = line(runs, channel.name(), of);
-        if !line.parts.is_empty() {
-            lines.push(Line {
-                stroke: Stroke::Dots,
-                ..line
-            });
-        }
-    }
-    lines
+    let intervals = |run: &Run, channel: Channel| -> Option<Series> {
+        let series = run.series(channel)?;
+        let starts = series.time.iter().copied();
+        Some(starts.zip(series.intervals()).collect())
+    };
+    [
+        Channel::OmegaLeft,
+        Channel::X,
+        Channel::VX,
+        Channel::YawRate,
+        Channel::AX,
+    ]
+    .map(|channel| Line {
+        stroke: Stroke::Dots,
+        ..line(runs, channel.name(), |run| intervals(run, channel))
+    })
+    .into_iter()
+    .filter(|line| !line.pieces.is_empty())
+    .collect()
 }

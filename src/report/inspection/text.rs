@@ -1,10 +1,10 @@
-//! As text, to be read in ten seconds.
+//! As text, for a reader in a hurry.
 
-use super::{noise, remark, seconds, title};
+use super::{tables, words};
 use crate::display::visible_line;
-use crate::inspection::{Inspection, Quality};
+use crate::inspection::Inspection;
 use crate::recording::Recording;
-use crate::report::number::digits;
+use crate::report::aligned;
 use std::fmt::Write;
 
 /// The inspection of a recording in a few aligned lines.
@@ -12,36 +12,9 @@ use std::fmt::Write;
 pub fn text(recording: &Recording, inspection: &Inspection) -> String {
     let mut text = headline(recording, inspection);
     for note in &recording.notes {
-        let kind = if note.kind.is_warning() {
-            "warning"
-        } else {
-            "note"
-        };
+        let kind = words::kind(note);
         let _ = writeln!(text, "{kind}: {}", visible_line(&note.to_string()));
     }
-    let rows = inspection.channels.iter().map(|report| {
-        let timing = report.timing;
-        let (short, long) = timing.usual;
-        let at = match recording.runs.len() {
-            1 => format!(
-                "{} s at {}",
-                digits(timing.longest, 2),
-                clock(timing.longest_at.0)
-            ),
-            _ => format!("{} s", digits(timing.longest, 2)),
-        };
-        [
-            report.channel.name().into(),
-            timing.samples.to_string(),
-            digits(timing.rate(), 3),
-            format!("{short:.3} .. {long:.3}"),
-            at,
-            format!("{:.1}", 100.0 * timing.in_gaps),
-            noise(report.noise_at_rest, false),
-            noise(report.noise_in_motion, false),
-            report.channel.unit().into(),
-        ]
-    });
     let header = [
         "channel",
         "samples",
@@ -53,51 +26,33 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
         "motion",
         "",
     ];
+    let channels = tables::channels(recording, inspection, false).into_iter();
+    let channels = channels.map(
+        |[name, unit, samples, rate, usual, gap, gaps, rest, motion]| {
+            [name, samples, rate, usual, gap, gaps, rest, motion, unit]
+        },
+    );
     text += "\n";
-    text += &table(&header.map(String::from), &rows.collect::<Vec<_>>());
-    let rows = inspection.delays.iter().map(|delay| {
-        let found = delay.seconds;
-        let known = delay.quality != Quality::Unknown;
-        let cell = |text: String| if known { text } else { "-".into() };
-        [
-            title(delay),
-            cell(seconds(found.value, 2)),
-            cell(format!(
-                "{} .. {}",
-                seconds(found.low, 2),
-                seconds(found.high, 2)
-            )),
-            format!("{:.2}", delay.correlation),
-            remark(delay).into(),
-        ]
-    });
+    text += &aligned(header, &channels.collect::<Vec<_>>());
     let header = ["delay", "s", "90 % interval", "correlation", ""];
-    let rows: Vec<_> = rows.collect();
-    if !rows.is_empty() {
+    let delays = tables::delays(inspection, 2).into_iter();
+    let delays = delays.map(|[pair, delay, interval, correlation, _, _, remark]| {
+        [pair, delay, interval, correlation, remark]
+    });
+    let delays: Vec<_> = delays.collect();
+    if !delays.is_empty() {
         text += "\n";
-        text += &table(&header.map(String::from), &rows);
+        text += &aligned(header, &delays);
     }
     text
 }
 
-/// A moment \[s\]: to a hundredth where a clock counts from 1970.
-fn clock(time: f64) -> String {
-    if time.abs() < 1e4 {
-        digits(time, 4)
-    } else {
-        format!("{time:.2}")
-    }
-}
-
 fn headline(recording: &Recording, inspection: &Inspection) -> String {
     let motion = inspection.motion;
-    let runs = match recording.runs.len() {
-        1 => "1 run".into(),
-        count => format!("{count} runs"),
-    };
     let mut text = format!(
-        "{}: {runs}, {:.1} s",
+        "{}: {}, {:.1} s",
         visible_line(&recording.name),
+        words::runs(recording),
         motion.duration
     );
     if let Some(distance) = motion.distance {
@@ -108,31 +63,5 @@ fn headline(recording: &Recording, inspection: &Inspection) -> String {
     }
     let share = 100.0 * motion.at_rest / motion.duration.max(f64::MIN_POSITIVE);
     let _ = writeln!(text, ", at rest {:.1} s ({share:.0} %)", motion.at_rest);
-    text
-}
-
-/// Columns as wide as their longest cells; the first and the last to the left.
-fn table<const N: usize>(header: &[String; N], rows: &[[String; N]]) -> String {
-    let all = || std::iter::once(header).chain(rows);
-    let widths: [usize; N] = std::array::from_fn(|column| {
-        all()
-            .map(|row| row[column].chars().count())
-            .max()
-            .unwrap_or(0)
-    });
-    let mut text = String::new();
-    for row in all() {
-        let mut line = String::new();
-        for (column, cell) in row.iter().enumerate() {
-            let width = widths[column];
-            if column == 0 || column + 1 == N {
-                let _ = write!(line, "{cell:<width$}  ");
-            } else {
-                let _ = write!(line, "{cell:>width$}  ");
-            }
-        }
-        text += line.trim_end();
-        text += "\n";
-    }
     text
 }

@@ -1,4 +1,5 @@
-//! What is told of a diagnosis, and that every verdict is told in text, JSON and page.
+//! Every verdict as text, JSON and page.
+
 mod sample;
 
 use crate::formats;
@@ -119,7 +120,7 @@ fn json_does_not_depend_on_the_machine() {
 }
 
 #[test]
-fn text_is_short_and_says_what_counts() {
+fn the_text_is_short_and_has_the_main_facts() {
     for verdict in VERDICTS {
         let text = text(&sample(verdict));
         let lines: Vec<&str> = text.lines().collect();
@@ -138,7 +139,7 @@ fn text_is_short_and_says_what_counts() {
         "slope_east 1.78 deg (1.55 .. 2.01)",
         "drive3, 12.4 .. 31.0 s",
         "96 %",
-        "0.41 m as given, 0.30 m re-tuned, 0.052 m with what was found",
+        "0.41 m as given, 0.30 m refitted, 0.052 m mended",
         "took",
     ] {
         assert!(text.contains(part), "{part}: {text}");
@@ -146,7 +147,7 @@ fn text_is_short_and_says_what_counts() {
 }
 
 #[test]
-fn text_of_other_verdicts_says_what_is_open() {
+fn the_text_of_other_verdicts_has_the_open_questions() {
     let of = |verdict| text(&sample(verdict));
     let ambiguous = of(Verdict::Ambiguous);
     assert!(
@@ -154,16 +155,16 @@ fn text_of_other_verdicts_says_what_is_open() {
         "{ambiguous}"
     );
     assert!(
-        ambiguous.contains("96 % that it is one of these: multipass 48 %"),
+        ambiguous.contains("96 % for one of these: multipass 48 %"),
         "{ambiguous}"
     );
     assert!(
-        ambiguous.contains("opposite_pass: Drive 20 m"),
+        ambiguous.contains("opposite pass: Drive 20 m"),
         "{ambiguous}"
     );
     let nothing = of(Verdict::NothingMissing);
-    assert!(nothing.contains("would show"), "{nothing}");
-    assert!(nothing.contains("never shows"), "{nothing}");
+    assert!(nothing.contains("detectable"), "{nothing}");
+    assert!(nothing.contains("undetectable"), "{nothing}");
     let unknown = of(Verdict::UnknownPhysics);
     let law = "dM_Z / (m g B) = -0.0270 |u| q + 0.0080";
     assert!(unknown.contains(law), "{unknown}");
@@ -217,7 +218,7 @@ fn pages_are_whole() {
 }
 
 #[test]
-fn what_is_not_known_is_not_told_as_a_number() {
+fn unknown_numbers_are_not_shown() {
     let mut diagnosis = sample(Verdict::UnknownPhysics);
     let nan = f64::NAN;
     diagnosis.account.threshold = nan;
@@ -248,8 +249,8 @@ fn what_is_not_known_is_not_told_as_a_number() {
     diagnosis.runs[2].time.clear();
     diagnosis.runs[4].residuals[0].before.fill(nan);
     diagnosis.findings[0].probability = nan;
-    for told in [text(&diagnosis), page(&diagnosis)] {
-        assert!(!told.contains("NaN"), "{told}");
+    for output in [text(&diagnosis), page(&diagnosis)] {
+        assert!(!output.contains("NaN"), "{output}");
     }
     assert_eq!(parsed(&diagnosis)["account"]["threshold"], Value::Null);
     diagnosis.runs.clear();
@@ -272,7 +273,7 @@ fn the_map_marks_what_was_found() {
         "class=\"step m5\"",
         "class=\"span\"",
         "class=\"band\"",
-        "where it acts",
+        "only here",
         "x, east [m]",
         "dM_Z [N m]",
         "heading [deg]",
@@ -286,11 +287,11 @@ fn of_many_runs_the_worst_are_plotted() {
     let diagnosis = sample(Verdict::UnknownPhysics);
     let page = page(&diagnosis);
     assert_eq!(
-        page.matches("Mismatch of the re-tuned model").count(),
+        page.matches("Mismatch of the refitted model").count(),
         2 * 4
     );
     assert!(page.contains("<h3>drive3 run 5</h3>"), "it has a place");
-    assert!(page.contains("the worst; 2 more are not"));
+    assert!(page.contains("Plotted: 4 of 6 runs"));
 }
 
 #[test]
@@ -307,15 +308,15 @@ fn cautions_stand_beside_the_verdict() {
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let (text, page) = (text(&diagnosis), page(&diagnosis));
     // Before anything else about the finding, and in the verdict's box.
-    let top = words(text.split("\nsure").next().unwrap());
+    let top = words(text.split("\nprobability").next().unwrap());
     let verdict = page.split("</section>").next().unwrap();
-    for told in [
+    for words in [
         "Time was up before everything had been tried",
         "72 s of 600 s",
         "490 kg on 8 wheels",
     ] {
-        assert!(top.contains(told), "{text}");
-        assert!(verdict.contains(told), "{verdict}");
+        assert!(top.contains(words), "{text}");
+        assert!(verdict.contains(words), "{verdict}");
     }
     let all = parsed(&diagnosis);
     let kinds = ["time_up", "part_of_recordings", "assumed_vehicle"];
@@ -333,16 +334,16 @@ fn cautions_stand_beside_the_verdict() {
 }
 
 #[test]
-fn the_headline_says_why_there_is_no_verdict() {
+fn the_headline_has_the_reason_for_no_verdict() {
     let mut diagnosis = sample(Verdict::InsufficientData);
     for (why, headline) in [
         (
             Insufficient::TooLittle,
-            "These recordings are too little to tell.",
+            "These recordings are not sufficient for a verdict.",
         ),
         (
             Insufficient::TimeUp,
-            "Time was up before there was a verdict.",
+            "The time limit was reached before a verdict.",
         ),
         (
             Insufficient::Undecided,

@@ -1,5 +1,5 @@
 //! Made-up diagnoses, one for every verdict, with what a real one has: gaps, missing channels,
-//! values that are none, long series, several runs.
+//! missing values, long series, several runs.
 
 use ugv_terrain::diagnosis::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
@@ -121,7 +121,7 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
     match verdict {
         Verdict::NothingMissing => (
             Vec::new(),
-            "What is left over after re-tuning is as large as chance makes it, 0.7 of the threshold.",
+            "The residuals of the refitted model are as large as chance makes them, 0.7 of the threshold.",
         ),
         Verdict::InsufficientData => (
             Vec::new(),
@@ -154,7 +154,7 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
             };
             (
                 vec![grade, payload],
-                "The ground rises by 1.8 deg towards the east between 12 s and 31 s; re-tuning the soil does \
+                "The ground rises by 1.8 deg towards the east between 12 s and 31 s; refitting the soil does \
                  not explain it.",
             )
         }
@@ -171,7 +171,7 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
                     pose("spirals", 0.18),
                 ],
                 places: vec![place],
-                statement: "The pose is told 0.2 s late.".into(),
+                statement: "The pose is reported 0.2 s late.".into(),
                 ..finding(effect("latency"), 0.9993)
             };
             (
@@ -192,7 +192,7 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
                     Channel::Longitudinal,
                     "speed over 1.2 m/s",
                 )],
-                statement: "A resistance along the vehicle is not the re-tuned model's.".into(),
+                statement: "A resistance along the vehicle is not the refitted model's.".into(),
                 ..finding(effect("multipass"), 0.48)
             };
             (
@@ -248,7 +248,7 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
 }
 
 fn candidates(verdict: Verdict, findings: &[Finding]) -> Vec<Candidate> {
-    let told = |subject: Subject| {
+    let probability = |subject: Subject| {
         let found = findings.iter().find(|finding| finding.subject == subject);
         found.map(|finding| finding.probability)
     };
@@ -269,7 +269,7 @@ fn candidates(verdict: Verdict, findings: &[Finding]) -> Vec<Candidate> {
     let effects = CATALOGUE.iter().enumerate().map(|(index, declared)| {
         let subject = Subject::Effect(index);
         let parameter = &declared.parameters[0];
-        let found = told(subject);
+        let found = probability(subject);
         let pair = verdict == Verdict::Ambiguous && ambiguous.contains(&declared.name);
         let other = if verdict == Verdict::Ambiguous {
             0.0
@@ -304,7 +304,8 @@ fn candidates(verdict: Verdict, findings: &[Finding]) -> Vec<Candidate> {
     });
     let mut all: Vec<Candidate> = effects.collect();
     let sum: f64 = all.iter().map(|candidate| candidate.probability).sum();
-    let unknown = told(Subject::Unknown).map_or((1.0 - nothing - sum).max(0.0), |p| scale * p);
+    let unknown =
+        probability(Subject::Unknown).map_or((1.0 - nothing - sum).max(0.0), |p| scale * p);
     let nothing = 1.0 - unknown - sum;
     for (subject, probability) in [(Subject::Unknown, unknown), (Subject::Nothing, nothing)] {
         all.push(Candidate {
@@ -349,7 +350,7 @@ fn soil(verdict: Verdict) -> Vec<(Estimate, Estimate)> {
     if verdict == Verdict::InsufficientData {
         return Vec::new();
     }
-    let estimate = |name: &str, unit, nominal: f64, factor: f64, told| Estimate {
+    let estimate = |name: &str, unit, nominal: f64, factor: f64, ratio| Estimate {
         parameter: FreeParameter {
             name: name.into(),
             unit,
@@ -363,9 +364,9 @@ fn soil(verdict: Verdict) -> Vec<(Estimate, Estimate)> {
         },
         nominal,
         value: factor * nominal,
-        low: (factor - 0.3 * told) * nominal,
-        high: (factor + 0.4 * told) * nominal,
-        posterior_prior_ratio: told,
+        low: (factor - 0.3 * ratio) * nominal,
+        high: (factor + 0.4 * ratio) * nominal,
+        posterior_prior_ratio: ratio,
     };
     [
         ("cohesion", "Pa", 1040.0, 0.31),
@@ -374,8 +375,8 @@ fn soil(verdict: Verdict) -> Vec<(Estimate, Estimate)> {
         ("sinkage_exponent", "1", 1.1, 0.6),
         ("shear_modulus", "m", 0.025, 0.2),
     ]
-    .map(|(name, unit, nominal, told)| {
-        let of = |factor| estimate(name, unit, nominal, factor, told);
+    .map(|(name, unit, nominal, ratio)| {
+        let of = |factor| estimate(name, unit, nominal, factor, ratio);
         (of(1.41), of(1.07))
     })
     .to_vec()
@@ -510,7 +511,7 @@ fn account(verdict: Verdict) -> Account {
         notes: if few {
             vec!["38 s were left out because the wheels stand still.".into()]
         } else {
-            vec!["The gyro is not told of in <drive3.json>; its noise was estimated.".into()]
+            vec!["<drive3.json> does not mention the gyro; its noise was estimated.".into()]
         },
     }
 }

@@ -1,12 +1,12 @@
-//! A self-contained HTML page: light or dark as the reader's system is, as wide as the screen.
+//! Self-contained HTML: light or dark as the reader's system is, as wide as the screen.
 
-use super::chart::escape;
+use crate::display::markup;
 
 const STYLE: &str = include_str!("style.css");
 
 /// A page around a body of HTML.
-pub fn page(title: &str, body: &str) -> String {
-    let title = escape(title);
+pub fn document(title: &str, body: &str) -> String {
+    let title = markup(title);
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
@@ -14,7 +14,7 @@ pub fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// A table; the first column to the left, and so are those of words: their names end in a blank.
+/// A table. The first column is aligned to the left, and so are columns of words: their names end in a blank.
 pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let class = |column: usize| match header.get(column) {
         Some(name) if name.ends_with(' ') => " class=\"words\"",
@@ -27,7 +27,7 @@ pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String
         html += &format!(
             "<th scope=\"col\"{}>{}</th>",
             class(column),
-            escape(name.trim_end())
+            markup(name.trim_end())
         );
     }
     html += "</tr>\n";
@@ -35,7 +35,7 @@ pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String
         html += "<tr>";
         for (column, cell) in row.iter().enumerate() {
             // Units stay with their numbers.
-            let mut cell = escape(cell);
+            let mut cell = markup(cell);
             if cell.len() < 12 && class(column).is_empty() {
                 cell = cell.replace(' ', "&nbsp;");
             }

@@ -1,18 +1,18 @@
-//! One drive, and what is kept of it.
+//! One drive, and its result.
 
 use std::io::{self, Write};
 use ugv_terrain::recording::Drive;
 use ugv_terrain::simulation::{Simulation, SimulationError, State};
 use ugv_terrain::vehicle::{VehicleModel, Wrench};
 
-/// Columns of what is kept, behind the parameters.
+/// Columns of the result, after the parameters.
 pub const COLUMNS: &str = "time,x,y,heading,v_x,v_y,yaw_rate,distance,largest_slip,mean_slip,\
                            largest_sinkage,resistance_work,error";
 
-/// Where a drive ended, and what happened on the way; looked at in the rows of the input.
+/// Where a drive ended, and what happened until then, from the rows of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveResult {
-    /// Seconds from the start to the last row that was reached.
+    /// Seconds from the start to the last row that it reached.
     time: f64,
     /// Pose and velocities there.
     state: State,
@@ -23,11 +23,11 @@ pub struct DriveResult {
     largest_sinkage: f64,
     /// Integral of rolling resistance times |v_x| over time \[J\].
     resistance_work: f64,
-    /// Why the drive ended before its last row.
+    /// Why the drive ended before its last row, if it did.
     pub error: Option<String>,
 }
 
-/// |longitudinal slip| of all wheels in all rows but the first, where they are set in motion.
+/// |longitudinal slip| of all wheels in all rows except the first, in which the wheels start.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Slip {
     largest: f64,
@@ -35,10 +35,10 @@ struct Slip {
     count: u64,
 }
 
-/// Drives along the rows of the input as an importer steps the FMU: wheel speeds and their rates
-/// set, a step to the next row, then a look at the outputs.
+/// Drives along the rows of the input as an importer steps the FMU: it sets the wheel speeds and their
+/// rates, steps to the next row, and reads the outputs.
 pub fn drive(rows: &Drive, model: VehicleModel, start: State) -> DriveResult {
-    let mut outcome = DriveResult {
+    let mut result = DriveResult {
         time: 0.0,
         state: start,
         distance: 0.0,
@@ -50,18 +50,18 @@ pub fn drive(rows: &Drive, model: VehicleModel, start: State) -> DriveResult {
     let mut simulation = Simulation::new(model);
     let driven = simulation
         .set_state(start)
-        .and_then(|()| along(rows, &mut simulation, &mut outcome));
-    outcome.error = driven.err().map(|error| error.to_string());
-    outcome
+        .and_then(|()| along(rows, &mut simulation, &mut result));
+    result.error = driven.err().map(|error| error.to_string());
+    result
 }
 
 fn along(
     rows: &Drive,
     simulation: &mut Simulation,
-    outcome: &mut DriveResult,
+    result: &mut DriveResult,
 ) -> Result<(), SimulationError> {
     simulation.set_wheel_speeds(rows.wheel_speeds(0).into())?;
-    let mut power = outcome.first(simulation.wrench()?);
+    let mut power = result.first(simulation.wrench()?);
     for row in 1..rows.len() {
         let time = rows.time[row - 1] - rows.time[0];
         simulation.set_wheel_speeds(rows.wheel_speeds(row - 1).into())?;
@@ -70,8 +70,8 @@ fn along(
         simulation.step(rows.time[row] - rows.time[row - 1])?;
         let state = simulation.state();
         let seconds = rows.time[row] - rows.time[row - 1];
-        power = outcome.next(state, simulation.wrench()?, power, seconds);
-        outcome.time = rows.time[row] - rows.time[0];
+        power = result.next(state, simulation.wrench()?, power, seconds);
+        result.time = rows.time[row] - rows.time[0];
     }
     Ok(())
 }
@@ -109,8 +109,8 @@ impl DriveResult {
         self.largest_sinkage = sinkages.fold(self.largest_sinkage, f64::max);
     }
 
-    /// Writes the cells, each behind a comma; empty where there is nothing to tell. The numbers
-    /// read back to the last bit.
+    /// Writes the cells, each after a comma; a missing value is an empty cell. The numbers read back to the
+    /// last bit.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let (slip, count) = (&self.slip, self.slip.count);
         let slips = (count > 0).then(|| [slip.largest, slip.sum / count as f64]);

@@ -1,8 +1,8 @@
 //! The table of parameters: one row per drive, drawn or read.
 
-use super::distribution::{Values, Varied};
-use crate::cli::Failure;
-use crate::cli::simulate::read_file;
+use super::distribution::{VariedParameter, VariedValues};
+use crate::cli::failure::Failure;
+use crate::cli::input::read_file;
 use std::collections::HashSet;
 use std::io::{self, Write};
 use std::path::Path;
@@ -12,54 +12,53 @@ use ugv_terrain::recording::read_bytes;
 /// Column that numbers the rows.
 const INDEX: &str = "index";
 /// More drives than this do not fit in memory.
-const MOST_ROWS: usize = 100_000_000;
+const MAX_ROWS: usize = 100_000_000;
 
 /// Parameters of all drives.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Samples {
-    /// The FMU's names of the parameters that differ.
+pub struct ParameterTable {
+    /// Names in the FMU of the parameters that differ.
     pub names: Vec<String>,
     /// Their values in each drive.
-    pub rows: Vec<Sample>,
+    pub rows: Vec<ParameterRow>,
 }
 
 /// Parameters of one drive.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct ParameterRow {
     pub index: u64,
     pub values: Vec<f64>,
 }
 
-impl Samples {
-    /// Draws a table: so many samples of what is drawn, each with every combination of what is
-    /// listed (the last listed parameter changes fastest). A number depends on seed, name and
-    /// sample alone: another parameter more, or more samples, leave it as it is.
+impl ParameterTable {
+    /// Draws a table: samples of the distributions, each with every combination of the listed values
+    /// (the last listed parameter changes fastest). A number depends on seed, name and sample only:
+    /// one more parameter, or more samples, do not change it.
     ///
     /// # Errors
-    /// A parameter named twice, or a table too large.
-    pub fn draw(varied: &[Varied], samples: usize, seed: u64) -> Result<Self, Failure> {
+    /// A parameter that is named twice, or a table that is too large.
+    pub fn draw(varied: &[VariedParameter], samples: usize, seed: u64) -> Result<Self, Failure> {
         let names: Vec<String> = varied.iter().map(|v| v.name.clone()).collect();
         check_unique(&names, "--vary")?;
         let combinations = varied
             .iter()
             .try_fold(1_usize, |product, v| match &v.values {
-                Values::Listed(values) => product.checked_mul(values.len()),
-                Values::Drawn(_) => Some(product),
+                VariedValues::Listed(values) => product.checked_mul(values.len()),
+                VariedValues::Drawn(_) => Some(product),
             });
         let count = combinations.and_then(|combinations| combinations.checked_mul(samples));
-        let Some(count) = count.filter(|count| *count <= MOST_ROWS) else {
-            return Err(Failure::Argument {
-                reason: format!("the sweep would have more than {MOST_ROWS} drives"),
-                hint: Some("take fewer --samples, or shorter lists and grids".into()),
-            });
+        let Some(count) = count.filter(|count| *count <= MAX_ROWS) else {
+            let reason = format!("the sweep has more than {MAX_ROWS} drives");
+            return Err(Failure::argument(reason)
+                .with_remedy("take fewer --samples, or shorter lists and grids"));
         };
         let row = |index: usize| {
             let (sample, mut combination) = (index / (count / samples), index % (count / samples));
-            let value = |v: &Varied| match &v.values {
-                Values::Drawn(distribution) => {
+            let value = |v: &VariedParameter| match &v.values {
+                VariedValues::Drawn(distribution) => {
                     distribution.quantile(share(seed, &v.name, sample as u64))
                 }
-                Values::Listed(values) => {
+                VariedValues::Listed(values) => {
                     let value = values[combination % values.len()];
                     combination /= values.len();
                     value
@@ -68,7 +67,7 @@ impl Samples {
             // From the last to the first, so that the last changes fastest.
             let mut values: Vec<f64> = varied.iter().rev().map(value).collect();
             values.reverse();
-            Sample {
+            ParameterRow {
                 index: index as u64,
                 values,
             }
@@ -79,24 +78,21 @@ impl Samples {
         })
     }
 
-    /// Reads a table: parameters' names in the header, and perhaps the column `index`.
+    /// Reads a table: parameters' names in the header, and optionally the column `index`.
     ///
     /// # Errors
-    /// A file that cannot be read, with the line and column of what is wrong.
+    /// A file that cannot be read, with the line and column of the fault.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let text = String::from_utf8(read_file(path, read_bytes)?).map_err(|error| {
             let source = io::Error::new(io::ErrorKind::InvalidData, error.utf8_error());
-            Failure::Read {
-                path: path.into(),
-                source,
-            }
+            Failure::read(path)(source)
         })?;
-        // A record is said to begin before the second half of a CR LF.
+        // The reader reports the position between CR and LF as the start of a record.
         let text = text.replace("\r\n", "\n");
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let wrong = |reason: String| Failure::Argument {
-            reason: format!("{}{reason}", path.display()),
-            hint: Some("`ugv sweep --vary ... --samples-only` writes tables that are right".into()),
+        let wrong = |reason: String| {
+            Failure::argument(format!("{}{reason}", path.display()))
+                .with_remedy("`ugv sweep --vary ... --samples-only` writes valid tables")
         };
         let header = reader
             .headers()
@@ -109,7 +105,7 @@ impl Samples {
         for (number, record) in reader.records().enumerate() {
             let record = record.map_err(|e| wrong(format!(": {e}")))?;
             let start = record.position().map_or(0, |place| place.byte() as usize);
-            let mut sample = Sample {
+            let mut sample = ParameterRow {
                 index: number as u64,
                 values: Vec::with_capacity(header.len()),
             };
@@ -134,19 +130,19 @@ impl Samples {
             rows.push(sample);
         }
         if rows.is_empty() {
-            return Err(wrong(": there is no row below the header".into()));
+            return Err(wrong(": there is no row after the header".into()));
         }
         let names = header.into_iter().filter(|name| name != INDEX).collect();
         Ok(Self { names, rows })
     }
 
-    /// The header's cells, as they begin each table.
+    /// The header's cells, the first ones of every table.
     pub fn header(&self) -> String {
         let names = self.names.iter().map(|name| format!(",{name}"));
         INDEX.to_owned() + &names.collect::<String>()
     }
 
-    /// Writes the table by itself.
+    /// Writes the table without results.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "{}", self.header())?;
         for sample in &self.rows {
@@ -157,7 +153,7 @@ impl Samples {
     }
 }
 
-impl Sample {
+impl ParameterRow {
     /// Writes the cells; the numbers read back to the last bit.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         write!(out, "{}", self.index)?;
@@ -167,7 +163,7 @@ impl Sample {
     }
 }
 
-/// The line, from 1, of the first that is not empty from some byte on.
+/// The number, from 1, of the first line from this byte on that is not empty.
 fn line_from(text: &str, start: usize) -> usize {
     let (before, rest) = text.split_at(start);
     let skipped = rest.len() - rest.trim_start_matches('\n').len();
@@ -177,18 +173,20 @@ fn line_from(text: &str, start: usize) -> usize {
 fn check_unique(names: &[String], place: &str) -> Result<(), Failure> {
     let mut known = HashSet::new();
     match names.iter().find(|name| !known.insert(*name)) {
-        Some(name) => Err(Failure::Argument {
-            reason: format!("{place} names {} twice", shortened(name)),
-            hint: None,
-        }),
+        Some(name) => Err(Failure::argument(format!(
+            "{place} names {} twice",
+            shortened(name)
+        ))),
         None => Ok(()),
     }
 }
 
-/// A number between 0 and 1, both excluded, of a stream that is named: SplitMix64 (Steele, Lea and
-/// Flood 2014), whose n-th number is a hash of n.
+/// Increment of SplitMix64.
+const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// A number between 0 and 1, both excluded, of a named stream: SplitMix64 (Steele, Lea and Flood
+/// 2014), whose n-th number is a hash of n.
 fn share(seed: u64, name: &str, index: u64) -> f64 {
-    const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
     // FNV-1a of the name.
     let stream = name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
@@ -209,12 +207,12 @@ fn mix(mut z: u64) -> u64 {
 mod tests {
     use super::*;
 
-    fn draw(words: &[&str], samples: usize, seed: u64) -> Samples {
-        let varied: Vec<Varied> = words.iter().map(|word| word.parse().unwrap()).collect();
-        Samples::draw(&varied, samples, seed).unwrap()
+    fn draw(words: &[&str], samples: usize, seed: u64) -> ParameterTable {
+        let varied: Vec<VariedParameter> = words.iter().map(|word| word.parse().unwrap()).collect();
+        ParameterTable::draw(&varied, samples, seed).unwrap()
     }
 
-    fn column(samples: &Samples, name: &str) -> Vec<f64> {
+    fn column(samples: &ParameterTable, name: &str) -> Vec<f64> {
         let at = samples.names.iter().position(|n| n == name).unwrap();
         samples.rows.iter().map(|row| row.values[at]).collect()
     }
@@ -222,14 +220,13 @@ mod tests {
     #[test]
     fn the_stream_is_splitmix64() {
         // Its first numbers from 1234567, of the reference implementation.
-        const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
         let stream = |n: u64| mix(1_234_567_u64.wrapping_add(GAMMA.wrapping_mul(n)));
         assert_eq!(stream(1), 6_457_827_717_110_365_317);
         assert_eq!(stream(2), 3_203_168_211_198_807_973);
     }
 
     #[test]
-    fn a_number_depends_on_seed_name_and_sample_alone() {
+    fn a_number_depends_on_seed_name_and_sample_only() {
         let (a, b) = ("a=uniform:0,1", "b=uniform:0,1");
         let long = column(&draw(&[a], 100, 7), "a");
         assert_eq!(column(&draw(&[b, a], 40, 7), "a"), long[..40]);

@@ -1,0 +1,194 @@
+//! `ugv diagnose`: which physics does the model leave out?
+
+use super::failure::Failure;
+use super::jobs;
+use super::nominal::{NominalArgs, fitted_to};
+use super::output::{Output, finish_all, notify, print};
+use super::progress::ProgressLine;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use ugv_terrain::diagnosis::{Caution, DiagnosisError, Options, Progress, diagnose, insufficient};
+use ugv_terrain::display::visible_line;
+use ugv_terrain::recording::{Recording, Run};
+use ugv_terrain::report::diagnosis::{json, page, text};
+
+const EXAMPLES: &str = "\
+Examples:
+  ugv diagnose drive.csv --terrain sandy_loam --out diagnosis
+  ugv diagnose there.csv back.csv --vehicle mine.json     # the way back separates slope from drag
+  ugv simulate --input other.csv --model diagnosis/model.json --output motion.csv
+
+Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
+         yaw_rate [s, m, rad]. Several recordings share vehicle and soil; each has its slopes,
+         latencies and biases. Best is a minute with turns both ways, straights and several speeds.
+Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the refitted soil with the
+         findings, for `ugv simulate`, `score` and `package`), DIR/report.html, and a summary.
+         The same seed gives the same answer with any number of threads. At a time limit the
+         answer may differ; a caution then says so.";
+
+/// Find the physics that the model leaves out: what, where, and with which probability.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Recordings; NAME.json beside NAME.csv may hold the vehicle
+    #[arg(required = true, value_name = "REC.csv")]
+    recordings: Vec<PathBuf>,
+
+    #[command(flatten)]
+    nominal: NominalArgs,
+
+    /// Folder for diagnosis.json, model.json and report.html; created if it does not exist
+    #[arg(
+        long,
+        visible_alias = "output",
+        value_name = "DIR",
+        default_value = "diagnosis"
+    )]
+    out: PathBuf,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Threads [default: one per processor]; the result does not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(jobs::RANGE))]
+    jobs: Option<u16>,
+
+    /// Answer within this time, plus 10 % or 2 s, with what is found by then; cautions name what is
+    /// missing. `none`: no limit [default: 600 s plus three times the length of the recordings]
+    #[arg(long, value_name = "S|none", value_parser = limit)]
+    within: Option<TimeLimit>,
+
+    /// Neither summary nor progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// The default time limit \[s\], and its growth with the length of the recordings.
+const DEFAULT: f64 = 600.0;
+const DEFAULT_PER_SECOND: f64 = 3.0;
+
+/// The time that a diagnosis may take.
+#[derive(Debug, Clone, Copy)]
+enum TimeLimit {
+    None,
+    Within(Duration),
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let line = ProgressLine::steps(args.quiet);
+    let show = |step| line.step(step);
+    let mut progress = Progress::new(&show);
+    let named = args.nominal.load()?;
+    let recordings = named.read(&args.recordings)?;
+    if let TimeLimit::Within(limit) = args.within.unwrap_or_else(|| default_limit(&recordings)) {
+        progress = progress.within(limit);
+    }
+    for recording in &recordings {
+        recording.warnings().for_each(|warning| notify(&warning));
+    }
+    let is_assumed = named.lacks_vehicle(&recordings);
+    let nominal = named.nominal(&recordings, args.quiet)?;
+    let options = Options {
+        seed: args.seed,
+        ..Options::default()
+    };
+    let pool = jobs::pool(args.jobs)?;
+    let _folder = NewFolder::create(&args.out).map_err(|source| Failure::Write {
+        target: args.out.display().to_string(),
+        source,
+    })?;
+    let files = ["diagnosis.json", "model.json", "report.html"];
+    let inputs = args.nominal.files();
+    let inputs = || args.recordings.iter().chain(&inputs);
+    let outputs = files.map(|name| Output::from_inputs(Some(&args.out.join(name)), inputs()));
+    let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
+    line.finish();
+    let mut fitted = fitted_to(&recordings, true);
+    let mut diagnosis = match found {
+        Err(
+            error @ (DiagnosisError::AtRest { .. }
+            | DiagnosisError::TooShort { .. }
+            | DiagnosisError::OutOfTime),
+        ) => {
+            fitted.clear();
+            let mut diagnosis = insufficient(&recordings, &nominal, &options, &error);
+            diagnosis.account.steps = progress.seconds();
+            diagnosis
+        }
+        other => other?,
+    };
+    if is_assumed {
+        let caution = Caution::assumed(&nominal.vehicle);
+        diagnosis.cautions.push(caution);
+    }
+    let texts = [
+        json(&diagnosis),
+        diagnosis.model.to_json_fitted(&fitted),
+        page(&diagnosis),
+    ];
+    let filled = outputs.into_iter().zip(texts);
+    let filled: Result<Vec<_>, _> = filled.map(|(output, text)| output.with(&text)).collect();
+    let written = filled.and_then(finish_all);
+    if !args.quiet {
+        // Also after a failed write, so that minutes of work are not lost.
+        print(&text(&diagnosis))?;
+        if written.is_ok() {
+            let (folder, files) = (args.out.display().to_string(), files.join(", "));
+            print(&format!("written to {}: {files}\n", visible_line(&folder)))?;
+        }
+    }
+    written
+}
+
+fn limit(text: &str) -> Result<TimeLimit, String> {
+    if text == "none" {
+        return Ok(TimeLimit::None);
+    }
+    let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0);
+    let limit = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    limit
+        .map(TimeLimit::Within)
+        .ok_or_else(|| "expected a number of seconds above 0, or none".into())
+}
+
+/// Long recordings take longer.
+fn default_limit(recordings: &[Recording]) -> TimeLimit {
+    let runs = recordings.iter().flat_map(|recording| &recording.runs);
+    let seconds = DEFAULT + DEFAULT_PER_SECOND * runs.map(Run::duration).sum::<f64>();
+    Duration::try_from_secs_f64(seconds).map_or(TimeLimit::None, TimeLimit::Within)
+}
+
+/// The folders that were created for the files; those without files disappear at the end.
+struct NewFolder {
+    /// The innermost first.
+    created: Vec<PathBuf>,
+}
+
+impl NewFolder {
+    /// Creates a folder and its parents.
+    ///
+    /// # Errors
+    /// Whatever the file system refuses.
+    fn create(path: &Path) -> io::Result<Self> {
+        let ancestors = path.ancestors().filter(|path| *path != Path::new(""));
+        let missing = ancestors.take_while(|path| !path.exists());
+        let created = missing.map(Path::to_owned).collect();
+        // If the innermost cannot be created, its new parents disappear again.
+        let folder = Self { created };
+        fs::create_dir_all(path)?;
+        Ok(folder)
+    }
+}
+
+impl Drop for NewFolder {
+    fn drop(&mut self) {
+        for folder in &self.created {
+            // A folder with files stays.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
