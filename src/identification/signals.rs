@@ -4,7 +4,7 @@ use super::estimate::median;
 use super::increments::Increments;
 use super::latency::gyro_bias;
 use super::{IdentificationError, Latencies};
-use crate::recording::{Channel, Course, Drive, Recording, Run, Series};
+use crate::recording::{Channel, Drive, PoseHistory, Recording, Run, Series};
 use crate::vehicle::seen_from;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -46,7 +46,7 @@ pub struct Signals {
     y: Series,
     heading: Series,
     /// Made when it is asked for.
-    course: OnceLock<Course>,
+    course: OnceLock<PoseHistory>,
     wheels: Drive,
     yaw_rate: Option<Series>,
     /// Integral of the yaw rate \[rad\] at its samples.
@@ -147,7 +147,7 @@ impl Signals {
         let at = time + self.pose_latency();
         let course = self
             .course
-            .get_or_init(|| Course::new(&self.x, &self.y, &self.heading))
+            .get_or_init(|| PoseHistory::new(&self.x, &self.y, &self.heading))
             .to(at);
         let Some((here, before)) = course.split_last() else {
             return Vec::new();

@@ -43,7 +43,7 @@ impl Channel {
         Self::AY,
     ];
 
-    /// Place in [`Channel::ALL`].
+    /// Index in [`Channel::ALL`].
     #[must_use]
     pub const fn index(self) -> usize {
         self as usize
@@ -78,7 +78,7 @@ impl Channel {
         }
     }
 
-    /// Whether every recording must have it.
+    /// Whether a recording without this channel is refused.
     #[must_use]
     pub const fn is_required(self) -> bool {
         matches!(self, Self::OmegaLeft | Self::OmegaRight)

@@ -1,6 +1,7 @@
-//! A drive as text, and what the reader makes of it.
+//! A drive as text, for tests of the reader.
 
 use super::*;
+use crate::recording::note::{Note, NoteKind};
 
 /// Columns after the time, in the order of [`NAMES`].
 pub type Rows = Vec<(f64, [f64; 6])>;
