@@ -32,3 +32,4 @@ pub use series::Series;
 pub use statistics::{
     IntervalEstimate, Moments, SplitMix64, median, nearest_rank, quantile, upper_median,
 };
+pub(crate) use statistics::{MIN_BLOCKS, range};

@@ -3,7 +3,8 @@
 use super::entries::Entry;
 use rayon::prelude::*;
 use ugv_terrain::identification::{
-    Cut, Halves, Latencies, PredictionError, Summary, Window, WindowSet, common, summarise,
+    DataSplit, ErrorSummary, Latencies, PoseError, PredictionWindow, WindowOptions, WindowSet,
+    common, summarise,
 };
 
 /// A recording's windows and the models that are to predict them.
@@ -11,10 +12,10 @@ pub struct Comparison {
     pub name: String,
     pub latencies: Latencies,
     /// How the windows are cut.
-    pub how: Cut,
+    pub how: WindowOptions,
     pub heading_noise: Option<f64>,
     pub set: WindowSet,
-    pub halves: Halves,
+    pub halves: DataSplit,
     pub entries: Vec<Entry>,
 }
 
@@ -34,14 +35,14 @@ pub struct Outcomes {
     pub reason: Option<String>,
     /// On the windows that count.
     pub scores: Option<Scores>,
-    errors: Vec<PredictionError>,
+    errors: Vec<PoseError>,
     blocks: Vec<(usize, i64)>,
 }
 
 /// Errors at the end of windows.
 pub struct Scores {
-    pub position: Summary,
-    pub heading: Summary,
+    pub position: ErrorSummary,
+    pub heading: ErrorSummary,
 }
 
 /// What a model achieved on the windows of all recordings.
@@ -62,7 +63,7 @@ impl Comparison {
     /// Lets every model predict every window that is to be judged; on all cores, with results
     /// that do not depend on how many there are.
     pub fn run(&self, done: impl Fn() + Sync) -> ModelScore<'_> {
-        let windows: Vec<&Window> = self
+        let windows: Vec<&PredictionWindow> = self
             .halves
             .judged
             .iter()
@@ -71,11 +72,11 @@ impl Comparison {
         let mut predictions = Vec::new();
         let mut reasons = Vec::new();
         for entry in &self.entries {
-            let predict = |window: &&Window| {
+            let predict = |window: &&PredictionWindow| {
                 let predictor = entry.predictor.as_ref()?;
                 let predicted = predictor.predict(window);
                 done();
-                Some(predicted.map(|pose| PredictionError::new(window, pose)))
+                Some(predicted.map(|pose| PoseError::new(window, pose)))
             };
             let all: Vec<_> = windows.par_iter().map(predict).collect();
             let reason = all
@@ -91,7 +92,7 @@ impl Comparison {
         }
         let counting = common(&predictions);
         let blocks: Vec<(usize, i64)> = counting.iter().map(|k| windows[*k].block()).collect();
-        let result = |(errors, reason): (Vec<Option<PredictionError>>, Option<String>)| {
+        let result = |(errors, reason): (Vec<Option<PoseError>>, Option<String>)| {
             let failed = errors.iter().filter(|error| error.is_none()).count();
             let errors: Vec<_> = counting.iter().filter_map(|k| errors[*k]).collect();
             Outcomes {
@@ -115,8 +116,8 @@ impl Comparison {
 }
 
 impl Scores {
-    fn of<B: Ord + Clone>(errors: &[PredictionError], blocks: &[B]) -> Option<Self> {
-        let pick = |value: fn(&PredictionError) -> f64| {
+    fn of<B: Ord + Clone>(errors: &[PoseError], blocks: &[B]) -> Option<Self> {
+        let pick = |value: fn(&PoseError) -> f64| {
             let values: Vec<f64> = errors.iter().map(value).collect();
             summarise(&values, blocks.iter().cloned())
         };

@@ -1,14 +1,15 @@
 //! The models of a contest.
 
 use super::Described;
-use ugv_terrain::identification::{Estimate, FittedKinematics, Kinematics, KinematicsForm};
-use ugv_terrain::identification::{Predictor, Window};
+use ugv_terrain::identification::{FittedKinematics, Kinematics, KinematicsForm};
+use ugv_terrain::identification::{MotionModel, PredictionWindow};
+use ugv_terrain::recording::IntervalEstimate;
 
 /// A fitted number with its unit.
 pub struct ParameterEntry {
     pub name: &'static str,
     pub unit: &'static str,
-    pub estimate: Estimate,
+    pub estimate: IntervalEstimate,
 }
 
 /// A model that takes part.
@@ -20,19 +21,19 @@ pub struct Entry {
     /// Numbers that were fitted.
     pub parameters: Vec<ParameterEntry>,
     /// `None` where it could not be fitted.
-    pub predictor: Option<Predictor>,
+    pub predictor: Option<MotionModel>,
 }
 
 impl Entry {
     /// Kinematics and soils, the simplest first.
     pub fn all(
-        windows: &[Window],
+        windows: &[PredictionWindow],
         fitted: &[usize],
         nominal: Described,
         given: Option<Described>,
     ) -> Vec<Self> {
         let no_slip = Kinematics::no_slip(nominal.1.vehicle());
-        let on: Vec<&Window> = fitted.iter().map(|index| &windows[*index]).collect();
+        let on: Vec<&PredictionWindow> = fitted.iter().map(|index| &windows[*index]).collect();
         let fit = |form| Kinematics::fit(form, &on, &no_slip);
         let mut entries = vec![
             Self {
@@ -42,7 +43,7 @@ impl Entry {
                     no_slip.wheel_radius, no_slip.track
                 ),
                 parameters: Vec::new(),
-                predictor: Some(Predictor::Kinematics(no_slip)),
+                predictor: Some(MotionModel::Kinematics(no_slip)),
             },
             Self::fitted("two_parameter", fit(KinematicsForm::TwoParameter)),
             Self::fitted("three_parameter", fit(KinematicsForm::ThreeParameter)),
@@ -57,7 +58,7 @@ impl Entry {
             name,
             description,
             parameters: Vec::new(),
-            predictor: Some(Predictor::Soil(model)),
+            predictor: Some(MotionModel::Soil(model)),
         }
     }
 
@@ -87,7 +88,7 @@ impl Entry {
             name,
             description: "kinematics fitted on the windows that are not judged".into(),
             parameters,
-            predictor: Some(Predictor::Kinematics(fitted.kinematics)),
+            predictor: Some(MotionModel::Kinematics(fitted.kinematics)),
         }
     }
 }

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use ugv_terrain::effects::Effects;
 use ugv_terrain::identification::{
-    Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
+    HeadingSource, Latencies, Signals, WindowOptions, cut, heading_noise, split,
 };
 use ugv_terrain::json::FittedTo;
 use ugv_terrain::recording::{Recording, different_names, read_recording_of};
@@ -71,11 +71,11 @@ pub struct Args {
     effects: Option<PathBuf>,
 
     /// Predict so many seconds ahead
-    #[arg(long, value_name = "S", default_value_t = Cut::default().horizon)]
+    #[arg(long, value_name = "S", default_value_t = WindowOptions::default().horizon)]
     horizon: f64,
 
     /// Start a window every so many seconds
-    #[arg(long, value_name = "S", default_value_t = Cut::default().spacing)]
+    #[arg(long, value_name = "S", default_value_t = WindowOptions::default().spacing)]
     spacing: f64,
 
     /// Compare the heading with the recorded one or with the integrated yaw rate; auto takes
@@ -173,11 +173,11 @@ fn prepare(
             });
         }
     };
-    let how = Cut {
+    let how = WindowOptions {
         horizon: args.horizon,
         spacing: args.spacing,
         heading,
-        ..Cut::default()
+        ..WindowOptions::default()
     };
     let set = cut(&recording.name, &runs, &how)?;
     let halves = split(&runs, &set.windows);
@@ -255,13 +255,14 @@ impl ComparedModels {
         }
         let is_half = self.fitted_to.iter().any(|to| to.recording == *name);
         // Whole runs are judged or not, however they are cut.
-        let is_cut_anew = comparison.halves.within_a_run && comparison.how != Cut::default();
+        let is_cut_anew =
+            comparison.halves.within_a_run && comparison.how != WindowOptions::default();
         (is_half && is_cut_anew).then(|| {
             format!(
                 "warning: the given model was fitted to a half of {name} that windows of {} s every {} s and the \
                  recorded heading part; cut otherwise, as here, the other half may hold some of what it has seen",
-                Cut::default().horizon,
-                Cut::default().spacing
+                WindowOptions::default().horizon,
+                WindowOptions::default().spacing
             )
         })
     }
