@@ -9,7 +9,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use ugv_terrain::display::visible_line;
 use ugv_terrain::import::{
-    self, Clock, Ending, Heading, Imported, MessageKind, Options, Pose, Survey, Wish,
+    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, PoseChoice, Survey,
+    TopicRequest,
 };
 use ugv_terrain::json::read_file;
 
@@ -25,19 +26,18 @@ Input:   MCAP (ROS 2 or ROS 1 messages) or a ROS 1 bag, with any of
            odometry  nav_msgs/Odometry       x, y, heading, v_x, v_y
            imu       sensor_msgs/Imu         yaw_rate, a_x, a_y
            fix       sensor_msgs/NavSatFix   x, y: metres east and north of the first fix
-Output:  CSV in SI units and radians: time, omega_left, omega_right, then what there is; a row for
-         every time at which anything was measured, an empty cell where a column was not. Beside
-         FILE.csv, FILE.json tells under `source` and `provenance` where each column comes from; what else it
-         holds stays.
-Choice:  of several topics of a type the one with wheels in it (joints), the one that tells of GPS,
-         INS, lidar or motion capture by its name rather than of wheels (odometry), the one that is
-         not raw (imu, fix) and of no camera or lidar (imu), then the one with the most messages.
-         What was chosen is told. The pose is from odometry unless there are fixes and that is of
-         wheels, or its name does not tell and the fixes are good to 0.1 m. Wheels are told by the
-         names of their joints; their velocities are taken, or else the differences of their
-         positions. yaw_rate is about the vertical, as gravity in an IMU's accelerations tells it.";
+Output:  CSV in SI units and radians: time, omega_left, omega_right, then the other columns. It has a
+         row for every time of a measurement; a cell without a measurement is empty. FILE.json beside
+         FILE.csv gets the source of each column under `source` and `provenance`; its other keys stay.
+Choice:  Of several topics of a type the best one is used, and the choice is reported. joints: with
+         wheels among them. odometry: with GPS, INS, lidar or motion capture in the name; wheels go
+         last. imu, fix: not raw; imu: not of a camera or lidar. Then the number of messages decides.
+         The pose is from odometry unless that is wheel odometry and there are fixes, or its name does
+         not show its source and the fixes are good to 0.1 m. The names of joints show the wheels;
+         their velocities are used, or else the differences of their positions. yaw_rate is about the
+         vertical, which gravity in the IMU's accelerations shows.";
 
-/// Make a recording of a robot's log: MCAP or ROS 1 bag in, CSV out.
+/// Make a recording from a robot's log: MCAP or ROS 1 bag in, CSV out.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -45,17 +45,17 @@ pub struct Args {
     #[arg(value_name = "FILE")]
     input: PathBuf,
 
-    /// Show the topics with type, number of messages, rate and span, and which would serve
+    /// Show the topics with type, number of messages, rate and span, and mark those that would be used
     #[arg(long, conflicts_with = "output")]
     list: bool,
 
-    /// CSV file for the recording; - or nothing writes to standard output, without the .json
+    /// CSV file for the recording; - or no option writes to standard output, without the .json
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 
-    /// Topics by what they serve as: any of joints, odometry, imu, fix; `none` leaves one out
+    /// Topics by kind: any of joints, odometry, imu, fix; `none` uses no topic of the kind
     #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
-    topics: Vec<(MessageKind, Wish)>,
+    topics: Vec<(MessageKind, TopicRequest)>,
 
     /// Joints of the left wheels [default: by their names]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -69,24 +69,24 @@ pub struct Args {
     #[arg(long, value_name = "SIDE")]
     invert: Option<Invert>,
 
-    /// Where x and y come from [default: odometry unless there are fixes and it is of wheels, or of
-    /// unknown origin and they are precise]
+    /// Source of x and y [default: odometry, unless there are fixes and it is wheel odometry, or of
+    /// unknown source while the fixes are precise]
     #[arg(long, value_name = "SOURCE")]
-    pose: Option<PoseSource>,
+    pose: Option<PoseChoice>,
 
-    /// Where heading comes from [default: odometry if x and y are from there]
+    /// Source of the heading [default: odometry if x and y are from odometry]
     #[arg(long, value_name = "SOURCE")]
-    heading: Option<HeadingSource>,
+    heading: Option<HeadingChoice>,
 
-    /// Which time counts: that of measuring, in each message's header, or that of logging
+    /// Clock of the samples
     #[arg(long, value_name = "CLOCK", default_value = "header")]
-    time: Time,
+    time: Clock,
 
     /// The IMU's z axis points down, its x axis ahead: change the sign of yaw_rate and a_y
     #[arg(long)]
     imu_z_down: bool,
 
-    /// Import what comes before the damage in a file that was cut off or is damaged
+    /// Import a truncated or damaged file up to the damage
     #[arg(long)]
     partial: bool,
 
@@ -102,26 +102,7 @@ enum Invert {
     Both,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum PoseSource {
-    Odometry,
-    Fix,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum HeadingSource {
-    Odometry,
-    Imu,
-    None,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Time {
-    Header,
-    Log,
-}
-
-fn topic(text: &str) -> Result<(MessageKind, Wish), String> {
+fn topic(text: &str) -> Result<(MessageKind, TopicRequest), String> {
     let names = MessageKind::ALL.map(MessageKind::name).join(", ");
     let expected = format!("expected KIND=TOPIC with a KIND of {names}");
     let (kind, topic) = text.split_once('=').ok_or(expected.as_str())?;
@@ -130,15 +111,15 @@ fn topic(text: &str) -> Result<(MessageKind, Wish), String> {
         .find(|known| known.name() == kind);
     let wish = match topic {
         "" => return Err(expected),
-        "none" => Wish::Without,
-        name => Wish::Named(name.into()),
+        "none" => TopicRequest::Without,
+        name => TopicRequest::Named(name.into()),
     };
     Ok((kind.ok_or(expected)?, wish))
 }
 
 impl Args {
-    fn options(&self) -> Options {
-        Options {
+    fn options(&self) -> ImportOptions {
+        ImportOptions {
             topics: self.topics.iter().cloned().collect(),
             wheels: import::WheelJoints {
                 left: self.left.clone(),
@@ -150,19 +131,9 @@ impl Args {
                 Some(Invert::Right) => [false, true],
                 Some(Invert::Both) => [true; 2],
             },
-            pose: self.pose.map(|pose| match pose {
-                PoseSource::Odometry => Pose::Odometry,
-                PoseSource::Fix => Pose::Fix,
-            }),
-            heading: self.heading.map(|heading| match heading {
-                HeadingSource::Odometry => Heading::Odometry,
-                HeadingSource::Imu => Heading::Imu,
-                HeadingSource::None => Heading::Without,
-            }),
-            clock: match self.time {
-                Time::Header => Clock::Header,
-                Time::Log => Clock::Log,
-            },
+            pose: self.pose,
+            heading: self.heading,
+            clock: self.time,
             imu_z_down: self.imu_z_down,
             partial: self.partial,
         }
@@ -191,13 +162,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The recording, and what is told beside it.
+/// The recording and its metadata.
 struct Files {
     table: Output,
     beside: Option<Beside>,
 }
 
-/// The file that tells of the recording, with what it held before.
+/// The JSON file beside the recording, with its previous content.
 struct Beside {
     output: Output,
     content: Map<String, Value>,
@@ -273,12 +244,12 @@ impl Beside {
     }
 }
 
-/// Tells what was made of what.
+/// Reports the columns with their sources.
 fn summarise(imported: &Imported, rows: u64) {
     for column in &imported.columns {
         tell(&format!(
             "{:<11} {:>7} samples from {}: {}",
-            column.name,
+            column.channel.name(),
             column.samples.len(),
             column.topic,
             column.conversion
@@ -296,10 +267,10 @@ fn summarise(imported: &Imported, rows: u64) {
 }
 
 /// Prints the topics; a star marks those that would serve.
-fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure> {
+fn list(input: &Path, survey: &Survey, options: &ImportOptions) -> Result<(), Failure> {
     let mut serving = Vec::new();
     for kind in MessageKind::ALL {
-        let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
+        let wish = options.topics.get(&kind).unwrap_or(&TopicRequest::Any);
         let choice =
             import::choose(survey, kind, wish, &options.wheels).map_err(Failure::Import)?;
         serving.extend(choice.map(|choice| (choice.topic, kind)));
