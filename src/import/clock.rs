@@ -252,9 +252,9 @@ mod tests {
         );
         let joint = |position, velocity| crate::import::collect::JointSample { position, velocity };
         let mut arm = joint(f64::NAN, 2.0);
-        assert!(arm.take(&joint(1.0, 3.0)));
+        assert!(arm.fill_from(&joint(1.0, 3.0)));
         assert_eq!(arm, joint(1.0, 2.0));
-        assert!(!arm.take(&joint(5.0, 6.0)));
+        assert!(!arm.fill_from(&joint(5.0, 6.0)));
     }
 
     #[test]

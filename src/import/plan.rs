@@ -236,7 +236,7 @@ mod tests {
     use super::*;
     use crate::import::Clock;
     use crate::import::attitude::Yaw;
-    use crate::import::collect::{FixSample, JointSample, WheelSample};
+    use crate::import::collect::{FixSample, JointSample, StampedSample, WheelSample};
     use crate::import::container::Connection;
     use crate::import::convert::convert;
     use crate::import::side::WheelJoints;
