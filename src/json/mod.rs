@@ -17,5 +17,6 @@ mod window;
 pub use effects::EFFECTS_FORMAT;
 pub use error::JsonError;
 pub use file::read_file;
+#[cfg(feature = "analysis")]
 pub(crate) use object::parse;
 pub use specification::{FittedTo, MODEL_FORMAT};
