@@ -227,10 +227,10 @@ fn third_parameter_is_recovered() {
     let fit = Kinematics::fit(KinematicsForm::ThreeParameter, &windows, &NOMINAL).unwrap();
     assert!((fit.icr_x.unwrap().value - 0.31).abs() < 0.01, "{fit:?}");
     assert!((fit.track.value - 1.7).abs() < 0.01, "{fit:?}");
-    // Without the third, something is left over.
+    // Without the third parameter an error remains.
     let two = Kinematics::fit(KinematicsForm::TwoParameter, &windows, &NOMINAL).unwrap();
-    let left = |k| worst(&errors(&MotionModel::Kinematics(k), &set.windows)).0;
-    assert!(left(fit.kinematics) < 0.02 && left(two.kinematics) > 0.1);
+    let error = |k| worst(&errors(&MotionModel::Kinematics(k), &set.windows)).0;
+    assert!(error(fit.kinematics) < 0.02 && error(two.kinematics) > 0.1);
 }
 
 #[test]
@@ -315,7 +315,7 @@ fn soil_model_predicts_its_own_world() {
     };
     let drive = recording(vec![record("", &soil_world(40.0), sensors)]);
     let (_, mut set) = prepare(&drive, &WindowOptions::default());
-    // The truth begins with a jump from rest, which no fit to positions can know.
+    // The truth starts with a jump from rest, which no fit to positions can follow.
     set.windows.retain(|window| window.start > 0.4);
     let (position, heading) = worst(&errors(&MotionModel::Soil(sand()), &set.windows));
     // The vehicle's own response lets the wheels seem 0.05 s later than they are, at 1 m/s.

@@ -15,13 +15,13 @@ Examples:
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
          [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]; an empty cell is a missing sample, and so is nan;
          a column `run` marks separate runs. Other columns are not read. drive.json beside
-         drive.csv may tell vehicle, terrain and sensors.
-Repairs: wrong units, swapped columns, late rows and wrapped headings are put right where that is
-         unambiguous, and told; where it is not, the file is refused.
-Delays:  positive where the first signal trails the second. Those against the wheels hold what the
-         vehicle takes to respond to them, too: up to 0.3 s in turns.";
+         drive.csv may give vehicle, terrain and sensors.
+Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected and noted if the
+         correction is unambiguous; otherwise the file is refused.
+Delays:  positive if the first signal is late against the second. Those against the wheels include
+         the response time of the vehicle: up to 0.3 s in turns.";
 
-/// Look at a recording: rates, gaps, noise, and how far its sensors trail each other.
+/// Inspect a recording: rates, gaps, noise, and delays between its sensors.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -37,7 +37,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE.html")]
     page: Option<PathBuf>,
 
-    /// No text, only the files that are asked for
+    /// No text, only the requested files
     #[arg(long, short)]
     quiet: bool,
 }

@@ -92,7 +92,7 @@ impl Latencies {
         if gyros().all(|gyro| gyro.is_none()) {
             let pairs = Increments::over_lags(twists.iter().zip(headings()), grid(POSE));
             return Self {
-                pose: Latency::from_search(pairs.best_lag(&Proportional), POSE),
+                pose: Latency::from_search(pairs.best_lag(moments, unexplained), POSE),
                 wheels: Latency::Reference,
                 gyro_bias: 0.0,
             };
@@ -102,8 +102,8 @@ impl Latencies {
         let pose = Increments::over_lags(pose, grid(POSE));
         // The median over all lags: a bias would raise the cost at every lag and hide the minimum.
         let bias = gyro_bias(pose.pairs());
-        let pose = pose.best_lag(&Equal { bias });
-        let wheels = Increments::over_lags(wheels, grid(WHEELS)).best_lag(&Proportional);
+        let pose = pose.best_lag(|pairs| huber_loss(pairs, bias), |blocks| blocks.sum());
+        let wheels = Increments::over_lags(wheels, grid(WHEELS)).best_lag(moments, unexplained);
         let pose = Latency::from_search(pose, POSE);
         let pairs = gyros().zip(headings()).filter_map(|(g, h)| Some((g?, h)));
         let changes = Increments::at_lag(pairs, pose.value());
@@ -129,51 +129,31 @@ fn gyro_bias(changes: impl Iterator<Item = (f64, f64)>) -> f64 {
     median(&mut differences)
 }
 
-/// Equal changes except for a bias: Huber's loss of the difference.
-struct Equal {
-    bias: f64,
-}
-
-impl Cost for Equal {
-    type Sums = f64;
-
-    fn sums(&self, pairs: &[(f64, f64)]) -> f64 {
-        let loss = |(gyro, pose): &(f64, f64)| {
-            let difference = wrapped(gyro - pose - self.bias).abs();
-            if difference < OUTLIER {
-                difference * difference
-            } else {
-                OUTLIER * (2.0 * difference - OUTLIER)
-            }
-        };
-        pairs.iter().map(loss).sum()
-    }
-
-    fn total(&self, blocks: impl Iterator<Item = f64>) -> f64 {
-        blocks.sum()
-    }
-}
-
-/// Changes in proportion, with an unknown factor and bias: the unexplained share of the variance.
-struct Proportional;
-
-impl Cost for Proportional {
-    type Sums = Moments;
-
-    fn sums(&self, pairs: &[(f64, f64)]) -> Moments {
-        let mut moments = Moments::default();
-        for (a, b) in pairs {
-            moments.push(*a, *b);
+/// Cost of equal changes except for a bias: Huber's loss of the difference.
+fn huber_loss(pairs: &[(f64, f64)], bias: f64) -> f64 {
+    let loss = |(gyro, pose): &(f64, f64)| {
+        let difference = wrapped(gyro - pose - bias).abs();
+        if difference < OUTLIER {
+            difference * difference
+        } else {
+            OUTLIER * (2.0 * difference - OUTLIER)
         }
-        moments
-    }
+    };
+    pairs.iter().map(loss).sum()
+}
 
-    fn total(&self, blocks: impl Iterator<Item = Moments>) -> f64 {
-        1.0 - blocks
-            .fold(Moments::default(), Moments::and)
-            .correlation()
-            .powi(2)
+fn moments(pairs: &[(f64, f64)]) -> Moments {
+    let mut moments = Moments::default();
+    for (a, b) in pairs {
+        moments.push(*a, *b);
     }
+    moments
+}
+
+/// Cost of proportional changes, with an unknown factor and bias: the unexplained share of the variance.
+fn unexplained(blocks: &mut dyn Iterator<Item = Moments>) -> f64 {
+    let all = blocks.fold(Moments::default(), Moments::and);
+    1.0 - all.correlation().powi(2)
 }
 
 /// RMS difference between the changes of the recorded heading over a second and those of the gyro, less its bias \[rad\];
@@ -199,16 +179,6 @@ struct Increments {
     lags: Vec<f64>,
     /// Per block and lag the pairs of changes: reference, late series.
     blocks: Vec<Vec<Vec<(f64, f64)>>>,
-}
-
-/// The cost of a lag.
-trait Cost {
-    /// Sums over pairs of changes.
-    type Sums: Copy;
-    /// The sums of a block's pairs.
-    fn sums(&self, pairs: &[(f64, f64)]) -> Self::Sums;
-    /// The cost of several blocks together.
-    fn total(&self, blocks: impl Iterator<Item = Self::Sums>) -> f64;
 }
 
 impl Increments {
@@ -246,7 +216,13 @@ impl Increments {
 
     /// The lag of the minimum cost, with a bootstrap interval over blocks; `None` if the changes are small or all lags cost
     /// about the same.
-    fn best_lag<C: Cost>(&self, cost: &C) -> Option<IntervalEstimate> {
+    ///
+    /// `sums` are those of a block's pairs, `total` is the cost of several blocks.
+    fn best_lag<S: Copy>(
+        &self,
+        sums: impl Fn(&[(f64, f64)]) -> S,
+        total: impl Fn(&mut dyn Iterator<Item = S>) -> f64,
+    ) -> Option<IntervalEstimate> {
         let changes = || {
             self.blocks
                 .iter()
@@ -259,12 +235,12 @@ impl Increments {
         if change.is_nan() || change < MIN_CHANGE {
             return None;
         }
-        let sums = |block: &Vec<Vec<(f64, f64)>>| -> Vec<C::Sums> {
-            block.iter().map(|pairs| cost.sums(pairs)).collect()
+        let of_block = |block: &Vec<Vec<(f64, f64)>>| -> Vec<S> {
+            block.iter().map(|pairs| sums(pairs)).collect()
         };
-        let sums: Vec<Vec<C::Sums>> = self.blocks.iter().map(sums).collect();
+        let sums: Vec<Vec<S>> = self.blocks.iter().map(of_block).collect();
         let costs = |drawn: &[usize]| -> Vec<f64> {
-            let at = |lag: usize| cost.total(drawn.iter().map(|block| sums[*block][lag]));
+            let at = |lag: usize| total(&mut drawn.iter().map(|block| sums[*block][lag]));
             (0..self.lags.len()).map(at).collect()
         };
         let all: Vec<usize> = (0..sums.len()).collect();

@@ -170,12 +170,6 @@ impl Signals {
         Some(gap(&self.x)?.max(gap(&self.y)?).max(gap(&self.heading)?))
     }
 
-    /// Whether there is a yaw rate.
-    #[must_use]
-    pub fn has_gyro(&self) -> bool {
-        self.turned.is_some()
-    }
-
     /// Samples of the yaw rate within a span.
     pub(super) fn yaw_rates(&self, from: f64, to: f64) -> Vec<(f64, f64)> {
         let pick = |series: &Series| -> Vec<(f64, f64)> {

@@ -77,63 +77,24 @@ pub(super) enum Origin {
 }
 
 /// Words in names of independent poses; words of four letters and more also count within other words.
-const INDEPENDENT: [&str; 20] = [
-    "truth",
-    "gps",
-    "gnss",
-    "rtk",
-    "ins",
-    "lidar",
-    "laser",
-    "lio",
-    "slam",
-    "icp",
-    "loam",
-    "mocap",
-    "vicon",
-    "optitrack",
-    "visual",
-    "vio",
-    "vo",
-    "map",
-    "total_station",
-    "mapping",
-];
+const INDEPENDENT: &str = "truth gps gnss rtk ins lidar laser lio slam icp loam mocap vicon optitrack visual vio vo map total_station mapping";
 /// The same for dead reckoning by wheels.
-const WHEELS: [&str; 7] = [
-    "wheel",
-    "encoder",
-    "diff_drive",
-    "diffdrive",
-    "controller",
-    "chassis",
-    "dead_reckoning",
-];
+const WHEELS: &str = "wheel encoder diff_drive diffdrive controller chassis dead_reckoning";
 
 /// The same for inertial sensors within another sensor, which may have any orientation.
-const ELSEWHERE: [&str; 9] = [
-    "camera",
-    "realsense",
-    "zed",
-    "oak",
-    "optical",
-    "lidar",
-    "livox",
-    "ouster",
-    "velodyne",
-];
+const ELSEWHERE: &str = "camera realsense zed oak optical lidar livox ouster velodyne";
 
 /// Whether a name has one of the words.
-fn has_word(name: &str, tokens: &[&str]) -> bool {
+fn has_word(name: &str, tokens: &str) -> bool {
     let name = name.to_lowercase();
     let words: Vec<&str> = name.split(|letter: char| !letter.is_alphabetic()).collect();
-    let has = |token: &&str| words.contains(token) || (token.len() > 3 && name.contains(*token));
-    tokens.iter().any(has)
+    let has = |token: &str| words.contains(&token) || (token.len() > 3 && name.contains(token));
+    tokens.split(' ').any(has)
 }
 
 /// Source of an odometry topic's pose, by its name.
 pub(super) fn origin(topic: &str) -> Origin {
-    match (has_word(topic, &WHEELS), has_word(topic, &INDEPENDENT)) {
+    match (has_word(topic, WHEELS), has_word(topic, INDEPENDENT)) {
         (true, _) => Origin::Wheels,
         (false, true) => Origin::Independent,
         (false, false) => Origin::Unknown,
@@ -147,7 +108,7 @@ fn standing(kind: MessageKind, topic: &Topic, wheels: &WheelJoints) -> u8 {
         MessageKind::Joints => u8::from(pick_wheels(topic, wheels).is_err()),
         MessageKind::Odometry => origin(&name) as u8,
         MessageKind::Imu => {
-            let elsewhere = has_word(&name, &ELSEWHERE) || has_word(&topic.frame, &ELSEWHERE);
+            let elsewhere = has_word(&name, ELSEWHERE) || has_word(&topic.frame, ELSEWHERE);
             2 * u8::from(elsewhere) + u8::from(name.contains("raw"))
         }
         MessageKind::Fix => u8::from(name.contains("raw") || name.contains("filtered")),

@@ -20,20 +20,21 @@ pub(super) struct Plan {
     pub velocities: bool,
 }
 
-/// The source of an odometry's pose, with the reason.
-struct Verdict {
+/// An odometry with the source of its pose and the reason for that judgement.
+struct Odometry<'a> {
+    topic: &'a str,
     origin: Origin,
     reason: String,
 }
 
 /// Judges an odometry by its name and by the relation of its speed to the wheels. Only the clocks of these two count here,
 /// because the use of other topics is not decided yet.
-fn judge(
+fn judge<'a>(
     all: &Collected,
-    odometry: &Stream<OdometrySample>,
+    odometry: &'a Stream<OdometrySample>,
     options: &ImportOptions,
     notes: &mut Vec<String>,
-) -> Result<Verdict, ImportError> {
+) -> Result<Odometry<'a>, ImportError> {
     let times = [Times::of(&all.joints), Times::of(odometry)];
     let (clock, _) = settle(options.clock, &times);
     // Their notes are made when they are used.
@@ -54,17 +55,19 @@ fn judge(
             v_x.topic
         ));
     }
-    Ok(match found {
-        Follows::Exactly(radius) => Verdict {
-            origin: Origin::Wheels,
-            reason: format!(
+    let (origin, reason) = match found {
+        Follows::Exactly(radius) => (
+            Origin::Wheels,
+            format!(
                 "whose v_x is {radius:.4} m times the mean wheel speed throughout, as computed from it"
             ),
-        },
-        Follows::Opposite | Follows::Loosely => Verdict {
-            origin: by_name,
-            reason: "by its name".into(),
-        },
+        ),
+        Follows::Opposite | Follows::Loosely => (by_name, "by its name".into()),
+    };
+    Ok(Odometry {
+        topic: &odometry.topic.name,
+        origin,
+        reason,
     })
 }
 
@@ -78,13 +81,9 @@ impl Plan {
         options: &ImportOptions,
         notes: &mut Vec<String>,
     ) -> Result<Self, ImportError> {
-        let odometry = match &all.odometry {
-            Some(odometry) => Some(Odometry {
-                topic: &odometry.topic.name,
-                verdict: judge(all, odometry, options, notes)?,
-            }),
-            None => None,
-        };
+        let odometry = all.odometry.as_ref();
+        let odometry = odometry.map(|odometry| judge(all, odometry, options, notes));
+        let odometry = odometry.transpose()?;
         let fixes = all.fix.as_ref().and_then(|fix| Fixes::of(fix, notes));
         let sources = Sources { odometry, fixes };
         let pose = sources.pose(options.pose, notes)?;
@@ -104,11 +103,6 @@ impl Plan {
             || self.pose == Some(PoseChoice::Odometry)
             || self.heading == HeadingChoice::Odometry
     }
-}
-
-struct Odometry<'a> {
-    topic: &'a str,
-    verdict: Verdict,
 }
 
 /// The available sources of a pose.
@@ -148,14 +142,12 @@ impl Sources<'_> {
                 Some(pose)
             }
         };
-        if let (Some(PoseChoice::Odometry), Some(Odometry { topic, verdict })) =
-            (pose, &self.odometry)
-        {
-            match verdict.origin {
+        if let (Some(PoseChoice::Odometry), Some(odometry)) = (pose, &self.odometry) {
+            let (topic, reason) = (odometry.topic, &odometry.reason);
+            match odometry.origin {
                 Origin::Wheels => notes.push(format!(
-                    "warning: {topic} is wheel odometry {}: its pose and velocities follow from the \
-                     wheel speeds and are no ground truth for slip",
-                    verdict.reason
+                    "warning: {topic} is wheel odometry {reason}: its pose and velocities follow from \
+                     the wheel speeds and are no ground truth for slip"
                 )),
                 Origin::Unknown => notes.push(format!(
                     "warning: the name of {topic} does not show the source of its pose; if it is wheel \
@@ -169,14 +161,14 @@ impl Sources<'_> {
 
     /// Whether the velocities of odometry are used.
     fn velocities(&self, pose: Option<PoseChoice>, notes: &mut Vec<String>) -> bool {
-        let Some(Odometry { topic, verdict }) = &self.odometry else {
+        let Some(Odometry { topic, origin, .. }) = &self.odometry else {
             return false;
         };
         if pose == Some(PoseChoice::Odometry) {
             return true;
         }
         let precise = self.fixes.as_ref().is_some_and(|fixes| fixes.precise);
-        match verdict.origin {
+        match origin {
             Origin::Wheels => {
                 notes.push(format!(
                     "velocities of {topic} left out: they follow from the wheel speeds"
@@ -203,14 +195,20 @@ impl Sources<'_> {
 }
 
 /// The better pose of two, and why.
-fn better(Odometry { topic, verdict }: &Odometry, fixes: &Fixes) -> (PoseChoice, String) {
+fn better(
+    Odometry {
+        topic,
+        origin,
+        reason,
+    }: &Odometry,
+    fixes: &Fixes,
+) -> (PoseChoice, String) {
     let fix = fixes.topic;
-    match verdict.origin {
+    match origin {
         Origin::Wheels => (
             PoseChoice::Fix,
             format!(
-                "pose from {fix}, not from {topic}, wheel odometry {} (--pose odometry takes it)",
-                verdict.reason
+                "pose from {fix}, not from {topic}, wheel odometry {reason} (--pose odometry takes it)"
             ),
         ),
         Origin::Unknown if fixes.precise => (

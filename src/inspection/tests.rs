@@ -2,19 +2,8 @@ use super::*;
 use crate::recording::Series;
 
 /// Noise of a given standard deviation: a sum of twelve uniform numbers.
-struct Random(u64);
-
-impl Random {
-    fn normal(&mut self, deviation: f64) -> f64 {
-        let mut next = || {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 33) as f64 / 2f64.powi(31)
-        };
-        deviation * ((0..12).map(|_| next()).sum::<f64>() - 6.0)
-    }
+fn normal(random: &mut fastrand::Rng, deviation: f64) -> f64 {
+    deviation * ((0..12).map(|_| random.f64()).sum::<f64>() - 6.0)
 }
 
 const TURN: f64 = 0.16;
@@ -36,7 +25,7 @@ fn wheels(time: f64) -> (f64, f64) {
 
 /// A run in which wheels and pose are late by these delays behind the gyro, with noise on all.
 fn run(seconds: f64, late: [f64; 2], noise: [f64; 3], seed: u64) -> Run {
-    let mut random = Random(seed);
+    let mut random = fastrand::Rng::with_seed(seed);
     let fine = 0.002;
     let mut pose = vec![[0.0; 3]];
     for index in 0..(seconds / fine) as usize {
@@ -67,9 +56,9 @@ fn run(seconds: f64, late: [f64; 2], noise: [f64; 3], seed: u64) -> Run {
                 t,
                 at(t - late[1]),
                 [
-                    random.normal(noise[1]),
-                    random.normal(noise[1]),
-                    random.normal(noise[2]),
+                    normal(&mut random, noise[1]),
+                    normal(&mut random, noise[1]),
+                    normal(&mut random, noise[2]),
                 ],
             )
         })
@@ -86,7 +75,7 @@ fn run(seconds: f64, late: [f64; 2], noise: [f64; 3], seed: u64) -> Run {
         .with(
             Channel::YawRate,
             times(0.05)
-                .map(|t| (t, TURN * wheels(t).0 + random.normal(noise[0])))
+                .map(|t| (t, TURN * wheels(t).0 + normal(&mut random, noise[0])))
                 .collect(),
         )
         .with(Channel::X, channel(0))

@@ -1,5 +1,6 @@
 //! Wheel speeds over common times.
 
+use super::channel::Channel;
 use super::smoothing::knots;
 
 /// Wheel speeds over time, linear in between; at least one row.
@@ -16,6 +17,22 @@ pub struct Drive {
 }
 
 impl Drive {
+    /// From samples with gaps, which are filled linearly; the first and the last sample are held. Fails with the side that
+    /// has no sample.
+    pub(super) fn interpolated(
+        time: Vec<f64>,
+        left: &[Option<f64>],
+        right: &[Option<f64>],
+    ) -> Result<Self, Channel> {
+        let pairs = left.iter().zip(right);
+        Ok(Self {
+            omega_left: fill_gaps(&time, left).ok_or(Channel::OmegaLeft)?,
+            omega_right: fill_gaps(&time, right).ok_or(Channel::OmegaRight)?,
+            filled_rows: pairs.filter(|(l, r)| l.is_none() || r.is_none()).count(),
+            time,
+        })
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -71,8 +88,7 @@ impl Drive {
 }
 
 /// Fills gaps between samples linearly and holds the first and the last sample beyond them. `None` without any sample.
-#[must_use]
-pub fn fill_gaps(time: &[f64], samples: &[Option<f64>]) -> Option<Vec<f64>> {
+fn fill_gaps(time: &[f64], samples: &[Option<f64>]) -> Option<Vec<f64>> {
     let mut filled = Vec::with_capacity(samples.len());
     let mut last: Option<(usize, f64)> = None;
     for (row, sample) in samples.iter().enumerate() {

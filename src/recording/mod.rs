@@ -22,7 +22,7 @@ pub use about::About;
 pub use channel::Channel;
 pub use csv::{Cell, CsvError, read_bytes, read_drive, read_poses};
 pub use cumulated::{Cumulated, TimeGrid, longest_interval, stretches};
-pub use drive::{Drive, fill_gaps};
+pub use drive::Drive;
 pub use fault::{RecordingFault, SameName, SeriesFault, different_names};
 pub use note::{Note, NoteKind};
 pub use pose_history::{PoseHistory, distance_along_heading};

@@ -2,7 +2,7 @@
 
 use super::about::About;
 use super::channel::Channel;
-use super::drive::{Drive, fill_gaps};
+use super::drive::Drive;
 use super::note::Note;
 use super::series::Series;
 
@@ -81,13 +81,7 @@ impl Run {
             time.iter().map(pick).collect()
         };
         let (left, right) = (rows(left), rows(right));
-        let pairs = left.iter().zip(&right);
-        Some(Drive {
-            omega_left: fill_gaps(&time, &left)?,
-            omega_right: fill_gaps(&time, &right)?,
-            filled_rows: pairs.filter(|(l, r)| l.is_none() || r.is_none()).count(),
-            time,
-        })
+        Drive::interpolated(time, &left, &right).ok()
     }
 
     /// Intervals longer than this \[s\] without a sample of one side, in order and without overlap. Times at which only the

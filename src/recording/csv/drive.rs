@@ -3,7 +3,8 @@
 use super::error::{CsvError, malformed};
 use super::table::{ColumnSpec, RUN, TableHeader, TableRow, quoted, read_bytes, read_table};
 use crate::display::number;
-use crate::recording::drive::{Drive, fill_gaps};
+use crate::recording::channel::Channel;
+use crate::recording::drive::Drive;
 use std::io::Read;
 
 const TIME: usize = 0;
@@ -94,17 +95,13 @@ impl Rows {
         if self.time.is_empty() {
             return Err(header.no_rows(TIME));
         }
-        let column = |samples: &[Option<f64>], index: usize| {
-            fill_gaps(&self.time, samples).ok_or_else(|| header.no_numbers(index))
-        };
-        let pairs = self.omega_left.iter().zip(&self.omega_right);
-        Ok(Drive {
-            omega_left: column(&self.omega_left, OMEGA_LEFT)?,
-            omega_right: column(&self.omega_right, OMEGA_RIGHT)?,
-            filled_rows: pairs
-                .filter(|(left, right)| left.is_none() || right.is_none())
-                .count(),
-            time: self.time,
+        let drive = Drive::interpolated(self.time, &self.omega_left, &self.omega_right);
+        drive.map_err(|channel| {
+            header.no_numbers(if channel == Channel::OmegaLeft {
+                OMEGA_LEFT
+            } else {
+                OMEGA_RIGHT
+            })
         })
     }
 }

@@ -93,26 +93,20 @@ pub fn read_table<'a>(
                 source: error.into(),
             })
     };
-    let mut place = Place::default();
+    let mut place = Place { byte: 0, line: 1 };
+    let header_cell = |line, column| Cell {
+        file: file.into(),
+        line,
+        column,
+        name: None,
+    };
     if !next(&mut record)? {
-        let cell = Cell {
-            file: file.into(),
-            line: 1,
-            column: 1,
-            name: None,
-        };
         let expected = format!("a header with {}", required(columns).join(", "));
-        return Err(malformed(cell, "an empty file", expected));
+        return Err(malformed(header_cell(1, 1), "an empty file", expected));
     }
     place.advance(bytes, &record);
     if let Some(index) = swallowing(&record) {
-        let cell = Cell {
-            file: file.into(),
-            line: place.line,
-            column: index + 1,
-            name: None,
-        };
-        return Err(open_quote(cell));
+        return Err(open_quote(header_cell(place.line, index + 1)));
     }
     let header = TableHeader::new(file, bytes, columns, &record, place.line)?;
     while next(&mut record)? {
@@ -137,12 +131,6 @@ pub fn read_table<'a>(
 struct Place {
     byte: usize,
     line: usize,
-}
-
-impl Default for Place {
-    fn default() -> Self {
-        Self { byte: 0, line: 1 }
-    }
 }
 
 impl Place {
