@@ -36,7 +36,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "vehicle",
         ],
     ),
-    ("import", &["display", "spelling"]),
+    ("import", &["display", "recording", "spelling"]),
     (
         "recording",
         &["display", "json", "spelling", "terrain", "vehicle"],

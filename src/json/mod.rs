@@ -15,6 +15,8 @@ mod window;
 
 pub use error::JsonError;
 pub use file::read_file;
+#[cfg(feature = "analysis")]
+pub(crate) use object::parse;
+pub(crate) use object::parsed;
 pub use object::{EFFECTS_FORMAT, MODEL_FORMAT};
-pub(crate) use object::{parse, parsed};
 pub use specification::FittedTo;

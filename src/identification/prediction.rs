@@ -1,23 +1,69 @@
-//! Errors of predictions, and what is told of them.
+//! Models that predict the end of a window, and the errors of their predictions.
 
-use super::estimate::quantile;
+use super::kinematics::Kinematics;
 use super::signals::wrapped;
-use super::{Estimate, Window};
+use super::windows::PredictionWindow;
+use crate::recording::{IntervalEstimate, quantile};
+use crate::simulation::{Simulation, SimulationError};
+use crate::vehicle::VehicleModel;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// How far a prediction is off at the end of a window.
+/// A model that predicts from a window's start and its wheel speeds.
+#[derive(Debug, Clone)]
+pub enum MotionModel {
+    /// Velocities follow from the wheel speeds alone.
+    Kinematics(Kinematics),
+    /// The wheel–terrain model.
+    Soil(Arc<VehicleModel>),
+}
+
+impl MotionModel {
+    /// x \[m\], y \[m\] and heading \[rad\] at the end of a window.
+    ///
+    /// # Errors
+    /// A state without a solution; its time counts from the window's start.
+    pub fn predict(&self, window: &PredictionWindow) -> Result<[f64; 3], SimulationError> {
+        match self {
+            Self::Kinematics(kinematics) => Ok(kinematics.predict(window)),
+            Self::Soil(model) => simulate(model, window),
+        }
+    }
+}
+
+fn simulate(
+    model: &Arc<VehicleModel>,
+    window: &PredictionWindow,
+) -> Result<[f64; 3], SimulationError> {
+    let mut simulation = Simulation::new(Arc::clone(model));
+    simulation.set_state(window.state)?;
+    let wheels = &window.wheels;
+    for row in 0..wheels.len() - 1 {
+        simulation.set_wheel_speeds(wheels.wheel_speeds(row).into())?;
+        simulation.set_wheel_accelerations(wheels.wheel_accelerations(row).into())?;
+        if row == 0 {
+            // The window starts within a drive.
+            simulation.settle_after(&window.approach)?;
+        }
+        simulation.step(wheels.time[row + 1] - wheels.time[row])?;
+    }
+    let state = simulation.state();
+    Ok([state.x, state.y, state.heading])
+}
+
+/// Error of a predicted pose at the end of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PredictionError {
+pub struct PoseError {
     /// Distance from the recorded position \[m\].
     pub position: f64,
     /// Angle to the recorded heading \[rad\], 0 to pi.
     pub heading: f64,
 }
 
-impl PredictionError {
+impl PoseError {
     /// Of predicted x, y and heading.
     #[must_use]
-    pub fn new(window: &Window, predicted: [f64; 3]) -> Self {
+    pub fn new(window: &PredictionWindow, predicted: [f64; 3]) -> Self {
         let [x, y, heading] = window.end;
         Self {
             position: (predicted[0] - x).hypot(predicted[1] - y),
@@ -28,19 +74,19 @@ impl PredictionError {
 
 /// Statistics of many errors, with intervals from a bootstrap over blocks of windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Summary {
-    /// Half of the errors are smaller.
-    pub median: Estimate,
-    /// 95 % of the errors are smaller.
-    pub p95: Estimate,
-    /// Root of the mean square.
-    pub rmse: Estimate,
+pub struct ErrorSummary {
+    /// Median.
+    pub median: IntervalEstimate,
+    /// 95 % quantile.
+    pub p95: IntervalEstimate,
+    /// Root mean square.
+    pub rmse: IntervalEstimate,
 }
 
-/// The windows for which every model has a prediction: all are to be judged by the same.
-/// Models that failed everywhere take nobody's windows away.
+/// The windows for which every model has a prediction, so that all are judged by the same windows. Models that failed
+/// everywhere do not count.
 #[must_use]
-pub fn common(predictions: &[Vec<Option<PredictionError>>]) -> Vec<usize> {
+pub fn common(predictions: &[Vec<Option<PoseError>>]) -> Vec<usize> {
     let usable: Vec<_> = predictions
         .iter()
         .filter(|p| p.iter().any(Option::is_some))
@@ -51,9 +97,11 @@ pub fn common(predictions: &[Vec<Option<PredictionError>>]) -> Vec<usize> {
         .collect()
 }
 
-/// Sums errors up; `blocks` holds for each the number of the stretch that it belongs to.
-/// `None` without errors.
-pub fn summarise<B: Ord>(errors: &[f64], blocks: impl IntoIterator<Item = B>) -> Option<Summary> {
+/// Statistics of errors; `blocks` has the block of each error. `None` without errors.
+pub fn summarise<B: Ord>(
+    errors: &[f64],
+    blocks: impl IntoIterator<Item = B>,
+) -> Option<ErrorSummary> {
     let mut grouped: BTreeMap<B, Vec<f64>> = BTreeMap::new();
     for (error, block) in errors.iter().zip(blocks) {
         grouped.entry(block).or_default().push(*error);
@@ -69,17 +117,17 @@ pub fn summarise<B: Ord>(errors: &[f64], blocks: impl IntoIterator<Item = B>) ->
             .collect()
     };
     let share = |share: f64| {
-        Estimate::bootstrap(groups.len(), |blocks| {
+        IntervalEstimate::bootstrap(groups.len(), |blocks| {
             let mut values = drawn(blocks);
             values.sort_unstable_by(f64::total_cmp);
             quantile(&values, share)
         })
     };
-    let rmse = Estimate::bootstrap(groups.len(), |blocks| {
+    let rmse = IntervalEstimate::bootstrap(groups.len(), |blocks| {
         let values = drawn(blocks);
         (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
     });
-    Some(Summary {
+    Some(ErrorSummary {
         median: share(0.5),
         p95: share(0.95),
         rmse,
@@ -90,7 +138,7 @@ pub fn summarise<B: Ord>(errors: &[f64], blocks: impl IntoIterator<Item = B>) ->
 mod tests {
     use super::*;
 
-    const ERROR: PredictionError = PredictionError {
+    const ERROR: PoseError = PoseError {
         position: 1.0,
         heading: 0.1,
     };
@@ -106,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_summed_up_with_intervals() {
+    fn summaries_have_intervals() {
         let errors: Vec<f64> = (0..=100).map(f64::from).collect();
         let summary = summarise(&errors, (0..=100).map(|k| k / 5)).unwrap();
         assert_eq!((summary.median.value, summary.p95.value), (50.0, 95.0));

@@ -1,44 +1,45 @@
-//! The course over which a vehicle came to where it is.
+//! The path that a vehicle has driven up to a time.
 
-use super::{Series, upper_median};
+use super::series::Series;
+use super::statistics::upper_median;
 use std::ops::Range;
 
-/// A course begins so long before its end \[s\].
+/// A path covers this duration before its end \[s\].
 const SECONDS: f64 = 40.0;
-/// Poses are told at samples of the position that are this far apart, or further \[s\].
+/// Minimum interval between the poses of a path \[s\].
 const SPACING: f64 = 0.05;
-/// A pose between samples further apart than this is not known \[s\].
+/// Between samples further apart than this the pose is unknown \[s\].
 const GAP: f64 = 1.2;
-/// A course begins behind the last gap that is longer than this \[s\].
+/// A path starts after the last gap that is longer than this \[s\].
 const BRIDGED: f64 = 2.0;
-/// A pose is that of the lines through the samples this near \[s\], or the nearest so many of those that are at least this
-/// near \[s\].
+/// A pose is the value of lines through the samples within REACH \[s\]. If these are fewer than ENOUGH, the lines go
+/// through the ENOUGH nearest samples within FARTHEST \[s\].
 const REACH: f64 = 0.3;
 const ENOUGH: usize = 5;
 const FARTHEST: f64 = 0.6;
-/// Up to so many samples have a line that one of them cannot bend to begin with.
+/// For up to this many samples the initial line is robust against an outlier.
 const FEW: usize = 12;
-/// Samples that are off by so many times the usual count half, after so many rounds.
+/// Samples at this multiple of the median distance have half the weight; rounds of reweighting.
 const FAR: f64 = 2.0;
 const ROUNDS: usize = 5;
 
-/// Where a vehicle was, less the noise that sensors have from one sample to the next, and outliers.
+/// The poses of a vehicle over time, smoothed against noise and outliers.
 #[derive(Debug, Clone, Default)]
-pub struct Course {
-    /// Position, x and y \[m\], and heading \[rad\] as they were recorded.
-    told: [Series; 3],
-    /// When poses are known \[s\].
+pub struct PoseHistory {
+    /// Recorded x, y \[m\] and heading \[rad\].
+    recorded: [Series; 3],
+    /// Times of the smoothed poses \[s\].
     time: Vec<f64>,
-    /// Those x, y \[m\] and heading \[rad\].
+    /// Smoothed x, y \[m\] and heading \[rad\].
     poses: Vec<[f64; 3]>,
 }
 
-impl Course {
+impl PoseHistory {
     /// From x, y \[m\] and heading \[rad\] of one run.
     #[must_use]
     pub fn new(x: &Series, y: &Series, heading: &Series) -> Self {
-        let mut course = Self {
-            told: [x, y, heading].map(Clone::clone),
+        let mut history = Self {
+            recorded: [x, y, heading].map(Clone::clone),
             ..Self::default()
         };
         let mut next = f64::NEG_INFINITY;
@@ -46,17 +47,17 @@ impl Course {
             if at < next {
                 continue;
             }
-            if let Some(pose) = course.pose(at) {
-                course.time.push(at);
-                course.poses.push(pose);
+            if let Some(pose) = history.pose(at) {
+                history.time.push(at);
+                history.poses.push(pose);
                 next = at + SPACING;
             }
         }
-        course
+        history
     }
 
-    /// Poses x, y \[m\] and heading \[rad\] over which the vehicle came to where it was at a time \[s\], the oldest first
-    /// and that of the time itself last. Empty where that one is not known.
+    /// Poses x, y \[m\] and heading \[rad\] of the path up to a time \[s\]: the oldest first, the pose at that time last. Empty
+    /// if that pose is unknown.
     #[must_use]
     pub fn to(&self, time: f64) -> Vec<[f64; 3]> {
         let Some(here) = self.pose(time) else {
@@ -77,13 +78,13 @@ impl Course {
 
     /// The pose at a time \[s\].
     fn pose(&self, time: f64) -> Option<[f64; 3]> {
-        let [x, y, heading] = &self.told;
+        let [x, y, heading] = &self.recorded;
         Some([smooth(x, time)?, smooth(y, time)?, smooth(heading, time)?])
     }
 }
 
-/// Value at a time of the line through the samples around it, of which those that are off count less (Cauchy's weights);
-/// `None` outside a series and in a gap of it.
+/// Value at a time of the line through the samples around it, with Cauchy's weights against outliers. `None` outside the
+/// series and in its gaps.
 fn smooth(series: &Series, time: f64) -> Option<f64> {
     let between = series.at(time)?;
     let after = series.time.partition_point(|at| *at < time);
@@ -118,7 +119,7 @@ fn smooth(series: &Series, time: f64) -> Option<f64> {
     Some(line[0])
 }
 
-/// The samples that tell a value at a time.
+/// The samples around a time through which a line is fitted.
 fn nearest(times: &[f64], time: f64) -> Range<usize> {
     let within = |reach: f64| {
         let first = times.partition_point(|at| *at < time - reach);
@@ -139,7 +140,7 @@ fn nearest(times: &[f64], time: f64) -> Range<usize> {
     near
 }
 
-/// Value at 0 and slope of the line with the median of the slopes between samples (Theil and Sen), and of what is left.
+/// Value at 0 and slope of the line with the median slope between samples (Theil and Sen), and the median offset.
 fn median_line(samples: &[(f64, f64)]) -> [f64; 2] {
     let pairs = samples.iter().enumerate();
     let slopes = pairs.flat_map(|(k, (at, value))| {
@@ -147,8 +148,8 @@ fn median_line(samples: &[(f64, f64)]) -> [f64; 2] {
         later.map(move |(then, other)| (other - value) / (then - at))
     });
     let slope = upper_median(slopes.collect()).unwrap_or(0.0);
-    let left = samples.iter().map(|(at, value)| value - slope * at);
-    [upper_median(left.collect()).unwrap_or(0.0), slope]
+    let offsets = samples.iter().map(|(at, value)| value - slope * at);
+    [upper_median(offsets.collect()).unwrap_or(0.0), slope]
 }
 
 /// Value at 0 and slope of the line through samples (at, value).
@@ -166,32 +167,55 @@ fn weighted_line(samples: &[(f64, f64)], weights: &[f64]) -> [f64; 2] {
     [mean - slope * mean_at, slope]
 }
 
+/// Distance along the heading from the first position on \[m\], decreasing in reverse. It is known at the times of x at
+/// which y and the heading \[rad\] are known.
+#[must_use]
+pub fn distance_along_heading(x: &Series, y: &Series, heading: &Series) -> Series {
+    let mut total = 0.0;
+    let mut last: Option<[f64; 3]> = None;
+    let mut points = Vec::new();
+    for (time, east) in x.samples() {
+        let (Some(north), Some(angle)) = (y.at(time), heading.at(time)) else {
+            continue;
+        };
+        if let Some([from_east, from_north, from]) = last {
+            // The direction of the sum of both is the mean direction, wrapped or not.
+            let (cos, sin) = (angle.cos() + from.cos(), angle.sin() + from.sin());
+            let length = cos.hypot(sin).max(f64::MIN_POSITIVE);
+            total += ((east - from_east) * cos + (north - from_north) * sin) / length;
+        }
+        last = Some([east, north, angle]);
+        points.push((time, total));
+    }
+    points.into_iter().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_course_ends_where_it_is_asked_for_and_forgets_what_was_long_ago() {
+    fn a_path_ends_at_its_time_and_drops_old_poses() {
         let series = |slope: f64| -> Series {
             let times = (0..=600).map(|k| 0.1 * f64::from(k));
             times.map(|time| (time, slope * time)).collect()
         };
         let (x, y, heading) = (series(1.0), series(-0.5), series(0.1));
-        let all = Course::new(&x, &y, &heading);
-        let course = all.to(50.05);
-        let last = course.last().unwrap();
+        let all = PoseHistory::new(&x, &y, &heading);
+        let path = all.to(50.05);
+        let last = path.last().unwrap();
         for (found, slope) in last.iter().zip([1.0, -0.5, 0.1]) {
             assert!((found - slope * 50.05).abs() < 1e-9, "{found}");
         }
-        assert!((course[0][0] - 10.1).abs() < 1e-9, "{:?}", course[0]);
-        assert_eq!(course.len(), 401);
-        // At the beginning there is none, beyond the end it is not known.
+        assert!((path[0][0] - 10.1).abs() < 1e-9, "{:?}", path[0]);
+        assert_eq!(path.len(), 401);
+        // At the start the path is one pose, beyond the end the pose is unknown.
         assert_eq!(all.to(0.0).len(), 1);
         assert!(all.to(60.1).is_empty());
     }
 
     #[test]
-    fn one_sample_far_off_hardly_bends_a_course() {
+    fn an_outlier_hardly_bends_a_path() {
         let noise = |k: usize| 0.01 * (7.3 * k as f64).sin();
         for rate in [4.0, 5.0, 8.0, 10.0, 25.0] {
             let at = |k: usize| k as f64 / rate;
@@ -209,12 +233,12 @@ mod tests {
     }
 
     #[test]
-    fn a_pose_within_a_gap_is_not_known_and_a_course_begins_behind_a_long_one() {
-        let with = |gap: [f64; 2]| -> Course {
+    fn a_pose_within_a_gap_is_unknown_and_a_path_starts_after_a_long_gap() {
+        let with = |gap: [f64; 2]| -> PoseHistory {
             let times = (0..300).map(|k| 0.1 * f64::from(k));
             let kept = times.filter(|at| *at < gap[0] + 1e-9 || *at > gap[1] - 1e-9);
             let line: Series = kept.map(|at| (at, at)).collect();
-            Course::new(&line, &line, &line)
+            PoseHistory::new(&line, &line, &line)
         };
         assert!(with([10.0, 11.5]).to(10.7).is_empty());
         assert_eq!(with([10.0, 11.5]).to(20.0).len(), 201 - 14);
@@ -225,15 +249,29 @@ mod tests {
     #[test]
     fn samples_of_a_fast_sensor_are_thinned() {
         let line: Series = (0..6000).map(|k| (0.01 * f64::from(k), 0.02)).collect();
-        assert!(Course::new(&line, &line, &line).to(50.0).len() <= 801);
+        assert!(PoseHistory::new(&line, &line, &line).to(50.0).len() <= 801);
     }
 
     #[test]
-    fn samples_that_are_far_apart_count_as_they_are() {
+    fn samples_far_apart_are_not_smoothed() {
         let series: Series = [(0.0, 1.0), (2.0, 5.0), (4.0, 3.0)].into_iter().collect();
         assert_eq!(smooth(&series, 2.0), Some(5.0));
         assert_eq!(smooth(&series, 1.0), None);
         let series: Series = [(0.0, 1.0), (1.0, 5.0), (2.0, 3.0)].into_iter().collect();
         assert_eq!(smooth(&series, 0.5), Some(3.0));
+    }
+
+    #[test]
+    fn reverse_counts_backward_and_sideways_not_at_all() {
+        let series = |values: [f64; 4]| -> Series {
+            let times = [0.0, 1.0, 2.0, 3.0];
+            times.into_iter().zip(values).collect()
+        };
+        let x = series([0.0, 2.0, 1.0, 1.0]);
+        let y = series([0.0, 0.0, 0.0, 5.0]);
+        assert_eq!(
+            distance_along_heading(&x, &y, &series([0.0; 4])).value,
+            [0.0, 2.0, 1.0, 1.0]
+        );
     }
 }
