@@ -6,7 +6,7 @@
 
 use crate::diagnosis::Subject;
 use crate::diagnosis::screening::screen::Projection;
-use crate::diagnosis::search::proposal::Screened;
+use crate::diagnosis::search::proposal::ScreenedCandidate;
 use nalgebra::{DMatrix, DVector};
 
 /// Cosines from here on are told.
@@ -14,7 +14,7 @@ const ALIKE: f64 = 0.8;
 
 /// For each screened candidate those that look like it, with the cosine, the most alike first.
 #[must_use]
-pub fn groups(projection: &Projection, screened: &[Screened]) -> Vec<Vec<(Subject, f64)>> {
+pub fn groups(projection: &Projection, screened: &[ScreenedCandidate]) -> Vec<Vec<(Subject, f64)>> {
     let all: Vec<usize> = screened
         .iter()
         .flat_map(|one| one.projected.unknowns.iter().copied())
@@ -53,7 +53,7 @@ pub fn groups(projection: &Projection, screened: &[Screened]) -> Vec<Vec<(Subjec
     (0..screened.len()).map(one).collect()
 }
 
-fn signal(projection: &Projection, one: &Screened) -> DVector<f64> {
+fn signal(projection: &Projection, one: &ScreenedCandidate) -> DVector<f64> {
     if one.score.step.iter().any(|v| *v != 0.0) {
         return one.score.step.clone();
     }

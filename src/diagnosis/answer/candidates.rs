@@ -4,8 +4,8 @@ use super::ambiguity::groups;
 use super::posterior::Posterior;
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::diagnosis::screening::screen::{Projection, one_degree};
-use crate::diagnosis::search::Searched;
-use crate::diagnosis::search::proposal::Screened;
+use crate::diagnosis::search::SearchResult;
+use crate::diagnosis::search::proposal::ScreenedCandidate;
 use crate::diagnosis::{Candidate, DiagnosisError, Subject};
 use crate::effects::CATALOGUE;
 use crate::fit::parameter::NORMAL_95;
@@ -19,22 +19,22 @@ const POWER: f64 = 1.28;
 ///
 /// # Errors
 /// Numbers that are not finite.
-pub fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
+pub fn candidates(searched: &SearchResult) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
     let screening = &searched.first;
     let projection =
         Projection::over_all(&screening.system, &[]).ok_or(DiagnosisError::NotFinite)?;
     let alike = groups(&projection, &screening.screened);
-    let one = |(screened, alike): (&Screened, Vec<(Subject, f64)>)| {
+    let one = |(screened, alike): (&ScreenedCandidate, Vec<(Subject, f64)>)| {
         let mut coefficients = searched.problem.candidates.of(screened.subject);
         // The one that the numbers are of: recordings may tell nothing of the others.
         let coefficient =
             coefficients.find(|coefficient| !screening.system.unknowns(*coefficient).is_empty());
-        let coefficient = &searched.problem.candidates.coefficients[coefficient?];
+        let coefficient = &searched.problem.candidates[coefficient?];
         let (projected, score) = (&screened.projected, &screened.score);
         let information = projected.matrix[(0, 0)] / score.scatter;
         let needed = screening.threshold.sqrt() + POWER;
         let smallest = needed / information.max(0.0).sqrt();
-        let off = coefficient.parameter.prior_coordinate();
+        let off = coefficient.off();
         let value = |step: f64| {
             let (low, high) = coefficient.parameter.bounds();
             if step.is_finite() && (low..=high).contains(&(off + step)) {

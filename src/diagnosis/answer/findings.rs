@@ -1,18 +1,18 @@
 //! What was found, in numbers and plain words.
 
 use super::posterior::likeliest_first;
-use super::verdict::Judged;
+use super::verdict::JudgedFinding;
 use super::words::{statement, whose};
 use crate::diagnosis::hypothesis::candidate::Target;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, scattered};
-use crate::diagnosis::hypothesis::{Problem, What};
+use crate::diagnosis::hypothesis::{Problem, UnknownKind};
 use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
-use crate::diagnosis::screening::law::{channel as pushed, group};
 use crate::diagnosis::screening::regime::{channel, gains, regime};
 use crate::diagnosis::screening::region::Region;
+use crate::diagnosis::screening::residual_model::{channel as pushed, group};
 use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::search::proposal::{Proposal, ProposalKind};
-use crate::diagnosis::search::{AcceptedEffect, Searched};
+use crate::diagnosis::search::{AcceptedEffect, SearchResult};
 use crate::fit::parameter::{FreeParameter, NORMAL_95};
 use nalgebra::DMatrix;
 
@@ -21,18 +21,13 @@ const TOLD: usize = 3;
 
 /// The findings of a judgement.
 #[must_use]
-pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
+pub fn findings(searched: &SearchResult, judged: &[JudgedFinding]) -> Vec<Finding> {
     if judged.is_empty() {
         return Vec::new();
     }
-    let covariance = scattered(&searched.placed, &searched.augmented, &searched.by);
-    let one = |judged: &Judged| match judged.accepted_effect {
-        Some(accepted_effect) => named(
-            searched,
-            &searched.accepted[accepted_effect],
-            judged,
-            &covariance,
-        ),
+    let covariance = scattered(&searched.placed, &searched.augmented, &searched.noise);
+    let one = |judged: &JudgedFinding| match judged.effect {
+        Some(effect) => named(searched, &searched.accepted[effect], judged, &covariance),
         None => left_over(searched, judged),
     };
     judged.iter().map(one).collect()
@@ -55,14 +50,14 @@ fn quantities(
     let mut found: Vec<(usize, Quantity)> = Vec::new();
     let mut told = Vec::new();
     problem.visit(&shooting, &fit.coefficients, |place, recording, what| {
-        let What::CandidateParameter(coefficient) = what else {
+        let UnknownKind::CandidateParameter(coefficient) = what else {
             return;
         };
         if !coefficients.contains(&coefficient) || told.contains(&place) {
             return;
         }
         told.push(place);
-        let about = &problem.candidates.coefficients[coefficient];
+        let about = &problem.candidates[coefficient];
         if about.own && !acts(recording) {
             return;
         }
@@ -89,17 +84,17 @@ fn quantities(
 }
 
 fn named(
-    searched: &Searched,
-    accepted_effect: &AcceptedEffect,
-    judged: &Judged,
+    searched: &SearchResult,
+    effect: &AcceptedEffect,
+    judged: &JudgedFinding,
     covariance: &DMatrix<f64>,
 ) -> Finding {
-    let proposal = &accepted_effect.proposal;
+    let proposal = &effect.proposal;
     let (problem, fit) = (&searched.placed, &searched.augmented);
     let parameters = quantities(problem, fit, proposal, covariance);
     let steps = steps(problem, fit, &proposal.coefficients);
     let local = proposal.kind() == ProposalKind::Local;
-    let places = places(searched, accepted_effect, judged.subject, &steps);
+    let places = places(searched, effect, judged.subject, &steps);
     let law: Vec<Term> = if proposal.subject == Subject::Unknown {
         law(problem, proposal, &parameters)
     } else {
@@ -109,8 +104,8 @@ fn named(
         subject: judged.subject,
         probability: judged.probability,
         ambiguous_with: judged.set.iter().map(|(subject, _)| *subject).collect(),
-        evidence: accepted_effect.gain,
-        rivals: likeliest_first(&accepted_effect.rivals),
+        evidence: effect.gain,
+        rivals: likeliest_first(&effect.rivals),
         parameters,
         places,
         local,
@@ -128,9 +123,7 @@ fn steps(
     coefficients: &[usize],
 ) -> Vec<(usize, Vec<f64>)> {
     let each = |coefficient: &usize| {
-        let off = problem.candidates.coefficients[*coefficient]
-            .parameter
-            .prior_coordinate();
+        let off = problem.candidates[*coefficient].off();
         let values = fit
             .solution
             .coefficients
@@ -143,7 +136,7 @@ fn steps(
 
 fn law(problem: &Problem, proposal: &Proposal, parameters: &[Quantity]) -> Vec<Term> {
     let term = |(index, coefficient): (usize, &usize)| {
-        let about = &problem.candidates.coefficients[*coefficient];
+        let about = &problem.candidates[*coefficient];
         Term {
             channel: pushed(about.effect),
             parameter: about.parameter.name.clone(),
@@ -161,23 +154,22 @@ fn law(problem: &Problem, proposal: &Proposal, parameters: &[Quantity]) -> Vec<T
 }
 
 fn places(
-    searched: &Searched,
-    accepted_effect: &AcceptedEffect,
+    searched: &SearchResult,
+    effect: &AcceptedEffect,
     subject: Subject,
     steps: &[(usize, Vec<f64>)],
 ) -> Vec<Interval> {
     let problem = &searched.problem;
     let system = &searched.first.system;
-    let what =
-        match problem.candidates.coefficients[accepted_effect.proposal.coefficients[0]].target {
-            Target::Sensor(_) => Channel::Measurement,
-            Target::Model(_) if subject == Subject::Unknown => pushed(
-                problem.candidates.coefficients[accepted_effect.proposal.coefficients[0]].effect,
-            ),
-            Target::Model(_) => channel(problem, system, steps),
-        };
+    let what = match problem.candidates[effect.proposal.coefficients[0]].target {
+        Target::Sensor(_) => Channel::Measurement,
+        Target::Model(_) if subject == Subject::Unknown => {
+            pushed(problem.candidates[effect.proposal.coefficients[0]].effect)
+        }
+        Target::Model(_) => channel(problem, system, steps),
+    };
     // What acts in one place only shows in what is driven there: that would say the place once more.
-    let everywhere = accepted_effect.proposal.extent.is_none();
+    let everywhere = effect.proposal.extent.is_none();
     let gains = Projection::over_all(system, &[])
         .filter(|_| everywhere)
         .map(|projection| gains(problem, system, &projection, steps))
@@ -193,7 +185,7 @@ fn places(
         regime: regime.clone(),
         patch,
     };
-    match &accepted_effect.proposal.extent {
+    match &effect.proposal.extent {
         Some(Region::Time(at) | Region::Run(at)) => {
             let patch = patch(searched, at.recording, at.run, at.start, at.end);
             vec![interval(at.recording, at.run, at.start, at.end, patch)]
@@ -235,7 +227,10 @@ fn places(
 }
 
 /// Stretches in which the vehicle is somewhere.
-fn visits(searched: &Searched, inside: impl Fn([f64; 2]) -> bool) -> Vec<(usize, usize, f64, f64)> {
+fn visits(
+    searched: &SearchResult,
+    inside: impl Fn([f64; 2]) -> bool,
+) -> Vec<(usize, usize, f64, f64)> {
     let problem = &searched.problem;
     let mut found: Vec<(usize, usize, f64, f64)> = Vec::new();
     for segment in &searched.first.system.segments {
@@ -261,7 +256,7 @@ fn visits(searched: &Searched, inside: impl Fn([f64; 2]) -> bool) -> Vec<(usize,
 
 /// The disc that holds where the vehicle was in an interval.
 fn patch(
-    searched: &Searched,
+    searched: &SearchResult,
     recording: usize,
     run: usize,
     start: f64,
@@ -292,7 +287,7 @@ fn patch(
 }
 
 /// A wrench that comes and goes without a name.
-fn left_over(searched: &Searched, judged: &Judged) -> Finding {
+fn left_over(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
     let size = searched.last.latent_wrench.map_or([0.0; 3], |w| w.size);
     let largest = (0..3)
         .max_by(|a, b| size[*a].total_cmp(&size[*b]))
@@ -364,7 +359,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
     };
     let strongest = places.first().map_or(String::new(), |place| {
         format!(
-            ", the strongest from {:.1} to {:.1} s of {}",
+            ", strongest from {:.1} to {:.1} s of {}",
             place.start,
             place.end,
             whose(place)
@@ -381,7 +376,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
         local: false,
         law: Vec::new(),
         statement: format!(
-            "a {what} of about {amount} comes and goes that no effect of the catalogue explains{strongest}"
+            "a time-varying {what} of about {amount} that no effect of the catalogue explains{strongest}"
         ),
     }
 }

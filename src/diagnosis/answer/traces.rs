@@ -4,7 +4,7 @@ use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
 use crate::diagnosis::outcome::{ResidualTrace, RunTrace};
 use crate::diagnosis::screening::wrench::smooth;
-use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::SearchResult;
 use crate::fit::problem::NoiseModel;
 use crate::fit::signal::Signal;
 use crate::recording::Channel;
@@ -14,10 +14,11 @@ const LEAST_SIZE: f64 = 3e-3;
 
 /// All runs that have segments.
 #[must_use]
-pub fn traces(searched: &Searched) -> Vec<RunTrace> {
+pub fn traces(searched: &SearchResult) -> Vec<RunTrace> {
     let problem = &searched.problem;
     let one = |(recording, run): (usize, usize)| {
-        let (time, mismatch) = mismatch(problem, &searched.refitted, &searched.by, recording, run);
+        let (time, mismatch) =
+            mismatch(problem, &searched.refitted, &searched.noise, recording, run);
         let data = &problem.recordings[recording].runs[run];
         let at = |channel, time| data.series(channel).and_then(|series| series.at(time));
         let place = |time: &f64| Some([at(Channel::X, *time)?, at(Channel::Y, *time)?]);
@@ -52,7 +53,7 @@ pub fn traces(searched: &Searched) -> Vec<RunTrace> {
 fn mismatch(
     problem: &Problem,
     fit: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     recording: usize,
     run: usize,
 ) -> (Vec<f64>, Vec<f64>) {
@@ -62,11 +63,11 @@ fn mismatch(
             continue;
         }
         for (channel, data) in segment.samples.iter().enumerate() {
-            let noise = by.noise[recording][data.signal.group() as usize];
+            let channel_noise = noise.noise[recording][data.signal.group() as usize];
             let table = &fit.tables[index].channels[channel];
             let residual = table.iter().step_by(fit.tables[index].columns);
             let mut residual: Vec<f64> = residual.copied().collect();
-            noise.whiten(&data.time, &by.weights[index][channel], 1, &mut residual);
+            channel_noise.whiten(&data.time, &noise.weights[index][channel], 1, &mut residual);
             whitened.extend(data.time.iter().copied().zip(residual));
         }
     }
@@ -87,7 +88,7 @@ fn mismatch(
 /// Length of a stretch that gets one colour \[s\].
 const SECOND: f64 = 0.5;
 
-fn residuals(searched: &Searched, recording: usize, run: usize) -> Vec<ResidualTrace> {
+fn residuals(searched: &SearchResult, recording: usize, run: usize) -> Vec<ResidualTrace> {
     let problem = &searched.problem;
     let of = |signal: Signal| {
         let (name, unit) = match signal {

@@ -12,7 +12,7 @@ use super::posterior::{DOUBT, Posterior, mean};
 use crate::diagnosis::outcome::{Insufficient, Subject, Verdict};
 use crate::diagnosis::search::accepted::NOTHING;
 use crate::diagnosis::search::proposal::ProposalKind;
-use crate::diagnosis::search::{AcceptedEffect, Searched};
+use crate::diagnosis::search::{AcceptedEffect, SearchResult};
 
 /// A name is doubted by so many times the share of the evidence that has no name, up to a limit.
 const UNNAMED_DOUBT: f64 = 2.0;
@@ -37,9 +37,9 @@ const ENOUGH: f64 = 0.3;
 
 /// A member with the probabilities of what may stand in its place.
 #[derive(Debug, Clone)]
-pub struct Judged {
+pub struct JudgedFinding {
     /// Place among the members; `None` for what is left over without a name.
-    pub accepted_effect: Option<usize>,
+    pub effect: Option<usize>,
     /// What.
     pub subject: Subject,
     /// Its probability.
@@ -60,7 +60,7 @@ pub struct Judgement {
     /// Why there is no verdict, if so.
     pub insufficient: Option<Insufficient>,
     /// What was found, in that order; first what has no name where that is the most.
-    pub findings: Vec<Judged>,
+    pub findings: Vec<JudgedFinding>,
     /// Place of the one that the verdict is about.
     pub leading: Option<usize>,
     /// Probabilities of all subjects; they sum to 1.
@@ -91,7 +91,7 @@ pub struct Evidence<'s> {
 /// Judges what a search found. `seen` is the share of candidates that these recordings would have
 /// shown at a plausible size.
 #[must_use]
-pub fn judge(searched: &Searched, seen: f64) -> Judgement {
+pub fn judge(searched: &SearchResult, seen: f64) -> Judgement {
     let subjects = searched.problem.candidates.subjects.iter().copied();
     Evidence {
         accepted: &searched.accepted,
@@ -120,22 +120,18 @@ impl Evidence<'_> {
         } = self;
         let something = 1.0 / (1.0 + (-(left - SOMETHING) / LEFT_SOFTNESS).exp());
         let doubt = doubt(accepted, *explained, left.max(0.0) * something);
-        let odds = |accepted_effect: &AcceptedEffect| {
-            let odds = Posterior::new(&accepted_effect.rivals, NOTHING);
-            match accepted_effect.proposal.subject {
+        let odds = |effect: &AcceptedEffect| {
+            let odds = Posterior::new(&effect.rivals, NOTHING);
+            match effect.proposal.subject {
                 Subject::Unknown => odds.shared(Subject::Unknown, MISSED, physics),
                 subject if subject.is_sensor() => odds,
                 _ => odds.with(Subject::Unknown, doubt),
             }
         };
         let judged = accepted.iter().enumerate();
-        let judged = judged.map(|(index, accepted_effect)| {
-            judge_member(index, accepted_effect, odds(accepted_effect))
-        });
-        let mut findings: Vec<Judged> = judged.collect();
-        let is_local = |accepted_effect: &AcceptedEffect| {
-            accepted_effect.proposal.kind() == ProposalKind::Local
-        };
+        let judged = judged.map(|(index, effect)| judge_member(index, effect, odds(effect)));
+        let mut findings: Vec<JudgedFinding> = judged.collect();
+        let is_local = |effect: &AcceptedEffect| effect.proposal.kind() == ProposalKind::Local;
         let local = accepted.iter().all(is_local);
         let main = accepted.is_empty()
             || *left > MAIN * explained
@@ -152,8 +148,8 @@ impl Evidence<'_> {
         }
         // Without a name is what the names were tried for.
         if something > 0.5 && self.tested && self.tried {
-            findings.push(Judged {
-                accepted_effect: None,
+            findings.push(JudgedFinding {
+                effect: None,
                 subject: Subject::Unknown,
                 probability: something_unknown,
                 physics: something,
@@ -180,7 +176,7 @@ impl Evidence<'_> {
         };
         if leading.is_none() {
             // Nothing in the model stands for it.
-            findings.retain(|one| one.accepted_effect.is_some());
+            findings.retain(|one| one.effect.is_some());
         }
         if insufficient.is_some_and(|why| why != Insufficient::Undecided) {
             // Not everything was asked, so nothing is likelier than the other.
@@ -196,7 +192,7 @@ impl Evidence<'_> {
     }
 
     /// Where nothing is claimed: why it cannot be said that nothing is missing.
-    fn insufficient(&self, findings: &[Judged], odds: &Posterior) -> Option<Insufficient> {
+    fn insufficient(&self, findings: &[JudgedFinding], odds: &Posterior) -> Option<Insufficient> {
         if findings.is_empty() && (self.seen < ENOUGH || !self.tested) {
             Some(Insufficient::TooLittle)
         } else if findings.is_empty() && !self.tried {
@@ -210,14 +206,14 @@ impl Evidence<'_> {
 }
 
 /// Where the sensors come first, physics that is likelier than not decides what is said of the model.
-fn leading(findings: &[Judged]) -> Option<usize> {
+fn leading(findings: &[JudgedFinding]) -> Option<usize> {
     let first = findings.first()?;
-    let likely = |one: &Judged| !one.subject.is_sensor() && one.physics > 0.5;
+    let likely = |one: &JudgedFinding| !one.subject.is_sensor() && one.physics > 0.5;
     let physics = findings.iter().position(likely);
     physics.filter(|_| first.subject.is_sensor()).or(Some(0))
 }
 
-impl Judged {
+impl JudgedFinding {
     /// What is said where nothing else was found.
     fn verdict(&self) -> Verdict {
         let is_likeliest = self.set.iter().all(|(_, share)| *share <= self.probability);
@@ -246,18 +242,17 @@ impl Judged {
 /// How much a name is doubted because of what has none: of all that was explained together what leaving out the laws
 /// would cost, and what is left over.
 fn doubt(accepted: &[AcceptedEffect], explained: f64, left: f64) -> f64 {
-    let laws = accepted.iter();
-    let laws = laws.filter(|accepted_effect| accepted_effect.proposal.subject == Subject::Unknown);
-    let laws: f64 = laws
-        .map(|accepted_effect| accepted_effect.gain.max(0.0))
-        .sum();
-    unnamed_share(laws, explained, left).min(MOST_DOUBT)
+    let residual_models = accepted.iter();
+    let residual_models =
+        residual_models.filter(|effect| effect.proposal.subject == Subject::Unknown);
+    let residual_models: f64 = residual_models.map(|effect| effect.gain.max(0.0)).sum();
+    unnamed_share(residual_models, explained, left).min(MOST_DOUBT)
 }
 
 /// A name is doubted so much, before the limit. What members lose one by one does not add up to what they explain
 /// together, where they can stand in for each other.
-fn unnamed_share(laws: f64, explained: f64, left: f64) -> f64 {
-    let unnamed = laws + left;
+fn unnamed_share(residual_models: f64, explained: f64, left: f64) -> f64 {
+    let unnamed = residual_models + left;
     let all = unnamed.max(explained.max(0.0) + left);
     if all > 0.0 {
         UNNAMED_DOUBT * unnamed / all
@@ -266,8 +261,8 @@ fn unnamed_share(laws: f64, explained: f64, left: f64) -> f64 {
     }
 }
 
-fn judge_member(index: usize, accepted_effect: &AcceptedEffect, odds: Posterior) -> Judged {
-    let subject = accepted_effect.proposal.subject;
+fn judge_member(index: usize, effect: &AcceptedEffect, odds: Posterior) -> JudgedFinding {
+    let subject = effect.proposal.subject;
     let probability = odds.of(subject);
     let mut others: Vec<(Subject, f64)> = odds.0.clone();
     others.retain(|(other, _)| *other != subject && *other != Subject::Nothing);
@@ -284,8 +279,8 @@ fn judge_member(index: usize, accepted_effect: &AcceptedEffect, odds: Posterior)
     } else {
         Vec::new()
     };
-    Judged {
-        accepted_effect: Some(index),
+    JudgedFinding {
+        effect: Some(index),
         subject,
         probability,
         physics: odds.physics(),
@@ -345,15 +340,15 @@ mod tests {
     #[test]
     fn physics_behind_sensors_decides_where_it_is_likely() {
         let sensor = Subject::Effect(CATALOGUE.iter().position(|e| e.name == "latency").unwrap());
-        let one = |subject, probability| Judged {
-            accepted_effect: None,
+        let one = |subject, probability| JudgedFinding {
+            effect: None,
             subject,
             probability,
             physics: probability,
             set: Vec::new(),
             nothing: 0.0,
         };
-        let verdict = |findings: &[Judged]| findings[leading(findings).unwrap()].verdict();
+        let verdict = |findings: &[JudgedFinding]| findings[leading(findings).unwrap()].verdict();
         let (late, drag) = (one(sensor, 0.97), one(Subject::Effect(0), 0.9));
         assert_eq!(verdict(std::slice::from_ref(&late)), Verdict::Sensor);
         for (probability, expected) in [(0.4, Verdict::Sensor), (0.6, Verdict::UnknownPhysics)] {

@@ -48,9 +48,9 @@ pub fn blocks<P: Predictor>(
     shooting: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Vec<Block>> {
-    let normals = normals(shooting, tables, point, by);
+    let normals = normals(shooting, tables, point, noise);
     let one = |(index, normal): (usize, &Normal)| {
         let eliminated = Eliminated::new(normal, 0.0)?;
         let segment = &shooting.segments[index];
@@ -65,10 +65,10 @@ pub fn blocks<P: Predictor>(
             block.log_determinant += 2.0 * deviation.ln();
         }
         for (channel, data) in segment.samples.iter().enumerate() {
-            let noise = by.noise[segment.recording][data.signal.group() as usize];
-            let weights = &by.weights[index][channel];
+            let channel_noise = noise.noise[segment.recording][data.signal.group() as usize];
+            let weights = &noise.weights[index][channel];
             block.log_determinant +=
-                noise.whiten(&data.time, weights, 1, &mut vec![0.0; data.time.len()]);
+                channel_noise.whiten(&data.time, weights, 1, &mut vec![0.0; data.time.len()]);
             block.samples += data.time.len();
         }
         Some(block)

@@ -13,6 +13,7 @@ use crate::fit::parameter::{self, Scale};
 use crate::fit::sensor::SensorParameter;
 use crate::parameter::ParameterError;
 use crate::vehicle::{GRAVITY, ModelParameter, Specification};
+use std::ops::Index;
 
 /// What a knob turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,6 +57,12 @@ pub struct Candidates {
 pub const TERRAIN_CHANGE: &str = TerrainChange::<f64>::DECLARATION.name;
 
 impl CandidateParameter {
+    /// The coordinate at which its effect is off.
+    #[must_use]
+    pub fn off(&self) -> f64 {
+        self.parameter.prior_coordinate()
+    }
+
     /// Whether it shapes an effect that another parameter switches on and off.
     #[must_use]
     pub fn is_shape(&self) -> bool {
@@ -85,7 +92,7 @@ impl Candidates {
             }
             // A change of terrain begins at a boundary that has to be found first: see `boundary`.
             let waits = declaration.name == TERRAIN_CHANGE;
-            if coefficients.len() > first && !is_law(effect) && !waits {
+            if coefficients.len() > first && !is_residual_model(effect) && !waits {
                 subjects.push(Subject::Effect(effect));
             }
         }
@@ -104,17 +111,25 @@ impl Candidates {
     }
 
     /// Places of the laws' knobs.
-    pub fn laws(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn residual_models(&self) -> impl Iterator<Item = usize> + '_ {
         let coefficients = self.coefficients.iter().enumerate();
         coefficients
-            .filter(|(_, coefficient)| is_law(coefficient.effect))
+            .filter(|(_, coefficient)| is_residual_model(coefficient.effect))
             .map(|(place, _)| place)
     }
 }
 
-/// Whether an effect is a law for what has no name.
+impl Index<usize> for Candidates {
+    type Output = CandidateParameter;
+
+    fn index(&self, coefficient: usize) -> &CandidateParameter {
+        &self.coefficients[coefficient]
+    }
+}
+
+/// Whether an effect is a feature of an empirical residual model.
 #[must_use]
-pub fn is_law(effect: usize) -> bool {
+pub fn is_residual_model(effect: usize) -> bool {
     matches!(CATALOGUE[effect].acts, Acts::Residual(_))
 }
 
@@ -255,13 +270,13 @@ mod tests {
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
             let subject = Subject::Effect(effect);
             let found = candidates.subjects.contains(&subject);
-            let expected = declaration.name != TERRAIN_CHANGE && !is_law(effect);
+            let expected = declaration.name != TERRAIN_CHANGE && !is_residual_model(effect);
             assert_eq!(found, expected, "{}", declaration.name);
             assert!(candidates.of(subject).next().is_some());
         }
         for coefficient in &candidates.coefficients {
             let (low, high) = coefficient.parameter.bounds();
-            let off = coefficient.parameter.prior_coordinate();
+            let off = coefficient.off();
             assert!(low <= off && off <= high, "{coefficient:?}");
             assert!(
                 coefficient.parameter.prior.deviation > 0.0,
@@ -271,7 +286,10 @@ mod tests {
         for (maps, lost) in [(Maps::OfRecordings, 0), (Maps::OfRuns, 1)] {
             let apart = Candidates::new(&nominal, maps);
             assert_eq!(apart.subjects.len(), candidates.subjects.len() - lost);
-            assert_eq!(apart.laws().count(), candidates.laws().count() - 6);
+            assert_eq!(
+                apart.residual_models().count(),
+                candidates.residual_models().count() - 6
+            );
         }
         let mut sloped = nominal.clone();
         sloped.effects = sloped.effects.with("grade.slope_east", 0.1).unwrap();

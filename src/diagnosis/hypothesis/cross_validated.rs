@@ -22,9 +22,9 @@ use rayon::prelude::*;
 pub fn cross_validated(
     problem: &Problem,
     fit: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Scores> {
-    let mut scores = scores(problem, fit, by)?;
+    let mut scores = scores(problem, fit, noise)?;
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
     let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
@@ -33,22 +33,27 @@ pub fn cross_validated(
         let within = |index: usize| fold.get(index) == Some(&out);
         let apart = |index: &usize| !near(&problem.segments, &fold, out, *index);
         let all = 0..fold.len();
-        let mut kept = Part::new(&shooting, &point, by, all.clone().filter(apart).collect());
+        let mut kept = Fold::new(
+            &shooting,
+            &point,
+            noise,
+            all.clone().filter(apart).collect(),
+        );
         let tables = kept.indices.iter().map(|k| fit.tables[*k].clone());
         let tables = tables.collect();
         let outcome = minimise_from(
             &kept.shooting,
             &mut kept.point,
             tables,
-            &kept.by,
+            &kept.noise,
             PARTIAL_FIT,
         );
-        let Some(learnt) = blocks(&kept.shooting, &outcome.tables, &kept.point, &kept.by) else {
+        let Some(learnt) = blocks(&kept.shooting, &outcome.tables, &kept.point, &kept.noise) else {
             continue;
         };
         let (told, _) = told(&shooting, &kept.point.coordinates, learnt.iter());
         let left = all.filter(|index| within(*index)).collect();
-        let mut left = Part::new(&shooting, &point, by, left);
+        let mut left = Fold::new(&shooting, &point, noise, left);
         left.point.coordinates = kept.point.coordinates;
         let still = DVector::zeros(left.point.coordinates.len());
         let Some(judged) = left.judged() else {
@@ -65,18 +70,18 @@ pub fn cross_validated(
 }
 
 /// Some of a problem's segments.
-struct Part<'p> {
+struct Fold<'p> {
     indices: Vec<usize>,
     shooting: ShootingProblem<'p, ExactPredictor<'p>>,
     point: Point,
-    by: NoiseModel,
+    noise: NoiseModel,
 }
 
-impl<'p> Part<'p> {
+impl<'p> Fold<'p> {
     fn new(
         shooting: &ShootingProblem<'p, ExactPredictor<'p>>,
         point: &Point,
-        by: &NoiseModel,
+        noise: &NoiseModel,
         indices: Vec<usize>,
     ) -> Self {
         let segments = indices.iter().map(|k| shooting.segments[*k].clone());
@@ -86,7 +91,7 @@ impl<'p> Part<'p> {
                 coordinates: point.coordinates.clone(),
                 starts: indices.iter().map(|k| point.starts[*k]).collect(),
             },
-            by: by.of(&indices),
+            noise: noise.of(&indices),
             indices,
         }
     }
@@ -99,12 +104,12 @@ impl<'p> Part<'p> {
             starts,
         } = &self.point;
         let own = |(index, start): (usize, &[f64; START])| {
-            let by = self.by.of(&[index]);
-            settled(&self.shooting, index, coordinates, *start, &by)
+            let noise = self.noise.of(&[index]);
+            settled(&self.shooting, index, coordinates, *start, &noise)
         };
         let starts: Option<Vec<_>> = starts.par_iter().enumerate().map(own).collect();
         self.point.starts = starts?;
         let tables = self.shooting.evaluate(&self.point, true).ok()?;
-        blocks(&self.shooting, &tables, &self.point, &self.by)
+        blocks(&self.shooting, &tables, &self.point, &self.noise)
     }
 }

@@ -55,11 +55,11 @@ pub(super) fn near(segments: &[Segment], fold: &[usize], out: usize, index: usiz
 
 /// Judges a fitted hypothesis. `None` where there is too little to hold out.
 #[must_use]
-pub fn scores(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> Option<Scores> {
+pub fn scores(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> Option<Scores> {
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
     let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
-    let blocks = blocks(&shooting, &fit.tables, &point, by)?;
+    let blocks = blocks(&shooting, &fit.tables, &point, noise)?;
     let fold = folds(&problem.segments);
     let count = fold.iter().max()? + 1;
     if count < 2 {

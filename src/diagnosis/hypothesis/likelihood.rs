@@ -59,10 +59,10 @@ const NEXT: Stop = Stop::after(8, 0.1);
 pub fn fit_hypothesis(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &NoiseModel,
+    initial: &Solution,
+    noise: &NoiseModel,
 ) -> Result<FittedHypothesis, PredictionError> {
-    fit_until(problem, coefficients, begin, by, HELD)
+    fit_until(problem, coefficients, initial, noise, HELD)
 }
 
 /// As [`fit_hypothesis`], until so many steps are done.
@@ -72,22 +72,22 @@ pub fn fit_hypothesis(
 pub fn fit_until(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &NoiseModel,
+    initial: &Solution,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> Result<FittedHypothesis, PredictionError> {
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, begin);
+    let point = problem.point(&shooting, coefficients, initial);
     let tables = shooting.evaluate(&point, true)?;
-    Ok(tuned_from(
+    Ok(fit_from(
         problem,
         coefficients,
-        begin,
+        initial,
         &shooting,
         point,
         tables,
-        by,
+        noise,
         stop,
     ))
 }
@@ -96,44 +96,44 @@ pub fn fit_until(
 ///
 /// # Errors
 /// As [`fit_hypothesis`].
-pub fn tune_from_afar(
+pub fn fit_with_new_starts(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &NoiseModel,
+    initial: &Solution,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> Result<FittedHypothesis, PredictionError> {
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
-    let mut begin = begin.clone();
-    let point = problem.point(&shooting, coefficients, &begin);
-    if let Some(starts) = restarted(&shooting, &point, by) {
-        begin.starts = starts;
+    let mut initial = initial.clone();
+    let point = problem.point(&shooting, coefficients, &initial);
+    if let Some(starts) = restarted(&shooting, &point, noise) {
+        initial.starts = starts;
     }
-    fit_until(problem, coefficients, &begin, by, stop)
+    fit_until(problem, coefficients, &initial, noise, stop)
 }
 
 /// Goes on with a fit, the noise another one perhaps.
 #[must_use]
-pub fn fit_on(
+pub fn continue_fit(
     problem: &Problem,
     fitted: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> FittedHypothesis {
-    let (coefficients, begin) = (&fitted.coefficients, &fitted.solution);
+    let (coefficients, initial) = (&fitted.coefficients, &fitted.solution);
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, begin);
+    let point = problem.point(&shooting, coefficients, initial);
     let tables = fitted.tables.clone();
-    tuned_from(
+    fit_from(
         problem,
         coefficients,
-        begin,
+        initial,
         &shooting,
         point,
         tables,
-        by,
+        noise,
         stop,
     )
 }
@@ -144,51 +144,51 @@ pub fn fit_on(
 pub fn fit_restarted(
     problem: &Problem,
     fitted: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> FittedHypothesis {
     let coefficients = &fitted.coefficients;
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
     let point = problem.point(&shooting, coefficients, &fitted.solution);
-    let starts = restarted(&shooting, &point, by);
+    let starts = restarted(&shooting, &point, noise);
     let anew = starts.and_then(|starts| moved(&shooting, &point, &fitted.tables, starts));
-    let begin = &fitted.solution;
+    let initial = &fitted.solution;
     let anew = anew.map(|(point, tables)| {
-        tuned_from(
+        fit_from(
             problem,
             coefficients,
-            begin,
+            initial,
             &shooting,
             point,
             tables,
-            by,
+            noise,
             HELD,
         )
     });
-    let (negative_log_evidence, _) = evidence(&shooting, &fitted.tables, &point, by);
+    let (negative_log_evidence, _) = evidence(&shooting, &fitted.tables, &point, noise);
     anew.filter(|fit| fit.negative_log_evidence < negative_log_evidence)
-        .unwrap_or_else(|| fit_on(problem, fitted, by, HELD))
+        .unwrap_or_else(|| continue_fit(problem, fitted, noise, HELD))
 }
 
 #[allow(
     clippy::too_many_arguments,
     reason = "a hypothesis, where it stands, and how it is judged"
 )]
-fn tuned_from<P: Predictor>(
+fn fit_from<P: Predictor>(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
+    initial: &Solution,
     shooting: &ShootingProblem<P>,
     mut point: Point,
     tables: Vec<Tables>,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> FittedHypothesis {
-    let outcome = minimise_from(shooting, &mut point, tables, by, stop);
-    let (negative_log_evidence, covariance) = evidence(shooting, &outcome.tables, &point, by);
+    let outcome = minimise_from(shooting, &mut point, tables, noise, stop);
+    let (negative_log_evidence, covariance) = evidence(shooting, &outcome.tables, &point, noise);
     FittedHypothesis {
         coefficients: coefficients.to_vec(),
-        solution: problem.solution(shooting, coefficients, &point, begin),
+        solution: problem.solution(shooting, coefficients, &point, initial),
         misfit: 0.5 * (outcome.cost - shooting.prior_cost(&point.coordinates)),
         negative_log_evidence,
         predicted_reduction: 0.5 * outcome.predicted_reduction,
@@ -199,12 +199,12 @@ fn tuned_from<P: Predictor>(
 
 /// Half the cost of a hypothesis as it stands, infinite where it cannot be driven.
 #[must_use]
-pub fn cost(problem: &Problem, coefficients: &[usize], at: &Solution, by: &NoiseModel) -> f64 {
+pub fn cost(problem: &Problem, coefficients: &[usize], at: &Solution, noise: &NoiseModel) -> f64 {
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
     let point = problem.point(&shooting, coefficients, at);
     let residuals = shooting.evaluate_unless_one_fails(&point, false);
-    residuals.map_or(f64::INFINITY, |r| 0.5 * shooting.cost(&r, &point, by))
+    residuals.map_or(f64::INFINITY, |r| 0.5 * shooting.cost(&r, &point, noise))
 }
 
 /// Fits the soil and these knobs with noise and weights in turns; the weighing moves along.
@@ -214,17 +214,17 @@ pub fn cost(problem: &Problem, coefficients: &[usize], at: &Solution, by: &Noise
 pub fn fit_with_noise(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &mut NoiseModel,
+    initial: &Solution,
+    noise: &mut NoiseModel,
 ) -> Result<FittedHypothesis, PredictionError> {
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
-    let mut point = problem.point(&shooting, coefficients, begin);
+    let mut point = problem.point(&shooting, coefficients, initial);
     let mut tables = shooting.evaluate(&point, true)?;
     let mut stop = FIRST;
     for _ in 0..TURNS {
-        let outcome = minimise_from(&shooting, &mut point, tables, by, stop);
-        let change = follow(&shooting, &point, &outcome.tables, by);
+        let outcome = minimise_from(&shooting, &mut point, tables, noise, stop);
+        let change = follow(&shooting, &point, &outcome.tables, noise);
         tables = outcome.tables;
         let still = outcome.converged && outcome.gain < STILL && change < STILL_NOISE;
         if still || problem.deadline.is_over() {
@@ -232,14 +232,14 @@ pub fn fit_with_noise(
         }
         stop = NEXT;
     }
-    Ok(tuned_from(
+    Ok(fit_from(
         problem,
         coefficients,
-        begin,
+        initial,
         &shooting,
         point,
         tables,
-        by,
+        noise,
         HELD,
     ))
 }
@@ -247,22 +247,22 @@ pub fn fit_with_noise(
 /// Covariance of a hypothesis' unknowns, as the problem numbers them: by what the segments' pulls on them scatter, see
 /// [`uncertainty`], as the noise model has it where that cannot be told, and [`WIDER`].
 #[must_use]
-pub fn scattered(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> DMatrix<f64> {
+pub fn scattered(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> DMatrix<f64> {
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
     let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
-    let told = uncertainty(&shooting, &fit.tables, &point, by, true);
+    let told = uncertainty(&shooting, &fit.tables, &point, noise, true);
     let told = told.map_or_else(|| fit.covariance.clone(), |told| told.covariance);
     told * (WIDER * WIDER)
 }
 
 /// Noise and weights as a fitted hypothesis leaves them.
 #[must_use]
-pub fn own_noise(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> NoiseModel {
+pub fn own_noise(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> NoiseModel {
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
     let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
-    let mut own = by.clone();
+    let mut own = noise.clone();
     follow(&shooting, &point, &fit.tables, &mut own);
     own
 }
@@ -272,10 +272,10 @@ pub fn follow<P: Predictor>(
     shooting: &ShootingProblem<P>,
     point: &Point,
     tables: &[Tables],
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
 ) -> f64 {
-    let change = noise_estimate::update(&shooting.linearised(point), tables, by);
-    reweigh(shooting, tables, by);
+    let change = noise_estimate::update(&shooting.linearised(point), tables, noise);
+    reweigh(shooting, tables, noise);
     change
 }
 
@@ -285,7 +285,7 @@ fn evidence<P: Predictor>(
     shooting: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> (f64, DMatrix<f64>) {
     let count = shooting.parameters.len();
     let mut cost = shooting.prior_cost(&point.coordinates);
@@ -293,7 +293,7 @@ fn evidence<P: Predictor>(
     let prior: f64 = precision.iter().map(|p| p.ln()).sum();
     let mut matrix = DMatrix::from_diagonal(&precision);
     let mut starts = 0.0;
-    for normal in normals(shooting, tables, point, by) {
+    for normal in normals(shooting, tables, point, noise) {
         let Some(one) = Eliminated::new(&normal, 0.0) else {
             return (f64::INFINITY, DMatrix::identity(count, count));
         };
@@ -325,9 +325,9 @@ mod tests {
         let recordings = [driven(&truth, "pivots")];
         let mut problem = Problem::new(&truth, &recordings);
         let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut by) = prepare(&mut problem, &Options::default(), &progress).unwrap();
-        let fit = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
-        check(&problem, &by, &fit);
+        let (_, mut noise) = prepare(&mut problem, &Options::default(), &progress).unwrap();
+        let fit = fit_with_noise(&problem, &[], &problem.initial(), &mut noise).unwrap();
+        check(&problem, &noise, &fit);
     }
 
     /// With a segment that begins driving backwards and sidewards, from somewhat aside: gone within tenths of a second.
@@ -342,9 +342,9 @@ mod tests {
 
     #[test]
     fn a_start_in_the_wrong_basin_is_found_again() {
-        with_pivots(|problem, by, fit| {
+        with_pivots(|problem, noise, fit| {
             // As good as can be.
-            let same = fit_restarted(problem, fit, by);
+            let same = fit_restarted(problem, fit, noise);
             assert!((same.negative_log_evidence - fit.negative_log_evidence).abs() < 1.0);
             for (segment, left, alone) in [(3, 3.0, true), (4, 1.0, false)] {
                 let wrong = astray(&fit.solution, segment, left);
@@ -353,27 +353,27 @@ mod tests {
                 let point = problem.point(&shooting, &[], &wrong);
                 let costs = |costly| (0..6).map(move |k| if k == costly { 9.0 } else { 1.0 });
                 for found in [
-                    restarted(&shooting, &point, by),
-                    outlying_restarted(&shooting, &point, by, costs(segment)),
+                    restarted(&shooting, &point, noise),
+                    outlying_restarted(&shooting, &point, noise, costs(segment)),
                 ] {
                     let speed = [&found.unwrap(), &fit.solution.starts].map(|all| all[segment][3]);
                     assert!((speed[0] - speed[1]).abs() < 0.1, "{speed:?}");
                 }
                 // Only what stands out is looked at.
-                assert!(outlying_restarted(&shooting, &point, by, costs(segment + 1)).is_none());
+                assert!(outlying_restarted(&shooting, &point, noise, costs(segment + 1)).is_none());
                 // Left there the soil goes along. Found where the fit would end if it stands out among the others, and
                 // where it is gone on with otherwise.
-                let stuck = fit_hypothesis(problem, &[], &wrong, by).unwrap();
+                let stuck = fit_hypothesis(problem, &[], &wrong, noise).unwrap();
                 assert_eq!(
                     (stuck.negative_log_evidence - fit.negative_log_evidence).abs() < 10.0,
                     alone
                 );
                 assert!(alone || stuck.negative_log_evidence > fit.negative_log_evidence + 100.0);
-                let again = fit_restarted(problem, &stuck, by);
+                let again = fit_restarted(problem, &stuck, noise);
                 let off = again.negative_log_evidence - fit.negative_log_evidence;
                 assert!(off.abs() < 10.0, "{off}");
                 // Also where noise has become less meanwhile, and everything costs more.
-                let mut less = by.clone();
+                let mut less = noise.clone();
                 for noise in less.noise.iter_mut().flatten() {
                     noise.white *= 0.8;
                     noise.coloured *= 0.8;
@@ -387,9 +387,9 @@ mod tests {
 
     #[test]
     fn a_fit_that_cannot_come_to_be_of_use_is_given_up() {
-        with_pivots(|problem, by, fit| {
-            let fitted = |begin: &Solution, stop: Stop| {
-                let one = fit_until(problem, &[], begin, by, stop).unwrap();
+        with_pivots(|problem, noise, fit| {
+            let fitted = |initial: &Solution, stop: Stop| {
+                let one = fit_until(problem, &[], initial, noise, stop).unwrap();
                 one.negative_log_evidence - fit.negative_log_evidence
             };
             let of_use = 2.0 * fit.misfit + 20.0;

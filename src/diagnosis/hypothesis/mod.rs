@@ -140,7 +140,7 @@ impl<'a> Problem<'a> {
     /// The given model (its soil stiffened where need be), effects off, starts as the sensors show
     /// them.
     #[must_use]
-    pub fn begin(&self) -> Solution {
+    pub fn initial(&self) -> Solution {
         let soil = self.soil_parameters();
         let at = |(free, described): (&ModelParameter, &parameter::FreeParameter)| {
             let mut value = free.get(&self.nominal);
@@ -150,9 +150,7 @@ impl<'a> Problem<'a> {
             described.coordinate(value.clamp(described.low, described.high))
         };
         let off = self.candidates.coefficients.iter();
-        let off: Vec<f64> = off
-            .map(|coefficient| coefficient.parameter.prior_coordinate())
-            .collect();
+        let off: Vec<f64> = off.map(|coefficient| coefficient.off()).collect();
         Solution {
             soil: self.soil.iter().zip(&soil).map(at).collect(),
             coefficients: vec![off; self.recordings.len()],
@@ -198,20 +196,19 @@ impl<'a> Problem<'a> {
 
     /// Of these knobs the places of those that turn the model.
     #[must_use]
-    pub fn model_knobs(&self, coefficients: &[usize]) -> Vec<usize> {
-        let turns = |place: &&usize| {
-            matches!(
-                self.candidates.coefficients[**place].target,
-                Target::Model(_)
-            )
-        };
+    pub fn model_coefficients(&self, coefficients: &[usize]) -> Vec<usize> {
+        let turns = |place: &&usize| matches!(self.candidates[**place].target, Target::Model(_));
         coefficients.iter().filter(turns).copied().collect()
     }
 
     /// The sensors' numbers among these knobs that a recording can tell of.
     #[must_use]
-    pub fn sensor_knobs(&self, recording: usize, coefficients: &[usize]) -> Vec<SensorParameter> {
-        let target = |place: &usize| match self.candidates.coefficients[*place].target {
+    pub fn sensor_coefficients(
+        &self,
+        recording: usize,
+        coefficients: &[usize],
+    ) -> Vec<SensorParameter> {
+        let target = |place: &usize| match self.candidates[*place].target {
             Target::Sensor(sensor) if sensor.is_told_by(&self.recordings[recording]) => {
                 Some(sensor)
             }
@@ -241,7 +238,7 @@ impl<'a> Problem<'a> {
             .zip(&solution.coefficients[recording]);
         for (coefficient, at) in coefficients {
             if let Target::Model(parameter) = coefficient.target
-                && *at != coefficient.parameter.prior_coordinate()
+                && *at != coefficient.off()
             {
                 parameter.set(&mut specification, coefficient.parameter.value(*at))?;
             }
@@ -252,10 +249,8 @@ impl<'a> Problem<'a> {
     /// The predictor whose free parameters are the soil's and these knobs of the model.
     #[must_use]
     pub fn predictor(&self, coefficients: &[usize]) -> ExactPredictor<'a> {
-        let model = self.model_knobs(coefficients);
-        let turned = model
-            .iter()
-            .map(|place| self.candidates.coefficients[*place].target);
+        let model = self.model_coefficients(coefficients);
+        let turned = model.iter().map(|place| self.candidates[*place].target);
         let turned = turned.filter_map(|target| match target {
             Target::Model(parameter) => Some(parameter),
             Target::Sensor(_) => None,
@@ -268,8 +263,8 @@ impl<'a> Problem<'a> {
     }
 
     /// Integrates no more finely than the sensors of all recordings can tell; `by` has their noise.
-    pub fn tolerate(&mut self, by: &NoiseModel) {
-        let mut pairs = self.recordings.iter().zip(&by.noise);
+    pub fn tolerate(&mut self, noise: &NoiseModel) {
+        let mut pairs = self.recordings.iter().zip(&noise.noise);
         let is_coarse = pairs.all(|(recording, noise)| {
             let mut told = SCATTER.iter();
             told.all(|(signal, least)| {
@@ -287,18 +282,16 @@ impl<'a> Problem<'a> {
         predictor: &'p ExactPredictor<'p>,
         coefficients: &[usize],
     ) -> ShootingProblem<'p, ExactPredictor<'p>> {
-        let model = self.model_knobs(coefficients);
+        let model = self.model_coefficients(coefficients);
         let mut parameters = self.soil_parameters();
         let soil = parameters.len();
-        let described = model
-            .iter()
-            .map(|place| &self.candidates.coefficients[*place]);
+        let described = model.iter().map(|place| &self.candidates[*place]);
         parameters.extend(described.map(|coefficient| coefficient.parameter.clone()));
         let own = model.iter().enumerate();
-        let own = own.filter(|(_, place)| self.candidates.coefficients[**place].own);
+        let own = own.filter(|(_, place)| self.candidates[**place].own);
         let own: Vec<usize> = own.map(|(index, _)| soil + index).collect();
-        let sensors =
-            (0..self.recordings.len()).map(|recording| self.sensor_knobs(recording, coefficients));
+        let sensors = (0..self.recordings.len())
+            .map(|recording| self.sensor_coefficients(recording, coefficients));
         let sensors = sensors.collect();
         let mut shooting =
             ShootingProblem::with_own(predictor, parameters, &own, self.names.clone(), sensors);
@@ -318,8 +311,8 @@ impl<'a> Problem<'a> {
         self.visit(shooting, coefficients, |place, recording, what| {
             let parameter = &shooting.parameters[place];
             let value = match what {
-                What::Soil(index) => solution.soil[index],
-                What::CandidateParameter(coefficient) => {
+                UnknownKind::Soil(index) => solution.soil[index],
+                UnknownKind::CandidateParameter(coefficient) => {
                     solution.coefficients[recording][coefficient]
                 }
             };
@@ -346,8 +339,8 @@ impl<'a> Problem<'a> {
         self.visit(shooting, coefficients, |place, recording, what| {
             let at = point.coordinates[place];
             match what {
-                What::Soil(index) => solution.soil[index] = at,
-                What::CandidateParameter(coefficient) => {
+                UnknownKind::Soil(index) => solution.soil[index] = at,
+                UnknownKind::CandidateParameter(coefficient) => {
                     solution.coefficients[recording][coefficient] = at
                 }
             }
@@ -360,23 +353,31 @@ impl<'a> Problem<'a> {
         &self,
         shooting: &ShootingProblem<P>,
         coefficients: &[usize],
-        mut visit: impl FnMut(usize, usize, What),
+        mut visit: impl FnMut(usize, usize, UnknownKind),
     ) {
-        let model = self.model_knobs(coefficients);
+        let model = self.model_coefficients(coefficients);
         for recording in 0..self.recordings.len() {
             let places = shooting.places(recording);
             for (index, place) in places.iter().take(self.soil.len()).enumerate() {
-                visit(*place, recording, What::Soil(index));
+                visit(*place, recording, UnknownKind::Soil(index));
             }
             let turned = places.iter().skip(self.soil.len());
             for (place, coefficient) in turned.zip(&model) {
-                visit(*place, recording, What::CandidateParameter(*coefficient));
+                visit(
+                    *place,
+                    recording,
+                    UnknownKind::CandidateParameter(*coefficient),
+                );
             }
             for &coefficient in coefficients {
-                if let Target::Sensor(sensor) = self.candidates.coefficients[coefficient].target
+                if let Target::Sensor(sensor) = self.candidates[coefficient].target
                     && let Some(place) = shooting.sensor_place(recording, sensor)
                 {
-                    visit(place, recording, What::CandidateParameter(coefficient));
+                    visit(
+                        place,
+                        recording,
+                        UnknownKind::CandidateParameter(coefficient),
+                    );
                 }
             }
         }
@@ -385,7 +386,7 @@ impl<'a> Problem<'a> {
 
 /// What an unknown of a problem is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum What {
+pub enum UnknownKind {
     /// One of the soil's numbers.
     Soil(usize),
     /// A knob.

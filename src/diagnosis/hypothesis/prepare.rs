@@ -128,7 +128,7 @@ fn stiffened(problem: &mut Problem, most: f64) -> Vec<Result<Tables, PredictionE
 fn drive(problem: &Problem) -> Vec<Result<Tables, PredictionError>> {
     let predictor = problem.predictor(&[]);
     let shooting = problem.shooting(&predictor, &[]);
-    let point = problem.point(&shooting, &[], &problem.begin());
+    let point = problem.point(&shooting, &[], &problem.initial());
     shooting.evaluate_each(&point, true)
 }
 

@@ -49,7 +49,7 @@ pub fn thin(
     );
     let point = Point {
         starts: few.measured_starts(),
-        ..problem.point(&shooting, &[], &problem.begin())
+        ..problem.point(&shooting, &[], &problem.initial())
     };
     let before = progress.elapsed();
     let _ = few.evaluate_each(&point, true);

@@ -32,7 +32,7 @@ pub struct Course {
 
 /// What the vehicle can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
+pub struct DriveLimits {
     /// Speed of the wheels' rims that the recordings show \[m/s\].
     pub speed: f64,
     /// Wheel radius \[m\].
@@ -62,7 +62,7 @@ const WIDE: f64 = 0.2;
 const TIGHT: f64 = 0.45;
 const SWING: f64 = 0.35;
 
-impl Reach {
+impl DriveLimits {
     /// What recordings show. `None` where the wheels never turn.
     #[must_use]
     pub fn of(recordings: &[Recording], vehicle: &Vehicle) -> Option<Self> {
@@ -101,7 +101,7 @@ impl Reach {
 /// All manoeuvres. `yaw_rate` tells how fast the vehicle turns at a steady forward speed and turn of
 /// the wheels' rims; what needs to know that is left out where there is no answer.
 #[must_use]
-pub fn courses(reach: &Reach, yaw_rate: impl Fn(f64, f64) -> Option<f64>) -> Vec<Course> {
+pub fn courses(reach: &DriveLimits, yaw_rate: impl Fn(f64, f64) -> Option<f64>) -> Vec<Course> {
     let (top, pivot) = (reach.speed, reach.pivot());
     let mut all = vec![
         Course::new("straight", 28.0).to(0.6 * top, 0.0, 28.0),
@@ -258,8 +258,8 @@ mod tests {
     use super::*;
     use crate::recording::{Channel, Run};
 
-    fn reach() -> Reach {
-        Reach {
+    fn reach() -> DriveLimits {
+        DriveLimits {
             speed: 1.2,
             wheel_radius: 0.2,
             half_track: 0.4,
@@ -304,9 +304,9 @@ mod tests {
             ..Recording::default()
         };
         let vehicle = Vehicle::tran2007();
-        let found = Reach::of(std::slice::from_ref(&recording), &vehicle).unwrap();
+        let found = DriveLimits::of(std::slice::from_ref(&recording), &vehicle).unwrap();
         assert!((found.speed - 3.0 * vehicle.wheel_radius).abs() < 1e-12);
         recording.runs.clear();
-        assert_eq!(Reach::of(&[recording], &vehicle), None);
+        assert_eq!(DriveLimits::of(&[recording], &vehicle), None);
     }
 }

@@ -16,13 +16,13 @@ pub mod course;
 pub mod rehearsal;
 pub mod separation;
 
-use crate::diagnosis::answer::verdict::{Judged, Judgement};
+use crate::diagnosis::answer::verdict::{JudgedFinding, Judgement};
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
-use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::SearchResult;
 use crate::diagnosis::search::proposal::ProposalKind;
 use crate::diagnosis::{Manoeuvre, Options, Subject, Verdict};
 use rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
-use separation::Signal;
+use separation::Contrast;
 
 /// Where the model with its soil re-tuned suffices, it takes that many of the candidates to have
 /// been seen at a plausible size to leave it at that.
@@ -32,7 +32,7 @@ const ENOUGH: f64 = 0.6;
 /// that they would not have shown at a plausible size.
 #[must_use]
 pub fn next(
-    searched: &Searched,
+    searched: &SearchResult,
     judgement: &Judgement,
     hidden: &[Subject],
     options: &Options,
@@ -49,7 +49,7 @@ pub fn next(
     let at_hand = AtHand {
         problem: &searched.problem,
         refitted: &searched.refitted.solution,
-        by: &searched.by,
+        noise: &searched.noise,
         system: &searched.first.system,
     };
     question.answer(&at_hand, options.segment)
@@ -59,64 +59,59 @@ pub fn next(
 #[derive(Debug)]
 struct Question {
     separates: [Subject; 2],
-    signals: Vec<Signal>,
+    signals: Vec<Contrast>,
     /// Said of where it is to be driven.
     place: &'static str,
 }
 
 impl Question {
     /// Which of the first finding's set it is.
-    fn between(searched: &Searched, first: &Judged) -> Option<Self> {
+    fn between(searched: &SearchResult, first: &JudgedFinding) -> Option<Self> {
         let (rival, _) = *first.set.first()?;
-        let accepted_effect = searched.accepted.get(first.accepted_effect?)?;
+        let effect = searched.accepted.get(first.effect?)?;
         let candidates = &searched.problem.candidates;
         let rivals: Vec<usize> = match rival {
-            Subject::Unknown => candidates.laws().collect(),
+            Subject::Unknown => candidates.residual_models().collect(),
             _ => candidates.of(rival).collect(),
         };
         let each = &searched.augmented.solution.coefficients;
-        let coefficients = accepted_effect
-            .proposal
-            .coefficients
-            .iter()
-            .map(|coefficient| {
-                let off = candidates.coefficients[*coefficient]
-                    .parameter
-                    .prior_coordinate();
-                let mut sizes: Vec<f64> = each
-                    .iter()
-                    .map(|coefficients| coefficients[*coefficient] - off)
-                    .collect();
-                // The recording to come is made on the same ground with the same sensors.
-                sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
-                (*coefficient, sizes)
-            });
+        let coefficients = effect.proposal.coefficients.iter().map(|coefficient| {
+            let off = candidates[*coefficient].off();
+            let mut sizes: Vec<f64> = each
+                .iter()
+                .map(|coefficients| coefficients[*coefficient] - off)
+                .collect();
+            // The recording to come is made on the same ground with the same sensors.
+            sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
+            (*coefficient, sizes)
+        });
         let changes = |subject: Subject| subject.name() == TERRAIN_CHANGE;
-        let local = accepted_effect.proposal.kind() == ProposalKind::Local;
+        let local = effect.proposal.kind() == ProposalKind::Local;
         let bound = local || changes(first.subject);
         Some(Self {
             separates: [first.subject, rival],
-            signals: vec![Signal {
+            signals: vec![Contrast {
                 coefficients: coefficients.collect(),
                 rivals,
                 told: !bound && !changes(rival),
                 scatter: scatter(searched, first.subject),
             }],
-            place: if bound { ", where it showed" } else { "" },
+            place: if bound {
+                ", where the effect showed"
+            } else {
+                ""
+            },
         })
     }
 
     /// Whether anything of this is there.
-    fn whether(searched: &Searched, subjects: &[Subject]) -> Self {
+    fn whether(searched: &SearchResult, subjects: &[Subject]) -> Self {
         let candidates = &searched.problem.candidates;
         let recordings = searched.problem.recordings.len();
         let one = |subject: Subject| {
             let coefficient = candidates.of(subject).next()?;
-            let deviation = candidates.coefficients[coefficient]
-                .parameter
-                .prior
-                .deviation;
-            Some(Signal {
+            let deviation = candidates[coefficient].parameter.prior.deviation;
+            Some(Contrast {
                 coefficients: vec![(coefficient, vec![deviation; recordings + 1])],
                 rivals: Vec::new(),
                 told: true,
@@ -174,7 +169,7 @@ impl Question {
     }
 }
 
-fn scatter(searched: &Searched, subject: Subject) -> f64 {
+fn scatter(searched: &SearchResult, subject: Subject) -> f64 {
     let mut screened = searched.first.screened.iter();
     let found = screened.find(|one| one.subject == subject);
     found.map_or(1.0, |one| one.score.scatter)
@@ -261,26 +256,22 @@ mod tests {
         let candidates = &problem.candidates;
         let mut coefficients = candidates.of(effect(a.0));
         let coefficient = coefficients
-            .find(|coefficient| candidates.coefficients[*coefficient].name == a.1)
+            .find(|coefficient| candidates[*coefficient].name == a.1)
             .unwrap();
-        let size = a.2
-            * candidates.coefficients[coefficient]
-                .parameter
-                .prior
-                .deviation;
+        let size = a.2 * candidates[coefficient].parameter.prior.deviation;
         let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(effect(b)).collect());
         let asked: Vec<usize> = std::iter::once(coefficient)
             .chain(rivals.iter().copied())
             .collect();
-        let refitted = problem.begin();
-        let by = first_noise_model(&problem.shooting(&problem.predictor(&[]), &[]));
-        let layout = Layout::ungated(&problem, &asked);
+        let refitted = problem.initial();
+        let noise = first_noise_model(&problem.shooting(&problem.predictor(&[]), &[]));
+        let layout = Layout::single_bin(&problem, &asked);
         let tables = sensitivities(&problem, &layout, &refitted);
         assert!(tables.len() > 4 && tables.iter().all(Option::is_some));
-        let system = linearise(&problem, &layout, &tables, &refitted, &by);
+        let system = linearise(&problem, &layout, &tables, &refitted, &noise);
         let question = Question {
             separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
-            signals: vec![Signal {
+            signals: vec![Contrast {
                 coefficients: vec![(coefficient, vec![size; 2])],
                 rivals,
                 told: true,
@@ -291,7 +282,7 @@ mod tests {
         let at_hand = AtHand {
             problem: &problem,
             refitted: &refitted,
-            by: &by,
+            noise: &noise,
             system: &system,
         };
         question.answer(&at_hand, LENGTH).unwrap()

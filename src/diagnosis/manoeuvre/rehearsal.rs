@@ -1,7 +1,7 @@
 //! Manoeuvres driven on the re-tuned soil before anyone drives them: what their recordings, with
 //! the sensors at hand, would tell.
 
-use super::course::{Course, Reach, STEP, courses, steady};
+use super::course::{Course, DriveLimits, STEP, courses, steady};
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
@@ -27,7 +27,7 @@ pub struct AtHand<'a> {
     /// The re-tuned soil, and starts.
     pub refitted: &'a Solution,
     /// Noise.
-    pub by: &'a NoiseModel,
+    pub noise: &'a NoiseModel,
     /// Normal equations.
     pub system: &'a System,
 }
@@ -67,7 +67,7 @@ pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option
     } = at_hand;
     let template = template(problem)?;
     let model = problem.specification(refitted, template).ok()?;
-    let reach = Reach::of(problem.recordings, &model.vehicle)?;
+    let reach = DriveLimits::of(problem.recordings, &model.vehicle)?;
     let first = problem
         .segments
         .iter()
@@ -104,7 +104,7 @@ pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option
         wheels: None,
         deadline: problem.deadline,
     };
-    let off = problem.begin().coefficients.swap_remove(template);
+    let off = problem.initial().coefficients.swap_remove(template);
     let at = Solution {
         soil: refitted.soil.clone(),
         coefficients: vec![off; recordings.len()],
@@ -114,17 +114,17 @@ pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option
             .map(|segment| rehearsals[segment.recording].at(segment.start))
             .collect(),
     };
-    let by = NoiseModel {
-        noise: vec![at_hand.by.noise[template]; recordings.len()],
+    let noise = NoiseModel {
+        noise: vec![at_hand.noise.noise[template]; recordings.len()],
         weights: rehearsed
             .segments
             .iter()
             .map(|s| weights(s, &sampling))
             .collect(),
     };
-    let layout = Layout::ungated(&rehearsed, coefficients);
+    let layout = Layout::single_bin(&rehearsed, coefficients);
     let tables = sensitivities(&rehearsed, &layout, &at);
-    let system = linearise(&rehearsed, &layout, &tables, &at, &by);
+    let system = linearise(&rehearsed, &layout, &tables, &at, &noise);
     Some(Rehearsed { rehearsals, system })
 }
 
@@ -132,7 +132,7 @@ pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option
 fn drive_all(
     model: &Specification,
     start: State,
-    reach: &Reach,
+    reach: &DriveLimits,
     deadline: Deadline,
 ) -> Vec<Rehearsal> {
     let turn = |forward, turn| {
@@ -291,8 +291,8 @@ pub mod tests {
     use super::*;
     use crate::terrain::Terrain;
 
-    fn reach(model: &Specification) -> Reach {
-        Reach {
+    fn reach(model: &Specification) -> DriveLimits {
+        DriveLimits {
             speed: 1.0,
             wheel_radius: model.vehicle.wheel_radius,
             half_track: model.vehicle.half_track,

@@ -36,7 +36,7 @@ struct Unknown {
 
 /// Something that would be in the data, and what could mimic it besides the soil.
 #[derive(Debug, Clone)]
-pub struct Signal {
+pub struct Contrast {
     /// Knobs with their sizes: for each recording at hand, then for the one to come.
     pub coefficients: Vec<(usize, Vec<f64>)>,
     /// Knobs that could mimic it.
@@ -47,7 +47,7 @@ pub struct Signal {
     pub scatter: f64,
 }
 
-impl Signal {
+impl Contrast {
     /// Its separation with a manoeuvre's recording beside those at hand. `None` where numbers are
     /// not finite.
     #[must_use]
@@ -96,7 +96,7 @@ impl Signal {
         coefficient: usize,
         sizes: &[f64],
     ) -> Vec<Unknown> {
-        let about = &at_hand.problem.candidates.coefficients[coefficient];
+        let about = &at_hand.problem.candidates[coefficient];
         let column = at_hand.system.layout.soil + coefficient;
         let unknown = |at_hand, to_come, size| Unknown {
             at_hand,

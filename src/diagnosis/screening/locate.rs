@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 /// The best set of gates for a candidate.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct LocatedCandidate {
     /// What acts.
     pub subject: Subject,
     /// Where.
@@ -34,7 +34,7 @@ pub struct Found {
 
 /// What is scanned: knobs of a subject that act gate by gate.
 #[derive(Debug, Clone)]
-pub struct Scanned {
+pub struct ScanTarget {
     /// What acts.
     pub subject: Subject,
     /// Its gated knobs.
@@ -43,7 +43,7 @@ pub struct Scanned {
     columns: Vec<(usize, f64)>,
 }
 
-impl Scanned {
+impl ScanTarget {
     fn new(system: &System, subject: Subject, coefficients: &[usize]) -> Option<Self> {
         let binned = |coefficient: &usize| {
             system
@@ -68,8 +68,8 @@ impl Scanned {
         })
     }
 
-    fn found(&self, extent: Region, score: Score, evidence: f64) -> Found {
-        Found {
+    fn found(&self, extent: Region, score: Score, evidence: f64) -> LocatedCandidate {
+        LocatedCandidate {
             subject: self.subject,
             extent,
             coefficients: self.coefficients.clone(),
@@ -87,7 +87,7 @@ impl Scanned {
         let by_friction = angle.sin() * angle.cos();
         let (mut coefficients, mut columns) = (Vec::new(), Vec::new());
         for coefficient in problem.candidates.of(Subject::Effect(effect)) {
-            let (number, factor) = match problem.candidates.coefficients[coefficient].name {
+            let (number, factor) = match problem.candidates[coefficient].name {
                 "cohesion_factor" => ("cohesion", 1.0),
                 "friction_factor" => ("friction_angle", by_friction),
                 "stiffness_factor" => ("frictional_modulus", 1.0),
@@ -107,9 +107,9 @@ impl Scanned {
 /// Everything that can be scanned at a soil's coordinates: effects with gated knobs that are not on
 /// yet, a change of the soil, and a push.
 #[must_use]
-pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -> Vec<Scanned> {
+pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -> Vec<ScanTarget> {
     // A window confines an effect with all its numbers: what acts throughout would end there as well.
-    let effect = |coefficient: &usize| problem.candidates.coefficients[*coefficient].effect;
+    let effect = |coefficient: &usize| problem.candidates[*coefficient].effect;
     let is_off = |coefficient: &usize| on.iter().all(|other| effect(other) != effect(coefficient));
     let off = |coefficients: Vec<usize>| -> Vec<usize> {
         coefficients.into_iter().filter(is_off).collect()
@@ -117,15 +117,15 @@ pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -
     let subjects = problem.candidates.subjects.iter();
     let effects = subjects.filter_map(|subject| {
         let coefficients = off(problem.candidates.of(*subject).collect());
-        Scanned::new(system, *subject, &coefficients)
+        ScanTarget::new(system, *subject, &coefficients)
     });
-    let push = Scanned::new(
+    let push = ScanTarget::new(
         system,
         Subject::Unknown,
-        &off(problem.candidates.laws().collect()),
+        &off(problem.candidates.residual_models().collect()),
     );
     let change =
-        Scanned::soil(problem, soil).filter(|s| !s.coefficients.iter().any(|k| on.contains(k)));
+        ScanTarget::soil(problem, soil).filter(|s| !s.coefficients.iter().any(|k| on.contains(k)));
     effects.chain(push).chain(change).collect()
 }
 
@@ -135,11 +135,11 @@ pub fn locate(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
-) -> Vec<Found> {
+    scanned: &[ScanTarget],
+) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
     let discs = discs(&chains);
-    let best = |one: &Scanned, scan: &Scan| {
+    let best = |one: &ScanTarget, scan: &Scan| {
         let best = [
             scan.intervals(&chains),
             scan.runs(&chains),
@@ -160,10 +160,10 @@ pub fn in_time(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
-) -> Vec<Found> {
+    scanned: &[ScanTarget],
+) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
-    let best = |one: &Scanned, scan: &Scan| {
+    let best = |one: &ScanTarget, scan: &Scan| {
         let (extent, score, evidence) = scan.intervals(&chains)?;
         Some(one.found(extent, score, evidence))
     };
@@ -177,11 +177,11 @@ pub fn located_at(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
+    scanned: &[ScanTarget],
     (extent, looking): (&Region, f64),
-) -> Vec<Found> {
+) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
-    let there = |one: &Scanned, scan: &Scan| {
+    let there = |one: &ScanTarget, scan: &Scan| {
         let score = scan.within(&chains, extent)?;
         let evidence = score.evidence - looking;
         Some(one.found(extent.clone(), score, evidence))
@@ -195,15 +195,15 @@ fn each<T: Send>(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
-    work: impl Fn(&Scanned, &Scan) -> T + Sync,
+    scanned: &[ScanTarget],
+    work: impl Fn(&ScanTarget, &Scan) -> T + Sync,
 ) -> Vec<T> {
     let (inverse, settled) = projection.inverse();
     let recordings = 0..problem.recordings.len();
     let nuisance: Vec<_> = recordings
         .map(|recording| system.columns(recording, projection.nuisance()))
         .collect();
-    let scan = |one: &Scanned| {
+    let scan = |one: &ScanTarget| {
         let coefficients = one.coefficients.iter();
         let unknowns =
             coefficients.filter_map(|coefficient| system.unknowns(*coefficient).first().copied());

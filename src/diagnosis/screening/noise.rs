@@ -11,7 +11,7 @@ use super::region::Region;
 use super::screen::Projection;
 use super::sensitivity::SegmentTable;
 use super::system::System;
-use super::wrench::pushes;
+use super::wrench::force_columns;
 use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::fit::linearised::Linearised;
@@ -36,7 +36,7 @@ fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Region, [u
     let mut told = found
         .into_iter()
         .filter(|found| found.score.evidence > FAINT);
-    Some((told.next()?.extent, pushes(problem, system)?))
+    Some((told.next()?.extent, force_columns(problem, system)?))
 }
 
 /// Estimates the noise anew.
@@ -45,7 +45,7 @@ pub fn update(
     system: &System,
     tables: &[Option<SegmentTable>],
     at: &Solution,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
 ) {
     let push = push(problem, system, at);
     let extra = push.as_ref().map_or(0, |(_, columns)| columns.len());
@@ -78,10 +78,10 @@ pub fn update(
         .filter_map(|k| {
             let recording = problem.segments[*k].recording;
             let table = tables[*k].as_ref()?;
-            let own = push.as_ref().map(|(extent, columns)| UnmodelledForce {
+            let own = push.as_ref().map(|(extent, columns)| WindowedForce {
                 time_bins: open(extent, &problem.segments[*k], &table.edges),
                 columns: *columns,
-                per_gate: system.layout.per_gate(),
+                per_bin: system.layout.per_bin(),
                 table,
             });
             Some(combine(
@@ -92,32 +92,32 @@ pub fn update(
             ))
         })
         .collect();
-    let mut noise_model = by.of(&known);
+    let mut noise_model = noise.of(&known);
     noise_estimate::update(&shooting, &combined, &mut noise_model);
-    by.noise = noise_model.noise;
+    noise.noise = noise_model.noise;
 }
 
 /// A push in some gates of a segment.
-struct UnmodelledForce<'a> {
+struct WindowedForce<'a> {
     time_bins: Vec<usize>,
     columns: [usize; 3],
-    per_gate: usize,
+    per_bin: usize,
     table: &'a SegmentTable,
 }
 
 /// A push of this share of the weight has unit prior.
 const SHARE: f64 = 0.05;
 
-impl UnmodelledForce<'_> {
+impl WindowedForce<'_> {
     /// Derivatives of a sample by the push's components.
     fn of(&self, channel: usize, row: usize) -> [f64; 3] {
-        let width = self.per_gate * (self.table.edges.len() - 1);
+        let width = self.per_bin * (self.table.edges.len() - 1);
         let binned = &self.table.binned[channel][row * width..(row + 1) * width];
         self.columns.map(|column| {
             let each = self.time_bins.iter();
             SHARE
                 * each
-                    .map(|time_bin| binned[time_bin * self.per_gate + column])
+                    .map(|time_bin| binned[time_bin * self.per_bin + column])
                     .sum::<f64>()
         })
     }
@@ -141,7 +141,7 @@ fn combine(
     tables: &Tables,
     places: &[Option<usize>],
     basis: &DMatrix<f64>,
-    push: Option<&UnmodelledForce>,
+    push: Option<&WindowedForce>,
 ) -> Tables {
     let channel = |(index, channel): (usize, &Vec<f64>)| {
         let mut combined = Vec::new();

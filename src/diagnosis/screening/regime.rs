@@ -57,7 +57,7 @@ pub fn gains(
     let layout = &system.layout;
     let mut all = Vec::new();
     for segment in &system.segments {
-        let mut direction = DVector::zeros(layout.per_gate());
+        let mut direction = DVector::zeros(layout.per_bin());
         direction.rows_mut(0, layout.soil).copy_from(&soil);
         for (column, each) in &known {
             direction[layout.soil + column] += each[segment.recording];
@@ -65,15 +65,15 @@ pub fn gains(
         let count = segment.time_bins();
         let mut whole = DVector::zeros(segment.gradient.len());
         for time_bin in 0..count {
-            let first = layout.whole() + time_bin * layout.per_gate();
+            let first = layout.whole() + time_bin * layout.per_bin();
             whole
-                .rows_mut(first, layout.per_gate())
+                .rows_mut(first, layout.per_bin())
                 .copy_from(&direction);
         }
         let bent = &segment.matrix * &whole;
         for time_bin in 0..count {
-            let first = layout.whole() + time_bin * layout.per_gate();
-            let own = |v: &DVector<f64>| direction.dot(&v.rows(first, layout.per_gate()));
+            let first = layout.whole() + time_bin * layout.per_bin();
+            let own = |v: &DVector<f64>| direction.dot(&v.rows(first, layout.per_bin()));
             let gain = own(&segment.gradient) - 0.5 * own(&bent);
             all.push(describe(problem, segment, time_bin, gain));
         }
@@ -189,7 +189,7 @@ pub fn regime(gains: &[BinGain]) -> String {
 #[must_use]
 pub fn channel(problem: &Problem, system: &System, steps: &[(usize, Vec<f64>)]) -> Channel {
     const CHANNELS: [Channel; 3] = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw];
-    let Some(pushes) = wrench::pushes(problem, system) else {
+    let Some(force_columns) = wrench::force_columns(problem, system) else {
         return Channel::Longitudinal;
     };
     let mut likeness = [0.0; 3];
@@ -201,8 +201,8 @@ pub fn channel(problem: &Problem, system: &System, steps: &[(usize, Vec<f64>)]) 
         }
         let seen = &segment.matrix * whole;
         for time_bin in 0..segment.time_bins() {
-            let first = layout.whole() + time_bin * layout.per_gate();
-            for (sum, column) in likeness.iter_mut().zip(pushes) {
+            let first = layout.whole() + time_bin * layout.per_bin();
+            for (sum, column) in likeness.iter_mut().zip(force_columns) {
                 let own = segment.matrix[(first + column, first + column)];
                 if own > 0.0 {
                     *sum += seen[first + column].powi(2) / own;

@@ -72,12 +72,12 @@ pub struct Scan<'a> {
 
 /// The best set so far, and how many were looked at.
 #[derive(Default)]
-struct Best {
+struct BestRegion {
     found: Option<(Region, Score)>,
     looked_at: u32,
 }
 
-impl Best {
+impl BestRegion {
     fn offer(&mut self, extent: Region, score: Score) {
         self.looked_at += 1;
         let best = self.found.as_ref();
@@ -96,16 +96,16 @@ impl Best {
 
 /// Sums over a set of gates.
 #[derive(Debug, Clone)]
-struct Sums {
+struct BinSums {
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
     cross: DMatrix<f64>,
 }
 
 impl Scan<'_> {
-    fn nothing(&self) -> Sums {
+    fn nothing(&self) -> BinSums {
         let (count, nuisance) = (self.binned.columns.len(), self.settled.len());
-        Sums {
+        BinSums {
             matrix: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
             cross: DMatrix::zeros(count, nuisance),
@@ -115,13 +115,13 @@ impl Scan<'_> {
     /// Adds a share of a gate to a set; `before` are the set's gates of the same segment, with theirs.
     fn add(
         &self,
-        sums: &mut Sums,
+        sums: &mut BinSums,
         (time_bin, share): (&TimeBin, f64),
         before: impl Iterator<Item = (usize, f64)> + Clone,
     ) {
         let segment = &self.system.segments[time_bin.segment];
         let layout = &self.system.layout;
-        let first = |time_bin: usize| layout.whole() + time_bin * layout.per_gate();
+        let first = |time_bin: usize| layout.whole() + time_bin * layout.per_bin();
         let nuisance = &self.nuisance[segment.recording];
         for (i, (a, factor)) in self.binned.columns.iter().enumerate() {
             let row = first(time_bin.time_bin) + a;
@@ -145,7 +145,7 @@ impl Scan<'_> {
     }
 
     /// The one-step fit of a set.
-    fn score(&self, sums: &Sums) -> Score {
+    fn score(&self, sums: &BinSums) -> Score {
         let projected = Projected {
             unknowns: self.binned.unknowns.clone(),
             matrix: &sums.matrix - &sums.cross * self.inverse * sums.cross.transpose(),
@@ -156,7 +156,7 @@ impl Scan<'_> {
     }
 
     /// Sums over the shares of gates that lie somewhere, and the seconds that they last.
-    fn sum(&self, chains: &[Chain], inside: impl Fn(&TimeBin) -> f64) -> (Sums, f64) {
+    fn sum(&self, chains: &[Chain], inside: impl Fn(&TimeBin) -> f64) -> (BinSums, f64) {
         let mut sums = self.nothing();
         let mut seconds = 0.0;
         for chain in chains {
@@ -201,7 +201,7 @@ impl Scan<'_> {
     /// The best interval of any run, its ends moved until that gains nothing more.
     #[must_use]
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for chain in chains {
             for (from, begin) in chain.time_bins.iter().enumerate() {
                 if self.deadline.is_over() {
@@ -252,7 +252,7 @@ impl Scan<'_> {
     }
 
     /// An interval whose ends lie within gates, of which it counts that share; within one chain.
-    fn offer_interval(&self, best: &mut Best, chains: &[Chain], at: RunInterval) {
+    fn offer_interval(&self, best: &mut BestRegion, chains: &[Chain], at: RunInterval) {
         let middle = 0.5 * (at.start + at.end);
         let covers = |chain: &&Chain| {
             let ends = chain.time_bins.first().zip(chain.time_bins.last());
@@ -281,7 +281,7 @@ impl Scan<'_> {
         if runs.len() < 2 {
             return None;
         }
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for run in runs {
             let mut time_bins = run.iter().flat_map(|chain| &chain.time_bins);
             let (Some(first), Some(last)) = (time_bins.next(), time_bins.next_back()) else {
@@ -301,7 +301,7 @@ impl Scan<'_> {
     /// The best disc, moved and resized until that gains nothing more.
     #[must_use]
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Region, Score, f64)> {
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for disc in discs {
             if self.deadline.is_over() {
                 return None;
@@ -331,7 +331,7 @@ impl Scan<'_> {
         best.of_looked_at()
     }
 
-    fn offer_disc(&self, best: &mut Best, chains: &[Chain], disc: [f64; 3]) {
+    fn offer_disc(&self, best: &mut BestRegion, chains: &[Chain], disc: [f64; 3]) {
         let (sums, seconds) = self.sum(chains, |time_bin| time_bin.within(inside(disc)));
         if seconds >= SHORTEST {
             best.offer(Region::Place { disc }, self.score(&sums));
@@ -341,7 +341,7 @@ impl Scan<'_> {
     /// The best line across the map.
     #[must_use]
     pub fn boundary(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for direction in (0..DIRECTIONS).map(|k| PI * k as f64 / DIRECTIONS as f64) {
             let (sin, cos) = direction.sin_cos();
             let along = |[x, y]: [f64; 2]| x * cos + y * sin;

@@ -5,7 +5,7 @@
 //! follow from the motion. The few effects without a derivative while they are off are compared
 //! with a drive in which they are on.
 
-use crate::diagnosis::hypothesis::candidate::{CandidateParameter, Target, is_law};
+use crate::diagnosis::hypothesis::candidate::{CandidateParameter, Target, is_residual_model};
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
@@ -70,7 +70,7 @@ impl Layout {
             if !matches!(coefficient.target, Target::Model(_)) {
                 continue;
             }
-            if is_law(coefficient.effect) && coefficient.name != "constant" {
+            if is_residual_model(coefficient.effect) && coefficient.name != "constant" {
                 layout.throughout.push(place);
             } else if coefficient.secant.is_none() {
                 layout.binned.push(place);
@@ -86,7 +86,7 @@ impl Layout {
     /// The columns of some knobs that are off, a single gate in each segment: what acts throughout,
     /// at a fraction of the cost. Other knobs' columns, but for the sensors', are zero.
     #[must_use]
-    pub fn ungated(problem: &Problem, coefficients: &[usize]) -> Self {
+    pub fn single_bin(problem: &Problem, coefficients: &[usize]) -> Self {
         let mut layout = Self::new(problem, &[]);
         let lists = [
             &mut layout.binned,
@@ -108,7 +108,7 @@ impl Layout {
 
     /// Number of gated columns of one gate.
     #[must_use]
-    pub fn per_gate(&self) -> usize {
+    pub fn per_bin(&self) -> usize {
         self.soil + self.binned.len()
     }
 }
@@ -160,7 +160,7 @@ impl<'a> RecordingModel<'a> {
         recording: usize,
     ) -> Result<Self, crate::parameter::ParameterError> {
         let here = problem.specification(at, recording)?;
-        let parameter = |place: &usize| match problem.candidates.coefficients[*place].target {
+        let parameter = |place: &usize| match problem.candidates[*place].target {
             Target::Model(parameter) => Some(parameter),
             Target::Sensor(_) => None,
         };
@@ -170,7 +170,7 @@ impl<'a> RecordingModel<'a> {
         let binned = problem.soil.iter().copied().chain(binned).collect();
         let coordinates = &at.coefficients[recording];
         let secant = |place: &usize| {
-            let coefficient = &problem.candidates.coefficients[*place];
+            let coefficient = &problem.candidates[*place];
             secant(
                 coefficient,
                 *place,
@@ -269,22 +269,22 @@ impl<'a> RecordingModel<'a> {
         time_bins: usize,
         secant: impl Fn(usize, usize) -> f64,
     ) -> (Vec<f64>, Vec<f64>) {
-        let (throughout, per_gate) = (layout.throughout.len(), layout.per_gate());
-        let width = START + throughout + per_gate * time_bins + SENSORS;
+        let (throughout, per_bin) = (layout.throughout.len(), layout.per_bin());
+        let width = START + throughout + per_bin * time_bins + SENSORS;
         let (mut whole, mut binned) = (Vec::new(), Vec::new());
         for (index, row) in residuals.rows.chunks_exact(width).enumerate() {
             let (start, rest) = row.split_at(START);
             let (model, sensors) = rest.split_at(width - START - SENSORS);
-            let (model, by_gate) = model.split_at(throughout);
+            let (model, by_bin) = model.split_at(throughout);
             let first = binned.len();
-            for time_bin in by_gate.chunks_exact(per_gate) {
+            for time_bin in by_bin.chunks_exact(per_bin) {
                 let (soil, coefficients) = time_bin.split_at(layout.soil);
                 binned.extend(soil.iter().zip(&self.slopes).map(|(s, slope)| s * slope));
                 let coefficients = coefficients.iter().zip(&layout.binned);
                 binned.extend(coefficients.map(|(k, place)| k * self.slopes[layout.soil + place]));
             }
             let own = &binned[first..];
-            let sum = |column: usize| own.iter().skip(column).step_by(per_gate).sum::<f64>();
+            let sum = |column: usize| own.iter().skip(column).step_by(per_bin).sum::<f64>();
             whole.push(residuals.residual[index]);
             whole.extend(start);
             whole.extend((0..layout.soil).map(sum));

@@ -20,10 +20,10 @@ const MOST: f64 = 8.0;
 
 /// What a candidate pays for what slow noise explains of it.
 #[must_use]
-pub fn price(problem: &Problem, system: &System, candidate: &Projected, by: &NoiseModel) -> f64 {
+pub fn price(problem: &Problem, system: &System, candidate: &Projected, noise: &NoiseModel) -> f64 {
     let each = candidate.unknowns.iter().enumerate();
     let paid = each.filter_map(|(place, unknown)| {
-        let slow = slow_noise(problem, system, *unknown, by)?;
+        let slow = slow_noise(problem, system, *unknown, noise)?;
         let (gradient, precision) = (candidate.gradient[place], candidate.matrix[(place, place)]);
         Some(explained(gradient, precision, slow))
     });
@@ -31,9 +31,14 @@ pub fn price(problem: &Problem, system: &System, candidate: &Projected, by: &Noi
 }
 
 /// Deviation of the slow noise that an unknown may be as well, if it is a constant error of heading or gyro.
-fn slow_noise(problem: &Problem, system: &System, unknown: usize, by: &NoiseModel) -> Option<f64> {
+fn slow_noise(
+    problem: &Problem,
+    system: &System,
+    unknown: usize,
+    noise: &NoiseModel,
+) -> Option<f64> {
     let place = |places: &Vec<Option<usize>>| places.iter().position(|one| *one == Some(unknown));
-    let mut recordings = system.places.iter().zip(&by.noise);
+    let mut recordings = system.places.iter().zip(&noise.noise);
     let (column, noise) = recordings.find_map(|(places, noise)| Some((place(places)?, noise)))?;
     let coefficient = column.checked_sub(system.layout.soil)?;
     let group = match problem.candidates.coefficients.get(coefficient)?.target {

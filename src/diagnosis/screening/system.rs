@@ -2,7 +2,7 @@
 //! every candidate, whole and gate by gate.
 
 use super::sensitivity::{Layout, SegmentTable};
-use crate::diagnosis::hypothesis::{Problem, Solution, What};
+use crate::diagnosis::hypothesis::{Problem, Solution, UnknownKind};
 use crate::fit::noise_model::reweigh;
 use crate::fit::normal::START;
 use crate::fit::parameter::FreeParameter;
@@ -54,7 +54,7 @@ pub fn linearise(
     layout: &Layout,
     tables: &[Option<SegmentTable>],
     at: &Solution,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> System {
     let coefficients: Vec<usize> = (0..problem.candidates.coefficients.len()).collect();
     let predictor = problem.predictor(&coefficients);
@@ -62,15 +62,15 @@ pub fn linearise(
     let mut places = vec![vec![None; layout.whole()]; problem.recordings.len()];
     problem.visit(&shooting, &coefficients, |place, recording, what| {
         let column = match what {
-            What::Soil(index) => index,
-            What::CandidateParameter(coefficient) => layout.soil + coefficient,
+            UnknownKind::Soil(index) => index,
+            UnknownKind::CandidateParameter(coefficient) => layout.soil + coefficient,
         };
         places[recording][column] = Some(place);
     });
     let point = problem.point(&shooting, &coefficients, at);
     let one = |(index, table): (usize, &Option<SegmentTable>)| {
         let table = table.as_ref().filter(|_| !problem.deadline.is_over())?;
-        segment(problem, layout, index, table, &at.starts[index], by)
+        segment(problem, layout, index, table, &at.starts[index], noise)
     };
     let segments: Vec<Option<SegmentSystem>> = tables.par_iter().enumerate().map(one).collect();
     let (precision, pull) = shooting.prior(&point.coordinates);
@@ -85,10 +85,10 @@ pub fn linearise(
 }
 
 /// Weights at the residuals of a fitted hypothesis.
-pub fn weigh(problem: &Problem, coefficients: &[usize], tables: &[Tables], by: &mut NoiseModel) {
+pub fn weigh(problem: &Problem, coefficients: &[usize], tables: &[Tables], noise: &mut NoiseModel) {
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
-    reweigh(&shooting, tables, by);
+    reweigh(&shooting, tables, noise);
 }
 
 fn segment(
@@ -97,10 +97,10 @@ fn segment(
     index: usize,
     table: &SegmentTable,
     start: &[f64; START],
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<SegmentSystem> {
     let segment = &problem.segments[index];
-    let binned = layout.per_gate() * (table.edges.len() - 1);
+    let binned = layout.per_bin() * (table.edges.len() - 1);
     let width = table.whole.columns + binned;
     let local = width - 1 - START;
     let mut normal = DMatrix::<f64>::zeros(width, width);
@@ -112,8 +112,13 @@ fn segment(
             cells.extend(whole);
             cells.extend(&table.binned[channel][row * binned..(row + 1) * binned]);
         }
-        let noise = by.noise[segment.recording][data.signal.group() as usize];
-        noise.whiten(&data.time, &by.weights[index][channel], width, &mut cells);
+        let channel_noise = noise.noise[segment.recording][data.signal.group() as usize];
+        channel_noise.whiten(
+            &data.time,
+            &noise.weights[index][channel],
+            width,
+            &mut cells,
+        );
         let rows = DMatrix::from_vec(width, rows, cells);
         normal.gemm(1.0, &rows, &rows.transpose(), 1.0);
     }

@@ -30,15 +30,18 @@ pub struct LatentWrench {
 
 /// Gated columns of the three pushes within a gate.
 #[must_use]
-pub fn pushes(problem: &Problem, system: &System) -> Option<[usize; COUNT]> {
-    let mut found = problem.candidates.laws().filter_map(|coefficient| {
-        let binned = system
-            .layout
-            .binned
-            .iter()
-            .position(|other| *other == coefficient)?;
-        Some(system.layout.soil + binned)
-    });
+pub fn force_columns(problem: &Problem, system: &System) -> Option<[usize; COUNT]> {
+    let mut found = problem
+        .candidates
+        .residual_models()
+        .filter_map(|coefficient| {
+            let binned = system
+                .layout
+                .binned
+                .iter()
+                .position(|other| *other == coefficient)?;
+            Some(system.layout.soil + binned)
+        });
     Some([found.next()?, found.next()?, found.next()?])
 }
 
@@ -49,7 +52,7 @@ fn equations(
     columns: [usize; COUNT],
 ) -> (DMatrix<f64>, DVector<f64>) {
     let layout = &system.layout;
-    let place = |k: usize| layout.whole() + (k / COUNT) * layout.per_gate() + columns[k % COUNT];
+    let place = |k: usize| layout.whole() + (k / COUNT) * layout.per_bin() + columns[k % COUNT];
     let size = COUNT * segment.time_bins();
     (
         DMatrix::from_fn(size, size, |i, j| segment.matrix[(place(i), place(j))]),
@@ -80,7 +83,7 @@ fn process(size: [f64; COUNT], time_bins: usize, step: f64) -> DMatrix<f64> {
 /// How large a wrench that comes and goes explains what is left over, and how well.
 #[must_use]
 pub fn latent_wrench(problem: &Problem, system: &System) -> Option<LatentWrench> {
-    let columns = pushes(problem, system)?;
+    let columns = force_columns(problem, system)?;
     let each: Vec<_> = system
         .segments
         .iter()
@@ -131,7 +134,7 @@ pub fn smooth(
     run: usize,
     size: [f64; COUNT],
 ) -> Option<WrenchTrace> {
-    let columns = pushes(problem, system)?;
+    let columns = force_columns(problem, system)?;
     let own = |segment: &&SegmentSystem| {
         let data = &problem.segments[segment.index];
         (data.recording, data.run) == (recording, run)

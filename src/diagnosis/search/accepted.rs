@@ -66,7 +66,7 @@ impl AcceptedEffect {
     }
 
     /// A law that was ahead of a name has turned out to be behind by so much.
-    pub fn outdo_law(&mut self, advantage: f64) {
+    pub fn outdo_residual_model(&mut self, advantage: f64) {
         let subject = self.proposal.subject;
         if subject == Subject::Unknown {
             return;
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    fn accepted_effect(rivals: &[(usize, f64)]) -> AcceptedEffect {
+    fn effect(rivals: &[(usize, f64)]) -> AcceptedEffect {
         let subject = |(effect, odds): &(usize, f64)| (Subject::Effect(*effect), *odds);
         AcceptedEffect {
             proposal: Proposal {
@@ -107,16 +107,16 @@ mod tests {
 
     #[test]
     fn what_came_close_is_asked_for_again() {
-        let one = accepted_effect(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
+        let one = effect(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
         assert_eq!(one.close(), [Subject::Effect(0), Subject::Effect(1)]);
-        assert_eq!(accepted_effect(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
+        assert_eq!(effect(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
         // The same name, for some seconds and throughout, is one.
-        assert_eq!(accepted_effect(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
+        assert_eq!(effect(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
     }
 
     #[test]
     fn odds_of_a_later_fit_count_and_the_rest_stays_as_far_behind() {
-        let mut one = accepted_effect(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
+        let mut one = effect(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
         one.stand_anew(&[(Subject::Effect(1), 900.0), (Subject::Effect(0), 1000.0)]);
         let odds: Vec<f64> = one.rivals.iter().map(|(_, odds)| *odds).collect();
         assert_eq!(odds, [1000.0, 900.0, 960.0]);

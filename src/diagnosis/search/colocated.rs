@@ -10,7 +10,9 @@ use super::proposal::{BEHIND, FAR_BEHIND, Proposal, ProposalKind, placed_locally
 use super::rerank::AT_STAKE;
 use super::stage::Stage;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, PARTIAL_FIT, fit_until};
-use crate::diagnosis::screening::locate::{Found, Scanned, locate, located_at, scanned};
+use crate::diagnosis::screening::locate::{
+    LocatedCandidate, ScanTarget, locate, located_at, scanned,
+};
 use crate::diagnosis::screening::region::Region;
 use crate::diagnosis::screening::screen::Projection;
 use crate::fit::problem::NoiseModel;
@@ -39,9 +41,9 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Pr
     });
     let most = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
     there.retain(|one| {
-        let known = |named: &FittedCandidate| {
-            named.proposal.subject == one.subject
-                && are_alike(named.proposal.extent.as_ref(), extent)
+        let known = |candidate: &FittedCandidate| {
+            candidate.proposal.subject == one.subject
+                && are_alike(candidate.proposal.extent.as_ref(), extent)
         };
         one.evidence > BEHIND[0] * most - FAR_BEHIND && !fitted.iter().any(known)
     });
@@ -55,8 +57,8 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Prop
         return Vec::new();
     };
     let mut there = found(stage, |projection, asked| {
-        let same = |one: &&Scanned| one.subject == best.proposal.subject;
-        let asked: Vec<Scanned> = asked.iter().filter(same).cloned().collect();
+        let same = |one: &&ScanTarget| one.subject == best.proposal.subject;
+        let asked: Vec<ScanTarget> = asked.iter().filter(same).cloned().collect();
         locate(&stage.problem, &stage.screening.system, projection, &asked)
     });
     let is_place = |extent: &Region| matches!(extent, Region::Place { .. });
@@ -84,50 +86,51 @@ pub fn fitted_there<'a>(
     proposals: &[Proposal],
     likeliest: &FittedCandidate,
     least: f64,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Vec<FittedCandidate<'a>> {
     let before = &stage.fit;
-    let begun = proposals.iter();
-    let begun = begun.filter_map(|proposal| begun_there(stage, proposal, likeliest, least, by));
-    let mut begun: Vec<PartialFit> = begun
+    let started = proposals.iter();
+    let started =
+        started.filter_map(|proposal| first_fit_there(stage, proposal, likeliest, least, noise));
+    let mut started: Vec<PartialFit> = started
         .filter(|partial_fit| partial_fit.promise() > least)
         .collect();
-    begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
-    begun.truncate(MOST);
-    let finished = begun.into_iter();
+    started.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+    started.truncate(MOST);
+    let finished = started.into_iter();
     finished
-        .filter_map(|partial_fit| finish(partial_fit, before, by))
+        .filter_map(|partial_fit| finish(partial_fit, before, noise))
         .map(|one| on_a_par(one, likeliest, before))
         .collect()
 }
 
 /// The first steps of what is proposed where the likeliest acts. They begin on the soil and the starts that the likeliest
 /// came to: elsewhere both are right already, while re-tuning has gone far to imitate what acts there.
-fn begun_there<'a>(
+fn first_fit_there<'a>(
     stage: &Stage<'a>,
     proposal: &Proposal,
     likeliest: &FittedCandidate,
     least: f64,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<PartialFit<'a>> {
     let Stage { problem, fit, .. } = stage;
     let placed = placed(problem, proposal)?;
     let mut coefficients = fit.coefficients.clone();
     coefficients.extend(&proposal.coefficients);
-    let mut begin = likeliest.fit.solution.clone();
+    let mut initial = likeliest.fit.solution.clone();
     if proposal.coefficients != likeliest.proposal.coefficients {
-        begin.take(&likeliest.proposal.coefficients, &fit.solution);
-        let knobs_alone = Proposal {
+        initial.take(&likeliest.proposal.coefficients, &fit.solution);
+        let coefficients_alone = Proposal {
             soil: DVector::zeros(0),
             ..proposal.clone()
         };
-        begin = cheapest(&placed, &knobs_alone, &coefficients, &begin, by)?;
+        initial = cheapest(&placed, &coefficients_alone, &coefficients, &initial, noise)?;
     }
-    match fit_until(&placed, &coefficients, &begin, by, PARTIAL_FIT) {
-        Ok(begun) if begun.negative_log_evidence.is_finite() => {
-            Some(PartialFit::new(proposal, &placed, begun, fit))
+    match fit_until(&placed, &coefficients, &initial, noise, PARTIAL_FIT) {
+        Ok(started) if started.negative_log_evidence.is_finite() => {
+            Some(PartialFit::new(proposal, &placed, started, fit))
         }
-        _ => partial_fit(problem, proposal, fit, by, 1.0, least),
+        _ => partial_fit(problem, proposal, fit, noise, 1.0, least),
     }
 }
 
@@ -146,7 +149,10 @@ fn on_a_par<'a>(
 }
 
 /// What a scan finds, as proposals.
-fn found(stage: &Stage, scan: impl Fn(&Projection, &[Scanned]) -> Vec<Found>) -> Vec<Proposal> {
+fn found(
+    stage: &Stage,
+    scan: impl Fn(&Projection, &[ScanTarget]) -> Vec<LocatedCandidate>,
+) -> Vec<Proposal> {
     let Stage { problem, fit, .. } = stage;
     let system = &stage.screening.system;
     let on = fit
@@ -202,8 +208,8 @@ mod tests {
     #[test]
     fn everything_is_proposed_where_the_likeliest_acts() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let fitted = [drag(&stage, &by)];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let fitted = [drag(&stage, &noise)];
         let there = beside_the_likeliest(&stage, &fitted);
         let extent = &fitted[0].proposal.extent;
         assert!(
@@ -229,12 +235,12 @@ mod tests {
     #[ignore = "nightly: fits every candidate twice"]
     fn first_steps_there_lead_as_far_as_from_the_re_tuned_soil() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let fitted = [drag(&stage, &by)];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let fitted = [drag(&stage, &noise)];
         let mut compared = 0;
         for proposal in beside_the_likeliest(&stage, &fitted) {
-            let there = begun_there(&stage, &proposal, &fitted[0], ANY, &by).unwrap();
-            let Some(before) = partial_fit(&stage.problem, &proposal, &stage.fit, &by, 1.0, ANY)
+            let there = first_fit_there(&stage, &proposal, &fitted[0], ANY, &noise).unwrap();
+            let Some(before) = partial_fit(&stage.problem, &proposal, &stage.fit, &noise, 1.0, ANY)
             else {
                 continue;
             };
@@ -249,8 +255,8 @@ mod tests {
     #[test]
     fn a_soil_that_turned_out_better_is_nobodys_merit() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let one = drag(&stage, &by);
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let one = drag(&stage, &noise);
         // Measured against the re-tuned model, and 30 better than that without anything.
         let before = &stage.fit;
         let gain =
@@ -268,8 +274,8 @@ mod tests {
     #[test]
     fn of_each_candidate_the_likelier_place_stays() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let one = drag(&stage, &by);
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let one = drag(&stage, &noise);
         let with = |gain: f64| FittedCandidate {
             gain,
             ..one.clone()

@@ -11,7 +11,7 @@ use super::rerank::{AT_STAKE, close_to};
 use crate::diagnosis::hypothesis::Solution;
 use crate::diagnosis::hypothesis::held_out::scores;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, PARTIAL_FIT, cost, fit_on, fit_until, own_noise,
+    FittedHypothesis, PARTIAL_FIT, continue_fit, cost, fit_until, own_noise,
 };
 use crate::diagnosis::screening::region::Region;
 use crate::fit::normal::{Eliminated, Normal};
@@ -38,67 +38,67 @@ const EDGES: usize = 3;
 const SHORTEST: f64 = 0.1;
 
 /// Moves the edges of what acts at some time or place and came close to the likeliest, whose log odds are `best`.
-pub fn settle_edges(fitted: &mut [FittedCandidate], best: f64, by: &NoiseModel) {
+pub fn settle_edges(fitted: &mut [FittedCandidate], best: f64, noise: &NoiseModel) {
     if best < AT_STAKE {
         return;
     }
-    let close = |named: &&mut FittedCandidate| {
-        named.proposal.kind() == ProposalKind::Local && named.odds() > close_to(best)
+    let close = |candidate: &&mut FittedCandidate| {
+        candidate.proposal.kind() == ProposalKind::Local && candidate.odds() > close_to(best)
     };
-    for named in fitted.iter_mut().filter(close) {
-        let before = named.fit.negative_log_evidence;
-        settle(named, by);
-        if named.fit.negative_log_evidence < before {
-            named.scores = scores(&named.problem, &named.fit, by);
+    for candidate in fitted.iter_mut().filter(close) {
+        let before = candidate.fit.negative_log_evidence;
+        settle(candidate, noise);
+        if candidate.fit.negative_log_evidence < before {
+            candidate.scores = scores(&candidate.problem, &candidate.fit, noise);
         }
     }
 }
 
 /// The edges of what is taken under the noise that it leaves: that of the model without it holds a part of what its edges
 /// are told by. It keeps its odds and scores.
-pub fn settle_under_own_noise(named: &mut FittedCandidate, by: &NoiseModel) {
-    if named.proposal.kind() != ProposalKind::Local || named.odds() < AT_STAKE {
+pub fn settle_under_own_noise(candidate: &mut FittedCandidate, noise: &NoiseModel) {
+    if candidate.proposal.kind() != ProposalKind::Local || candidate.odds() < AT_STAKE {
         return;
     }
-    let gain = named.gain;
-    let own = own_noise(&named.problem, &named.fit, by);
-    named.fit = fit_on(&named.problem, &named.fit, &own, PARTIAL_FIT);
-    settle(named, &own);
-    named.gain = gain;
+    let gain = candidate.gain;
+    let own = own_noise(&candidate.problem, &candidate.fit, noise);
+    candidate.fit = continue_fit(&candidate.problem, &candidate.fit, &own, PARTIAL_FIT);
+    settle(candidate, &own);
+    candidate.gain = gain;
 }
 
-fn settle(named: &mut FittedCandidate, by: &NoiseModel) {
+fn settle(candidate: &mut FittedCandidate, noise: &NoiseModel) {
     for _ in 0..STEPS {
-        if stepped(named, by).is_none_or(|gain| gain < WORTH) {
+        if stepped(candidate, noise).is_none_or(|gain| gain < WORTH) {
             break;
         }
     }
 }
 
 /// One step of the edges and everything else; what it gained. `None` where there is nothing to gain.
-fn stepped(named: &mut FittedCandidate, by: &NoiseModel) -> Option<f64> {
-    let coefficients = &named.fit.coefficients;
-    let way = Way::of(named, by)?;
-    let (proposal, problem, begin) = DAMPINGS.into_iter().find_map(|damping| {
+fn stepped(candidate: &mut FittedCandidate, noise: &NoiseModel) -> Option<f64> {
+    let coefficients = &candidate.fit.coefficients;
+    let way = EdgeSystem::of(candidate, noise)?;
+    let (proposal, problem, initial) = DAMPINGS.into_iter().find_map(|damping| {
         let step = way.step(damping)?;
-        let proposal = moved(&named.proposal, &way.edges(&step))?;
-        let problem = placed(&named.problem, &proposal)?;
-        let begin = way.solution(named, &step);
-        let lower = cost(&problem, coefficients, &begin, by) < way.cost;
-        lower.then_some((proposal, problem, begin))
+        let proposal = moved(&candidate.proposal, &way.edges(&step))?;
+        let problem = placed(&candidate.problem, &proposal)?;
+        let initial = way.solution(candidate, &step);
+        let lower = cost(&problem, coefficients, &initial, noise) < way.cost;
+        lower.then_some((proposal, problem, initial))
     })?;
-    let fit = fit_until(&problem, coefficients, &begin, by, PARTIAL_FIT).ok()?;
-    let gain = named.fit.negative_log_evidence - fit.negative_log_evidence;
+    let fit = fit_until(&problem, coefficients, &initial, noise, PARTIAL_FIT).ok()?;
+    let gain = candidate.fit.negative_log_evidence - fit.negative_log_evidence;
     if gain.is_nan() || gain < LEAST {
         return None;
     }
-    named.gain += gain;
-    (named.proposal, named.problem, named.fit) = (proposal, problem, fit);
+    candidate.gain += gain;
+    (candidate.proposal, candidate.problem, candidate.fit) = (proposal, problem, fit);
     Some(gain)
 }
 
 /// Where the linearised problem leads with the edges among its unknowns.
-struct Way {
+struct EdgeSystem {
     /// How many unknowns there are before the edges.
     others: usize,
     matrix: DMatrix<f64>,
@@ -108,22 +108,22 @@ struct Way {
     cost: f64,
 }
 
-impl Way {
-    fn of(named: &FittedCandidate, by: &NoiseModel) -> Option<Self> {
+impl EdgeSystem {
+    fn of(candidate: &FittedCandidate, noise: &NoiseModel) -> Option<Self> {
         let FittedHypothesis {
             coefficients,
             solution,
             tables,
             ..
-        } = &named.fit;
-        let predictor = named.problem.predictor(coefficients);
-        let shooting = named.problem.shooting(&predictor, coefficients);
-        let point = named.problem.point(&shooting, coefficients, solution);
+        } = &candidate.fit;
+        let predictor = candidate.problem.predictor(coefficients);
+        let shooting = candidate.problem.shooting(&predictor, coefficients);
+        let point = candidate.problem.point(&shooting, coefficients, solution);
         let here = shooting.evaluate_unless_one_fails(&point, false)?;
         let after = (0..EDGES).map_while(|edge| {
             let mut step = DVector::zeros(EDGES);
             step[edge] = DIFFERENCE;
-            let problem = placed(&named.problem, &moved(&named.proposal, &step)?)?;
+            let problem = placed(&candidate.problem, &moved(&candidate.proposal, &step)?)?;
             let predictor = problem.predictor(coefficients);
             let shooting = problem.shooting(&predictor, coefficients);
             shooting.evaluate_unless_one_fails(&point, false)
@@ -138,7 +138,7 @@ impl Way {
         for (index, segment) in tables.iter().enumerate() {
             let after: Vec<&Tables> = after.iter().map(|all| &all[index]).collect();
             let felt = with_differences(segment, &here[index], &after);
-            let normal = linearised.normal(index, &felt, by);
+            let normal = linearised.normal(index, &felt, noise);
             let eliminated = Eliminated::new(&normal, 0.0)?;
             matrix += &eliminated.matrix;
             gradient += &eliminated.gradient;
@@ -159,7 +159,7 @@ impl Way {
             matrix,
             gradient,
             segments: each,
-            cost: 0.5 * shooting.cost(&here, &point, by),
+            cost: 0.5 * shooting.cost(&here, &point, noise),
         })
     }
 
@@ -180,8 +180,8 @@ impl Way {
     }
 
     /// The solution a step from where a fit stands.
-    fn solution(&self, named: &FittedCandidate, step: &DVector<f64>) -> Solution {
-        let FittedCandidate { problem, fit, .. } = named;
+    fn solution(&self, candidate: &FittedCandidate, step: &DVector<f64>) -> Solution {
+        let FittedCandidate { problem, fit, .. } = candidate;
         let predictor = problem.predictor(&fit.coefficients);
         let shooting = problem.shooting(&predictor, &fit.coefficients);
         let mut point = problem.point(&shooting, &fit.coefficients, &fit.solution);
@@ -220,27 +220,27 @@ fn with_differences(segment: &Tables, here: &Tables, after: &[&Tables]) -> Table
 }
 
 /// A proposal with its edges moved by shares of its size; `None` where it has none or would be no more.
-fn moved(proposal: &Proposal, by: &DVector<f64>) -> Option<Proposal> {
+fn moved(proposal: &Proposal, shares: &DVector<f64>) -> Option<Proposal> {
     Some(Proposal {
-        extent: Some(nudged(proposal.extent.as_ref()?, by)?),
+        extent: Some(nudged(proposal.extent.as_ref()?, shares)?),
         ..proposal.clone()
     })
 }
 
-fn nudged(extent: &Region, by: &DVector<f64>) -> Option<Region> {
-    let by = |edge: usize| by.get(edge).copied().unwrap_or(0.0);
+fn nudged(extent: &Region, shares: &DVector<f64>) -> Option<Region> {
+    let shares = |edge: usize| shares.get(edge).copied().unwrap_or(0.0);
     match extent {
         Region::Place { disc } => {
             let radius = disc[2];
-            let at = |edge: usize| disc[edge] + by(edge) * radius;
+            let at = |edge: usize| disc[edge] + shares(edge) * radius;
             Some(Region::Place {
                 disc: [at(0), at(1), at(2)],
             })
         }
-        Region::Time(at) if by(2) == 0.0 => {
+        Region::Time(at) if shares(2) == 0.0 => {
             let mut at = *at;
-            at.start += SECONDS * by(0);
-            at.end += SECONDS * by(1);
+            at.start += SECONDS * shares(0);
+            at.end += SECONDS * shares(1);
             (at.end - at.start > SHORTEST).then_some(Region::Time(at))
         }
         Region::Time(_) | Region::Run(_) | Region::Beyond { .. } => None,
@@ -276,7 +276,7 @@ pub mod tests {
     }
 
     /// Drag from 6.9 s to 12.4 s, fitted.
-    pub fn drag<'a>(stage: &Stage<'a>, by: &NoiseModel) -> FittedCandidate<'a> {
+    pub fn drag<'a>(stage: &Stage<'a>, noise: &NoiseModel) -> FittedCandidate<'a> {
         let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
         let subject = Subject::Effect(drag);
         let coefficients: Vec<usize> = stage.problem.candidates.of(subject).collect();
@@ -297,17 +297,17 @@ pub mod tests {
             anew: false,
             coefficients,
         };
-        let begun = partial_fit(&stage.problem, &proposal, &stage.fit, by, 1.0, ANY).unwrap();
-        finish(begun, &stage.fit, by).unwrap()
+        let started = partial_fit(&stage.problem, &proposal, &stage.fit, noise, 1.0, ANY).unwrap();
+        finish(started, &stage.fit, noise).unwrap()
     }
 
     #[test]
     fn edges_move_to_where_something_acts() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let mut fitted = [drag(&stage, &by)];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let mut fitted = [drag(&stage, &noise)];
         let before = fitted[0].gain;
-        settle_edges(&mut fitted, before, &by);
+        settle_edges(&mut fitted, before, &noise);
         let Some(Region::Time(at)) = fitted[0].proposal.extent else {
             unreachable!()
         };
@@ -323,12 +323,12 @@ pub mod tests {
         let disc = Region::Place {
             disc: [1.0, 2.0, 4.0],
         };
-        let by = |edge: usize| {
-            let mut by = DVector::zeros(EDGES);
-            by[edge] = 0.1;
-            by
+        let shares = |edge: usize| {
+            let mut shares = DVector::zeros(EDGES);
+            shares[edge] = 0.1;
+            shares
         };
-        let moved = |edge| match nudged(&disc, &by(edge)) {
+        let moved = |edge| match nudged(&disc, &shares(edge)) {
             Some(Region::Place { disc }) => disc,
             _ => unreachable!(),
         };
@@ -343,9 +343,9 @@ pub mod tests {
                 end,
             })
         };
-        assert_eq!(nudged(&interval(3.0), &by(1)), Some(interval(3.2)));
+        assert_eq!(nudged(&interval(3.0), &shares(1)), Some(interval(3.2)));
         // An interval has two ends, and stays one.
-        assert_eq!(nudged(&interval(3.0), &by(2)), None);
-        assert_eq!(nudged(&interval(1.2), &by(0)), None);
+        assert_eq!(nudged(&interval(3.0), &shares(2)), None);
+        assert_eq!(nudged(&interval(1.2), &shares(0)), None);
     }
 }

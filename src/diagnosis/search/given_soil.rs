@@ -4,12 +4,12 @@
 //! problem shows there is of another vehicle on another soil: the right name may not be among the proposals, its place
 //! not where it is, and no way may lead back. So all is looked at once more from the given soil.
 
-use super::initial_guess::{begin, on_given_soil};
+use super::initial_guess::{after_steps, on_given_soil};
 use super::naming::PartialFit;
 use super::proposal::{Proposal, ProposalKind, proposals, screened, shortlist};
 use super::view::View;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, LONG_PARTIAL_FIT, cost, tune_from_afar,
+    FittedHypothesis, LONG_PARTIAL_FIT, cost, fit_with_new_starts,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
@@ -27,7 +27,7 @@ const LOCAL: usize = 3;
 pub fn seen_from_given_soil(
     problem: &Problem,
     fit: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     known: &[Proposal],
     seed: u64,
 ) -> Vec<Proposal> {
@@ -38,9 +38,9 @@ pub fn seen_from_given_soil(
     let on = &fit.coefficients;
     let layout = Layout::new(problem, on);
     let tables = sensitivities(problem, &layout, &at);
-    let system = linearise(problem, &layout, &tables, &at, by);
+    let system = linearise(problem, &layout, &tables, &at, noise);
     drop(tables);
-    let Some(view) = View::new(problem, &system, on, by) else {
+    let Some(view) = View::new(problem, &system, on, noise) else {
         return Vec::new();
     };
     let screened = screened(&view);
@@ -68,24 +68,34 @@ pub fn seen_from_given_soil(
 pub fn from_given_soil<'a>(
     partial_fit: PartialFit<'a>,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> PartialFit<'a> {
     let (problem, fitted) = (&partial_fit.problem, &partial_fit.fit);
     let base = on_given_soil(problem, before);
     if partial_fit.proposal.anew || !is_far(problem, &base.soil, &before.solution.soil) {
         return partial_fit;
     }
-    let as_seen = begin(problem, &partial_fit.proposal, &before.solution, 1.0);
-    let initial_guess = [&before.solution, &as_seen, &fitted.solution].map(|with| {
-        let begin = Solution {
+    let as_seen = after_steps(problem, &partial_fit.proposal, &before.solution, 1.0);
+    let initials = [&before.solution, &as_seen, &fitted.solution].map(|with| {
+        let initial = Solution {
             coefficients: with.coefficients.clone(),
             ..base.clone()
         };
-        (cost(problem, &fitted.coefficients, &begin, by), begin)
+        (
+            cost(problem, &fitted.coefficients, &initial, noise),
+            initial,
+        )
     });
-    let cheapest = initial_guess.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    let again = cheapest.and_then(|(_, begin)| {
-        tune_from_afar(problem, &fitted.coefficients, &begin, by, LONG_PARTIAL_FIT).ok()
+    let cheapest = initials.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let again = cheapest.and_then(|(_, initial)| {
+        fit_with_new_starts(
+            problem,
+            &fitted.coefficients,
+            &initial,
+            noise,
+            LONG_PARTIAL_FIT,
+        )
+        .ok()
     });
     match again.filter(|again| again.negative_log_evidence < fitted.negative_log_evidence) {
         Some(again) => PartialFit {
@@ -137,24 +147,24 @@ mod tests {
             segment: 5.0,
             ..Options::default()
         };
-        let (stage, by) = refitted_with(&nominal, &recordings, &options);
+        let (stage, noise) = refitted_with(&nominal, &recordings, &options);
         let (problem, fit) = (&stage.problem, &stage.fit);
-        let begin = problem.begin();
-        assert!(is_far(problem, &begin.soil, &fit.solution.soil));
-        assert!(!is_far(problem, &begin.soil, &begin.soil));
+        let initial = problem.initial();
+        assert!(is_far(problem, &initial.soil, &fit.solution.soil));
+        assert!(!is_far(problem, &initial.soil, &initial.soil));
         // From the soil that imitates it the shift is not seen whole.
         let shifted = |one: &&Proposal| one.subject.name() == "com_shift";
         let proposal = stage.proposals.iter().find(shifted).unwrap();
         assert!(proposal.anew);
-        let found = partial_fit(problem, proposal, fit, &by, 1.0, ANY).unwrap();
+        let found = partial_fit(problem, proposal, fit, &noise, 1.0, ANY).unwrap();
         assert!(found.fit.negative_log_evidence < 0.5 * fit.negative_log_evidence);
         let stuck = Proposal {
             anew: false,
             ..proposal.clone()
         };
-        let stuck = partial_fit(problem, &stuck, fit, &by, 1.0, ANY).unwrap();
+        let stuck = partial_fit(problem, &stuck, fit, &noise, 1.0, ANY).unwrap();
         let odds = stuck.odds();
-        let again = from_given_soil(stuck, fit, &by);
+        let again = from_given_soil(stuck, fit, &noise);
         assert!(again.odds() > odds + 100.0, "{} {odds}", again.odds());
     }
 }

@@ -33,19 +33,19 @@ pub fn cheapest(
     proposal: &Proposal,
     coefficients: &[usize],
     before: &Solution,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Solution> {
     let touched = touched(problem, proposal);
     let some = touched
         .as_ref()
-        .map(|part| (part, part.problem(problem), part.noise_model(by)));
+        .map(|part| (part, part.problem(problem), part.noise_model(noise)));
     let cost = |at: &Solution| match &some {
-        Some((part, problem, by)) => cost(problem, coefficients, &part.solution(at), by),
-        None => cost(problem, coefficients, at, by),
+        Some((part, problem, noise)) => cost(problem, coefficients, &part.solution(at), noise),
+        None => cost(problem, coefficients, at, noise),
     };
     let at = |share: f64| {
-        let begin = begin(problem, proposal, before, share);
-        (cost(&begin), begin)
+        let initial = after_steps(problem, proposal, before, share);
+        (cost(&initial), initial)
     };
     let cheaper = |a: &(f64, Solution), b: &(f64, Solution)| a.0.total_cmp(&b.0);
     if !proposal.hidden {
@@ -61,11 +61,11 @@ pub fn cheapest(
     let mut found = Vec::new();
     for sign in [1.0, -1.0] {
         for share in SHARES.iter().rev() {
-            let begin = at(sign * share);
-            if begin.0 > cost_ceiling {
+            let initial = at(sign * share);
+            if initial.0 > cost_ceiling {
                 break;
             }
-            found.push(begin);
+            found.push(initial);
         }
     }
     found.into_iter().min_by(cheaper).map(|best| best.1)
@@ -85,17 +85,22 @@ fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
 
 /// A share of a proposal's steps away from what was before.
 #[must_use]
-pub fn begin(problem: &Problem, proposal: &Proposal, before: &Solution, share: f64) -> Solution {
-    let mut begin = before.clone();
-    let soil = begin.soil.iter_mut().zip(problem.soil_parameters());
+pub fn after_steps(
+    problem: &Problem,
+    proposal: &Proposal,
+    before: &Solution,
+    share: f64,
+) -> Solution {
+    let mut initial = before.clone();
+    let soil = initial.soil.iter_mut().zip(problem.soil_parameters());
     for ((value, parameter), step) in soil.zip(proposal.soil.iter()) {
         let (low, high) = parameter.bounds();
         *value = (*value + share * step).clamp(low, high);
     }
     for (coefficient, steps) in &proposal.steps {
-        let parameter = &problem.candidates.coefficients[*coefficient].parameter;
+        let parameter = &problem.candidates[*coefficient].parameter;
         let (low, high) = parameter.bounds();
-        for (recording, coefficients) in begin.coefficients.iter_mut().enumerate() {
+        for (recording, coefficients) in initial.coefficients.iter_mut().enumerate() {
             let step = steps
                 .get(recording)
                 .or(steps.get(0))
@@ -105,7 +110,7 @@ pub fn begin(problem: &Problem, proposal: &Proposal, before: &Solution, share: f
                 (coefficients[*coefficient] + share * step).clamp(low, high);
         }
     }
-    begin
+    initial
 }
 
 /// Where effects are proposed that have no derivative while they are off, as large as the catalogue expects
@@ -117,18 +122,18 @@ pub fn settled(
     problem: &Problem,
     proposal: &Proposal,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Solution> {
     let of_a_run = matches!(proposal.extent, Some(Region::Run(_)));
     if !of_a_run && !is_unseen(problem, proposal) {
         return None;
     }
-    let begin = Solution {
-        coefficients: begin(problem, proposal, &before.solution, 1.0).coefficients,
-        ..problem.begin()
+    let initial = Solution {
+        coefficients: after_steps(problem, proposal, &before.solution, 1.0).coefficients,
+        ..problem.initial()
     };
     let stop = PARTIAL_FIT.without_renewals();
-    Some(beside(problem, proposal, begin, before, by, stop)?.solution)
+    Some(beside(problem, proposal, initial, before, noise, stop)?.solution)
 }
 
 /// Where effects are proposed that have no derivative while they are off: the likeliest place on the way from off
@@ -140,14 +145,14 @@ pub fn walked(
     problem: &Problem,
     proposal: &Proposal,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Solution> {
     let mut at = before.solution.clone();
     let mut best: Option<FittedHypothesis> = None;
     for step in 1..=WALK {
         let share = f64::from(step) / f64::from(WALK);
-        at.coefficients = begin(problem, proposal, &before.solution, share).coefficients;
-        let Some(here) = beside(problem, proposal, at, before, by, STROLL) else {
+        at.coefficients = after_steps(problem, proposal, &before.solution, share).coefficients;
+        let Some(here) = beside(problem, proposal, at, before, noise, STROLL) else {
             break;
         };
         if here.negative_log_evidence - here.predicted_reduction
@@ -170,12 +175,7 @@ pub fn walked(
 #[must_use]
 pub fn is_unseen(problem: &Problem, proposal: &Proposal) -> bool {
     let mut own = proposal.coefficients.iter();
-    proposal.hidden
-        && own.any(|coefficient| {
-            problem.candidates.coefficients[*coefficient]
-                .secant
-                .is_some()
-        })
+    proposal.hidden && own.any(|coefficient| problem.candidates[*coefficient].secant.is_some())
 }
 
 /// The fit of everything else beside a proposal whose knobs are held where they begin. `None` where that cannot be
@@ -183,9 +183,9 @@ pub fn is_unseen(problem: &Problem, proposal: &Proposal) -> bool {
 fn beside(
     problem: &Problem,
     proposal: &Proposal,
-    begin: Solution,
+    initial: Solution,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> Option<FittedHypothesis> {
     let coefficients = &problem.candidates.coefficients;
@@ -194,11 +194,11 @@ fn beside(
         if let Target::Model(parameter) = coefficients[*coefficient].target {
             let value = coefficients[*coefficient]
                 .parameter
-                .value(begin.coefficients[0][*coefficient]);
+                .value(initial.coefficients[0][*coefficient]);
             parameter.set(&mut held.nominal, value).ok()?;
         }
     }
-    let fitted = fit_until(&held, &before.coefficients, &begin, by, stop);
+    let fitted = fit_until(&held, &before.coefficients, &initial, noise, stop);
     fitted
         .ok()
         .filter(|fitted| fitted.negative_log_evidence.is_finite())
@@ -208,13 +208,13 @@ fn beside(
 /// end where motions are matched with their neighbours.
 #[must_use]
 pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Option<Solution> {
-    let mut begin = before.clone();
+    let mut initial = before.clone();
     let mut told = false;
     for coefficient in &proposal.coefficients {
-        let Target::Sensor(sensor) = problem.candidates.coefficients[*coefficient].target else {
+        let Target::Sensor(sensor) = problem.candidates[*coefficient].target else {
             continue;
         };
-        let each = begin.coefficients.iter_mut().zip(&problem.late);
+        let each = initial.coefficients.iter_mut().zip(&problem.late);
         for ((values, late), recording) in each.zip(problem.recordings) {
             if !sensor.is_told_by(recording) {
                 continue;
@@ -223,14 +223,14 @@ pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Op
             told |= late[sensor.index()] != 0.0;
         }
     }
-    told.then_some(begin)
+    told.then_some(initial)
 }
 
 /// A hypothesis with the given soil in place of its own.
 #[must_use]
 pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
     Solution {
-        soil: problem.begin().soil,
+        soil: problem.initial().soil,
         ..fit.solution.clone()
     }
 }
@@ -257,7 +257,7 @@ mod tests {
             ..nominal.clone()
         };
         let recordings = [driven(&towing, "slalom")];
-        let (stage, by) = refitted(&nominal, &recordings);
+        let (stage, noise) = refitted(&nominal, &recordings);
         let for_some_seconds = |one: &&Proposal| matches!(one.extent, Some(Region::Time(_)));
         let proposal = stage.proposals.iter().find(for_some_seconds).unwrap();
         let problem = placed(&stage.problem, proposal).unwrap();
@@ -265,12 +265,12 @@ mod tests {
         assert!(part.places().len() < problem.segments.len());
         let (some, own, coefficients) = (
             part.problem(&problem),
-            part.noise_model(&by),
+            part.noise_model(&noise),
             &proposal.coefficients,
         );
         let elsewhere = SHARES.map(|share| {
-            let at = begin(&problem, proposal, &stage.fit.solution, share);
-            cost(&problem, coefficients, &at, &by)
+            let at = after_steps(&problem, proposal, &stage.fit.solution, share);
+            cost(&problem, coefficients, &at, &noise)
                 - cost(&some, coefficients, &part.solution(&at), &own)
         });
         let differs = |one: &f64| (one - elsewhere[0]).abs() > 1e-6 * elsewhere[0].abs();
@@ -302,18 +302,18 @@ mod tests {
         truth.terrain.frictional_modulus /= 0.7;
         truth.terrain.shear_modulus *= 0.7;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        let (stage, by) = refitted(&nominal, &recordings);
+        let (stage, noise) = refitted(&nominal, &recordings);
         let tyres = |one: &&Proposal| one.hidden && one.subject.name() == "tyre_compliance";
         let proposal = stage.proposals.iter().find(tyres).unwrap();
         let Stage { problem, fit, .. } = &stage;
-        let found = partial_fit(problem, proposal, fit, &by, 1.0, ANY).unwrap();
+        let found = partial_fit(problem, proposal, fit, &noise, 1.0, ANY).unwrap();
         assert!(found.fit.negative_log_evidence < fit.negative_log_evidence - 1000.0);
-        let begin = walked(problem, proposal, fit, &by).unwrap();
+        let initial = walked(problem, proposal, fit, &noise).unwrap();
         let walked = fit_until(
             problem,
             &proposal.coefficients,
-            &begin,
-            &by,
+            &initial,
+            &noise,
             LONG_PARTIAL_FIT,
         )
         .unwrap();

@@ -21,8 +21,8 @@ pub mod view;
 pub mod wheels;
 
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, LONG_PARTIAL_FIT, fit_hypothesis, fit_on, fit_until, fit_with_noise,
-    own_noise,
+    FittedHypothesis, HELD, LONG_PARTIAL_FIT, continue_fit, fit_hypothesis, fit_until,
+    fit_with_noise, own_noise,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
@@ -40,11 +40,11 @@ use wheels::reconstructed;
 
 /// Where the search ended.
 #[derive(Debug)]
-pub struct Searched<'a> {
+pub struct SearchResult<'a> {
     /// The given model.
     pub problem: Problem<'a>,
     /// Noise and weights.
-    pub by: NoiseModel,
+    pub noise: NoiseModel,
     /// The re-tuned model under the same noise.
     pub refitted: FittedHypothesis,
     /// The model with everything found.
@@ -67,19 +67,19 @@ pub struct Searched<'a> {
     pub last: Arc<Screening>,
 }
 
-impl Searched<'_> {
+impl SearchResult<'_> {
     /// Back to the re-tuned model: what was found predicts worse what it was not fitted to, so it is
     /// no likelier than nothing.
     pub fn withdraw(&mut self) {
-        for accepted_effect in self.accepted.drain(..) {
-            self.refused.extend(accepted_effect.rivals);
+        for effect in self.accepted.drain(..) {
+            self.refused.extend(effect.rivals);
         }
         for (_, odds) in &mut self.refused {
             *odds = odds.min(0.0);
         }
-        self.by = own_noise(&self.problem, &self.refitted, &self.by);
+        self.noise = own_noise(&self.problem, &self.refitted, &self.noise);
         // Its intervals are those of the noise that is told.
-        self.refitted = fit_on(&self.problem, &self.refitted, &self.by, HELD);
+        self.refitted = continue_fit(&self.problem, &self.refitted, &self.noise, HELD);
         self.augmented = self.refitted.clone();
         self.placed = self.problem.clone();
         self.last = Arc::clone(&self.first);
@@ -96,66 +96,66 @@ const AGAIN: usize = 2;
 /// A model that cannot even begin, numbers that are not finite, no time for a first look.
 pub fn search<'a>(
     problem: &Problem<'a>,
-    mut by: NoiseModel,
+    mut noise: NoiseModel,
     options: &Options,
     progress: &'a Progress,
-) -> Result<Searched<'a>, DiagnosisError> {
-    progress.step("re-tuning the soil")?;
-    let begin = problem.begin();
+) -> Result<SearchResult<'a>, DiagnosisError> {
+    progress.step("refitting the soil")?;
+    let initial = problem.initial();
     let undrivable = |error| progress.failure(error);
-    let refitted = fit_with_noise(problem, &[], &begin, &mut by).map_err(undrivable)?;
+    let refitted = fit_with_noise(problem, &[], &initial, &mut noise).map_err(undrivable)?;
     progress.in_time(problem.deadline)?;
-    let (mut problem, refitted) = reconstructed(problem, refitted, &mut by, progress);
+    let (mut problem, refitted) = reconstructed(problem, refitted, &mut noise, progress);
     progress.in_time(problem.deadline)?;
-    problem.tolerate(&by);
-    let mut stage = screen(problem.clone(), refitted, &mut by, options, progress)?;
+    problem.tolerate(&noise);
+    let mut stage = screen(problem.clone(), refitted, &mut noise, options, progress)?;
     stage.problem.deadline = progress.search_deadline();
     // To fall back on where there is no time to fit it under the noise at the end.
     let known = progress.limit().map(|_| stage.fit.clone());
-    progress.step("naming")?;
-    let mut fitted = try_all(&stage, &by, progress)?;
+    progress.step("fitting candidates")?;
+    let mut fitted = try_all(&stage, &noise, progress)?;
     for _ in 0..AGAIN {
         if progress.is_late() {
             break;
         }
-        let Some(better) = unstuck(&stage, &fitted, &by) else {
+        let Some(better) = unstuck(&stage, &fitted, &noise) else {
             break;
         };
-        match screen(stage.problem.clone(), better, &mut by, options, progress) {
+        match screen(stage.problem.clone(), better, &mut noise, options, progress) {
             Err(DiagnosisError::OutOfTime) => break,
             screening => stage = screening?,
         }
-        progress.step("naming")?;
-        fitted = try_all(&stage, &by, progress)?;
+        progress.step("fitting candidates")?;
+        fitted = try_all(&stage, &noise, progress)?;
     }
     let first = Arc::clone(&stage.screening);
     let tested = stage.scores.is_some();
     let baseline = stage.fit.solution.clone();
     let gain = |n: &FittedCandidate| Some((n.proposal.subject, held_out_gain(n, &stage)?));
     let gains = fitted.iter().filter_map(gain).collect();
-    let path = Path::new(stage, by).explored(fitted, options, progress)?;
+    let path = Path::new(stage, noise).explored(fitted, options, progress)?;
     let Path {
         mut stage,
-        by,
+        noise,
         accepted,
         refused,
         ..
     } = path;
     let tried = !progress.was_late();
     stage.problem.deadline = problem.deadline;
-    let again = tune_again(&problem, &baseline, &stage.fit.solution, &by);
+    let again = refit_soil(&problem, &baseline, &stage.fit.solution, &noise);
     let refitted = match (again, known) {
-        (Err(PredictionError::OutOfTime), Some(known)) => fit_on(
+        (Err(PredictionError::OutOfTime), Some(known)) => continue_fit(
             &problem,
             &known,
-            &by,
+            &noise,
             Stop::after(0, 0.0).without_renewals(),
         ),
         (again, _) => again.map_err(undrivable)?,
     };
-    Ok(Searched {
+    Ok(SearchResult {
         problem,
-        by,
+        noise,
         refitted,
         placed: stage.problem,
         augmented: stage.fit,
@@ -171,29 +171,41 @@ pub fn search<'a>(
 
 /// The re-tuned model from where the likeliest of what was fitted beside it ended, without that: re-tuning may
 /// have stuck on the way there. `None` where it is no better.
-fn unstuck(stage: &Stage, fitted: &[FittedCandidate], by: &NoiseModel) -> Option<FittedHypothesis> {
+fn unstuck(
+    stage: &Stage,
+    fitted: &[FittedCandidate],
+    noise: &NoiseModel,
+) -> Option<FittedHypothesis> {
     let best = fitted.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
     if best.gain < STUCK {
         return None;
     }
-    let mut begin = best.fit.solution.clone();
-    begin.take(&best.proposal.coefficients, &stage.fit.solution);
+    let mut initial = best.fit.solution.clone();
+    initial.take(&best.proposal.coefficients, &stage.fit.solution);
     let coefficients = &stage.fit.coefficients;
-    let again = fit_until(&stage.problem, coefficients, &begin, by, LONG_PARTIAL_FIT).ok()?;
+    let again = fit_until(
+        &stage.problem,
+        coefficients,
+        &initial,
+        noise,
+        LONG_PARTIAL_FIT,
+    )
+    .ok()?;
     (again.negative_log_evidence < stage.fit.negative_log_evidence - STUCK).then_some(again)
 }
 
 /// The re-tuned model under the noise and weights at the end, its starts as they have become. On
 /// some soils not every start can be driven: then those that it had.
-fn tune_again(
+fn refit_soil(
     problem: &Problem,
     baseline: &Solution,
     last: &Solution,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Result<FittedHypothesis, PredictionError> {
-    let mut begin = back(problem, last);
-    begin.soil.clone_from(&baseline.soil);
-    fit_hypothesis(problem, &[], &begin, by).or_else(|_| fit_hypothesis(problem, &[], baseline, by))
+    let mut initial = back(problem, last);
+    initial.soil.clone_from(&baseline.soil);
+    fit_hypothesis(problem, &[], &initial, noise)
+        .or_else(|_| fit_hypothesis(problem, &[], baseline, noise))
 }
 
 /// A solution with every effect off.
@@ -201,7 +213,7 @@ fn back(problem: &Problem, solution: &Solution) -> Solution {
     let mut back = solution.clone();
     for recording in &mut back.coefficients {
         for (value, coefficient) in recording.iter_mut().zip(&problem.candidates.coefficients) {
-            *value = coefficient.parameter.prior_coordinate();
+            *value = coefficient.off();
         }
     }
     back
@@ -221,7 +233,7 @@ mod tests {
             |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
         let recordings = [driven(&on("sandy_loam"), "spiral")];
         let nominal = on("dry_sand");
-        let (mut stage, by) = refitted(&nominal, &recordings);
+        let (mut stage, noise) = refitted(&nominal, &recordings);
         let problem = stage.problem.clone();
         let proposal = stage.proposals.first().cloned().unwrap();
         let gain = 10.0 * STUCK;
@@ -233,12 +245,12 @@ mod tests {
             gain,
         };
         // As well as it can be: nothing to begin again for.
-        assert!(unstuck(&stage, std::slice::from_ref(&beside), &by).is_none());
+        assert!(unstuck(&stage, std::slice::from_ref(&beside), &noise).is_none());
         // Stuck where it began.
         let still = Stop::after(0, 0.0);
-        stage.fit = fit_until(&problem, &[], &problem.begin(), &by, still).unwrap();
+        stage.fit = fit_until(&problem, &[], &problem.initial(), &noise, still).unwrap();
         assert!(stage.fit.negative_log_evidence > beside.fit.negative_log_evidence + STUCK);
-        let found = unstuck(&stage, std::slice::from_ref(&beside), &by).unwrap();
+        let found = unstuck(&stage, std::slice::from_ref(&beside), &noise).unwrap();
         assert!((found.negative_log_evidence - beside.fit.negative_log_evidence).abs() < 1.0);
         // What gains nothing does not tell of another way.
         assert!(
@@ -248,7 +260,7 @@ mod tests {
                     gain: 0.0,
                     ..beside
                 }],
-                &by
+                &noise
             )
             .is_none()
         );

@@ -6,7 +6,7 @@
 //! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
 
 use super::initial_guess::{
-    LOST, begin, cheapest, compared, is_unseen, on_given_soil, settled, walked,
+    LOST, after_steps, cheapest, compared, is_unseen, on_given_soil, settled, walked,
 };
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
@@ -144,7 +144,7 @@ pub fn partial_fit<'a>(
     problem: &Problem<'a>,
     proposal: &Proposal,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     share: f64,
     least: f64,
 ) -> Option<PartialFit<'a>> {
@@ -160,19 +160,19 @@ pub fn partial_fit<'a>(
             proposal,
             &coefficients,
             &on_given_soil(&problem, before),
-            by,
+            noise,
         )
     } else {
-        cheapest(&problem, proposal, &coefficients, &before.solution, by)
+        cheapest(&problem, proposal, &coefficients, &before.solution, noise)
     };
     let stop = first_steps(proposal).unless_above(useful);
     // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
-    let initial_guess = cheapest
+    let initials = cheapest
         .into_iter()
         .chain(compared(&problem, proposal, &before.solution))
-        .chain(settled(&problem, proposal, before, by));
-    let each = initial_guess.filter_map(|begin| {
-        let fit = fit_until(&problem, &coefficients, &begin, by, stop);
+        .chain(settled(&problem, proposal, before, noise));
+    let each = initials.filter_map(|initial| {
+        let fit = fit_until(&problem, &coefficients, &initial, noise, stop);
         fit.ok().filter(|fit| fit.negative_log_evidence.is_finite())
     });
     let likelier = |a: &FittedHypothesis, b: &FittedHypothesis| {
@@ -186,12 +186,12 @@ pub fn partial_fit<'a>(
         before.negative_log_evidence - fit.negative_log_evidence + fit.predicted_reduction
             < predicted_reduction - LOST
     };
-    let also = |fit: Option<FittedHypothesis>, begin: &Solution| {
+    let also = |fit: Option<FittedHypothesis>, initial: &Solution| {
         let other = fit_until(
             &problem,
             &coefficients,
-            begin,
-            by,
+            initial,
+            noise,
             LONG_PARTIAL_FIT.unless_above(useful),
         )
         .ok();
@@ -200,9 +200,9 @@ pub fn partial_fit<'a>(
     // Where no way led, in small steps from off.
     if is_unseen(&problem, proposal)
         && fit.as_ref().is_none_or(lost)
-        && let Some(begin) = walked(&problem, proposal, before, by)
+        && let Some(initial) = walked(&problem, proposal, before, noise)
     {
-        fit = also(fit, &begin);
+        fit = also(fit, &initial);
     }
     if !proposal.hidden && fit.as_ref().is_none_or(lost) {
         // Without it things were better: from there, then.
@@ -211,7 +211,7 @@ pub fn partial_fit<'a>(
     if !proposal.hidden && fit.as_ref().is_none_or(short) {
         // A small step may cost less before the starts have followed, and lead elsewhere, and soil that follows
         // may be more than the vehicle can drive on.
-        let coefficients = begin(&problem, proposal, &before.solution, 1.0).coefficients;
+        let coefficients = after_steps(&problem, proposal, &before.solution, 1.0).coefficients;
         let rest = before.solution.clone();
         fit = also(
             fit,
@@ -230,16 +230,16 @@ pub fn partial_fit<'a>(
 pub fn finish<'a>(
     partial_fit: PartialFit<'a>,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<FittedCandidate<'a>> {
     let PartialFit {
         proposal, problem, ..
     } = partial_fit;
-    let fit = fit_restarted(&problem, &partial_fit.fit, by);
-    let without = negative_log_evidence_without(&problem, &proposal, &fit, before, by);
+    let fit = fit_restarted(&problem, &partial_fit.fit, noise);
+    let without = negative_log_evidence_without(&problem, &proposal, &fit, before, noise);
     Some(FittedCandidate {
         gain: without - fit.negative_log_evidence - proposal.price,
-        scores: scores(&problem, &fit, by),
+        scores: scores(&problem, &fit, noise),
         proposal,
         problem,
         fit,
@@ -253,14 +253,20 @@ fn negative_log_evidence_without(
     proposal: &Proposal,
     fit: &FittedHypothesis,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> f64 {
     if !proposal.hidden && !proposal.anew {
         return before.negative_log_evidence;
     }
-    let mut begin = fit.solution.clone();
-    begin.take(&proposal.coefficients, &before.solution);
-    let without = fit_until(problem, &before.coefficients, &begin, by, LONG_PARTIAL_FIT);
+    let mut initial = fit.solution.clone();
+    initial.take(&proposal.coefficients, &before.solution);
+    let without = fit_until(
+        problem,
+        &before.coefficients,
+        &initial,
+        noise,
+        LONG_PARTIAL_FIT,
+    );
     let negative_log_evidence = without.map_or(f64::INFINITY, |fit| fit.negative_log_evidence);
     before.negative_log_evidence.min(negative_log_evidence)
 }
@@ -275,7 +281,7 @@ pub fn placed<'a>(problem: &Problem<'a>, proposal: &Proposal) -> Option<Problem<
     let mut effects: Vec<usize> = proposal
         .coefficients
         .iter()
-        .map(|coefficient| problem.candidates.coefficients[*coefficient].effect)
+        .map(|coefficient| problem.candidates[*coefficient].effect)
         .collect();
     effects.sort_unstable();
     effects.dedup();

@@ -14,7 +14,7 @@ use super::stage::{Stage, screen_again};
 use super::trial::try_all;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, fit_hypothesis, fit_on, fit_with_noise,
+    FittedHypothesis, HELD, continue_fit, fit_hypothesis, fit_with_noise,
 };
 use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
@@ -29,17 +29,17 @@ pub struct Path<'a> {
     /// The hypothesis.
     pub stage: Stage<'a>,
     /// Noise and weights.
-    pub by: NoiseModel,
+    pub noise: NoiseModel,
     /// What was found.
     pub accepted: Vec<AcceptedEffect>,
     /// What was fitted and not taken in the last round, with log Bayes factors and priors.
     pub refused: Vec<(Subject, f64)>,
-    reach: Reach<'a>,
+    scope: Scope<'a>,
 }
 
 /// How much of the recordings the next steps take.
 #[derive(Debug, Clone)]
-enum Reach<'a> {
+enum Scope<'a> {
     /// All.
     Whole,
     /// After the next finding a part.
@@ -51,13 +51,13 @@ enum Reach<'a> {
 impl<'a> Path<'a> {
     /// Nothing found yet.
     #[must_use]
-    pub fn new(stage: Stage<'a>, by: NoiseModel) -> Self {
+    pub fn new(stage: Stage<'a>, noise: NoiseModel) -> Self {
         Self {
             stage,
-            by,
+            noise,
             accepted: Vec::new(),
             refused: Vec::new(),
-            reach: Reach::Whole,
+            scope: Scope::Whole,
         }
     }
 
@@ -73,25 +73,26 @@ impl<'a> Path<'a> {
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
         let firsts = [Prefer::Nothing, Prefer::Names].map(|p| choose(&fitted, &self.stage, p));
-        let throughout = |named: &&FittedCandidate| named.proposal.kind() != ProposalKind::Local;
+        let throughout =
+            |candidate: &&FittedCandidate| candidate.proposal.kind() != ProposalKind::Local;
         if firsts.iter().flatten().all(throughout)
             && let Some(part) = Subsample::of(&self.stage.problem)
         {
-            self.reach = Reach::Narrowing(part);
+            self.scope = Scope::Narrowing(part);
         }
         let walk = |start: Self, fitted, first| start.walk(fitted, first, options, progress);
         let mut path = if worth_two_ways(&fitted, &self.stage) && !progress.is_late() {
-            let named = walk(self.clone(), fitted.clone(), Prefer::Names)?;
-            walk(self, fitted, Prefer::Nothing)?.or(named)
+            let candidate = walk(self.clone(), fitted.clone(), Prefer::Names)?;
+            walk(self, fitted, Prefer::Nothing)?.or(candidate)
         } else {
             walk(self, fitted, Prefer::Nothing)?
         };
-        let law =
-            |accepted_effect: &AcceptedEffect| accepted_effect.proposal.kind() == ProposalKind::Law;
-        if let Some(law) = path.accepted.iter().position(law)
+        let residual_model =
+            |effect: &AcceptedEffect| effect.proposal.kind() == ProposalKind::ResidualModel;
+        if let Some(residual_model) = path.accepted.iter().position(residual_model)
             && path.accepted.len() > 1
             && !progress.is_late()
-            && let Some(renamed) = path.renamed(law, options, progress)?
+            && let Some(renamed) = path.renamed(residual_model, options, progress)?
         {
             path = path.or(renamed);
         }
@@ -114,7 +115,7 @@ impl<'a> Path<'a> {
                 self.refused = self.rivals(&fitted);
                 break;
             };
-            settle_under_own_noise(&mut best, &self.by);
+            settle_under_own_noise(&mut best, &self.noise);
             self.accepted.push(AcceptedEffect {
                 proposal: best.proposal,
                 gain: self.on_all(best.gain),
@@ -124,14 +125,12 @@ impl<'a> Path<'a> {
             self.stage = self.looked_at(placed, fit, options, progress)?;
             fitted = self.what_else(progress)?;
         }
-        progress.step("what can be left out again")?;
+        progress.step("removing redundant effects")?;
         let ratio = self.on_all(1.0);
         let (before, coefficients) = (self.accepted.clone(), self.stage.fit.coefficients.clone());
-        prune(&mut self.stage, &mut self.accepted, &self.by, ratio);
+        prune(&mut self.stage, &mut self.accepted, &self.noise, ratio);
         if self.accepted.is_empty() {
-            let rivals = before
-                .into_iter()
-                .flat_map(|accepted_effect| accepted_effect.rivals);
+            let rivals = before.into_iter().flat_map(|effect| effect.rivals);
             let refused = rivals.map(|(subject, odds)| (subject, odds.min(0.0)));
             self.refused.extend(refused);
         }
@@ -151,31 +150,31 @@ impl<'a> Path<'a> {
         progress: &Progress,
     ) -> Result<Stage<'a>, DiagnosisError> {
         let before = &self.stage.screening;
-        screen_again(before, problem, fit, &mut self.by, options, progress)
+        screen_again(before, problem, fit, &mut self.noise, options, progress)
     }
 
     /// How many things may be found. Of what is found on a part, all of it has a word as well.
     fn rounds(&self) -> usize {
-        match self.reach {
-            Reach::Whole | Reach::Narrowing(_) => ROUNDS,
-            Reach::Narrowed(..) => ROUNDS - 1,
+        match self.scope {
+            Scope::Whole | Scope::Narrowing(_) => ROUNDS,
+            Scope::Narrowed(..) => ROUNDS - 1,
         }
     }
 
     /// What was fitted, with log odds.
     fn rivals(&self, fitted: &[FittedCandidate]) -> Vec<(Subject, f64)> {
-        let odds = |named: &FittedCandidate| self.on_all(sound_odds(named, &self.stage));
+        let odds = |candidate: &FittedCandidate| self.on_all(sound_odds(candidate, &self.stage));
         let rivals = fitted.iter();
         rivals
-            .map(|named| (named.proposal.subject, odds(named)))
+            .map(|candidate| (candidate.proposal.subject, odds(candidate)))
             .collect()
     }
 
     /// Log odds on a part as all tells them.
     fn on_all(&self, odds: f64) -> f64 {
-        match &self.reach {
-            Reach::Narrowed(part, _) => odds * part.ratio(),
-            Reach::Whole | Reach::Narrowing(_) => odds,
+        match &self.scope {
+            Scope::Narrowed(part, _) => odds * part.ratio(),
+            Scope::Whole | Scope::Narrowing(_) => odds,
         }
     }
 
@@ -187,13 +186,13 @@ impl<'a> Path<'a> {
         if self.accepted.len() >= self.rounds() || progress.is_late() {
             return Ok(Vec::new());
         }
-        progress.step("what else")?;
-        if let Reach::Narrowed(..) = self.reach {
+        progress.step("fitting further candidates")?;
+        if let Scope::Narrowed(..) = self.scope {
             // What acts for some seconds only may lie between the stretches.
             let proposals = &mut self.stage.proposals;
             proposals.retain(|proposal| proposal.kind() != ProposalKind::Local);
         }
-        try_all(&self.stage, &self.by, progress)
+        try_all(&self.stage, &self.noise, progress)
     }
 
     /// What was found first, on a part where that is to be gone on with; noise and weights move along.
@@ -202,21 +201,21 @@ impl<'a> Path<'a> {
         problem: Problem<'a>,
         fit: FittedHypothesis,
     ) -> (Problem<'a>, FittedHypothesis) {
-        let Reach::Narrowing(part) = &self.reach else {
+        let Scope::Narrowing(part) = &self.scope else {
             return (problem, fit);
         };
         if problem.deadline.is_over() {
-            self.reach = Reach::Whole;
+            self.scope = Scope::Whole;
             return (problem, fit);
         }
-        let (some, by) = (part.problem(&problem), part.noise_model(&self.by));
-        let begin = part.solution(&fit.solution);
-        let Ok(narrow) = fit_hypothesis(&some, &fit.coefficients, &begin, &by) else {
-            self.reach = Reach::Whole;
+        let (some, noise) = (part.problem(&problem), part.noise_model(&self.noise));
+        let initial = part.solution(&fit.solution);
+        let Ok(narrow) = fit_hypothesis(&some, &fit.coefficients, &initial, &noise) else {
+            self.scope = Scope::Whole;
             return (problem, fit);
         };
-        let whole = std::mem::replace(&mut self.by, by);
-        self.reach = Reach::Narrowed(part.clone(), Box::new((problem, fit, whole)));
+        let whole = std::mem::replace(&mut self.noise, noise);
+        self.scope = Scope::Narrowed(part.clone(), Box::new((problem, fit, whole)));
         (some, narrow)
     }
 
@@ -227,12 +226,12 @@ impl<'a> Path<'a> {
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
-        let Reach::Narrowed(part, whole) = std::mem::replace(&mut self.reach, Reach::Whole) else {
+        let Scope::Narrowed(part, whole) = std::mem::replace(&mut self.scope, Scope::Whole) else {
             return Ok(self);
         };
-        let (first, fit, by) = *whole;
-        progress.step("what else")?;
-        self.by.weights = by.weights;
+        let (first, fit, noise) = *whole;
+        progress.step("fitting further candidates")?;
+        self.noise.weights = noise.weights;
         let problem = Problem {
             segments: first.segments.clone(),
             ..self.stage.problem.clone()
@@ -240,8 +239,8 @@ impl<'a> Path<'a> {
         let coefficients = &self.stage.fit.coefficients;
         // What was found first may be off by now.
         let all: Vec<usize> = (0..problem.candidates.coefficients.len()).collect();
-        let begin = part.widened(&self.stage.fit.solution, &all, &fit.solution);
-        let (problem, fit) = match fit_hypothesis(&problem, coefficients, &begin, &self.by) {
+        let initial = part.widened(&self.stage.fit.solution, &all, &fit.solution);
+        let (problem, fit) = match fit_hypothesis(&problem, coefficients, &initial, &self.noise) {
             Ok(widened) => (problem, widened),
             Err(_) => {
                 self.accepted.retain(|m| {
@@ -250,7 +249,7 @@ impl<'a> Path<'a> {
                         .iter()
                         .all(|k| fit.coefficients.contains(k))
                 });
-                self.by.noise = by.noise;
+                self.noise.noise = noise.noise;
                 (first, fit)
             }
         };
@@ -269,16 +268,16 @@ impl<'a> Path<'a> {
         if self.accepted.is_empty() || progress.is_late() {
             return Ok(self);
         }
-        progress.step("noise")?;
+        progress.step("estimating the noise")?;
         let Stage { problem, fit, .. } = self.stage.clone();
-        let mut own = self.by.clone();
+        let mut own = self.noise.clone();
         let settled = fit_with_noise(&problem, &fit.coefficients, &fit.solution, &mut own);
         if progress.is_late() {
             return Ok(self);
         }
         let fit = match settled {
             Ok(settled) => {
-                self.by = own;
+                self.noise = own;
                 settled
             }
             Err(_) => fit,
@@ -308,7 +307,7 @@ impl<'a> Path<'a> {
                 proposal.subject == subject && (subject != Subject::Unknown || has(proposal))
             };
             let mut accepted = self.accepted.iter();
-            let place = accepted.position(|accepted_effect| is(&accepted_effect.proposal));
+            let place = accepted.position(|effect| is(&effect.proposal));
             let Some(index) = place.filter(|_| self.accepted.len() > 1) else {
                 continue;
             };
@@ -316,13 +315,13 @@ impl<'a> Path<'a> {
             if close.len() < 2 || progress.is_late() {
                 continue;
             }
-            progress.step("what came close")?;
+            progress.step("refitting close rivals")?;
             let Some(mut path) = self.opened(index, options, progress)? else {
                 continue;
             };
             let proposals = &mut path.stage.proposals;
             proposals.retain(|proposal| close.contains(&proposal.subject));
-            let fitted = try_all(&path.stage, &path.by, progress)?;
+            let fitted = try_all(&path.stage, &path.noise, progress)?;
             if progress.is_late() {
                 break;
             }
@@ -348,15 +347,15 @@ impl<'a> Path<'a> {
     /// without it, with names in its place. `None` where nothing can be driven or named.
     fn renamed(
         &self,
-        law: usize,
+        residual_model: usize,
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
-        let Some(mut path) = self.opened(law, options, progress)? else {
+        let Some(mut path) = self.opened(residual_model, options, progress)? else {
             return Ok(None);
         };
         let mut fitted = path.what_else(progress)?;
-        fitted.retain(|named| named.proposal.kind() != ProposalKind::Law);
+        fitted.retain(|candidate| candidate.proposal.kind() != ProposalKind::ResidualModel);
         if choose(&fitted, &path.stage, Prefer::Names).is_none() {
             return Ok(None);
         }
@@ -373,41 +372,41 @@ impl<'a> Path<'a> {
     ) -> Result<Option<Self>, DiagnosisError> {
         let mut path = self.clone();
         let gone = path.accepted.remove(index).proposal;
-        let (problem, fit) = without(&path.stage, &gone, &path.by);
+        let (problem, fit) = without(&path.stage, &gone, &path.noise);
         let Ok(fit) = fit else { return Ok(None) };
         path.stage = path.looked_at(problem, fit, options, progress)?;
         Ok(Some(path))
     }
 
     /// The better of two paths by the evidence, the other one with names in the place of a law.
-    fn or(self, mut named: Self) -> Self {
-        let advantage = named.advantage(&self);
-        let advantage = named.on_all(advantage);
+    fn or(self, mut candidate: Self) -> Self {
+        let advantage = candidate.advantage(&self);
+        let advantage = candidate.on_all(advantage);
         // Fits that were ended early do not compare.
         if advantage < 0.0 || self.stage.problem.deadline.is_over() {
             return self;
         }
-        for accepted_effect in &mut named.accepted {
-            accepted_effect.outdo_law(advantage);
+        for effect in &mut candidate.accepted {
+            effect.outdo_residual_model(advantage);
         }
-        named
+        candidate
     }
 
     /// Log odds of this path over another, under the noise of both on average.
     fn advantage(&self, other: &Self) -> f64 {
         let price = |path: &Self| -> f64 {
-            let accepted = path
-                .accepted
-                .iter()
-                .map(|accepted_effect| &accepted_effect.proposal);
+            let accepted = path.accepted.iter().map(|effect| &effect.proposal);
             accepted.map(|m| NOTHING - m.log_prior() + m.price).sum()
         };
-        let negative_log_evidence = |path: &Self, by: &NoiseModel| -> f64 {
+        let negative_log_evidence = |path: &Self, noise: &NoiseModel| -> f64 {
             let stage = &path.stage;
-            fit_on(&stage.problem, &stage.fit, by, HELD).negative_log_evidence + price(path)
+            continue_fit(&stage.problem, &stage.fit, noise, HELD).negative_log_evidence
+                + price(path)
         };
-        [&self.by, &other.by]
-            .map(|by| 0.5 * (negative_log_evidence(other, by) - negative_log_evidence(self, by)))
+        [&self.noise, &other.noise]
+            .map(|noise| {
+                0.5 * (negative_log_evidence(other, noise) - negative_log_evidence(self, noise))
+            })
             .iter()
             .sum()
     }

@@ -3,9 +3,9 @@
 use super::view::View;
 use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::Problem;
-use crate::diagnosis::screening::law::{Law, law};
-use crate::diagnosis::screening::locate::{Found, locate, scanned};
+use crate::diagnosis::screening::locate::{LocatedCandidate, locate, scanned};
 use crate::diagnosis::screening::region::Region;
+use crate::diagnosis::screening::residual_model::{ResidualModel, residual_model};
 use crate::diagnosis::screening::screen::{Projected, Projection, Score};
 use crate::diagnosis::screening::slow;
 use crate::diagnosis::screening::system::System;
@@ -38,7 +38,7 @@ pub struct Proposal {
 
 /// A screened candidate.
 #[derive(Debug, Clone)]
-pub struct Screened {
+pub struct ScreenedCandidate {
     /// What.
     pub subject: Subject,
     /// Its projected equations.
@@ -62,12 +62,12 @@ const BETTER_LOCAL: f64 = 3.0;
 
 /// Screens every candidate that is not on.
 #[must_use]
-pub fn screened(view: &View) -> Vec<Screened> {
+pub fn screened(view: &View) -> Vec<ScreenedCandidate> {
     let View {
         problem,
         system,
         projection,
-        by,
+        noise,
         on,
     } = view;
     let subjects = problem.candidates.subjects.iter();
@@ -86,9 +86,9 @@ pub fn screened(view: &View) -> Vec<Screened> {
             }
             let projected = projection.of(&unknowns);
             let score = projection.score(&projected);
-            Some(Screened {
+            Some(ScreenedCandidate {
                 subject: *subject,
-                price: slow::price(problem, system, &projected, by),
+                price: slow::price(problem, system, &projected, noise),
                 projected,
                 score,
             })
@@ -98,7 +98,12 @@ pub fn screened(view: &View) -> Vec<Screened> {
 
 /// Everything that may be missing, the most likely first.
 #[must_use]
-pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) -> Vec<Proposal> {
+pub fn proposals(
+    view: &View,
+    screened: &[ScreenedCandidate],
+    soil: &[f64],
+    seed: u64,
+) -> Vec<Proposal> {
     let View {
         problem,
         system,
@@ -144,8 +149,8 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
         found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
         all.extend(found);
     }
-    if let Some(law) = law(problem, system, projection.nuisance(), seed) {
-        all.push(unnamed(view, law));
+    if let Some(residual_model) = residual_model(problem, system, projection.nuisance(), seed) {
+        all.push(unnamed(view, residual_model));
     }
     all.retain(|proposal| proposal.evidence > FAINT);
     all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -157,14 +162,14 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
 /// are off. They are proposed as large as the catalogue expects them, with the soil moved back by what
 /// would imitate that.
 #[must_use]
-pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
+pub fn hidden(view: &View, screened: &[ScreenedCandidate]) -> Vec<Proposal> {
     let View {
         problem,
         system,
         projection,
         ..
     } = view;
-    let propose = |one: &Screened| {
+    let propose = |one: &ScreenedCandidate| {
         let coefficients: Vec<usize> = problem.candidates.of(one.subject).collect();
         let unknowns = &one.projected.unknowns;
         let takes_up = |coefficient: &usize| {
@@ -176,7 +181,7 @@ pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
         let whole = one.score.absorbed > HIDDEN;
         let seen = steps(problem, system, one);
         let step = |(coefficient, seen): &(usize, DVector<f64>)| {
-            let about = &problem.candidates.coefficients[*coefficient];
+            let about = &problem.candidates[*coefficient];
             let parameter = &about.parameter;
             let off = parameter.prior_coordinate();
             let away = if !whole && !takes_up(coefficient) && about.secant.is_none() {
@@ -231,7 +236,11 @@ fn soil_after(
 }
 
 /// The unknowns of a screened candidate as steps of knobs.
-fn steps(problem: &Problem, system: &System, one: &Screened) -> Vec<(usize, DVector<f64>)> {
+fn steps(
+    problem: &Problem,
+    system: &System,
+    one: &ScreenedCandidate,
+) -> Vec<(usize, DVector<f64>)> {
     let at = |unknown: usize| {
         let place = one.projected.unknowns.iter().position(|u| *u == unknown);
         place.map_or(0.0, |place| one.score.step[place])
@@ -251,14 +260,14 @@ fn steps(problem: &Problem, system: &System, one: &Screened) -> Vec<(usize, DVec
 
 /// What was found in one place or for some time, as proposals.
 #[must_use]
-pub fn placed_locally(problem: &Problem, found: Vec<Found>) -> Vec<Proposal> {
+pub fn placed_locally(problem: &Problem, found: Vec<LocatedCandidate>) -> Vec<Proposal> {
     let each = found.into_iter();
     let mut all: Vec<Proposal> = each.map(|one| local(one, problem.soil.len())).collect();
     place_load(problem, &mut all);
     all
 }
 
-fn local(found: Found, soil: usize) -> Proposal {
+fn local(found: LocatedCandidate, soil: usize) -> Proposal {
     let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
     Proposal {
         subject: found.subject,
@@ -280,14 +289,14 @@ fn local(found: Found, soil: usize) -> Proposal {
     }
 }
 
-fn unnamed(view: &View, law: Law) -> Proposal {
+fn unnamed(view: &View, residual_model: ResidualModel) -> Proposal {
     let View {
         problem,
         system,
         projection,
         ..
     } = view;
-    let unknowns: Vec<usize> = law
+    let unknowns: Vec<usize> = residual_model
         .coefficients
         .iter()
         .flat_map(|k| system.unknowns(*k))
@@ -296,17 +305,17 @@ fn unnamed(view: &View, law: Law) -> Proposal {
     let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
     Proposal {
         subject: Subject::Unknown,
-        steps: law
+        steps: residual_model
             .coefficients
             .iter()
             .zip(score.step.iter())
             .map(each)
             .collect(),
-        coefficients: law.coefficients,
+        coefficients: residual_model.coefficients,
         extent: None,
-        price: score.evidence - law.evidence,
-        evidence: law.evidence,
-        stability: law.stability,
+        price: score.evidence - residual_model.evidence,
+        evidence: residual_model.evidence,
+        stability: residual_model.stability,
         soil: soil_after(problem, projection, &unknowns, &score.step),
         hidden: false,
         anew: false,
@@ -321,7 +330,7 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     for (kind, most, behind) in [
         (ProposalKind::Throughout, 6, far),
         (ProposalKind::Local, 8, near),
-        (ProposalKind::Law, 1, near),
+        (ProposalKind::ResidualModel, 1, near),
     ] {
         let of_kind = proposals.iter().filter(|p| p.kind() == kind);
         let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
@@ -345,7 +354,7 @@ pub enum ProposalKind {
     /// Something that acts in one place or for some time.
     Local,
     /// A law without a name.
-    Law,
+    ResidualModel,
 }
 
 /// What each term of a law costs besides the choice: it can be bent to look like many an effect.
@@ -361,7 +370,7 @@ impl Proposal {
             // A boundary on the map is a change of terrain's own place.
             (Some(Region::Beyond { .. }), _) => ProposalKind::Throughout,
             (Some(_), _) => ProposalKind::Local,
-            (None, Subject::Unknown) => ProposalKind::Law,
+            (None, Subject::Unknown) => ProposalKind::ResidualModel,
             (None, _) => ProposalKind::Throughout,
         }
     }
@@ -380,7 +389,7 @@ impl Proposal {
             ProposalKind::Throughout => 0.0,
             ProposalKind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
             ProposalKind::Local => -LOCAL,
-            ProposalKind::Law => -TERM * self.coefficients.len() as f64,
+            ProposalKind::ResidualModel => -TERM * self.coefficients.len() as f64,
         }
     }
 }
@@ -427,7 +436,7 @@ fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Propos
     let Some(mass) = coefficient(problem, MASS) else {
         return;
     };
-    let subject = Subject::Effect(problem.candidates.coefficients[mass].effect);
+    let subject = Subject::Effect(problem.candidates[mass].effect);
     if !proposals.iter().any(|one| one.subject == subject) {
         return;
     }
@@ -437,7 +446,7 @@ fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Propos
         return;
     }
     let vehicle = &problem.nominal.vehicle;
-    let typical = problem.candidates.coefficients[mass].typical;
+    let typical = problem.candidates[mass].typical;
     let loaded = typical.min(HEAVIEST * vehicle.mass);
     let lever = (vehicle.mass + loaded) / loaded;
     let place = |(own, other): &(&str, &str), vehicles: f64| {
@@ -517,7 +526,7 @@ mod tests {
         place_load(&problem, &mut all);
         let value = |name: &str| {
             let found = all[0].steps.iter().find(|(k, _)| {
-                problem.candidates.coefficients[*k].target
+                problem.candidates[*k].target
                     == crate::diagnosis::hypothesis::candidate::Target::Model(
                         ModelParameter::find(name).unwrap(),
                     )

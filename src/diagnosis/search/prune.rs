@@ -5,7 +5,7 @@ use super::proposal::{Proposal, ProposalKind};
 use super::stage::Stage;
 use super::trial::CLOSE;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, scattered};
-use crate::diagnosis::hypothesis::{Problem, What};
+use crate::diagnosis::hypothesis::{Problem, UnknownKind};
 use crate::diagnosis::screening::screen::Projection;
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::NoiseModel;
@@ -18,7 +18,12 @@ const SURE_TERM: f64 = 2.0;
 /// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
 /// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to. Where time
 /// is up, what was not yet looked at stays.
-pub fn prune(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseModel, ratio: f64) {
+pub fn prune(
+    stage: &mut Stage,
+    accepted: &mut Vec<AcceptedEffect>,
+    noise: &NoiseModel,
+    ratio: f64,
+) {
     if stage.problem.deadline.is_over() {
         return;
     }
@@ -36,7 +41,7 @@ pub fn prune(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseMo
             index += 1;
             continue;
         }
-        let (problem, without) = without(stage, gone, by);
+        let (problem, without) = without(stage, gone, noise);
         if problem.deadline.is_over() {
             // A fit that was ended early understates what the rest explains.
             break;
@@ -60,27 +65,27 @@ pub fn prune(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseMo
     }
     // A part tells less of how sure they are.
     if ratio == 1.0 {
-        trim_laws(stage, accepted, by);
+        trim_residual_models(stage, accepted, noise);
     }
     accepted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
 }
 
 /// Takes terms out of laws that are less than so many standard errors from none. The likelihood takes segments for
 /// independent; what pulls some of them one way and others the other is worth less than it says.
-fn trim_laws(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseModel) {
+fn trim_residual_models(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, noise: &NoiseModel) {
     let mut index = 0;
     while index < accepted.len() {
-        let law = &accepted[index].proposal;
-        let doubtful = doubtful_term(&stage.problem, &stage.fit, law, by);
+        let residual_model = &accepted[index].proposal;
+        let doubtful = doubtful_term(&stage.problem, &stage.fit, residual_model, noise);
         let Some(place) = doubtful else {
             index += 1;
             continue;
         };
         let term = Proposal {
-            coefficients: vec![law.coefficients[place]],
-            ..law.clone()
+            coefficients: vec![residual_model.coefficients[place]],
+            ..residual_model.clone()
         };
-        let (problem, Ok(without)) = without(stage, &term, by) else {
+        let (problem, Ok(without)) = without(stage, &term, noise) else {
             index += 1;
             continue;
         };
@@ -93,11 +98,11 @@ fn trim_laws(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseMo
             index += 1;
             continue;
         }
-        let accepted_effect = &mut accepted[index];
-        accepted_effect.lose(lost + term.log_prior());
-        accepted_effect.gain -= lost;
-        accepted_effect.proposal.without_term(place);
-        if accepted_effect.proposal.coefficients.is_empty() {
+        let effect = &mut accepted[index];
+        effect.lose(lost + term.log_prior());
+        effect.gain -= lost;
+        effect.proposal.without_term(place);
+        if effect.proposal.coefficients.is_empty() {
             accepted.remove(index);
         }
         stage.problem = problem;
@@ -109,30 +114,28 @@ fn trim_laws(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseMo
 fn doubtful_term(
     problem: &Problem,
     fit: &FittedHypothesis,
-    law: &Proposal,
-    by: &NoiseModel,
+    residual_model: &Proposal,
+    noise: &NoiseModel,
 ) -> Option<usize> {
-    if law.kind() != ProposalKind::Law {
+    if residual_model.kind() != ProposalKind::ResidualModel {
         return None;
     }
-    let covariance = scattered(problem, fit, by);
+    let covariance = scattered(problem, fit, noise);
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
-    let mut sure = vec![0.0_f64; law.coefficients.len()];
+    let mut sure = vec![0.0_f64; residual_model.coefficients.len()];
     problem.visit(&shooting, &fit.coefficients, |unknown, recording, what| {
-        let What::CandidateParameter(coefficient) = what else {
+        let UnknownKind::CandidateParameter(coefficient) = what else {
             return;
         };
-        let Some(place) = law
+        let Some(place) = residual_model
             .coefficients
             .iter()
             .position(|other| *other == coefficient)
         else {
             return;
         };
-        let off = problem.candidates.coefficients[coefficient]
-            .parameter
-            .prior_coordinate();
+        let off = problem.candidates[coefficient].off();
         let size = (fit.solution.coefficients[recording][coefficient] - off).abs();
         let errors = size / covariance[(unknown, unknown)].max(0.0).sqrt();
         sure[place] = sure[place].max(errors);
@@ -145,7 +148,7 @@ fn doubtful_term(
 pub fn without<'a>(
     stage: &Stage<'a>,
     gone: &Proposal,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> (Problem<'a>, Result<FittedHypothesis, PredictionError>) {
     let coefficients = stage.fit.coefficients.iter().copied();
     let coefficients: Vec<usize> = coefficients
@@ -155,15 +158,13 @@ pub fn without<'a>(
     if gone.kind() == ProposalKind::Local {
         problem.nominal.effects.window = None;
     }
-    let mut begin = stage.fit.solution.clone();
-    for recording in &mut begin.coefficients {
+    let mut initial = stage.fit.solution.clone();
+    for recording in &mut initial.coefficients {
         for coefficient in &gone.coefficients {
-            recording[*coefficient] = problem.candidates.coefficients[*coefficient]
-                .parameter
-                .prior_coordinate();
+            recording[*coefficient] = problem.candidates[*coefficient].off();
         }
     }
-    let fit = fit_hypothesis(&problem, &coefficients, &begin, by);
+    let fit = fit_hypothesis(&problem, &coefficients, &initial, noise);
     (problem, fit)
 }
 
@@ -189,9 +190,7 @@ fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
     let sizes: Vec<usize> = sizes.collect();
     let unknowns: Vec<usize> = sizes.iter().flat_map(|k| system.unknowns(*k)).collect();
     let step = system.step(&unknowns, &sizes, |coefficient, recording| {
-        let off = stage.problem.candidates.coefficients[coefficient]
-            .parameter
-            .prior_coordinate();
+        let off = stage.problem.candidates[coefficient].off();
         stage.fit.solution.coefficients[recording][coefficient] - off
     });
     let matrix = projection.of(&unknowns).matrix;
@@ -219,7 +218,7 @@ mod tests {
         let nominal =
             Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
         let recordings = [driven(truth, "spiral")];
-        let (mut stage, by) = refitted(&nominal, &recordings);
+        let (mut stage, noise) = refitted(&nominal, &recordings);
         let all = stage.problem.candidates.coefficients.clone();
         let whole = |coefficient: &CandidateParameter| {
             format!(
@@ -233,17 +232,24 @@ mod tests {
                 .unwrap()
         };
         let coefficients: Vec<usize> = names.iter().map(named).collect();
-        let law = names[0].starts_with("residual_");
-        let subject = if law {
+        let residual_model = names[0].starts_with("residual_");
+        let subject = if residual_model {
             Subject::Unknown
         } else {
             Subject::Effect(all[coefficients[0]].effect)
         };
         stage.fit =
-            fit_hypothesis(&stage.problem, &coefficients, &stage.fit.solution, &by).unwrap();
+            fit_hypothesis(&stage.problem, &coefficients, &stage.fit.solution, &noise).unwrap();
         let proposal = Proposal {
             subject,
-            stability: vec![1.0; if law { coefficients.len() } else { 0 }],
+            stability: vec![
+                1.0;
+                if residual_model {
+                    coefficients.len()
+                } else {
+                    0
+                }
+            ],
             coefficients,
             extent: None,
             steps: Vec::new(),
@@ -259,7 +265,7 @@ mod tests {
             gain,
             rivals,
         }];
-        prune(&mut stage, &mut accepted, &by, 1.0);
+        prune(&mut stage, &mut accepted, &noise, 1.0);
         let on = stage
             .fit
             .coefficients

@@ -7,7 +7,7 @@
 //! gain; the others stand behind it by so much.
 
 use super::naming::FittedCandidate;
-use crate::diagnosis::hypothesis::likelihood::{PARTIAL_FIT, fit_on, own_noise};
+use crate::diagnosis::hypothesis::likelihood::{PARTIAL_FIT, continue_fit, own_noise};
 use crate::fit::problem::NoiseModel;
 
 /// They are close within so much and this share of the largest log odds ...
@@ -25,7 +25,7 @@ pub fn close_to(best: f64) -> f64 {
 }
 
 /// Settles which of some fits is the likeliest where several are close.
-pub fn rerank(fitted: &mut [FittedCandidate], by: &NoiseModel) {
+pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
     fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
     let Some(best) = fitted.first().map(FittedCandidate::odds) else {
         return;
@@ -33,21 +33,22 @@ pub fn rerank(fitted: &mut [FittedCandidate], by: &NoiseModel) {
     if best < AT_STAKE {
         return;
     }
-    let near = |named: &&FittedCandidate| named.odds() > close_to(best);
+    let near = |candidate: &&FittedCandidate| candidate.odds() > close_to(best);
     let count = fitted.iter().take(MOST).take_while(near).count();
     let close = &mut fitted[..count];
     if count < 2 {
         return;
     }
-    let own = |named: &FittedCandidate| own_noise(&named.problem, &named.fit, by);
+    let own = |candidate: &FittedCandidate| own_noise(&candidate.problem, &candidate.fit, noise);
     let noises: Vec<NoiseModel> = close.iter().map(own).collect();
     let total = |place: usize| {
-        let named = &close[place];
+        let candidate = &close[place];
         let under = |noise: &NoiseModel| {
-            fit_on(&named.problem, &named.fit, noise, PARTIAL_FIT).negative_log_evidence
+            continue_fit(&candidate.problem, &candidate.fit, noise, PARTIAL_FIT)
+                .negative_log_evidence
         };
         let sum: f64 = noises.iter().map(under).sum();
-        sum / noises.len() as f64 + named.proposal.price - named.proposal.log_prior()
+        sum / noises.len() as f64 + candidate.proposal.price - candidate.proposal.log_prior()
     };
     let totals: Vec<f64> = (0..count).map(total).collect();
     let places = (0..count).filter(|place| totals[*place].is_finite());
@@ -59,8 +60,8 @@ pub fn rerank(fitted: &mut [FittedCandidate], by: &NoiseModel) {
         return;
     }
     let odds = close[winner].odds();
-    for (place, named) in close.iter_mut().enumerate() {
+    for (place, candidate) in close.iter_mut().enumerate() {
         let behind = totals[place] - totals[winner];
-        named.gain = odds - behind.min(odds) - named.proposal.log_prior();
+        candidate.gain = odds - behind.min(odds) - candidate.proposal.log_prior();
     }
 }

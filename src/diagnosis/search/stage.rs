@@ -2,7 +2,7 @@
 //! how it predicts.
 
 use super::given_soil::seen_from_given_soil;
-use super::proposal::{Proposal, Screened, hidden, proposals, screened, shortlist};
+use super::proposal::{Proposal, ScreenedCandidate, hidden, proposals, screened, shortlist};
 use super::view::View;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_restarted};
@@ -22,7 +22,7 @@ use std::time::Duration;
 #[derive(Debug, Clone)]
 pub struct Screening {
     /// What the screen saw.
-    pub screened: Vec<Screened>,
+    pub screened: Vec<ScreenedCandidate>,
     /// The largest chi-square that chance alone gives.
     pub threshold: f64,
     /// The linearised problem.
@@ -65,26 +65,26 @@ pub struct Stage<'a> {
 pub fn screen<'a>(
     problem: Problem<'a>,
     fit: FittedHypothesis,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
     options: &Options,
     progress: &Progress,
 ) -> Result<Stage<'a>, DiagnosisError> {
     progress.step("sensitivities to every candidate")?;
-    let begin = progress.elapsed();
+    let began = progress.elapsed();
     let in_time = || progress.in_time(problem.deadline);
-    let mut own = by.clone();
+    let mut own = noise.clone();
     let on = fit.coefficients.clone();
     let layout = Layout::new(&problem, &on);
     let mut tables = sensitivities(&problem, &layout, &fit.solution);
     in_time()?;
     weigh(&problem, &on, &fit.tables, &mut own);
-    progress.step("noise")?;
+    progress.step("estimating the noise")?;
     let system = linearise(&problem, &layout, &tables, &fit.solution, &own);
     in_time()?;
     noise::update(&problem, &system, &tables, &fit.solution, &mut own);
     drop(system);
     in_time()?;
-    progress.step("re-tuning the soil")?;
+    progress.step("refitting the soil")?;
     let again = fit_restarted(&problem, &fit, &own);
     in_time()?;
     progress.step("sensitivities to every candidate")?;
@@ -108,7 +108,7 @@ pub fn screen<'a>(
     drop(tables);
     in_time()?;
     let view = View::new(&problem, &system, &on, &own).ok_or(DiagnosisError::NotFinite)?;
-    progress.step("screening and locating")?;
+    progress.step("screening and scanning for regions")?;
     let screened = screened(&view);
     let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
     let threshold = chance(&view.projection, &equations, SHARE, NULLS, options.seed);
@@ -118,7 +118,7 @@ pub fn screen<'a>(
     in_time()?;
     let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
     let latent_wrench = latent_wrench(&problem, &system);
-    let took = progress.elapsed().saturating_sub(begin);
+    let took = progress.elapsed().saturating_sub(began);
     if on.is_empty() {
         proposals.extend(hidden(&view, &screened));
         if !progress.lacks(took) {
@@ -128,7 +128,7 @@ pub fn screen<'a>(
         }
     }
     let scores = scores(&problem, &again, &own);
-    *by = own;
+    *noise = own;
     Ok(Stage {
         screening: Arc::new(Screening {
             screened,
@@ -153,15 +153,15 @@ pub fn screen_again<'a>(
     before: &Arc<Screening>,
     problem: Problem<'a>,
     fit: FittedHypothesis,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
     options: &Options,
     progress: &Progress,
 ) -> Result<Stage<'a>, DiagnosisError> {
     if progress.limit().is_none() {
-        return screen(problem, fit, by, options, progress);
+        return screen(problem, fit, noise, options, progress);
     }
     if !progress.lacks(before.took) {
-        match screen(problem.clone(), fit.clone(), by, options, progress) {
+        match screen(problem.clone(), fit.clone(), noise, options, progress) {
             Err(DiagnosisError::OutOfTime) => {}
             screening => return screening,
         }
@@ -221,10 +221,10 @@ pub mod tests {
     ) -> (Stage<'a>, NoiseModel) {
         let mut problem = Problem::new(nominal, recordings);
         let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut by) = prepare(&mut problem, options, &progress).unwrap();
-        let fitted = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
-        let stage = screen(problem, fitted, &mut by, options, &progress).unwrap();
-        (stage, by)
+        let (_, mut noise) = prepare(&mut problem, options, &progress).unwrap();
+        let fitted = fit_with_noise(&problem, &[], &problem.initial(), &mut noise).unwrap();
+        let stage = screen(problem, fitted, &mut noise, options, &progress).unwrap();
+        (stage, noise)
     }
 
     #[test]

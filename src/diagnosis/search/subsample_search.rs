@@ -8,7 +8,7 @@ use super::naming::{PartialFit, first_steps, partial_fit};
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, PARTIAL_FIT, fit_on, fit_until,
+    FittedHypothesis, HELD, PARTIAL_FIT, continue_fit, fit_until,
 };
 use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::fit::problem::NoiseModel;
@@ -18,21 +18,32 @@ pub struct SubsampleSearch<'a> {
     part: Subsample,
     problem: Problem<'a>,
     before: FittedHypothesis,
-    by: NoiseModel,
+    noise: NoiseModel,
 }
 
 impl<'a> SubsampleSearch<'a> {
     /// `None` where there are not many.
     #[must_use]
-    pub fn new(problem: &Problem<'a>, before: &FittedHypothesis, by: &NoiseModel) -> Option<Self> {
+    pub fn new(
+        problem: &Problem<'a>,
+        before: &FittedHypothesis,
+        noise: &NoiseModel,
+    ) -> Option<Self> {
         let part = Subsample::of(problem)?;
-        let (problem, by) = (part.problem(problem), part.noise_model(by));
-        let begin = part.solution(&before.solution);
+        let (problem, noise) = (part.problem(problem), part.noise_model(noise));
+        let initial = part.solution(&before.solution);
         Some(Self {
-            before: fit_until(&problem, &before.coefficients, &begin, &by, PARTIAL_FIT).ok()?,
+            before: fit_until(
+                &problem,
+                &before.coefficients,
+                &initial,
+                &noise,
+                PARTIAL_FIT,
+            )
+            .ok()?,
             part,
             problem,
-            by,
+            noise,
         })
     }
 
@@ -40,15 +51,15 @@ impl<'a> SubsampleSearch<'a> {
     #[must_use]
     pub fn partial_fit(&self, proposal: &Proposal, least: f64) -> Option<PartialFit<'a>> {
         let share = 1.0 / self.part.ratio();
-        let (problem, before, by) = (&self.problem, &self.before, &self.by);
-        let partial_fit = partial_fit(problem, proposal, before, by, share, share * least)?;
+        let (problem, before, noise) = (&self.problem, &self.before, &self.noise);
+        let partial_fit = partial_fit(problem, proposal, before, noise, share, share * least)?;
         Some(self.scaled(partial_fit))
     }
 
     /// Goes on with the part.
     #[must_use]
     pub fn further(&self, partial_fit: &PartialFit<'a>) -> PartialFit<'a> {
-        let fit = fit_on(&partial_fit.problem, &partial_fit.fit, &self.by, HELD);
+        let fit = continue_fit(&partial_fit.problem, &partial_fit.fit, &self.noise, HELD);
         let further = PartialFit::new(
             &partial_fit.proposal,
             &partial_fit.problem,
@@ -72,21 +83,21 @@ impl<'a> SubsampleSearch<'a> {
     #[must_use]
     pub fn widened(
         &self,
-        scouted: &PartialFit<'a>,
+        subsampled: &PartialFit<'a>,
         problem: &Problem<'a>,
         before: &FittedHypothesis,
-        by: &NoiseModel,
+        noise: &NoiseModel,
         least: f64,
     ) -> Option<PartialFit<'a>> {
-        let PartialFit { proposal, fit, .. } = scouted;
+        let PartialFit { proposal, fit, .. } = subsampled;
         // What else is on may not show on the part.
         let (told, own) = (&fit.solution, &proposal.coefficients);
-        let begin = self.part.widened(told, own, &before.solution);
+        let initial = self.part.widened(told, own, &before.solution);
         let widened = fit_until(
             problem,
             &fit.coefficients,
-            &begin,
-            by,
+            &initial,
+            noise,
             first_steps(proposal),
         )
         .ok();
@@ -94,7 +105,7 @@ impl<'a> SubsampleSearch<'a> {
             widened.filter(|fit| fit.negative_log_evidence <= before.negative_log_evidence + LOST);
         match kept {
             Some(fit) => Some(PartialFit::new(proposal, problem, fit, before)),
-            None => partial_fit(problem, proposal, before, by, 1.0, least),
+            None => partial_fit(problem, proposal, before, noise, 1.0, least),
         }
     }
 }

@@ -36,7 +36,7 @@ const FIRST_STEPS: f64 = 0.6;
 /// Somebody wants it to end.
 pub fn try_all<'a>(
     stage: &Stage<'a>,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     progress: &'a Progress,
 ) -> Result<Vec<FittedCandidate<'a>>, DiagnosisError> {
     let Stage { problem, fit, .. } = stage;
@@ -44,29 +44,29 @@ pub fn try_all<'a>(
         deadline: progress.share_of_search(FIRST_STEPS),
         ..problem.clone()
     };
-    let mut begun = match SubsampleSearch::new(&hasty, fit, by) {
-        Some(subsample_search) => scouted(&hasty, stage, &subsample_search, by),
+    let mut started = match SubsampleSearch::new(&hasty, fit, noise) {
+        Some(subsample_search) => subsampled(&hasty, stage, &subsample_search, noise),
         None => {
             let all = stage.proposals.iter();
             let all = all.take_while(|_| !hasty.deadline.is_over());
             partially_fitted(all, NEAR, |one, least| {
-                partial_fit(&hasty, one, fit, by, 1.0, least)
+                partial_fit(&hasty, one, fit, noise, 1.0, least)
             })
         }
     };
-    for partial_fit in &mut begun {
+    for partial_fit in &mut started {
         partial_fit.problem.deadline = problem.deadline;
     }
     let best =
         |fitted: &[FittedCandidate]| fitted.iter().map(FittedCandidate::odds).fold(0.0, f64::max);
     let (mut fitted, mut unfinished) = (Vec::new(), Vec::new());
-    for partial_fit in promising(begun, NEAR, MOST) {
+    for partial_fit in promising(started, NEAR, MOST) {
         progress.go_on()?;
         if progress.is_late() {
             unfinished.push(partial_fit.unfinished());
             continue;
         }
-        let finished = finish(from_given_soil(partial_fit, fit, by), fit, by);
+        let finished = finish(from_given_soil(partial_fit, fit, noise), fit, noise);
         let list = if progress.is_late() {
             &mut unfinished
         } else {
@@ -75,7 +75,7 @@ pub fn try_all<'a>(
         list.extend(finished);
     }
     let largest = best(&fitted);
-    settle_edges(&mut fitted, largest, by);
+    settle_edges(&mut fitted, largest, noise);
     for where_else in [beside_the_likeliest, otherwise_confined] {
         progress.go_on()?;
         let likeliest = likeliest(&fitted).filter(|_| !progress.is_late());
@@ -84,53 +84,53 @@ pub fn try_all<'a>(
         };
         let there = where_else(stage, &fitted);
         let least = NEAR_THERE * best(&fitted) - CLOSE;
-        let mut there = fitted_there(stage, &there, likeliest, least, by);
+        let mut there = fitted_there(stage, &there, likeliest, least, noise);
         let largest = best(&fitted).max(best(&there));
-        settle_edges(&mut there, largest, by);
+        settle_edges(&mut there, largest, noise);
         if !progress.is_late() {
             join(&mut fitted, there);
         }
     }
     if unfinished.is_empty() {
-        rerank(&mut fitted, by);
+        rerank(&mut fitted, noise);
     }
     let largest = best(&fitted);
     let unfinished = unfinished.into_iter();
-    fitted.extend(unfinished.map(|named| named.behind(largest)));
+    fitted.extend(unfinished.map(|candidate| candidate.behind(largest)));
     Ok(fitted)
 }
 
 /// The first steps on a long recording: what acts throughout takes them on a part, and on all of it where it
 /// keeps its promise; what acts at some time or place only takes all, where it may come near.
-fn scouted<'a>(
+fn subsampled<'a>(
     problem: &Problem<'a>,
     stage: &Stage<'a>,
     subsample_search: &SubsampleSearch<'a>,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Vec<PartialFit<'a>> {
     let Stage { fit, proposals, .. } = stage;
-    let initial_guess = || !problem.deadline.is_over();
+    let in_time = || !problem.deadline.is_over();
     let (throughout, local): (Vec<_>, Vec<_>) = proposals.iter().partition(|p| p.extent.is_none());
-    let throughout = throughout.into_iter().take_while(|_| initial_guess());
-    let begun = partially_fitted(throughout, NEAR_ON_A_PART, |one, least| {
+    let throughout = throughout.into_iter().take_while(|_| in_time());
+    let started = partially_fitted(throughout, NEAR_ON_A_PART, |one, least| {
         subsample_search.partial_fit(one, least)
     });
-    let near = promising(begun, NEAR_ON_A_PART, 2 * MOST);
+    let near = promising(started, NEAR_ON_A_PART, 2 * MOST);
     let further = near
         .iter()
         .map(|partial_fit| subsample_search.further(partial_fit));
     let near = promising(further.collect(), NEAR_ON_A_PART, MOST);
-    let bar = Bar::of(&near);
-    let widened = near.iter().take_while(|_| initial_guess());
+    let bar = OddsThreshold::of(&near);
+    let widened = near.iter().take_while(|_| in_time());
     let widened = widened.filter_map(|partial_fit| {
         let least = bar.least(partial_fit.proposal.kind(), NEAR);
-        subsample_search.widened(partial_fit, problem, fit, by, least)
+        subsample_search.widened(partial_fit, problem, fit, noise, least)
     });
     let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.least(p.kind(), NEAR_ON_A_PART);
     let local = local.into_iter().filter(may_be_near);
-    let local = local.take_while(|_| initial_guess());
+    let local = local.take_while(|_| in_time());
     let least = |one: &Proposal| bar.least(one.kind(), NEAR_ON_A_PART);
-    let local = local.filter_map(|one| partial_fit(problem, one, fit, by, 1.0, least(one)));
+    let local = local.filter_map(|one| partial_fit(problem, one, fit, noise, 1.0, least(one)));
     widened.chain(local).collect()
 }
 
@@ -138,52 +138,50 @@ fn scouted<'a>(
 fn partially_fitted<'a, 'p>(
     proposals: impl Iterator<Item = &'p Proposal>,
     share: f64,
-    begin: impl Fn(&Proposal, f64) -> Option<PartialFit<'a>>,
+    fit: impl Fn(&Proposal, f64) -> Option<PartialFit<'a>>,
 ) -> Vec<PartialFit<'a>> {
-    let mut begun = Vec::new();
+    let mut started = Vec::new();
     for proposal in proposals {
-        let least = Bar::of(&begun).least(proposal.kind(), share);
-        begun.extend(begin(proposal, least));
+        let least = OddsThreshold::of(&started).least(proposal.kind(), share);
+        started.extend(fit(proposal, least));
     }
-    begun
+    started
 }
 
 /// Those that may come to this share of the best, the most promising first, at most so many.
-fn promising<'a>(
-    mut sketches: Vec<PartialFit<'a>>,
-    share: f64,
-    most: usize,
-) -> Vec<PartialFit<'a>> {
-    sketches.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+fn promising<'a>(mut fits: Vec<PartialFit<'a>>, share: f64, most: usize) -> Vec<PartialFit<'a>> {
+    fits.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     // What was proposed twice, as seen and as hidden, and came to the same is finished once.
     let mut once: Vec<PartialFit> = Vec::new();
-    for partial_fit in sketches {
+    for partial_fit in fits {
         if !once.iter().any(|earlier| partial_fit.is_twin_of(earlier)) {
             once.push(partial_fit);
         }
     }
-    let mut sketches = once;
-    let bar = Bar::of(&sketches);
-    sketches.truncate(most);
-    sketches.retain(|partial_fit| {
+    let mut fits = once;
+    let bar = OddsThreshold::of(&fits);
+    fits.truncate(most);
+    fits.retain(|partial_fit| {
         partial_fit.promise() > bar.least(partial_fit.proposal.kind(), share)
     });
-    sketches
+    fits
 }
 
 /// The largest log odds of laws and of names, by which the others are measured.
-struct Bar {
-    law: f64,
+struct OddsThreshold {
+    residual_model: f64,
     name: f64,
 }
 
-impl Bar {
-    fn of(sketches: &[PartialFit]) -> Self {
-        let is_law = |partial_fit: &&PartialFit| partial_fit.proposal.kind() == ProposalKind::Law;
-        let (laws, names): (Vec<&PartialFit>, Vec<&PartialFit>) = sketches.iter().partition(is_law);
+impl OddsThreshold {
+    fn of(fits: &[PartialFit]) -> Self {
+        let is_residual_model =
+            |partial_fit: &&PartialFit| partial_fit.proposal.kind() == ProposalKind::ResidualModel;
+        let (residual_models, names): (Vec<&PartialFit>, Vec<&PartialFit>) =
+            fits.iter().partition(is_residual_model);
         let best = |of: Vec<&PartialFit>| of.into_iter().map(PartialFit::odds).fold(0.0, f64::max);
         Self {
-            law: best(laws),
+            residual_model: best(residual_models),
             name: best(names),
         }
     }
@@ -192,8 +190,8 @@ impl Bar {
     /// name counts, where that explains a good part of what a law does.
     fn least(&self, kind: ProposalKind, share: f64) -> f64 {
         let best = match kind {
-            ProposalKind::Law => share * self.law.max(self.name),
-            _ => (share * self.name).max(GOOD_PART * self.law),
+            ProposalKind::ResidualModel => share * self.residual_model.max(self.name),
+            _ => (share * self.name).max(GOOD_PART * self.residual_model),
         };
         best - CLOSE
     }
@@ -205,7 +203,10 @@ mod tests {
 
     #[test]
     fn a_law_does_not_set_the_bar_for_names() {
-        let bar = |law, name| Bar { law, name };
+        let bar = |residual_model, name| OddsThreshold {
+            residual_model,
+            name,
+        };
         for kind in [ProposalKind::Throughout, ProposalKind::Local] {
             // Two effects at once: a law has the most of both, each name two thirds or less.
             let least = bar(1000.0, 400.0).least(kind, NEAR);
@@ -214,7 +215,9 @@ mod tests {
             let least = bar(1000.0, 10.0).least(kind, NEAR);
             assert!((GOOD_PART * 1000.0 - CLOSE - least).abs() < 1e-9);
         }
-        let least = |law, name| bar(law, name).least(ProposalKind::Law, NEAR);
+        let least = |residual_model, name| {
+            bar(residual_model, name).least(ProposalKind::ResidualModel, NEAR)
+        };
         assert!((least(1000.0, 400.0) - least(400.0, 1000.0)).abs() < 1e-9);
     }
 }

@@ -15,7 +15,7 @@ pub struct View<'a, 'g> {
     /// Soil and what is on, projected out.
     pub projection: Projection<'a>,
     /// The noise.
-    pub by: &'a NoiseModel,
+    pub noise: &'a NoiseModel,
     /// Knobs that are on.
     pub on: &'a [usize],
 }
@@ -27,7 +27,7 @@ impl<'a, 'g> View<'a, 'g> {
         problem: &'a Problem<'g>,
         system: &'a System,
         on: &'a [usize],
-        by: &'a NoiseModel,
+        noise: &'a NoiseModel,
     ) -> Option<Self> {
         let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
         let projection = Projection::over_all(system, &further)?;
@@ -35,7 +35,7 @@ impl<'a, 'g> View<'a, 'g> {
             problem,
             system,
             projection,
-            by,
+            noise,
             on,
         })
     }

@@ -28,7 +28,7 @@ const UNLIKELY: f64 = 3.0;
 pub fn reconstructed<'a>(
     problem: &Problem<'a>,
     fit: FittedHypothesis,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
     progress: &Progress,
 ) -> (Problem<'a>, FittedHypothesis) {
     let mut took = Duration::ZERO;
@@ -45,9 +45,9 @@ pub fn reconstructed<'a>(
                     break;
                 }
                 let before = progress.elapsed();
-                let begin = best.as_ref().map_or(&fit, |(_, fit, _)| fit);
+                let initial = best.as_ref().map_or(&fit, |(_, fit, _)| fit);
                 let other = with_wheels(problem, counted, smoothing);
-                let fitted = fit_hypothesis(&other, &fit.coefficients, &begin.solution, by);
+                let fitted = fit_hypothesis(&other, &fit.coefficients, &initial.solution, noise);
                 took = progress.elapsed().saturating_sub(before);
                 (other, fitted)
             };
@@ -68,10 +68,10 @@ pub fn reconstructed<'a>(
         return (problem, fit);
     };
     wheels.likelier = fit.negative_log_evidence - fitted.negative_log_evidence;
-    let mut own = by.clone();
+    let mut own = noise.clone();
     let fitted = match fit_with_noise(&problem, &fitted.coefficients, &fitted.solution, &mut own) {
         Ok(settled) => {
-            *by = own;
+            *noise = own;
             settled
         }
         Err(_) => fitted,
@@ -165,9 +165,9 @@ mod tests {
             let recordings = [recording];
             let mut problem = Problem::new(&model, &recordings);
             let progress = Progress::new(&|_: &'static str| {});
-            let (_, mut by) = prepare(&mut problem, &Options::default(), &progress).unwrap();
-            let fit = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
-            let (found, again) = reconstructed(&problem, fit.clone(), &mut by, &progress);
+            let (_, mut noise) = prepare(&mut problem, &Options::default(), &progress).unwrap();
+            let fit = fit_with_noise(&problem, &[], &problem.initial(), &mut noise).unwrap();
+            let (found, again) = reconstructed(&problem, fit.clone(), &mut noise, &progress);
             assert_eq!(
                 found.wheels.is_some(),
                 found.segments[0].drive != problem.segments[0].drive

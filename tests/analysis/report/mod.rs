@@ -310,7 +310,7 @@ fn cautions_stand_beside_the_verdict() {
     let top = words(text.split("\nsure").next().unwrap());
     let verdict = page.split("</section>").next().unwrap();
     for told in [
-        "Time was up before everything had been tried",
+        "Time was up before all candidates were fitted",
         "72 s of 600 s",
         "490 kg on 8 wheels",
     ] {

@@ -22,7 +22,7 @@ fn rivals(most: usize) -> impl Strategy<Value = Vec<(Subject, f64)>> {
 }
 
 prop_compose! {
-    fn accepted_effect()(
+    fn effect()(
         subject in subject(),
         own in odds(),
         gain in odds(),
@@ -53,7 +53,7 @@ proptest! {
 
     #[test]
     fn the_verdict_agrees_with_the_probabilities(
-        accepted in prop::collection::vec(accepted_effect(), 0..4),
+        accepted in prop::collection::vec(effect(), 0..4),
         refused in rivals(8),
         left in prop_oneof![0.0..20.0, 6.0..9.0, 0.0..500.0],
         explained in 0.0..500.0,

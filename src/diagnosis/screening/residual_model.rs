@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// A law of few terms.
 #[derive(Debug, Clone)]
-pub struct Law {
+pub struct ResidualModel {
     /// Its knobs, the strongest first.
     pub coefficients: Vec<usize>,
     /// Share of resampled data in which each was chosen.
@@ -34,7 +34,12 @@ const WORTH: f64 = 3.0;
 
 /// The law that explains most beyond soil and the knobs that are on.
 #[must_use]
-pub fn law(problem: &Problem, system: &System, nuisance: &[usize], seed: u64) -> Option<Law> {
+pub fn residual_model(
+    problem: &Problem,
+    system: &System,
+    nuisance: &[usize],
+    seed: u64,
+) -> Option<ResidualModel> {
     let is_off = |coefficient: &usize| {
         system
             .unknowns(*coefficient)
@@ -43,10 +48,9 @@ pub fn law(problem: &Problem, system: &System, nuisance: &[usize], seed: u64) ->
     };
     // What pushes in a window would push there alone.
     let effects = &problem.nominal.effects;
-    let confined = |coefficient: &usize| {
-        effects.is_windowed(problem.candidates.coefficients[*coefficient].effect)
-    };
-    let coefficients = problem.candidates.laws();
+    let confined =
+        |coefficient: &usize| effects.is_windowed(problem.candidates[*coefficient].effect);
+    let coefficients = problem.candidates.residual_models();
     let coefficients: Vec<usize> = coefficients.filter(|k| is_off(k) && !confined(k)).collect();
     let all: Vec<usize> = (0..system.segments.len()).collect();
     let (chosen, evidence) = select(system, nuisance, &all, &coefficients, MOST_TERMS)?;
@@ -72,7 +76,7 @@ pub fn law(problem: &Problem, system: &System, nuisance: &[usize], seed: u64) ->
             .filter(|(set, _)| set.contains(coefficient));
         found.count() as f64 / DRAWS as f64
     };
-    Some(Law {
+    Some(ResidualModel {
         stability: chosen.iter().map(chosen_again).collect(),
         coefficients: chosen,
         evidence,
