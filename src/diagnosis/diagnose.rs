@@ -331,38 +331,27 @@ fn is_likeliest(finding: Option<&Finding>, diagnosis: &Diagnosis) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::effects::Effects;
-    use crate::terrain::Terrain;
-    use crate::vehicle::Vehicle;
+    use crate::diagnosis::testing::{driven, on, with_effects};
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]
     fn a_diagnosis_can_be_stopped() {
-        let model =
-            |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
-        let recordings = [driven(&model("sandy_loam"), "spiral")];
+        let recordings = [driven(&on("sandy_loam"), "spiral")];
         let (stop, seen) = (AtomicBool::new(false), Mutex::new(Vec::new()));
         let tell = |step| {
             seen.lock().unwrap().push(step);
-            stop.store(step == "fitting candidates", Ordering::Relaxed);
+            stop.store(step == "refitting the soil", Ordering::Relaxed);
         };
         let progress = Progress::new(&tell).stopped_by(&stop);
-        let found = diagnose(
-            &recordings,
-            &model("dry_sand"),
-            &Options::default(),
-            &progress,
-        );
+        let found = diagnose(&recordings, &on("dry_sand"), &Options::default(), &progress);
         assert_eq!(found.unwrap_err(), DiagnosisError::Stopped);
-        assert_eq!(seen.lock().unwrap().last(), Some(&"fitting candidates"));
+        assert_eq!(seen.lock().unwrap().last(), Some(&"refitting the soil"));
     }
 
     #[test]
     fn what_cannot_be_diagnosed_is_refused() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         let options = Options::default();
         let progress = Progress::new(&|_| ());
         let refused = |recordings: &[Recording], nominal: &Specification, options: &Options| {
@@ -381,11 +370,7 @@ mod tests {
         assert_eq!(found, DiagnosisError::SegmentLength(-5.0));
         let window =
             r#"{"drag": {"coefficient": 9}, "window": {"effects": ["drag"], "time": [1, 2]}}"#;
-        let bound = Specification {
-            effects: Effects::from_json(window).unwrap(),
-            ..nominal.clone()
-        };
-        let found = refused(&one, &bound, &options);
+        let found = refused(&one, &with_effects(&nominal, window), &options);
         assert_eq!(found, DiagnosisError::DependsOnBeginning);
         let found = refused(&one, &nominal, &options);
         assert!(matches!(found, DiagnosisError::NothingMeasured { .. }));

@@ -10,6 +10,8 @@ mod outcome;
 mod progress;
 mod screening;
 mod search;
+#[cfg(test)]
+mod testing;
 
 pub use answer::words::phrase;
 pub use caution::Caution;

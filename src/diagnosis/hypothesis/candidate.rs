@@ -246,6 +246,7 @@ fn sensors(effect: usize) -> impl Iterator<Item = CandidateParameter> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::testing::on;
     use crate::terrain::Terrain;
     use crate::vehicle::Vehicle;
 
@@ -264,8 +265,7 @@ mod tests {
 
     #[test]
     fn every_effect_but_a_change_of_terrain_has_knobs_that_are_off() {
-        let nominal =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
+        let nominal = on("dry_sand");
         let candidates = Candidates::new(&nominal, Maps::One);
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
             let subject = Subject::Effect(effect);

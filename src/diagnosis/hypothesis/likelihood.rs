@@ -311,22 +311,18 @@ fn evidence<P: Predictor>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::hypothesis::prepare::prepare;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::diagnosis::{Options, Progress};
+    
+    use crate::diagnosis::testing::{driven, fitted, on};
+    use crate::diagnosis::Options;
     use crate::fit::restart::outlying_restarted;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    
+    
 
     /// Pivots on clayed soil that is given right, and the soil re-tuned to them.
     fn with_pivots(check: impl FnOnce(&Problem, &NoiseModel, &FittedHypothesis)) {
-        let soil = Terrain::preset("clayed_soil").unwrap();
-        let truth = Specification::plain(Vehicle::tran2007(), soil);
+        let truth = on("clayed_soil");
         let recordings = [driven(&truth, "pivots")];
-        let mut problem = Problem::new(&truth, &recordings);
-        let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut noise) = prepare(&mut problem, &Options::default(), &progress).unwrap();
-        let fit = fit_with_noise(&problem, &[], &problem.initial(), &mut noise).unwrap();
+        let (problem, fit, noise) = fitted(&truth, &recordings, &Options::default());
         check(&problem, &noise, &fit);
     }
 

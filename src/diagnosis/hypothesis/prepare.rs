@@ -153,39 +153,16 @@ fn reach(recordings: &[Recording]) -> f64 {
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::testing::{driven, first, on};
     use crate::fit::segment::Segment;
     use crate::fit::sensor::SensorParameter;
-    use crate::recording::{Run, Series};
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
-
-    /// The first seconds of a recording.
-    pub fn first(recording: &Recording, seconds: f64) -> Recording {
-        let shortened = |run: &Run| {
-            let mut short = Run::new("");
-            for channel in Channel::ALL {
-                if let Some(series) = run.series(channel) {
-                    let until = series.time.partition_point(|t| *t <= seconds);
-                    let series = Series {
-                        time: series.time[..until].to_vec(),
-                        value: series.value[..until].to_vec(),
-                    };
-                    short = short.with(channel, series);
-                }
-            }
-            short
-        };
-        Recording {
-            runs: recording.runs.iter().map(shortened).collect(),
-            ..recording.clone()
-        }
-    }
+    
+    
+    
 
     #[test]
     fn a_short_drive_is_cut_so_that_some_can_be_held_out() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), soil);
+        let model = on("sandy_loam");
         let whole = driven(&model, "spiral");
         let stretches = |seconds| {
             let recordings = [first(&whole, seconds)];
@@ -209,7 +186,7 @@ pub mod tests {
 
     #[test]
     fn a_soil_that_carries_the_vehicle_through_a_part_only_is_stiffened() {
-        let sand = Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
+        let sand = on("dry_sand");
         let recordings = [driven(&sand, "pivots")];
         let mut soft = sand.clone();
         soft.terrain.frictional_modulus /= 7.0;

@@ -231,12 +231,13 @@ mod tests {
     use crate::diagnosis::manoeuvre::rehearsal::tests::steady_straight;
     use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
     use crate::diagnosis::screening::system::linearise;
+    use crate::diagnosis::testing::on;
     use crate::effects::CATALOGUE;
     use crate::fit::noise_model::first_noise_model;
     use crate::fit::segment::cut;
     use crate::fit::sensor::SensorParameter;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    
+    
 
     const LENGTH: f64 = 5.0;
 
@@ -248,8 +249,7 @@ mod tests {
     /// Asks after a straight drive in one direction: is it this, so many of its prior's deviations
     /// large, or that?
     fn after_a_straight(a: (&str, &str, f64), b: Option<&str>) -> Manoeuvre {
-        let terrain = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        let model = on("sandy_loam");
         let recordings = [steady_straight(&model)];
         let mut problem = Problem::new(&model, &recordings);
         problem.segments = cut(&recordings, &[[0.0; SensorParameter::ALL.len()]], LENGTH).segments;
@@ -319,8 +319,7 @@ mod tests {
 
     #[test]
     fn descriptions_name_numbers_of_the_motion() {
-        let terrain = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        let model = on("sandy_loam");
         for rehearsal in crate::diagnosis::manoeuvre::rehearsal::tests::all(&model) {
             let told = describe(&rehearsal);
             let name = rehearsal.course.name;

@@ -231,26 +231,20 @@ fn is_change(subject: Subject) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::search::stage::Stage;
-    use crate::diagnosis::search::stage::tests::refitted;
-    use crate::effects::Effects;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    
+    
+    
 
     #[test]
     fn the_ends_of_an_interval_lie_within_gates() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         for (start, end) in [(6.7, 12.15), (8.3, 11.9)] {
             let text = format!(
                 r#"{{"drawbar": {{"force": 400}}, "window": {{"effects": ["drawbar"], "time": [{start}, {end}]}}}}"#
             );
-            let effects = Effects::from_json(&text).unwrap();
-            let towing = Specification {
-                effects,
-                ..nominal.clone()
-            };
+            let towing = with_effects(&nominal, &text);
             let recordings = [driven(&towing, "slalom")];
             let (stage, _) = refitted(&nominal, &recordings);
             let Stage { problem, fit, .. } = &stage;

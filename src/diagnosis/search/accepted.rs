@@ -83,23 +83,11 @@ impl AcceptedEffect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DVector;
 
     fn effect(rivals: &[(usize, f64)]) -> AcceptedEffect {
         let subject = |(effect, odds): &(usize, f64)| (Subject::Effect(*effect), *odds);
         AcceptedEffect {
-            proposal: Proposal {
-                subject: Subject::Effect(0),
-                coefficients: Vec::new(),
-                extent: None,
-                steps: Vec::new(),
-                evidence: 0.0,
-                price: 0.0,
-                stability: Vec::new(),
-                soil: DVector::zeros(0),
-                hidden: false,
-                anew: false,
-            },
+            proposal: Proposal::new(Subject::Effect(0), Vec::new()),
             gain: rivals[0].1,
             rivals: rivals.iter().map(subject).collect(),
         }

@@ -200,10 +200,13 @@ pub fn join<'a>(fitted: &mut Vec<FittedCandidate<'a>>, there: Vec<FittedCandidat
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Subject;
+    use crate::diagnosis::hypothesis::Problem;
     use crate::diagnosis::screening::region::RunInterval;
     use crate::diagnosis::search::edges::tests::{drag, slowed};
     use crate::diagnosis::search::naming::ANY;
-    use crate::diagnosis::search::stage::tests::refitted;
+    use crate::diagnosis::testing::{on, refitted};
+    use nalgebra::DMatrix;
 
     #[test]
     fn everything_is_proposed_where_the_likeliest_acts() {
@@ -252,34 +255,50 @@ mod tests {
         assert!(compared > 3);
     }
 
-    #[test]
-    fn a_soil_that_turned_out_better_is_nobodys_merit() {
-        let (nominal, recordings) = slowed();
-        let (stage, noise) = refitted(&nominal, &recordings);
-        let one = drag(&stage, &noise);
-        // Measured against the re-tuned model, and 30 better than that without anything.
-        let before = &stage.fit;
-        let gain =
-            before.negative_log_evidence - one.fit.negative_log_evidence - one.proposal.price;
-        let with = |gain: f64| FittedCandidate {
+    /// A local candidate with this gain, as if it were fitted.
+    fn with_gain<'a>(problem: &Problem<'a>, gain: f64) -> FittedCandidate<'a> {
+        let disc = [0.0, 0.0, 1.0];
+        FittedCandidate {
+            proposal: Proposal {
+                extent: Some(Region::Place { disc }),
+                price: 7.0,
+                ..Proposal::new(Subject::Effect(0), Vec::new())
+            },
+            problem: problem.clone(),
+            fit: FittedHypothesis {
+                coefficients: Vec::new(),
+                solution: problem.initial(),
+                misfit: 0.0,
+                negative_log_evidence: 900.0,
+                predicted_reduction: 0.0,
+                covariance: DMatrix::zeros(0, 0),
+                tables: Vec::new(),
+            },
+            scores: None,
             gain,
-            ..one.clone()
+        }
+    }
+
+    #[test]
+    fn a_better_soil_is_no_candidates_merit() {
+        let problem = Problem::new(&on("sandy_loam"), &[]);
+        // Relative to the refitted soil, and 30 better than that without any effect.
+        let before = FittedHypothesis {
+            negative_log_evidence: 1000.0,
+            ..with_gain(&problem, 0.0).fit
         };
-        let same = on_a_par(with(gain), &with(gain), before);
+        let gain = before.negative_log_evidence - 900.0 - 7.0;
+        let with = |gain| with_gain(&problem, gain);
+        let same = on_a_par(with(gain), &with(gain), &before);
         assert!((same.gain - gain).abs() < 1e-6);
-        let less = on_a_par(with(gain), &with(gain - 30.0), before);
+        let less = on_a_par(with(gain), &with(gain - 30.0), &before);
         assert!((less.gain - gain + 30.0).abs() < 1e-6);
     }
 
     #[test]
     fn of_each_candidate_the_likelier_place_stays() {
-        let (nominal, recordings) = slowed();
-        let (stage, noise) = refitted(&nominal, &recordings);
-        let one = drag(&stage, &noise);
-        let with = |gain: f64| FittedCandidate {
-            gain,
-            ..one.clone()
-        };
+        let problem = Problem::new(&on("sandy_loam"), &[]);
+        let with = |gain| with_gain(&problem, gain);
         let mut fitted = vec![with(30.0)];
         join(&mut fitted, vec![with(20.0), with(40.0)]);
         assert_eq!(fitted.len(), 1);

@@ -251,26 +251,21 @@ fn nudged(extent: &Region, shares: &DVector<f64>) -> Option<Region> {
 pub mod tests {
     use super::*;
     use crate::diagnosis::Subject;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::screening::region::RunInterval;
     use crate::diagnosis::search::naming::ANY;
     use crate::diagnosis::search::naming::{finish, partial_fit};
     use crate::diagnosis::search::stage::Stage;
-    use crate::diagnosis::search::stage::tests::refitted;
-    use crate::effects::{CATALOGUE, Effects};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::effects::CATALOGUE;
     use crate::recording::Recording;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    
+    use crate::vehicle::Specification;
 
     /// A vehicle and its recording, on which it was slowed from 6.7 s to 12.15 s.
     pub fn slowed() -> (Specification, [Recording; 1]) {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         let text = r#"{"drag": {"coefficient": 150}, "window": {"effects": ["drag"], "time": [6.7, 12.15]}}"#;
-        let slowed = Specification {
-            effects: Effects::from_json(text).unwrap(),
-            ..nominal.clone()
-        };
+        let slowed = with_effects(&nominal, text);
         let recording = driven(&slowed, "slalom");
         (nominal, [recording])
     }
@@ -281,7 +276,6 @@ pub mod tests {
         let subject = Subject::Effect(drag);
         let coefficients: Vec<usize> = stage.problem.candidates.of(subject).collect();
         let proposal = Proposal {
-            subject,
             extent: Some(Region::Time(RunInterval {
                 recording: 0,
                 run: 0,
@@ -289,13 +283,9 @@ pub mod tests {
                 end: 12.4,
             })),
             steps: vec![(coefficients[0], DVector::repeat(1, 100.0))],
-            evidence: 0.0,
             price: 7.0,
-            stability: Vec::new(),
             soil: DVector::zeros(stage.problem.soil.len()),
-            hidden: false,
-            anew: false,
-            coefficients,
+            ..Proposal::new(subject, coefficients)
         };
         let started = partial_fit(&stage.problem, &proposal, &stage.fit, noise, 1.0, ANY).unwrap();
         finish(started, &stage.fit, noise).unwrap()

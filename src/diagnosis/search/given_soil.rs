@@ -121,19 +121,17 @@ fn is_far(problem: &Problem, from: &[f64], to: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::naming::{ANY, partial_fit};
-    use super::super::stage::tests::refitted_with;
     use super::*;
     use crate::diagnosis::Options;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::testing::{driven, on, refitted_with};
     use crate::effects::ParameterName;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    
+    
 
     #[test]
     #[ignore = "nightly: fits two recordings from two soils"]
     fn a_name_is_seen_from_the_given_soil_where_re_tuning_has_gone_far() {
-        let mut nominal =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let mut nominal = on("sandy_loam");
         let mut truth = nominal.clone();
         for (name, value) in [("ahead", -0.25), ("left", 0.1)] {
             let parameter = ParameterName::find(&format!("com_shift.{name}")).unwrap();

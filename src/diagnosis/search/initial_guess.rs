@@ -239,23 +239,18 @@ pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
 mod tests {
     use super::super::naming::{ANY, partial_fit, placed};
     use super::super::stage::Stage;
-    use super::super::stage::tests::refitted;
     use super::*;
     use crate::diagnosis::hypothesis::likelihood::LONG_PARTIAL_FIT;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::effects::{Effects, ParameterName};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::effects::ParameterName;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
 
     #[test]
     fn what_acts_for_some_seconds_changes_the_cost_of_the_stretches_there_alone() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         let text = r#"{"drawbar": {"force": 400}, "window": {"effects": ["drawbar"], "time": [8.3, 11.9]}}"#;
-        let towing = Specification {
-            effects: Effects::from_json(text).unwrap(),
-            ..nominal.clone()
-        };
+        let towing = with_effects(&nominal, text);
         let recordings = [driven(&towing, "slalom")];
         let (stage, noise) = refitted(&nominal, &recordings);
         let for_some_seconds = |one: &&Proposal| matches!(one.extent, Some(Region::Time(_)));

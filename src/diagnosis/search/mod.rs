@@ -221,16 +221,13 @@ fn back(problem: &Problem, solution: &Solution) -> Solution {
 
 #[cfg(test)]
 mod tests {
-    use super::stage::tests::refitted;
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    use crate::diagnosis::testing::{driven, on, refitted};
+    
+    
 
     #[test]
     fn re_tuning_begins_again_where_another_way_led_further() {
-        let on =
-            |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
         let recordings = [driven(&on("sandy_loam"), "spiral")];
         let nominal = on("dry_sand");
         let (mut stage, noise) = refitted(&nominal, &recordings);

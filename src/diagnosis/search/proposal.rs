@@ -114,9 +114,6 @@ pub fn proposals(
     let mut all: Vec<Proposal> = screened
         .iter()
         .map(|one| Proposal {
-            subject: one.subject,
-            coefficients: problem.candidates.of(one.subject).collect(),
-            extent: None,
             steps: steps(problem, system, one),
             soil: soil_after(
                 problem,
@@ -124,12 +121,10 @@ pub fn proposals(
                 &one.projected.unknowns,
                 &one.score.step,
             ),
-            hidden: false,
-            anew: false,
-            // What a scatter of its own says is for the reader: laws and local effects have none.
+            // The overdispersion is for the reader: residual models and local effects have none.
             evidence: projection.score_with(&one.projected, 1.0).evidence - one.price,
             price: one.price,
-            stability: Vec::new(),
+            ..Proposal::new(one.subject, problem.candidates.of(one.subject).collect())
         })
         .collect();
     place_load(problem, &mut all);
@@ -197,16 +192,11 @@ pub fn hidden(view: &View, screened: &[ScreenedCandidate]) -> Vec<Proposal> {
             own.map_or(0.0, |(_, step)| step[recording])
         });
         Proposal {
-            subject: one.subject,
-            coefficients,
-            extent: None,
             steps,
-            evidence: 0.0,
             price: one.price,
-            stability: Vec::new(),
             soil: soil_after(problem, projection, unknowns, &moved),
             hidden: true,
-            anew: false,
+            ..Proposal::new(one.subject, coefficients)
         }
     };
     let all = screened.iter().map(propose);
@@ -269,23 +259,15 @@ pub fn placed_locally(problem: &Problem, found: Vec<LocatedCandidate>) -> Vec<Pr
 
 fn local(found: LocatedCandidate, soil: usize) -> Proposal {
     let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
+    let pairs = found.coefficients.iter().zip(found.score.step.iter());
     Proposal {
-        subject: found.subject,
-        steps: found
-            .coefficients
-            .iter()
-            .zip(found.score.step.iter())
-            .map(each)
-            .collect(),
-        coefficients: found.coefficients,
+        steps: pairs.map(each).collect(),
         price: found.score.evidence - found.evidence,
         evidence: found.evidence,
         extent: Some(found.extent),
-        stability: Vec::new(),
-        // It changes little of what the rest of the drive tells of the soil.
+        // The rest of the drive determines the soil.
         soil: DVector::zeros(soil),
-        hidden: false,
-        anew: false,
+        ..Proposal::new(found.subject, found.coefficients)
     }
 }
 
@@ -296,29 +278,21 @@ fn unnamed(view: &View, residual_model: ResidualModel) -> Proposal {
         projection,
         ..
     } = view;
-    let unknowns: Vec<usize> = residual_model
-        .coefficients
+    let coefficients = residual_model.coefficients;
+    let unknowns: Vec<usize> = coefficients
         .iter()
         .flat_map(|k| system.unknowns(*k))
         .collect();
     let score = projection.score_with(&projection.of(&unknowns), 1.0);
     let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
+    let pairs = coefficients.iter().zip(score.step.iter());
     Proposal {
-        subject: Subject::Unknown,
-        steps: residual_model
-            .coefficients
-            .iter()
-            .zip(score.step.iter())
-            .map(each)
-            .collect(),
-        coefficients: residual_model.coefficients,
-        extent: None,
+        steps: pairs.map(each).collect(),
         price: score.evidence - residual_model.evidence,
         evidence: residual_model.evidence,
         stability: residual_model.stability,
         soil: soil_after(problem, projection, &unknowns, &score.step),
-        hidden: false,
-        anew: false,
+        ..Proposal::new(Subject::Unknown, coefficients)
     }
 }
 
@@ -363,6 +337,23 @@ const TERM: f64 = 2.0;
 const LOCAL: f64 = 1.0;
 
 impl Proposal {
+    /// A proposal that acts throughout, with neither steps nor evidence.
+    #[must_use]
+    pub fn new(subject: Subject, coefficients: Vec<usize>) -> Self {
+        Self {
+            subject,
+            coefficients,
+            extent: None,
+            steps: Vec::new(),
+            evidence: 0.0,
+            price: 0.0,
+            stability: Vec::new(),
+            soil: DVector::zeros(0),
+            hidden: false,
+            anew: false,
+        }
+    }
+
     /// What sort it is.
     #[must_use]
     pub fn kind(&self) -> ProposalKind {
@@ -504,18 +495,16 @@ mod tests {
             let effect = CATALOGUE.iter().position(|e| e.name == name).unwrap();
             let subject = Subject::Effect(effect);
             let coefficients: Vec<usize> = problem.candidates.of(subject).collect();
-            let steps = coefficients.iter().zip(steps);
+            let steps: Vec<_> = coefficients
+                .iter()
+                .zip(steps)
+                .map(|(k, s)| (*k, DVector::repeat(1, *s)))
+                .collect();
             Proposal {
-                subject,
-                extent: None,
-                steps: steps.map(|(k, s)| (*k, DVector::repeat(1, *s))).collect(),
+                steps,
                 evidence,
-                price: 0.0,
-                stability: Vec::new(),
                 soil: DVector::zeros(problem.soil.len()),
-                hidden: false,
-                anew: false,
-                coefficients,
+                ..Proposal::new(subject, coefficients)
             }
         };
         let [ahead, left] = [-0.012, 0.037];

@@ -199,15 +199,13 @@ fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::tests::refitted;
     use super::*;
     use crate::diagnosis::Subject;
     use crate::diagnosis::hypothesis::candidate::CandidateParameter;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::testing::{driven, on, refitted};
     use crate::effects::{CATALOGUE, ParameterName};
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
-    use nalgebra::DVector;
+    
+    use crate::vehicle::Specification;
 
     /// What stays of a finding of these numbers and so much gain on a drive of this model, and the numbers that are on.
     fn left(
@@ -215,8 +213,7 @@ mod tests {
         names: &[&str],
         gain: f64,
     ) -> (Vec<AcceptedEffect>, Vec<String>) {
-        let nominal =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let nominal = on("sandy_loam");
         let recordings = [driven(truth, "spiral")];
         let (mut stage, noise) = refitted(&nominal, &recordings);
         let all = stage.problem.candidates.coefficients.clone();
@@ -232,8 +229,8 @@ mod tests {
                 .unwrap()
         };
         let coefficients: Vec<usize> = names.iter().map(named).collect();
-        let residual_model = names[0].starts_with("residual_");
-        let subject = if residual_model {
+        let is_residual = names[0].starts_with("residual_");
+        let subject = if is_residual {
             Subject::Unknown
         } else {
             Subject::Effect(all[coefficients[0]].effect)
@@ -241,23 +238,9 @@ mod tests {
         stage.fit =
             fit_hypothesis(&stage.problem, &coefficients, &stage.fit.solution, &noise).unwrap();
         let proposal = Proposal {
-            subject,
-            stability: vec![
-                1.0;
-                if residual_model {
-                    coefficients.len()
-                } else {
-                    0
-                }
-            ],
-            coefficients,
-            extent: None,
-            steps: Vec::new(),
+            stability: vec![1.0; if is_residual { coefficients.len() } else { 0 }],
             evidence: gain,
-            price: 0.0,
-            soil: DVector::zeros(0),
-            hidden: false,
-            anew: false,
+            ..Proposal::new(subject, coefficients)
         };
         let rivals = vec![(subject, gain)];
         let mut accepted = vec![AcceptedEffect {
@@ -276,8 +259,7 @@ mod tests {
 
     #[test]
     fn what_gained_by_another_soil_alone_is_left_out() {
-        let plain =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let plain = on("sandy_loam");
         let ratio = "left_right_soil.ratio";
         let (accepted, coefficients) = left(&plain, &[ratio], 26.0);
         assert!(accepted.is_empty() && coefficients.is_empty());
@@ -293,8 +275,7 @@ mod tests {
 
     #[test]
     fn terms_of_a_law_that_are_not_sure_are_left_out() {
-        let mut truth =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let mut truth = on("sandy_loam");
         let terms = [
             "residual_longitudinal.constant",
             "residual_yaw.speed_squared",

@@ -198,34 +198,8 @@ fn strayed(from: &Solution, to: &Solution) -> Option<Subsample> {
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
-    use crate::diagnosis::hypothesis::likelihood::fit_with_noise;
-    use crate::diagnosis::hypothesis::prepare::prepare;
-    use crate::recording::Recording;
-    use crate::vehicle::Specification;
-
-    /// The re-tuned model of recordings, looked at, and the noise that it leaves.
-    pub fn refitted<'a>(
-        nominal: &Specification,
-        recordings: &'a [Recording],
-    ) -> (Stage<'a>, NoiseModel) {
-        refitted_with(nominal, recordings, &Options::default())
-    }
-
-    /// The same with other options.
-    pub fn refitted_with<'a>(
-        nominal: &Specification,
-        recordings: &'a [Recording],
-        options: &Options,
-    ) -> (Stage<'a>, NoiseModel) {
-        let mut problem = Problem::new(nominal, recordings);
-        let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut noise) = prepare(&mut problem, options, &progress).unwrap();
-        let fitted = fit_with_noise(&problem, &[], &problem.initial(), &mut noise).unwrap();
-        let stage = screen(problem, fitted, &mut noise, options, &progress).unwrap();
-        (stage, noise)
-    }
 
     #[test]
     fn stretches_whose_start_was_found_elsewhere_are_looked_at_anew() {

@@ -107,11 +107,11 @@ fn with_wheels<'a>(problem: &Problem<'a>, counted: bool, smoothing: f64) -> Prob
 mod tests {
     use super::*;
     use crate::diagnosis::Options;
-    use crate::diagnosis::hypothesis::prepare::prepare;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    
+    use crate::diagnosis::testing::{driven, fitted, on};
     use crate::recording::{Channel, Recording, Series};
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    
+    
 
     /// Seconds between two samples of the encoders.
     const INTERVAL: f64 = 0.3;
@@ -158,16 +158,13 @@ mod tests {
 
     #[test]
     fn wheel_speeds_are_means_where_they_were_counted() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), soil);
+        let model = on("sandy_loam");
         let whole = driven(&model, "slalom");
         let likelier = |recording: Recording| {
             let recordings = [recording];
-            let mut problem = Problem::new(&model, &recordings);
-            let progress = Progress::new(&|_: &'static str| {});
-            let (_, mut noise) = prepare(&mut problem, &Options::default(), &progress).unwrap();
-            let fit = fit_with_noise(&problem, &[], &problem.initial(), &mut noise).unwrap();
-            let (found, again) = reconstructed(&problem, fit.clone(), &mut noise, &progress);
+            let (problem, fit, mut noise) = fitted(&model, &recordings, &Options::default());
+            let (found, again) =
+                reconstructed(&problem, fit.clone(), &mut noise, &Progress::new(&|_| ()));
             assert_eq!(
                 found.wheels.is_some(),
                 found.segments[0].drive != problem.segments[0].drive
