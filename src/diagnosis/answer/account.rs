@@ -3,8 +3,8 @@
 use super::posterior::likeliest_first;
 use crate::diagnosis::Options;
 use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::Wheels;
 use crate::diagnosis::hypothesis::maps::Maps;
-use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::diagnosis::outcome::Account;
 use crate::diagnosis::search::SearchResult;
 use crate::effects::Extent;

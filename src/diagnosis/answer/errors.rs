@@ -1,4 +1,4 @@
-//! How far predictions of data not fitted err: as given, re-tuned, with what was found.
+//! How far predictions of data not fitted err: as given, refitted, with what was found.
 //!
 //! Each model is judged by parameters from other folds (see `cross_validated`) and under the noise that it leaves
 //! itself: under the noise of another one, which holds less, what it misses would count more. Errors in metres
@@ -7,8 +7,7 @@
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::block::{Block, blocks};
-use crate::diagnosis::hypothesis::cross_validated::cross_validated;
-use crate::diagnosis::hypothesis::held_out::Scores;
+use crate::diagnosis::hypothesis::held_out::{Scores, cross_validated};
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, HELD, continue_fit, follow, own_noise,
 };
@@ -39,7 +38,7 @@ struct HeldOutPrediction {
     scores: Scores,
 }
 
-/// Compares the model as given, re-tuned, and with what was found. `None` where there is too little to
+/// Compares the model as given, refitted, and with what was found. `None` where there is too little to
 /// hold out.
 #[must_use]
 pub fn compare(searched: &SearchResult) -> Option<HeldOut> {

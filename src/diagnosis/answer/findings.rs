@@ -16,7 +16,7 @@ use crate::diagnosis::search::{AcceptedEffect, SearchResult};
 use crate::fit::parameter::{FreeParameter, NORMAL_95};
 use nalgebra::DMatrix;
 
-/// Stretches that are told where something acts throughout.
+/// Segments that are told where something acts throughout.
 const TOLD: usize = 3;
 
 /// The findings of a judgement.
@@ -33,7 +33,7 @@ pub fn findings(searched: &SearchResult, judged: &[JudgedFinding]) -> Vec<Findin
     judged.iter().map(one).collect()
 }
 
-/// Values and intervals of a proposal's knobs at a fit.
+/// Values and intervals of a proposal's coefficients at a fit.
 fn quantities(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -116,7 +116,7 @@ fn named(
     finding
 }
 
-/// How far knobs are from off, for each recording.
+/// How far coefficients are from off, for each recording.
 fn steps(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -226,7 +226,7 @@ fn places(
     }
 }
 
-/// Stretches in which the vehicle is somewhere.
+/// Segments in which the vehicle is somewhere.
 fn visits(
     searched: &SearchResult,
     inside: impl Fn([f64; 2]) -> bool,
@@ -286,7 +286,7 @@ fn patch(
     (!places.is_empty()).then_some([centre[0], centre[1], radius])
 }
 
-/// A wrench that comes and goes without a name.
+/// A latent wrench without a name.
 fn left_over(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
     let size = searched.last.latent_wrench.map_or([0.0; 3], |w| w.size);
     let largest = (0..3)

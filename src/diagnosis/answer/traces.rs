@@ -85,7 +85,7 @@ fn mismatch(
     (time, size)
 }
 
-/// Length of a stretch that gets one colour \[s\].
+/// Length of a segment that gets one colour \[s\].
 const SECOND: f64 = 0.5;
 
 fn residuals(searched: &SearchResult, recording: usize, run: usize) -> Vec<ResidualTrace> {

@@ -4,7 +4,7 @@
 //! temperature that grows a little with the root of the evidence, which is how the evidence itself scatters
 //! from one recording to the next: noise and the way down to the best fit are never quite as the likelihood
 //! has them.
-//! Where something without a name is needed besides a name, the name is doubted; where a law stands alone,
+//! Where something without a name is needed besides a name, the name is doubted; where a residual model stands alone,
 //! an effect whose fit lost its way may be behind it. The temperature was set on the third judged
 //! set of the proof, the other numbers on development cases from another simulator (see the docs).
 
@@ -19,7 +19,7 @@ const UNNAMED_DOUBT: f64 = 2.0;
 const MOST_DOUBT: f64 = 0.5;
 /// Share of the probability of "unknown" that belongs to effects of the catalogue which were missed.
 const MISSED: f64 = 0.4;
-/// A wrench that comes and goes with more evidence than this is something, with even odds.
+/// A latent wrench with more evidence than this is something, with even odds.
 const SOMETHING: f64 = 7.5;
 /// Softens the evidence of what is left over.
 const LEFT_SOFTNESS: f64 = 2.0;
@@ -74,7 +74,7 @@ pub struct Evidence<'s> {
     pub accepted: &'s [AcceptedEffect],
     /// Log odds of what was fitted and not taken.
     pub refused: &'s [(Subject, f64)],
-    /// Log evidence of a wrench that comes and goes, left over beside what was found.
+    /// Log evidence of a latent wrench, left over beside what was found.
     pub left: f64,
     /// Log evidence of all that was found together.
     pub explained: f64,
@@ -239,7 +239,7 @@ impl JudgedFinding {
     }
 }
 
-/// How much a name is doubted because of what has none: of all that was explained together what leaving out the laws
+/// How much a name is doubted because of what has none: of all that was explained together what leaving out the residual models
 /// would cost, and what is left over.
 fn doubt(accepted: &[AcceptedEffect], explained: f64, left: f64) -> f64 {
     let residual_models = accepted.iter();
@@ -329,7 +329,7 @@ mod tests {
 
     #[test]
     fn laws_beside_a_name_count_by_what_they_alone_explain() {
-        // A name explains 150, a law 12 besides; without the name the law would regain most.
+        // A name explains 150, a residual model 12 besides; without the name the residual model would regain most.
         let share = unnamed_share(12.0, 162.0, 0.0);
         assert!((share - UNNAMED_DOUBT * 12.0 / 162.0).abs() < 1e-12);
         assert!((unnamed_share(12.0, 0.0, 3.0) - UNNAMED_DOUBT).abs() < 1e-12);

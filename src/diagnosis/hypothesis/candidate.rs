@@ -1,7 +1,7 @@
-//! What is asked about: every effect of the catalogue, with the parameters that it may take.
+//! Candidates: every effect of the catalogue with its free parameters.
 //!
-//! A knob is one number of an effect, in a coordinate that is 0 away from "off" where the effect is
-//! off, with a Gaussian prior around it whose width spans what the catalogue finds plausible.
+//! A coefficient is one parameter of an effect, in a coordinate with a Gaussian prior around "off" whose width spans
+//! the values that the catalogue finds plausible.
 
 use super::maps::Maps;
 use crate::diagnosis::Subject;
@@ -15,45 +15,44 @@ use crate::parameter::ParameterError;
 use crate::vehicle::{GRAVITY, ModelParameter, Specification};
 use std::ops::Index;
 
-/// What a knob turns.
+/// The target of a coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
-    /// A number of the model.
+    /// A parameter of the model.
     Model(ModelParameter),
-    /// A number of each recording's sensors.
+    /// A parameter of each recording's sensors.
     Sensor(SensorParameter),
 }
 
-/// One number of an effect.
+/// One parameter of an effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidateParameter {
     /// The effect, by its place in the catalogue.
     pub effect: usize,
-    /// What it turns.
+    /// Its target.
     pub target: Target,
     /// Name within the effect.
     pub name: &'static str,
     /// Coordinate, prior around "off" and range.
     pub parameter: parameter::FreeParameter,
-    /// A value to compare with where the effect has no derivative while it is off.
+    /// The value for a difference quotient, if the effect has no derivative while it is off.
     pub secant: Option<f64>,
-    /// The coordinate of a value as the catalogue expects it where the effect is on.
+    /// The coordinate of the value that the catalogue expects of an effect that is on.
     pub typical: f64,
-    /// Whether each recording has its own: what is bound to the place of a drive.
+    /// Whether each recording has a separate value, as for effects of the place.
     pub own: bool,
 }
 
-/// Everything that is asked about.
+/// All candidates.
 #[derive(Debug, Clone)]
 pub struct Candidates {
-    /// All knobs, effect by effect.
+    /// All coefficients, effect by effect.
     pub coefficients: Vec<CandidateParameter>,
-    /// The effects that have knobs, in the order of the catalogue; laws for what has no name are
-    /// not among them.
+    /// The effects with coefficients, in the order of the catalogue, without the residual models.
     pub subjects: Vec<Subject>,
 }
 
-/// The effect whose place has to be found before it can be asked about.
+/// The effect whose boundary must be located before it can be fitted.
 pub const TERRAIN_CHANGE: &str = TerrainChange::<f64>::DECLARATION.name;
 
 impl CandidateParameter {
@@ -74,9 +73,8 @@ impl CandidateParameter {
 }
 
 impl Candidates {
-    /// All effects of the catalogue, and the laws' features, where the given model lacks them. What has
-    /// a direction on the map is left out where recordings have no map in common, or their runs where it is each
-    /// recording's own.
+    /// All effects and residual models that are off in the given model. Effects with a direction on the map need a
+    /// map that recordings share, or that runs share if each recording has a separate value.
     #[must_use]
     pub fn new(nominal: &Specification, maps: Maps) -> Self {
         let (mut coefficients, mut subjects) = (Vec::new(), Vec::new());
@@ -90,7 +88,7 @@ impl Candidates {
                 EffectKind::Physics => coefficients.extend(physics(effect, nominal, maps)),
                 EffectKind::Measurement => coefficients.extend(sensors(effect)),
             }
-            // A change of terrain begins at a boundary that has to be found first: see `boundary`.
+            // A change of terrain has a boundary that must be located first.
             let waits = declaration.name == TERRAIN_CHANGE;
             if coefficients.len() > first && !is_residual_model(effect) && !waits {
                 subjects.push(Subject::Effect(effect));
@@ -102,7 +100,7 @@ impl Candidates {
         }
     }
 
-    /// Places of a subject's knobs; none for what is no effect.
+    /// Indices of a subject's coefficients; none if it is not an effect.
     pub fn of(&self, subject: Subject) -> impl Iterator<Item = usize> + '_ {
         let coefficients = self.coefficients.iter().enumerate();
         let ours = coefficients
@@ -110,7 +108,7 @@ impl Candidates {
         ours.map(|(place, _)| place)
     }
 
-    /// Places of the laws' knobs.
+    /// Indices of the residual models' coefficients.
     pub fn residual_models(&self) -> impl Iterator<Item = usize> + '_ {
         let coefficients = self.coefficients.iter().enumerate();
         coefficients
@@ -133,10 +131,10 @@ pub fn is_residual_model(effect: usize) -> bool {
     matches!(CATALOGUE[effect].acts, Acts::Residual(_))
 }
 
-/// Sets every number of an effect as it is among others.
+/// Copies every parameter of an effect from other effects.
 ///
 /// # Errors
-/// None in truth: what others have is within its range.
+/// A value beyond its range; effects never hold one.
 pub fn copy(effects: &mut Effects, effect: usize, from: &Effects) -> Result<(), ParameterError> {
     for place in 0..CATALOGUE[effect].parameters.len() {
         if let Some(name) = ParameterName::at(effect, place) {
@@ -158,7 +156,7 @@ fn physics(effect: usize, nominal: &Specification, maps: Maps) -> Vec<CandidateP
             }
             let off = nominal.effects.get(name);
             let secant = secant(declared, nominal);
-            // A pressure is known to a factor; everything else enters as it is.
+            // A parameter that is off at its upper bound, as a pressure, has a logarithmic scale.
             let scale = if off == declared.high && declared.low > 0.0 {
                 Scale::Log
             } else {
@@ -210,7 +208,7 @@ fn physics(effect: usize, nominal: &Specification, maps: Maps) -> Vec<CandidateP
         .collect()
 }
 
-/// What to compare a parameter with that has no derivative while its effect is off.
+/// The value for the difference quotient of a parameter without a derivative at "off".
 fn secant(declared: &ParameterDeclaration, nominal: &Specification) -> Option<f64> {
     let value = match declared.first_step {
         FirstStep::Derivative => return None,

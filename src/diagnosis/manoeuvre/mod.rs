@@ -1,6 +1,6 @@
 //! Step 9: what to drive next.
 //!
-//! Each manoeuvre is rehearsed on the re-tuned soil (`rehearsal`), and judged by how far apart the two
+//! Each manoeuvre is rehearsed on the refitted soil (`rehearsal`), and judged by how far apart the two
 //! hypotheses would be with its recording beside those at hand (`separation`): the best finding as
 //! it was estimated, and the first of its set.
 //!
@@ -24,7 +24,7 @@ use crate::diagnosis::{Manoeuvre, Options, Subject, Verdict};
 use rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
 use separation::Contrast;
 
-/// Where the model with its soil re-tuned suffices, it takes that many of the candidates to have
+/// Where the model with its soil refitted suffices, it takes that many of the candidates to have
 /// been seen at a plausible size to leave it at that.
 const ENOUGH: f64 = 0.6;
 
@@ -175,7 +175,7 @@ fn scatter(searched: &SearchResult, subject: Subject) -> f64 {
     found.map_or(1.0, |one| one.score.scatter)
 }
 
-/// What to do, with numbers of the motion on the re-tuned soil.
+/// What to do, with numbers of the motion on the refitted soil.
 fn describe(rehearsal: &Rehearsal) -> String {
     let course = &rehearsal.course;
     let states = rehearsal.states.iter();
@@ -236,8 +236,6 @@ mod tests {
     use crate::fit::noise_model::first_noise_model;
     use crate::fit::segment::cut;
     use crate::fit::sensor::SensorParameter;
-    
-    
 
     const LENGTH: f64 = 5.0;
 

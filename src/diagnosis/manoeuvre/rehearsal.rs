@@ -1,4 +1,4 @@
-//! Manoeuvres driven on the re-tuned soil before anyone drives them: what their recordings, with
+//! Manoeuvres driven on the refitted soil before anyone drives them: what their recordings, with
 //! the sensors at hand, would tell.
 
 use super::course::{Course, DriveLimits, STEP, courses, steady};
@@ -19,12 +19,12 @@ use crate::simulation::State;
 use crate::vehicle::{Specification, Vehicle};
 use rayon::prelude::*;
 
-/// What the recordings at hand tell, linearised around the re-tuned model.
+/// What the recordings at hand tell, linearised around the refitted model.
 #[derive(Debug, Clone, Copy)]
 pub struct AtHand<'a> {
     /// The given model and the recordings.
     pub problem: &'a Problem<'a>,
-    /// The re-tuned soil, and starts.
+    /// The refitted soil, and starts.
     pub refitted: &'a Solution,
     /// Noise.
     pub noise: &'a NoiseModel,
@@ -59,7 +59,7 @@ const STEADY: f64 = 1.0;
 /// Slower turns are none \[rad/s\].
 const SLOWEST: f64 = 0.05;
 
-/// Rehearses for the knobs that are asked about. `None` where there is nothing to go by.
+/// Rehearses for the coefficients that are asked about. `None` where there is nothing to go by.
 #[must_use]
 pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option<Rehearsed> {
     let AtHand {

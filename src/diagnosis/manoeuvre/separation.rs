@@ -3,7 +3,7 @@
 //! It would be diagnosed with those at hand, so that the normal equations add up, H = H_at_hand +
 //! H_to_come. The soil and what acts everywhere are shared, a slope or a sensor's fault is each
 //! recording's own. Were a true, the signal J_a d_a would be in the data; b and the soil, X
-//! together, would be re-tuned to mimic it, and what they cannot mimic is
+//! together, would be refitted to mimic it, and what they cannot mimic is
 //!
 //! ```text
 //! d^2 = min_x |S^1/2 (J_a d_a - J_X x)|^2 + x^T P x
@@ -15,7 +15,7 @@
 //! ratio's noncentrality. It is the criterion of T-optimal design, the least squares distance
 //! between a model held for true at its estimates and its rival at the best of its parameters (A. C.
 //! Atkinson & V. V. Fedorov, "The design of experiments for discriminating between two rival
-//! models", Biometrika 62 (1975), 57–70), linearised around the re-tuned model, with priors. As in
+//! models", Biometrika 62 (1975), 57–70), linearised around the refitted model, with priors. As in
 //! the screen, d^2 is divided by the scatter phi of the blocks. d_a is what was estimated.
 //! Where b is nothing, X is the soil alone.
 
@@ -37,11 +37,11 @@ struct Unknown {
 /// Something that would be in the data, and what could mimic it besides the soil.
 #[derive(Debug, Clone)]
 pub struct Contrast {
-    /// Knobs with their sizes: for each recording at hand, then for the one to come.
+    /// Coefficients with their sizes: for each recording at hand, then for the one to come.
     pub coefficients: Vec<(usize, Vec<f64>)>,
-    /// Knobs that could mimic it.
+    /// Coefficients that could mimic it.
     pub rivals: Vec<usize>,
-    /// Whether the recordings at hand tell of the knobs.
+    /// Whether the recordings at hand tell of the coefficients.
     pub told: bool,
     /// Scatter of the blocks.
     pub scatter: f64,
@@ -87,7 +87,7 @@ impl Contrast {
         square.is_finite().then(|| square.max(0.0).sqrt())
     }
 
-    /// The unknowns of a knob: one, or one for each recording that tells of it.
+    /// The unknowns of a coefficient: one, or one for each recording that tells of it.
     fn unknowns(
         &self,
         at_hand: &AtHand,

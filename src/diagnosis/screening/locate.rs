@@ -1,10 +1,9 @@
-//! Step 5: where something is missing.
+//! Box scan for the region in which an effect is missing.
 //!
-//! A box scan: every candidate, and a push that no effect explains, acting in one set of gates only:
-//! in every interval of a run, in every run, in every disc of the map. With the sums of the gates' equations each
-//! set costs the same; the one with the largest evidence is taken (a generalised likelihood ratio: D.
-//! O. Siegmund, "Sequential Analysis", 1985), less the logarithm of the number of sets
-//! that were looked at.
+//! Every candidate, and an unmodelled force, is confined to one set of time bins: every interval of a run, every run,
+//! every disc of the map. Sums over the bins' equations make each set equally cheap. The set with the largest
+//! evidence is taken (a generalised likelihood ratio: D. O. Siegmund, "Sequential Analysis", 1985), less the
+//! logarithm of the number of sets.
 
 use super::region::Region;
 use super::scan::{BinnedFit, Scan, discs};
@@ -17,29 +16,29 @@ use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::effects::CATALOGUE;
 use rayon::prelude::*;
 
-/// The best set of gates for a candidate.
+/// The best region of a candidate.
 #[derive(Debug, Clone)]
 pub struct LocatedCandidate {
     /// What acts.
     pub subject: Subject,
     /// Where.
     pub extent: Region,
-    /// The knobs that act, in the order of the score's step.
+    /// The coefficients in the order of the score's step.
     pub coefficients: Vec<usize>,
     /// The one-step fit.
     pub score: Score,
-    /// Log Bayes factor, less the logarithm of the number of sets looked at.
+    /// Log Bayes factor, less the logarithm of the number of regions.
     pub evidence: f64,
 }
 
-/// What is scanned: knobs of a subject that act gate by gate.
+/// A candidate resolved in time bins.
 #[derive(Debug, Clone)]
 pub struct ScanTarget {
     /// What acts.
     pub subject: Subject,
-    /// Its gated knobs.
+    /// Its binned coefficients.
     pub coefficients: Vec<usize>,
-    /// For each knob the gated column that it acts by, and a factor.
+    /// For each coefficient its binned column, and a factor.
     columns: Vec<(usize, f64)>,
 }
 
@@ -78,8 +77,7 @@ impl ScanTarget {
         }
     }
 
-    /// A change of the soil: its factors act as the soil's numbers do. `None` where the given model has
-    /// one.
+    /// A change of soil: its factors act as the soil's parameters do. `None` if the given model has one.
     fn soil(problem: &Problem, soil: &[f64]) -> Option<Self> {
         let effect = CATALOGUE.iter().position(|e| e.name == TERRAIN_CHANGE)?;
         let angle = soil[problem.place_of_soil("friction_angle")?];
@@ -104,11 +102,11 @@ impl ScanTarget {
     }
 }
 
-/// Everything that can be scanned at a soil's coordinates: effects with gated knobs that are not on
-/// yet, a change of the soil, and a push.
+/// Everything that can be scanned at a soil's coordinates: off effects with binned coefficients, a change of soil,
+/// and an unmodelled force.
 #[must_use]
 pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -> Vec<ScanTarget> {
-    // A window confines an effect with all its numbers: what acts throughout would end there as well.
+    // A window confines an effect with all its parameters, also those that act throughout.
     let effect = |coefficient: &usize| problem.candidates[*coefficient].effect;
     let is_off = |coefficient: &usize| on.iter().all(|other| effect(other) != effect(coefficient));
     let off = |coefficients: Vec<usize>| -> Vec<usize> {
@@ -171,7 +169,7 @@ pub fn in_time(
     each.into_iter().flatten().collect()
 }
 
-/// Each candidate at one place or time, where looking has cost so much.
+/// Each candidate in one given region, less the cost of its choice.
 #[must_use]
 pub fn located_at(
     problem: &Problem,
@@ -190,7 +188,7 @@ pub fn located_at(
     each.into_iter().flatten().collect()
 }
 
-/// Does something with each candidate's scan.
+/// Works on every candidate's scan in parallel.
 fn each<T: Send>(
     problem: &Problem,
     system: &System,
@@ -233,9 +231,6 @@ mod tests {
     use super::*;
     use crate::diagnosis::search::stage::Stage;
     use crate::diagnosis::testing::{driven, on, refitted, with_effects};
-    
-    
-    
 
     #[test]
     fn the_ends_of_an_interval_lie_within_gates() {

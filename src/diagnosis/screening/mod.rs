@@ -1,4 +1,4 @@
-//! What the linearised problem shows: which candidates explain what re-tuning the soil cannot, where, and how sure.
+//! Screening of all candidates on the linearised problem: evidence, region and uncertainty.
 
 pub mod locate;
 pub mod noise;

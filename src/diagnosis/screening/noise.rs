@@ -1,10 +1,10 @@
-//! The noise under the richest model: what any candidate can explain is no noise.
+//! The noise under the richest model, so that a missing effect does not count as noise.
 //!
 //! All candidates are integrated out together with soil and starts (restricted likelihood, see
-//! [`crate::fit::noise_estimate`]); otherwise the noise, slow noise above all, would take up what is
-//! missing. So is a push in the interval in which one explains most: a disturbance of some seconds looks
-//! like slow noise. Most candidates point in few directions: those combinations are kept, in units of their
-//! priors, that these recordings tell anything about.
+//! [`crate::fit::noise_estimate`]); otherwise the noise, slow noise above all, would absorb the missing effect. So is
+//! an unmodelled force in the interval in which it explains most: a disturbance of some seconds looks like slow
+//! noise. Candidates point in few directions; those combinations are kept, in units of their priors, of which the
+//! recordings contain information.
 
 use super::locate::{in_time, scanned};
 use super::region::Region;
@@ -21,13 +21,13 @@ use crate::fit::problem::{NoiseModel, Tables};
 use crate::fit::segment::Segment;
 use nalgebra::{DMatrix, DVector};
 
-/// A combination is kept from this information on, in units of its prior's precision.
+/// Combinations with less information are dropped, in units of the prior's precision.
 const TOLD: f64 = 0.3;
 
-/// A push that explains less than this, the choice of its interval not counted, is as good as none.
+/// An unmodelled force with less evidence, the choice of its interval not counted, is neglected.
 const FAINT: f64 = 4.0;
 
-/// The interval in which a push explains most.
+/// The interval in which an unmodelled force explains most.
 fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Region, [usize; 3])> {
     let projection = Projection::over_all(system, &[])?;
     let mut candidates = scanned(problem, system, &at.soil, &[]);
@@ -39,7 +39,7 @@ fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Region, [u
     Some((told.next()?.extent, force_columns(problem, system)?))
 }
 
-/// Estimates the noise anew.
+/// Re-estimates the noise.
 pub fn update(
     problem: &Problem,
     system: &System,
@@ -97,7 +97,7 @@ pub fn update(
     noise.noise = noise_model.noise;
 }
 
-/// A push in some gates of a segment.
+/// An unmodelled force in some time bins of a segment.
 struct WindowedForce<'a> {
     time_bins: Vec<usize>,
     columns: [usize; 3],
@@ -105,11 +105,11 @@ struct WindowedForce<'a> {
     table: &'a SegmentTable,
 }
 
-/// A push of this share of the weight has unit prior.
+/// Unit of an unmodelled force, as a share of the weight: its prior's deviation.
 const SHARE: f64 = 0.05;
 
 impl WindowedForce<'_> {
-    /// Derivatives of a sample by the push's components.
+    /// Derivatives of a sample by the unmodelled force's components.
     fn of(&self, channel: usize, row: usize) -> [f64; 3] {
         let width = self.per_bin * (self.table.edges.len() - 1);
         let binned = &self.table.binned[channel][row * width..(row + 1) * width];
@@ -123,7 +123,7 @@ impl WindowedForce<'_> {
     }
 }
 
-/// The gates of a segment that lie within an interval.
+/// The time bins of a segment that lie within an interval.
 fn open(extent: &Region, segment: &Segment, edges: &[f64]) -> Vec<usize> {
     let Region::Time(at) = *extent else {
         return Vec::new();
@@ -136,7 +136,7 @@ fn open(extent: &Region, segment: &Segment, edges: &[f64]) -> Vec<usize> {
     (0..edges.len() - 1).filter(within).collect()
 }
 
-/// Residual and start as they are, then the combinations, then the push.
+/// Columns of residual and start, then the combinations, then the force.
 fn combine(
     tables: &Tables,
     places: &[Option<usize>],

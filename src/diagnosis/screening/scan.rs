@@ -1,4 +1,4 @@
-//! Sets of gates, and how well a candidate that acts in one of them alone explains what is left.
+//! Regions as sets of time bins, and the score of a candidate that acts in one of them alone.
 
 use super::region::{Region, RunInterval};
 use super::screen::{Projected, Projection, Score};
@@ -8,26 +8,26 @@ use crate::fit::deadline::Deadline;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Shorter intervals are not told from outliers, longer ones from the whole drive \[s\].
+/// Shorter intervals resemble outliers, longer ones the whole drive \[s\].
 const SHORTEST: f64 = 1.9;
 const LONGEST: f64 = 40.0;
 /// Radii of discs \[m\].
 const RADII: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
-/// The best disc is moved and resized by this share of its radius at first, and down to that one, while it gains
-/// more than so much.
+/// The best disc is moved and resized by these shares of its radius, from the first to the last, while the evidence
+/// gains more than this.
 const FIRST_MOVE: f64 = 0.3;
 const LAST_MOVE: f64 = 0.05;
 const WORTH_A_MOVE: f64 = 0.5;
-/// The ends of the best interval are moved by so many seconds at first, and down to that little, on the same terms.
+/// The ends of the best interval are moved by these times \[s\], by the same rule.
 const FIRST_SHIFT: f64 = 0.25;
 const LAST_SHIFT: f64 = 0.06;
 /// Directions of lines, and places of each.
 const DIRECTIONS: usize = 12;
 const POSITIONS: usize = 24;
 
-/// A candidate's equations gate by gate.
+/// A candidate's equations bin by bin.
 pub struct BinnedFit {
-    /// Columns within a gate, each with a factor.
+    /// Columns within a time bin, each with a factor.
     pub columns: Vec<(usize, f64)>,
     /// Its unknowns.
     pub unknowns: Vec<usize>,
@@ -52,7 +52,7 @@ pub fn discs(chains: &[Chain]) -> Vec<[f64; 3]> {
     discs
 }
 
-/// A candidate, and what every set of gates is judged by.
+/// A candidate, and the equations that every region is scored with.
 pub struct Scan<'a> {
     /// The linearised problem.
     pub system: &'a System,
@@ -62,15 +62,15 @@ pub struct Scan<'a> {
     pub nuisance: &'a [Vec<Option<usize>>],
     /// The nuisance's inverse matrix.
     pub inverse: &'a DMatrix<f64>,
-    /// The nuisance's step to where its pulls vanish.
+    /// The nuisance's step to zero gradient.
     pub settled: &'a DVector<f64>,
     /// The candidate.
     pub binned: BinnedFit,
-    /// When the scan has to end; one that was ended finds nothing.
+    /// End of the scan; a scan that is cut short finds nothing.
     pub deadline: Deadline<'a>,
 }
 
-/// The best set so far, and how many were looked at.
+/// The best region so far, and the number of those tried.
 #[derive(Default)]
 struct BestRegion {
     found: Option<(Region, Score)>,
@@ -86,7 +86,7 @@ impl BestRegion {
         }
     }
 
-    /// With the evidence less what looking in so many places costs.
+    /// With the evidence less the cost of the choice.
     fn of_looked_at(self) -> Option<(Region, Score, f64)> {
         let (extent, score) = self.found?;
         let evidence = score.evidence - f64::from(self.looked_at).ln();
@@ -94,7 +94,7 @@ impl BestRegion {
     }
 }
 
-/// Sums over a set of gates.
+/// Sums over a set of time bins.
 #[derive(Debug, Clone)]
 struct BinSums {
     matrix: DMatrix<f64>,
@@ -112,7 +112,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Adds a share of a gate to a set; `before` are the set's gates of the same segment, with theirs.
+    /// Adds a share of a time bin to a set; `before` are the set's bins of the same segment with their shares.
     fn add(
         &self,
         sums: &mut BinSums,
@@ -155,7 +155,7 @@ impl Scan<'_> {
         self.projection.score_with(&projected, 1.0)
     }
 
-    /// Sums over the shares of gates that lie somewhere, and the seconds that they last.
+    /// Sums over the shares of time bins that lie somewhere, and the seconds that they last.
     fn sum(&self, chains: &[Chain], inside: impl Fn(&TimeBin) -> f64) -> (BinSums, f64) {
         let mut sums = self.nothing();
         let mut seconds = 0.0;
@@ -176,8 +176,7 @@ impl Scan<'_> {
         (sums, seconds)
     }
 
-    /// The one-step fit where it acts in one place or for some time only. `None` where that is none of the gates, or a
-    /// line on the map.
+    /// The one-step fit in one region. `None` for a region without time bins, and for a line on the map.
     #[must_use]
     pub fn within(&self, chains: &[Chain], extent: &Region) -> Option<Score> {
         let of_run = |at: &RunInterval| {
@@ -198,7 +197,7 @@ impl Scan<'_> {
         (seconds > 0.0).then(|| self.score(&sums))
     }
 
-    /// The best interval of any run, its ends moved until that gains nothing more.
+    /// The best interval of all runs, its ends refined.
     #[must_use]
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
         let mut best = BestRegion::default();
@@ -251,7 +250,7 @@ impl Scan<'_> {
         best.of_looked_at()
     }
 
-    /// An interval whose ends lie within gates, of which it counts that share; within one chain.
+    /// Offers an interval within one chain; a time bin counts by its share inside.
     fn offer_interval(&self, best: &mut BestRegion, chains: &[Chain], at: RunInterval) {
         let middle = 0.5 * (at.start + at.end);
         let covers = |chain: &&Chain| {
@@ -265,14 +264,14 @@ impl Scan<'_> {
         let (sums, seconds) = self.sum(std::slice::from_ref(chain), |time_bin| {
             time_bin.between(at.start, at.end)
         });
-        // Beyond the chain's end nothing is told.
+        // An interval beyond the end of the chain is cut short.
         let inside = (seconds - (at.end - at.start)).abs() < 1e-6;
         if inside && (SHORTEST..=LONGEST).contains(&seconds) {
             best.offer(Region::Time(at), self.score(&sums));
         }
     }
 
-    /// The best run, of several, from its beginning to its end.
+    /// The best of several runs.
     #[must_use]
     pub fn runs(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
         let runs: Vec<&[Chain]> = chains
@@ -298,7 +297,7 @@ impl Scan<'_> {
         best.of_looked_at()
     }
 
-    /// The best disc, moved and resized until that gains nothing more.
+    /// The best disc, refined.
     #[must_use]
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Region, Score, f64)> {
         let mut best = BestRegion::default();

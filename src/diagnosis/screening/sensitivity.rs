@@ -1,9 +1,8 @@
-//! Step 2: how every prediction changes with the soil, the starts and every candidate, in one pass.
+//! Sensitivities of every prediction to soil, starts and all candidates, in one pass.
 //!
-//! Forward dual numbers carry the derivatives of the motion by the soil and by every effect while it
-//! acts within short gates of time; their sum is the effect that acts throughout. Sensors' effects
-//! follow from the motion. The few effects without a derivative while they are off are compared
-//! with a drive in which they are on.
+//! Forward dual numbers carry the derivatives of the motion by the soil and by every effect that acts within short
+//! time bins; their sum is the effect that acts throughout. Sensor faults follow from the motion. Effects without a
+//! derivative while they are off are differenced with a drive in which they are on.
 
 use crate::diagnosis::hypothesis::candidate::{CandidateParameter, Target, is_residual_model};
 use crate::diagnosis::hypothesis::{Problem, Solution};
@@ -18,35 +17,35 @@ use crate::simulation::State;
 use crate::vehicle::{ModelParameter, Specification};
 use rayon::prelude::*;
 
-/// Length of a gate \[s\], about.
+/// Length of a time bin \[s\], about.
 const GATE: f64 = 0.5;
 
-/// Which columns there are, the same for all segments: soil and knobs; and, gate by gate, the gated
-/// ones: the soil, and of the knobs those with a derivative.
+/// The columns, equal for all segments: soil and coefficients; and, for each time bin, the soil and the coefficients
+/// that have a derivative.
 #[derive(Debug, Clone)]
 pub struct Layout {
     /// Number of the soil's columns.
     pub soil: usize,
-    /// Number of knobs.
+    /// Number of coefficients.
     pub coefficients: usize,
-    /// The knobs that are gated.
+    /// The coefficients that are binned.
     pub binned: Vec<usize>,
-    /// Knobs of the model that act throughout only: laws, and effects that are on and remember.
+    /// Coefficients without bins: features of residual models, and effects that are on and have memory.
     throughout: Vec<usize>,
-    /// Knobs that are compared with a drive in which they are on.
+    /// Coefficients that are differenced with a drive in which they are on.
     secants: Vec<usize>,
-    /// Length of a gate \[s\], about.
+    /// Length of a time bin \[s\], about.
     time_bin: f64,
 }
 
 /// Residuals of a segment with derivatives by everything.
 #[derive(Debug, Clone)]
 pub struct SegmentTable {
-    /// Rows of the residual, and derivatives by the start, the soil and the knobs, by channel.
+    /// Residuals, and derivatives by the start, the soil and the coefficients, by channel.
     pub whole: Tables,
-    /// Derivatives by the gated columns, gate by gate, for the same rows.
+    /// Derivatives by the binned columns, bin by bin, for the same rows.
     pub binned: Vec<Vec<f64>>,
-    /// Where gates begin and end \[s\], one more than there are gates.
+    /// Edges of the time bins \[s\].
     pub edges: Vec<f64>,
 }
 
@@ -54,7 +53,7 @@ const START: usize = State::COUNT;
 const SENSORS: usize = SensorParameter::ALL.len();
 
 impl Layout {
-    /// The columns where these knobs are on.
+    /// The columns if these coefficients are on.
     #[must_use]
     pub fn new(problem: &Problem, on: &[usize]) -> Self {
         let coefficients = &problem.candidates.coefficients;
@@ -83,8 +82,8 @@ impl Layout {
         layout
     }
 
-    /// The columns of some knobs that are off, a single gate in each segment: what acts throughout,
-    /// at a fraction of the cost. Other knobs' columns, but for the sensors', are zero.
+    /// The columns of some coefficients that are off, with a single bin in each segment: effects that act throughout,
+    /// at a fraction of the cost. Columns of other coefficients, except the sensors', are zero.
     #[must_use]
     pub fn single_bin(problem: &Problem, coefficients: &[usize]) -> Self {
         let mut layout = Self::new(problem, &[]);
@@ -106,14 +105,14 @@ impl Layout {
         self.soil + self.coefficients
     }
 
-    /// Number of gated columns of one gate.
+    /// Number of binned columns of one time bin.
     #[must_use]
     pub fn per_bin(&self) -> usize {
         self.soil + self.binned.len()
     }
 }
 
-/// All segments, computed side by side; `None` where the model cannot drive.
+/// All segments in parallel; `None` for a segment that the model cannot follow.
 #[must_use]
 pub fn sensitivities(
     problem: &Problem,
@@ -140,12 +139,12 @@ struct RecordingModel<'a> {
     predictor: ExactPredictor<'a>,
     secants: Vec<Option<Secant<'a>>>,
     sensors: SensorValues,
-    /// Derivatives of values by coordinates: soil, then knobs.
+    /// Derivatives of values by coordinates: soil, then coefficients.
     slopes: Vec<f64>,
     throughout: Vec<f64>,
 }
 
-/// A model in which an effect is on, and how far that is in its coordinate.
+/// A model with an effect on, and the step of its coordinate.
 struct Secant<'a> {
     coefficient: usize,
     predictor: ExactPredictor<'a>,
@@ -249,7 +248,7 @@ impl<'a> RecordingModel<'a> {
                         .iter()
                         .flatten()
                         .find(|(s, _)| s.coefficient == coefficient);
-                    // A prediction that grows takes from the residual.
+                    // The residual falls as the prediction grows.
                     found.map_or(0.0, |(secant, on)| {
                         (residuals.residual[row] - on[channel].residual[row]) / secant.step
                     })
@@ -260,7 +259,7 @@ impl<'a> RecordingModel<'a> {
         Ok(table)
     }
 
-    /// Turns values into coordinates and puts columns in their places.
+    /// Converts derivatives to coordinates, and sorts the columns.
     fn channel(
         &self,
         problem: &Problem,

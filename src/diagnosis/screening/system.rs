@@ -1,5 +1,5 @@
 //! The linearised problem: normal equations of every segment, its start eliminated, by the soil and
-//! every candidate, whole and gate by gate.
+//! every candidate, whole and bin by bin.
 
 use super::sensitivity::{Layout, SegmentTable};
 use crate::diagnosis::hypothesis::{Problem, Solution, UnknownKind};
@@ -15,10 +15,9 @@ use std::ops::Range;
 /// Normal equations of all segments.
 #[derive(Debug, Clone)]
 pub struct System {
-    /// All unknowns: the soil, the knobs (one per recording where each has its own).
+    /// All unknowns: the soil, the coefficients (one per recording where each has its own).
     pub parameters: Vec<FreeParameter>,
-    /// For each recording the unknown of each whole column: soil, then knobs; `None` where the
-    /// recording does not tell.
+    /// For each recording the unknown of each whole column: soil, then coefficients; `None` without information.
     pub places: Vec<Vec<Option<usize>>>,
     /// Precision of the priors.
     pub precision: DVector<f64>,
@@ -30,10 +29,10 @@ pub struct System {
     pub layout: Layout,
 }
 
-/// A segment's normal equations by its own columns: whole ones, then the gated ones gate by gate.
+/// A segment's normal equations by its own columns: whole ones, then the binned ones bin by bin.
 #[derive(Debug, Clone)]
 pub struct SegmentSystem {
-    /// Place among the given segments.
+    /// Index among the problem's segments.
     pub index: usize,
     /// Which recording.
     pub recording: usize,
@@ -41,9 +40,9 @@ pub struct SegmentSystem {
     pub matrix: DMatrix<f64>,
     /// Pull, J^T S r with the start eliminated.
     pub gradient: DVector<f64>,
-    /// Squares of the whitened residuals that the start does not take up.
+    /// Squared whitened residuals after elimination of the start.
     pub cost: f64,
-    /// Where gates begin and end \[s\].
+    /// Where time bins start and end \[s\].
     pub edges: Vec<f64>,
 }
 
@@ -155,13 +154,13 @@ fn segment(
 }
 
 impl SegmentSystem {
-    /// Number of gates.
+    /// Number of time bins.
     #[must_use]
     pub fn time_bins(&self) -> usize {
         self.edges.len() - 1
     }
 
-    /// Whether the other begins where it ends.
+    /// Whether the other starts at its end.
     #[must_use]
     pub fn joins(&self, next: &Self) -> bool {
         let apart = self.edges.last().zip(next.edges.first());
@@ -170,7 +169,7 @@ impl SegmentSystem {
 }
 
 impl System {
-    /// Unknowns of a knob: one, or one for each recording.
+    /// Unknowns of a coefficient: one, or one for each recording.
     #[must_use]
     pub fn unknowns(&self, coefficient: usize) -> Vec<usize> {
         let column = self.layout.soil + coefficient;
@@ -181,7 +180,7 @@ impl System {
         found
     }
 
-    /// A step of these unknowns from steps of knobs, each told by knob and recording.
+    /// A step of these unknowns from the steps of coefficients by recording.
     #[must_use]
     pub fn step(
         &self,

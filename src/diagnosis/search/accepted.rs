@@ -65,7 +65,7 @@ impl AcceptedEffect {
         }
     }
 
-    /// A law that was ahead of a name has turned out to be behind by so much.
+    /// A residual model that was ahead of a name has turned out to be behind by so much.
     pub fn outdo_residual_model(&mut self, advantage: f64) {
         let subject = self.proposal.subject;
         if subject == Subject::Unknown {

@@ -11,7 +11,7 @@ use super::trial::GOOD_PART;
 pub enum Prefer {
     /// The likeliest.
     Nothing,
-    /// What has a name, the likeliest first: a law may be two effects at once.
+    /// What has a name, the likeliest first: a residual model may be two effects at once.
     Names,
 }
 
@@ -57,7 +57,7 @@ pub fn choose<'n, 'a>(
     candidate.or_else(|| best(false))
 }
 
-/// Whether a law is the likeliest, and something with a name explains a good part of the same.
+/// Whether a residual model is the likeliest, and something with a name explains a good part of the same.
 pub fn worth_two_ways(fitted: &[FittedCandidate], stage: &Stage) -> bool {
     let first = |prefer| choose(fitted, stage, prefer);
     let pair = first(Prefer::Nothing).zip(first(Prefer::Names));

@@ -104,8 +104,8 @@ pub fn fitted_there<'a>(
         .collect()
 }
 
-/// The first steps of what is proposed where the likeliest acts. They begin on the soil and the starts that the likeliest
-/// came to: elsewhere both are right already, while re-tuning has gone far to imitate what acts there.
+/// The first steps of what is proposed where the likeliest acts. They start on the soil and the starts that the likeliest
+/// came to: elsewhere both are right already, while the refit of the soil has gone far to imitate what acts there.
 fn first_fit_there<'a>(
     stage: &Stage<'a>,
     proposal: &Proposal,
@@ -135,7 +135,7 @@ fn first_fit_there<'a>(
 }
 
 /// The same measured against the hypothesis without it where the likeliest is: that one's soil may have turned out better
-/// than the re-tuned one without what is proposed, which is nobody's merit.
+/// than the refitted one without what is proposed, which is nobody's merit.
 fn on_a_par<'a>(
     one: FittedCandidate<'a>,
     likeliest: &FittedCandidate,

@@ -1,6 +1,6 @@
 //! Where and when exactly something acts.
 //!
-//! The box scan sees places and times through the linearised problem, gate by gate. What acts there hard on and off is felt
+//! The box scan sees places and times through the linearised problem, bin by bin. What acts there hard on and off is felt
 //! to a few hundredths of a second, and an edge that is off by a tenth costs all names alike more than what they differ
 //! by. So the edges of what came close to the likeliest are moved in the full fit: they are unknowns of a Gauss–Newton step
 //! beside all others, their derivatives by differences, for the other unknowns have theirs at hand; then the others follow.
@@ -258,7 +258,7 @@ pub mod tests {
     use crate::diagnosis::testing::{driven, on, refitted, with_effects};
     use crate::effects::CATALOGUE;
     use crate::recording::Recording;
-    
+
     use crate::vehicle::Specification;
 
     /// A vehicle and its recording, on which it was slowed from 6.7 s to 12.15 s.

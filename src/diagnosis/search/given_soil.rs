@@ -1,4 +1,4 @@
-//! What is seen from the soil that was given, where re-tuning has gone far from it.
+//! What is seen from the soil that was given, where the refit of the soil has gone far from it.
 //!
 //! What is missing is imitated by soil as far as that goes, which may be to sand without friction. What the linearised
 //! problem shows there is of another vehicle on another soil: the right name may not be among the proposals, its place
@@ -22,7 +22,7 @@ const FAR: f64 = 1.5;
 const THROUGHOUT: usize = 3;
 const LOCAL: usize = 3;
 
-/// What is seen beside the given soil alone where the re-tuned one is far from it.
+/// What is seen beside the given soil alone where the refitted one is far from it.
 #[must_use]
 pub fn seen_from_given_soil(
     problem: &Problem,
@@ -63,7 +63,7 @@ pub fn seen_from_given_soil(
         .collect()
 }
 
-/// Begins a fit anew on the given soil where the re-tuned one is far from it. The likelier one stays.
+/// Begins a fit anew on the given soil where the refitted one is far from it. The likelier one stays.
 #[must_use]
 pub fn from_given_soil<'a>(
     partial_fit: PartialFit<'a>,
@@ -125,8 +125,6 @@ mod tests {
     use crate::diagnosis::Options;
     use crate::diagnosis::testing::{driven, on, refitted_with};
     use crate::effects::ParameterName;
-    
-    
 
     #[test]
     #[ignore = "nightly: fits two recordings from two soils"]
@@ -140,7 +138,7 @@ mod tests {
         nominal.terrain.cohesion *= 1.5;
         nominal.terrain.frictional_modulus /= 1.5;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        // In longer stretches it is seen from the re-tuned soil as well.
+        // In longer segments it is seen from the refitted soil as well.
         let options = Options {
             segment: 5.0,
             ..Options::default()

@@ -1,4 +1,4 @@
-//! Where the fits of a proposal begin.
+//! Where the fits of a proposal start.
 //!
 //! As seen by the linearised problem, as large as the catalogue expects it, as comparing the curves tells, or at the
 //! end of a walk from off: fits from a place too far away end elsewhere.
@@ -15,9 +15,9 @@ use crate::fit::problem::NoiseModel;
 /// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
 /// lost its way.
 pub const LOST: f64 = 5.0;
-/// A hidden effect that begins so much worse, in units of the log likelihood, leads nowhere.
+/// A hidden effect that starts so much worse, in units of the log likelihood, leads nowhere.
 const HOPELESS: f64 = 1000.0;
-/// Shares of a proposal's steps that its fit may begin with: the cheapest is taken.
+/// Shares of a proposal's steps that its fit may start with: the cheapest is taken.
 const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
 /// Wheel speeds may be so much later or earlier than what they move \[s\], and so may be what acts with them.
 const REACH: f64 = 1.5;
@@ -25,7 +25,7 @@ const REACH: f64 = 1.5;
 const WALK: u32 = 5;
 const STROLL: Stop = Stop::after(3, 1.0).without_renewals();
 
-/// Where a proposal's fit begins: the cheapest of some shares of its steps. `None` where a hidden effect
+/// Where a proposal's fit starts: the cheapest of some shares of its steps. `None` where a hidden effect
 /// leads nowhere.
 #[must_use]
 pub fn cheapest(
@@ -71,7 +71,7 @@ pub fn cheapest(
     found.into_iter().min_by(cheaper).map(|best| best.1)
 }
 
-/// The stretches that what acts for some seconds reaches, where nothing else of the proposal changes the others.
+/// The segments that what acts for some seconds reaches, where nothing else of the proposal changes the others.
 fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
     let (Some(Region::Time(at) | Region::Run(at)), true) = (
         &proposal.extent,
@@ -115,7 +115,7 @@ pub fn after_steps(
 
 /// Where effects are proposed that have no derivative while they are off, as large as the catalogue expects
 /// them, and what one run of several has, as large as it was seen: the soil fitted beside that from the given one.
-/// The soil that re-tuning ended with imitates them; beside it, or freed at once, they would be turned off and stay
+/// The soil that the refit of the soil ended with imitates them; beside it, or freed at once, they would be turned off and stay
 /// there.
 #[must_use]
 pub fn settled(
@@ -137,7 +137,7 @@ pub fn settled(
 }
 
 /// Where effects are proposed that have no derivative while they are off: the likeliest place on the way from off
-/// to as large as the catalogue expects them, the soil following a little at each step. Re-tuning may have gone far to
+/// to as large as the catalogue expects them, the soil following a little at each step. The refit of the soil may have gone far to
 /// imitate them (a rigid wheel on soil of three times the stiffness for a tyre): then one step is too long, and so is
 /// the way from the given soil. `None` where the way leads up.
 #[must_use]
@@ -178,7 +178,7 @@ pub fn is_unseen(problem: &Problem, proposal: &Proposal) -> bool {
     proposal.hidden && own.any(|coefficient| problem.candidates[*coefficient].secant.is_some())
 }
 
-/// The fit of everything else beside a proposal whose knobs are held where they begin. `None` where that cannot be
+/// The fit of everything else beside a proposal whose coefficients are held where they start. `None` where that cannot be
 /// driven.
 fn beside(
     problem: &Problem,
@@ -277,7 +277,7 @@ mod tests {
 
     #[test]
     fn tyres_are_walked_to_where_re_tuning_went_far_to_imitate_them() {
-        // A light vehicle on hard clay: re-tuned, rigid wheels stand on soil of several times the stiffness.
+        // A light vehicle on hard clay: refitted, rigid wheels stand on soil of several times the stiffness.
         let vehicle = Vehicle {
             mass: 75.0,
             yaw_inertia: 6.9,

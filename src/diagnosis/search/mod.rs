@@ -45,7 +45,7 @@ pub struct SearchResult<'a> {
     pub problem: Problem<'a>,
     /// Noise and weights.
     pub noise: NoiseModel,
-    /// The re-tuned model under the same noise.
+    /// The refitted model under the same noise.
     pub refitted: FittedHypothesis,
     /// The model with everything found.
     pub augmented: FittedHypothesis,
@@ -61,14 +61,14 @@ pub struct SearchResult<'a> {
     pub tested: bool,
     /// Whether there was time to fit everything that may be missing.
     pub tried: bool,
-    /// Under the re-tuned model.
+    /// Under the refitted model.
     pub first: Arc<Screening>,
     /// With everything found.
     pub last: Arc<Screening>,
 }
 
 impl SearchResult<'_> {
-    /// Back to the re-tuned model: what was found predicts worse what it was not fitted to, so it is
+    /// Back to the refitted model: what was found predicts worse what it was not fitted to, so it is
     /// no likelier than nothing.
     pub fn withdraw(&mut self) {
         for effect in self.accepted.drain(..) {
@@ -93,7 +93,7 @@ const AGAIN: usize = 2;
 /// Searches. From the first look on there is an answer: where the search has to end, it ends with what was found.
 ///
 /// # Errors
-/// A model that cannot even begin, numbers that are not finite, no time for a first look.
+/// A model that cannot even start, numbers that are not finite, no time for a first look.
 pub fn search<'a>(
     problem: &Problem<'a>,
     mut noise: NoiseModel,
@@ -169,7 +169,7 @@ pub fn search<'a>(
     })
 }
 
-/// The re-tuned model from where the likeliest of what was fitted beside it ended, without that: re-tuning may
+/// The refitted model from where the likeliest of what was fitted beside it ended, without that: the refit of the soil may
 /// have stuck on the way there. `None` where it is no better.
 fn unstuck(
     stage: &Stage,
@@ -194,7 +194,7 @@ fn unstuck(
     (again.negative_log_evidence < stage.fit.negative_log_evidence - STUCK).then_some(again)
 }
 
-/// The re-tuned model under the noise and weights at the end, its starts as they have become. On
+/// The refitted model under the noise and weights at the end, its starts as they have become. On
 /// some soils not every start can be driven: then those that it had.
 fn refit_soil(
     problem: &Problem,
@@ -223,8 +223,6 @@ fn back(problem: &Problem, solution: &Solution) -> Solution {
 mod tests {
     use super::*;
     use crate::diagnosis::testing::{driven, on, refitted};
-    
-    
 
     #[test]
     fn re_tuning_begins_again_where_another_way_led_further() {
@@ -241,7 +239,7 @@ mod tests {
             proposal,
             gain,
         };
-        // As well as it can be: nothing to begin again for.
+        // As well as it can be: nothing to start again for.
         assert!(unstuck(&stage, std::slice::from_ref(&beside), &noise).is_none());
         // Stuck where it began.
         let still = Stop::after(0, 0.0);

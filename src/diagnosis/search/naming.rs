@@ -1,9 +1,9 @@
 //! Step 6: what it is called.
 //!
-//! The best few candidates of the screen, of the box scan and of the laws are fitted in full, each
+//! The best few candidates of the screen, of the box scan and of the residual models are fitted in full, each
 //! beside what was found before; the one with the largest evidence is taken where that outweighs
 //! chance and predicts better what it was not fitted to (blocked cross-validation, see
-//! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
+//! `held_out`). Then everything is screened again with it inside (step 7, `search`).
 
 use super::initial_guess::{
     LOST, after_steps, cheapest, compared, is_unseen, on_given_soil, settled, walked,
@@ -148,7 +148,7 @@ pub fn partial_fit<'a>(
     share: f64,
     least: f64,
 ) -> Option<PartialFit<'a>> {
-    // A knob costs evidence besides what it gains.
+    // A coefficient costs evidence besides what it gains.
     let useful = before.misfit - (least + proposal.price - proposal.log_prior());
     let useful = 2.0 * (useful + UNSURE);
     let problem = placed(problem, proposal)?;

@@ -1,4 +1,4 @@
-//! The way from the re-tuned model to one with everything in it that is missing: one thing after another.
+//! The way from the refitted model to one with everything in it that is missing: one thing after another.
 //!
 //! Of a long recording, what else is missing besides the first thing is sought on a part, unless the first thing
 //! acts at some time or place only. Then everything is looked at once more on all of it, which
@@ -188,7 +188,7 @@ impl<'a> Path<'a> {
         }
         progress.step("fitting further candidates")?;
         if let Scope::Narrowed(..) = self.scope {
-            // What acts for some seconds only may lie between the stretches.
+            // What acts for some seconds only may lie between the segments.
             let proposals = &mut self.stage.proposals;
             proposals.retain(|proposal| proposal.kind() != ProposalKind::Local);
         }
@@ -343,7 +343,7 @@ impl<'a> Path<'a> {
         Ok(self)
     }
 
-    /// What was found besides a law may have hidden the names of what it stands for: the path
+    /// What was found besides a residual model may have hidden the names of what it stands for: the path
     /// without it, with names in its place. `None` where nothing can be driven or named.
     fn renamed(
         &self,
@@ -363,7 +363,7 @@ impl<'a> Path<'a> {
             .map(Some)
     }
 
-    /// The path without one of its findings, looked at anew. `None` where it cannot be driven so.
+    /// The path without one of its findings, screened again. `None` where it cannot be driven so.
     fn opened(
         &self,
         index: usize,
@@ -378,7 +378,7 @@ impl<'a> Path<'a> {
         Ok(Some(path))
     }
 
-    /// The better of two paths by the evidence, the other one with names in the place of a law.
+    /// The better of two paths by the evidence, the other one with names in the place of a residual model.
     fn or(self, mut candidate: Self) -> Self {
         let advantage = candidate.advantage(&self);
         let advantage = candidate.on_all(advantage);

@@ -1,4 +1,4 @@
-//! What may be missing: what screen, box scan and laws propose, the most likely first.
+//! What may be missing: what screen, box scan and residual models propose, the most likely first.
 
 use super::view::View;
 use crate::diagnosis::Subject;
@@ -16,23 +16,23 @@ use nalgebra::DVector;
 pub struct Proposal {
     /// What.
     pub subject: Subject,
-    /// The knobs that it turns.
+    /// The coefficients that it turns.
     pub coefficients: Vec<usize>,
     /// Where it acts, if not everywhere.
     pub extent: Option<Region>,
-    /// Steps of its knobs by the linearised problem.
+    /// Steps of its coefficients by the linearised problem.
     pub steps: Vec<(usize, DVector<f64>)>,
     /// Log Bayes factor by the linearised problem, less its price.
     pub evidence: f64,
     /// What looking in many places costs, or what slow noise of the sensor explains.
     pub price: f64,
-    /// Stability of a law's terms.
+    /// Stability of a residual model's terms.
     pub stability: Vec<f64>,
-    /// Step of the soil that goes with those of its knobs.
+    /// Step of the soil that goes with those of its coefficients.
     pub soil: DVector<f64>,
     /// Whether it is proposed although the linearised problem does not see it.
     pub hidden: bool,
-    /// Whether its fit begins on the given soil, far from the re-tuned one.
+    /// Whether its fit starts on the given soil, far from the refitted one.
     pub anew: bool,
 }
 
@@ -53,7 +53,7 @@ pub struct ScreenedCandidate {
 /// throughout, where the linearised problem may be far off, and in one place.
 pub const BEHIND: [f64; 2] = [0.2, 0.6];
 pub const FAR_BEHIND: f64 = 8.0;
-/// Share that re-tuning takes up of an effect that may be hidden.
+/// Share that the refit of the soil takes up of an effect that may be hidden.
 const HIDDEN: f64 = 0.9;
 /// Less evidence than this is not worth a fit.
 const FAINT: f64 = 0.5;
@@ -152,7 +152,7 @@ pub fn proposals(
     all
 }
 
-/// Effects of which re-tuning takes up so much, of all or of one number's, that the linearised problem
+/// Effects of which the refit of the soil takes up so much, of all or of one number's, that the linearised problem
 /// may not see them: the soil has gone far to imitate them. So has it for those that have no derivative while they
 /// are off. They are proposed as large as the catalogue expects them, with the soil moved back by what
 /// would imitate that.
@@ -225,7 +225,7 @@ fn soil_after(
     follows.rows(0, problem.soil.len()).into_owned()
 }
 
-/// The unknowns of a screened candidate as steps of knobs.
+/// The unknowns of a screened candidate as steps of coefficients.
 fn steps(
     problem: &Problem,
     system: &System,
@@ -327,11 +327,11 @@ pub enum ProposalKind {
     Throughout,
     /// Something that acts in one place or for some time.
     Local,
-    /// A law without a name.
+    /// A residual model without a name.
     ResidualModel,
 }
 
-/// What each term of a law costs besides the choice: it can be bent to look like many an effect.
+/// What each term of a residual model costs besides the choice: it can be bent to look like many an effect.
 const TERM: f64 = 2.0;
 /// What acting somewhere only costs besides the choice of the place.
 const LOCAL: f64 = 1.0;
@@ -366,7 +366,7 @@ impl Proposal {
         }
     }
 
-    /// Takes a term out of a law.
+    /// Takes a term out of a residual model.
     pub fn without_term(&mut self, place: usize) {
         let coefficient = self.coefficients.remove(place);
         self.stability.remove(place);
@@ -394,7 +394,7 @@ const SHIFTS: [(&str, &str); 2] = [
 /// A load is tried with no more than this share of the vehicle's mass.
 const HEAVIEST: f64 = 0.2;
 
-/// Where a shifted centre of mass is likelier, the load begins where it shifts it as much: of what acts
+/// Where a shifted centre of mass is likelier, the load starts where it shifts it as much: of what acts
 /// throughout, and of what acts in one run alone. A load that is on is not proposed again.
 pub fn place_load(problem: &Problem, proposals: &mut Vec<Proposal>) {
     let shifts = proposals.iter().filter(|one| {
@@ -412,7 +412,7 @@ fn coefficient(problem: &Problem, name: &str) -> Option<usize> {
     coefficients.position(|coefficient| coefficient.parameter.name == name)
 }
 
-/// A proposal's step of a knob.
+/// A proposal's step of a coefficient.
 fn step(problem: &Problem, proposal: &Proposal, name: &str) -> Option<f64> {
     let coefficient = coefficient(problem, name)?;
     let (_, step) = proposal

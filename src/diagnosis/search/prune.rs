@@ -12,7 +12,7 @@ use crate::fit::problem::NoiseModel;
 
 /// What would cost so many times its price by the linearised problem stays without a further look.
 const SURELY: f64 = 3.0;
-/// A term of a law stays that is so many standard errors from none.
+/// A term of a residual model stays that is so many standard errors from none.
 const SURE_TERM: f64 = 2.0;
 
 /// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
@@ -70,7 +70,7 @@ pub fn prune(
     accepted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
 }
 
-/// Takes terms out of laws that are less than so many standard errors from none. The likelihood takes segments for
+/// Takes terms out of residual models that are less than so many standard errors from none. The likelihood takes segments for
 /// independent; what pulls some of them one way and others the other is worth less than it says.
 fn trim_residual_models(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, noise: &NoiseModel) {
     let mut index = 0;
@@ -110,7 +110,7 @@ fn trim_residual_models(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, n
     }
 }
 
-/// Place of a law's term that is least sure, if it is not sure.
+/// Place of a residual model's term that is least sure, if it is not sure.
 fn doubtful_term(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -168,7 +168,7 @@ pub fn without<'a>(
     (problem, fit)
 }
 
-/// What switching some knobs off costs of the log likelihood by the linearised problem.
+/// What switching some coefficients off costs of the log likelihood by the linearised problem.
 fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
     let system = &stage.screening.system;
     let others: Vec<usize> = stage
@@ -204,7 +204,7 @@ mod tests {
     use crate::diagnosis::hypothesis::candidate::CandidateParameter;
     use crate::diagnosis::testing::{driven, on, refitted};
     use crate::effects::{CATALOGUE, ParameterName};
-    
+
     use crate::vehicle::Specification;
 
     /// What stays of a finding of these numbers and so much gain on a drive of this model, and the numbers that are on.

@@ -18,7 +18,7 @@ use crate::fit::problem::NoiseModel;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What a candidate looked like under the re-tuned model.
+/// What a candidate looked like under the refitted model.
 #[derive(Debug, Clone)]
 pub struct Screening {
     /// What the screen saw.
@@ -27,7 +27,7 @@ pub struct Screening {
     pub threshold: f64,
     /// The linearised problem.
     pub system: Arc<System>,
-    /// A wrench that comes and goes; `None` also where there was no time to look for it.
+    /// A latent wrench; `None` also where there was no time to look for it.
     pub latent_wrench: Option<LatentWrench>,
     /// How long it took.
     pub took: Duration,
@@ -36,9 +36,9 @@ pub struct Screening {
 /// Draws of simulated nulls, and the share of them below the threshold.
 const NULLS: usize = 500;
 const SHARE: f64 = 0.95;
-/// A soil that moves by more than this share of its prior's deviation is looked at anew.
+/// A soil that moves by more than this share of its prior's deviation is screened again.
 const MOVED: f64 = 0.02;
-/// A start that moves by more than this is looked at anew: pose \[m, m, rad\], then velocities.
+/// A start that moves by more than this is screened again: pose \[m, m, rad\], then velocities.
 const ASTRAY: [f64; 6] = [0.2, 0.2, 0.05, 0.1, 0.1, 0.1];
 
 /// A hypothesis and everything that is known with it inside.
@@ -57,10 +57,10 @@ pub struct Stage<'a> {
 }
 
 /// Looks at everything around a hypothesis; noise and weights move along. Beside nothing yet, effects that
-/// re-tuning may hide are among the proposals.
+/// the refit of the soil may hide are among the proposals.
 ///
 /// # Errors
-/// Somebody wants it to end, the hypothesis' deadline has passed (noise and weights are then as before), numbers that are
+/// The caller wants it to end, the hypothesis' deadline has passed (noise and weights are then as before), numbers that are
 /// not finite.
 pub fn screen<'a>(
     problem: Problem<'a>,
@@ -148,7 +148,7 @@ pub fn screen<'a>(
 /// is left over beside it.
 ///
 /// # Errors
-/// Somebody wants it to end, numbers that are not finite.
+/// The caller wants it to end, numbers that are not finite.
 pub fn screen_again<'a>(
     before: &Arc<Screening>,
     problem: Problem<'a>,
@@ -186,7 +186,7 @@ fn moved(problem: &Problem, from: &Solution, to: &Solution) -> f64 {
     each.fold(0.0, f64::max)
 }
 
-/// The stretches whose start was found elsewhere: what it leaves over there is another thing.
+/// The segments whose start was found elsewhere: what it leaves over there is another thing.
 fn strayed(from: &Solution, to: &Solution) -> Option<Subsample> {
     let pairs = from.starts.iter().zip(&to.starts).enumerate();
     let strayed = pairs.filter(|(_, (a, b))| {

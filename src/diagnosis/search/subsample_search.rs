@@ -1,6 +1,6 @@
 //! Most of the way of fits on a part of a long recording.
 //!
-//! What acts throughout is fitted to some stretches first, and only what keeps its promise there goes on with
+//! What acts throughout is fitted to some segments first, and only what keeps its promise there goes on with
 //! all of them. What acts at some time or place only is fitted to all at once.
 
 use super::initial_guess::LOST;
@@ -13,7 +13,7 @@ use crate::diagnosis::hypothesis::likelihood::{
 use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::fit::problem::NoiseModel;
 
-/// Some stretches, and the hypothesis fitted to them.
+/// Some segments, and the hypothesis fitted to them.
 pub struct SubsampleSearch<'a> {
     part: Subsample,
     problem: Problem<'a>,
@@ -47,7 +47,7 @@ impl<'a> SubsampleSearch<'a> {
         })
     }
 
-    /// As [`partial_fit`], what is gained told as if it were of all stretches.
+    /// As [`partial_fit`], what is gained told as if it were of all segments.
     #[must_use]
     pub fn partial_fit(&self, proposal: &Proposal, least: f64) -> Option<PartialFit<'a>> {
         let share = 1.0 / self.part.ratio();
@@ -78,7 +78,7 @@ impl<'a> SubsampleSearch<'a> {
         partial_fit
     }
 
-    /// Goes on with all stretches; from the beginning where they cannot be driven as it stands, or the way is
+    /// Goes on with all segments; from the beginning where they cannot be driven as it stands, or the way is
     /// lost. `None` where that cannot be driven either.
     #[must_use]
     pub fn widened(

@@ -1,4 +1,4 @@
-//! What may be missing, fitted beside a hypothesis: all begin, the promising ones are finished.
+//! What may be missing, fitted beside a hypothesis: all start, the promising ones are finished.
 
 use super::colocated::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
 use super::edges::settle_edges;
@@ -12,13 +12,13 @@ use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::{DiagnosisError, Progress};
 use crate::fit::problem::NoiseModel;
 
-/// Fits that are further behind after their first steps are not finished, or not widened to all stretches.
+/// Fits that are further behind after their first steps are not finished, or not widened to all segments.
 const NEAR: f64 = 0.75;
 const NEAR_ON_A_PART: f64 = 0.5;
 /// The same where the likeliest acts: they do not differ by where they were looked for.
 const NEAR_THERE: f64 = 0.9;
 pub const CLOSE: f64 = 5.0;
-/// Where a law is likeliest, names lead on as well that have this share of its odds: a law may be two effects at once.
+/// Where a residual model is likeliest, names lead on as well that have this share of its odds: a residual model may be two effects at once.
 pub const GOOD_PART: f64 = 0.2;
 /// What acts at some time or place only comes to at most so many times what the linearised problem promises.
 const LINEAR: f64 = 3.0;
@@ -29,11 +29,11 @@ const MOST: usize = 7;
 /// it is finished.
 const FIRST_STEPS: f64 = 0.6;
 
-/// Fits what is worth it: all begin, and those that are not far behind after some steps are finished. Where time is up,
+/// Fits what is worth it: all start, and those that are not far behind after some steps are finished. Where time is up,
 /// what has begun stands as it is, and nothing can be named by it.
 ///
 /// # Errors
-/// Somebody wants it to end.
+/// The caller wants it to end.
 pub fn try_all<'a>(
     stage: &Stage<'a>,
     noise: &NoiseModel,
@@ -134,7 +134,7 @@ fn subsampled<'a>(
     widened.chain(local).collect()
 }
 
-/// Those whose fit could begin. Each is followed as far as it may come to this share of the best so far.
+/// Those whose fit could start. Each is followed as far as it may come to this share of the best so far.
 fn partially_fitted<'a, 'p>(
     proposals: impl Iterator<Item = &'p Proposal>,
     share: f64,
@@ -167,7 +167,7 @@ fn promising<'a>(mut fits: Vec<PartialFit<'a>>, share: f64, most: usize) -> Vec<
     fits
 }
 
-/// The largest log odds of laws and of names, by which the others are measured.
+/// The largest log odds of residual models and of names, by which the others are measured.
 struct OddsThreshold {
     residual_model: f64,
     name: f64,
@@ -187,7 +187,7 @@ impl OddsThreshold {
     }
 
     /// What comes to less is not gone on with: less than this share of the best. Of what has a name the best with a
-    /// name counts, where that explains a good part of what a law does.
+    /// name counts, where that explains a good part of what a residual model does.
     fn least(&self, kind: ProposalKind, share: f64) -> f64 {
         let best = match kind {
             ProposalKind::ResidualModel => share * self.residual_model.max(self.name),
@@ -208,7 +208,7 @@ mod tests {
             name,
         };
         for kind in [ProposalKind::Throughout, ProposalKind::Local] {
-            // Two effects at once: a law has the most of both, each name two thirds or less.
+            // Two effects at once: a residual model has the most of both, each name two thirds or less.
             let least = bar(1000.0, 400.0).least(kind, NEAR);
             assert!((300.0 - CLOSE - least).abs() < 1e-9);
             // A name that explains next to nothing of it leads nowhere, however good it is among names.

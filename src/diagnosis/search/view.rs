@@ -16,7 +16,7 @@ pub struct View<'a, 'g> {
     pub projection: Projection<'a>,
     /// The noise.
     pub noise: &'a NoiseModel,
-    /// Knobs that are on.
+    /// Coefficients that are on.
     pub on: &'a [usize],
 }
 

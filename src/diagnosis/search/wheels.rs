@@ -10,9 +10,9 @@
 
 use crate::diagnosis::Progress;
 use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::Wheels;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, fit_with_noise};
 use crate::diagnosis::hypothesis::thin::FIRST_LOOK;
-use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::fit::problem::NoiseModel;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,7 +22,7 @@ const SMOOTHINGS: [f64; 5] = [0.0, 0.1, 0.4, 1.6, 6.4];
 /// Log odds that smoothing has to outweigh: speeds that nobody counted are as they are told.
 const UNLIKELY: f64 = 3.0;
 
-/// The re-tuned model with the wheels' speeds between samples such that the recordings are likeliest. Where time is short,
+/// The refitted model with the wheels' speeds between samples such that the recordings are likeliest. Where time is short,
 /// what was tried by then.
 #[must_use]
 pub fn reconstructed<'a>(
@@ -107,11 +107,9 @@ fn with_wheels<'a>(problem: &Problem<'a>, counted: bool, smoothing: f64) -> Prob
 mod tests {
     use super::*;
     use crate::diagnosis::Options;
-    
+
     use crate::diagnosis::testing::{driven, fitted, on};
     use crate::recording::{Channel, Recording, Series};
-    
-    
 
     /// Seconds between two samples of the encoders.
     const INTERVAL: f64 = 0.3;
