@@ -145,10 +145,10 @@ pub fn diagnose(
     let next = next(&searched, &judgement, &hidden, options).filter(|_| !deadline.is_over());
     progress.step("collecting results")?;
     for (candidate, _) in &mut candidates {
-        candidate.probability = judgement.odds.of(candidate.subject);
+        candidate.probability = judgement.posterior.of(candidate.subject);
     }
     let mut candidates: Vec<Candidate> = candidates.into_iter().map(|(c, _)| c).collect();
-    candidates.extend(others(&judgement.odds, &candidates, nominal));
+    candidates.extend(others(&judgement.posterior, &candidates, nominal));
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let found = findings(&searched, &judgement.findings);
     let model = model(&searched, nominal)?;

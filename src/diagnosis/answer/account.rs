@@ -1,4 +1,4 @@
-//! The account that a diagnosis gives of itself.
+//! The account of a diagnosis: noise, thresholds, and remarks.
 
 use super::posterior::likeliest_first;
 use crate::diagnosis::Options;
@@ -12,7 +12,7 @@ use crate::fit::noise_model::noise_estimates;
 use crate::recording::Recording;
 use crate::vehicle::Vehicle;
 
-/// How it was done: noise, thresholds, and what the reader should know besides.
+/// Noise, thresholds and remarks of a diagnosis.
 #[must_use]
 pub fn account(searched: &SearchResult, options: &Options, left_out: f64, seconds: f64) -> Account {
     let problem = &searched.problem;
@@ -35,7 +35,7 @@ pub fn account(searched: &SearchResult, options: &Options, left_out: f64, second
     }
 }
 
-/// What is doubtful of the vehicle that was given: the answer is about that vehicle.
+/// Implausible dimensions of the given vehicle: the answer is about that vehicle.
 #[must_use]
 pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
     let doubts = vehicle.doubts().into_iter();
@@ -44,7 +44,7 @@ pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
         .collect()
 }
 
-/// What the reader put right or wants known of the recordings.
+/// Warnings of the importer about the recordings.
 #[must_use]
 pub fn read(recordings: &[Recording]) -> Vec<String> {
     let warnings = recordings.iter().flat_map(Recording::warnings);
@@ -64,7 +64,7 @@ fn notes(searched: &SearchResult) -> Vec<String> {
         let note = "The recordings start at the same point, so each has a separate map, and effects tied to a place on the map are not searched for. If the drives share one frame, give their poses in it.";
         notes.push(note.into());
     }
-    notes.extend(at_the_end_of_its_range(searched));
+    notes.extend(at_bounds(searched));
     let window = |problem: &Problem| problem.nominal.effects.window.clone();
     let found = window(&searched.placed).filter(|_| window(&searched.problem).is_none());
     if let Some(Extent::Time { .. }) = found.map(|window| window.extent) {
@@ -75,8 +75,8 @@ fn notes(searched: &SearchResult) -> Vec<String> {
     notes
 }
 
-/// Soil parameters that would go further than they may: what they stand for then is not soil.
-fn at_the_end_of_its_range(searched: &SearchResult) -> impl Iterator<Item = String> {
+/// Soil parameters at their bounds: they may imitate something other than soil.
+fn at_bounds(searched: &SearchResult) -> impl Iterator<Item = String> {
     let parameters = searched.problem.soil_parameters();
     let pairs = parameters
         .into_iter()
@@ -95,7 +95,7 @@ fn at_the_end_of_its_range(searched: &SearchResult) -> impl Iterator<Item = Stri
     })
 }
 
-/// How wheel speeds were taken between samples, in words.
+/// The reconstruction of the wheel speeds, in words.
 fn between_samples(wheels: &Wheels) -> String {
     let units = if wheels.likelier < 1.0 {
         "a fraction of a unit"

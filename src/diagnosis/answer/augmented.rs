@@ -1,4 +1,4 @@
-//! The given model with what was found.
+//! The augmented model: the given one with the findings.
 
 use crate::diagnosis::DiagnosisError;
 use crate::diagnosis::hypothesis::UnknownKind;
@@ -8,10 +8,10 @@ use crate::diagnosis::search::SearchResult;
 use crate::effects::{CATALOGUE, Effects, Extent, Window};
 use crate::vehicle::Specification;
 
-/// What a recording tells of what is its own counts at least so much of what was expected before.
+/// Minimum weight of a recording's separate value, as a share of the prior's precision.
 const MIN_INFORMATION: f64 = 1e-3;
 
-/// The augmented model: what is bound to some seconds of one drive is left out of it.
+/// The augmented model, without effects of some seconds of one drive.
 pub fn model(
     searched: &SearchResult,
     nominal: &Specification,
@@ -22,7 +22,7 @@ pub fn model(
         .map_err(|_| DiagnosisError::NotFinite)?;
     let predictor = problem.predictor(&searched.augmented.coefficients);
     let shooting = problem.shooting(&predictor, &searched.augmented.coefficients);
-    // What each recording has for itself goes in as the mean.
+    // Separate values of the recordings enter as their mean.
     let mut own: Vec<(usize, Vec<OwnValue>)> = Vec::new();
     let FittedHypothesis {
         coefficients,
@@ -55,7 +55,7 @@ pub fn model(
         }
     }
     without_seconds(&mut model.effects, &nominal.effects)?;
-    // Where an effect that is off was expected to act is nobody's concern.
+    // The places of effects that are off are those of the given model.
     for effect in 0..CATALOGUE.len() {
         if !model.effects.is_on(effect) {
             copy(&mut model.effects, effect, &nominal.effects)
@@ -65,14 +65,14 @@ pub fn model(
     Ok(model)
 }
 
-/// What a recording tells of a coordinate of its own.
+/// A recording's separate value of a coordinate.
 struct OwnValue {
     at: f64,
     variance: f64,
 }
 
-/// The mean of a coordinate over recordings, each by what it tells beyond what was expected: a drive that was never there
-/// tells nothing.
+/// The mean over recordings, weighted by their information beyond the prior: a drive that never was in the region has
+/// none.
 fn mean(each: &[OwnValue], expected: f64) -> f64 {
     let known = expected.powi(-2);
     let weight = |value: &OwnValue| (value.variance.recip() - known).max(MIN_INFORMATION * known);
@@ -80,8 +80,7 @@ fn mean(each: &[OwnValue], expected: f64) -> f64 {
     sum / each.iter().map(weight).sum::<f64>()
 }
 
-/// Turns off what was found in some seconds of one drive. Where the given model has a window of its own, nothing is
-/// looked for in another.
+/// Turns off effects of some seconds of one drive. If the given model has a window, no other one is searched.
 fn without_seconds(effects: &mut Effects, problem: &Effects) -> Result<(), DiagnosisError> {
     if problem.window.is_some() {
         return Ok(());
@@ -102,7 +101,7 @@ mod tests {
     #[test]
     fn a_drive_that_was_never_there_does_not_count() {
         let value = |at, variance| OwnValue { at, variance };
-        // Slope in a disc: 0.06 rad where it was crossed; nothing but the prior of 0.1 rad where it was not.
+        // Slope in a disc: 0.06 rad from a crossing; the prior of 0.1 rad from a drive elsewhere.
         let crossed = mean(&[value(0.06, 1e-4), value(0.0, 1e-2)], 0.1);
         assert!((crossed - 0.06).abs() < 1e-5, "{crossed}");
         let both = mean(&[value(0.06, 1e-4), value(0.04, 1e-4)], 0.1);

@@ -1,4 +1,4 @@
-//! Everything that was asked about, in numbers.
+//! Results of all candidates.
 
 use super::posterior::Posterior;
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
@@ -11,11 +11,10 @@ use crate::fit::parameter::NORMAL_95;
 use crate::vehicle::Specification;
 use nalgebra::{DMatrix, DVector};
 
-/// Power with which the smallest detectable effect is seen: 90 % quantile of the normal
-/// distribution.
+/// Quantile of the normal distribution for a power of 90 % at the smallest detectable effect.
 const POWER: f64 = 1.28;
 
-/// Every screened candidate, and whether it would have been seen at a plausible size.
+/// Every screened candidate, and whether a plausible value would have been detected.
 ///
 /// # Errors
 /// Numbers that are not finite.
@@ -26,7 +25,7 @@ pub fn candidates(searched: &SearchResult) -> Result<Vec<(Candidate, bool)>, Dia
     let alike = similar(&projection, &screening.screened);
     let one = |(screened, alike): (&ScreenedCandidate, Vec<(Subject, f64)>)| {
         let mut coefficients = searched.problem.candidates.of(screened.subject);
-        // The one that the numbers are of: recordings may tell nothing of the others.
+        // The coefficient that the results are about; others may have no information.
         let coefficient =
             coefficients.find(|coefficient| !screening.system.unknowns(*coefficient).is_empty());
         let coefficient = &searched.problem.candidates[coefficient?];
@@ -43,7 +42,7 @@ pub fn candidates(searched: &SearchResult) -> Result<Vec<(Candidate, bool)>, Dia
                 f64::INFINITY
             }
         };
-        // Away from off, to the side that is possible.
+        // From "off" to the possible side.
         let upward = (value(smallest) - coefficient.parameter.value(off)).abs();
         let downward = (value(-smallest) - coefficient.parameter.value(off)).abs();
         let degrees = projected.unknowns.len();
@@ -69,7 +68,7 @@ pub fn candidates(searched: &SearchResult) -> Result<Vec<(Candidate, bool)>, Dia
     Ok(pairs.filter_map(one).collect())
 }
 
-/// A subject that nothing is known of.
+/// A candidate without results.
 #[must_use]
 pub fn empty(subject: Subject) -> Candidate {
     Candidate {
@@ -87,9 +86,13 @@ pub fn empty(subject: Subject) -> Candidate {
     }
 }
 
-/// What was not screened but has a probability: nothing, unknown, a change of terrain.
+/// Subjects with a probability that are not screened: nothing, unknown, a change of terrain.
 #[must_use]
-pub fn others(odds: &Posterior, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
+pub fn others(
+    posterior: &Posterior,
+    screened: &[Candidate],
+    nominal: &Specification,
+) -> Vec<Candidate> {
     let change = CATALOGUE
         .iter()
         .position(|e| e.name == TERRAIN_CHANGE)
@@ -99,7 +102,7 @@ pub fn others(odds: &Posterior, screened: &[Candidate], nominal: &Specification)
     subjects.retain(|subject| !screened.iter().any(|c| c.subject == *subject));
     let each = subjects.into_iter();
     each.map(|subject| Candidate {
-        probability: odds.of(subject),
+        probability: posterior.of(subject),
         ..empty(subject)
     })
     .collect()

@@ -1,9 +1,9 @@
-//! How far predictions of data not fitted err: as given, refitted, with what was found.
+//! Held-out comparison of the given, the refitted and the augmented model.
 //!
-//! Each model is judged by parameters from other folds (see `cross_validated`) and under the noise that it leaves
-//! itself: under the noise of another one, which holds less, what it misses would count more. Errors in metres
-//! come from starts fitted to the first second of a segment alone; what follows it is predicted. They are
-//! compared on the segments that all models can drive; the score is over all.
+//! Each model is scored with parameters from other folds ([`cross_validated`]) and under the noise of its own
+//! residuals: under the smaller noise of a better model its misfit would count more. Errors in metres and radians
+//! follow a start that is fitted to the first second of a segment; the rest is predicted. They cover the segments
+//! that all models can follow; the score covers all.
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::block::{Block, blocks};
@@ -24,22 +24,21 @@ use crate::fit::signal::Signal;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// A start is fitted to so many seconds; the rest is predicted.
+/// Time to which a start is fitted \[s\]; the rest is predicted.
 const SEEN: f64 = 1.0;
-/// When starts alone are fitted.
+/// The end of a fit of starts.
 const START_STOP: Stop = Stop::after(10, 0.5);
-/// Weight of samples that are not seen.
+/// Weight of held-out samples.
 const UNSEEN: f64 = 1e-8;
 
-/// A model's predictions of what it was not fitted to.
+/// A model's held-out errors and scores.
 struct HeldOutPrediction {
-    /// Of each segment; `None` where the model cannot drive.
+    /// For each segment; `None` if the model cannot follow it.
     errors: Vec<Option<SquaredErrors>>,
     scores: Scores,
 }
 
-/// Compares the model as given, refitted, and with what was found. `None` where there is too little to
-/// hold out.
+/// Compares the given, the refitted and the augmented model. `None` if there is too little data to hold out.
 #[must_use]
 pub fn compare(searched: &SearchResult) -> Option<HeldOut> {
     let (problem, noise) = (&searched.problem, &searched.noise);
@@ -78,7 +77,7 @@ pub fn compare(searched: &SearchResult) -> Option<HeldOut> {
     })
 }
 
-/// Of a fitted hypothesis.
+/// Errors of a fitted hypothesis.
 fn fitted(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -95,7 +94,7 @@ fn fitted(
     ))
 }
 
-/// Of the model as it is given. `None` where it cannot drive.
+/// Errors of the given model. `None` if it cannot follow the recordings.
 fn nominal(problem: &Problem, noise: &NoiseModel) -> Option<HeldOutPrediction> {
     let predictor =
         ExactPredictor::new(problem.nominal.clone(), Vec::new()).with_deadline(problem.deadline);
@@ -142,7 +141,7 @@ impl HeldOutPrediction {
         Self { errors, scores }
     }
 
-    /// Over these segments; the score over all.
+    /// Errors over these segments; the score over all.
     fn sum_up(&self, counted: &[bool]) -> Errors {
         let mut all = SquaredErrors::default();
         let pairs = self.errors.iter().zip(counted);
@@ -162,18 +161,17 @@ impl HeldOutPrediction {
     }
 }
 
-/// What the weights of outliers cost, for they are each model's own: with it the density is Student's.
+/// The penalty of the outliers' weights, which differ between models: with it the density is Student's.
 fn price<'w>(weights: impl Iterator<Item = &'w f64>) -> f64 {
     // The determinant of the noise has the logarithm already.
     weights.map(|weight| penalty(*weight) + weight.ln()).sum()
 }
 
-/// Sums of squares and numbers of samples: position (two coordinates make one sample), heading, yaw
-/// rate.
+/// Sums of squares and numbers of samples: position (two coordinates make one sample), heading, yaw rate.
 #[derive(Debug, Clone, Copy, Default)]
 struct SquaredErrors([(f64, usize); 3]);
 
-/// Fits a start to the first second and predicts the rest. `None` where the model cannot drive.
+/// Errors after a start that is fitted to the first second. `None` if the model cannot follow.
 fn predicted(
     shooting: &ShootingProblem<ExactPredictor>,
     index: usize,

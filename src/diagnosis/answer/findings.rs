@@ -1,4 +1,4 @@
-//! What was found, in numbers and plain words.
+//! Findings in numbers and sentences.
 
 use super::posterior::likeliest_first;
 use super::verdict::JudgedFinding;
@@ -11,13 +11,15 @@ use crate::diagnosis::screening::regime::{channel, gains, regime};
 use crate::diagnosis::screening::region::Region;
 use crate::diagnosis::screening::residual_model::{channel as pushed, group};
 use crate::diagnosis::screening::screen::Projection;
+use crate::diagnosis::screening::wrench::smooth;
 use crate::diagnosis::search::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::search::{AcceptedEffect, SearchResult};
 use crate::fit::parameter::{FreeParameter, NORMAL_95};
+use crate::recording;
 use nalgebra::DMatrix;
 
-/// Segments that are told where something acts throughout.
-const TOLD: usize = 3;
+/// Number of reported places of an effect that acts throughout.
+const MAX_PLACES: usize = 3;
 
 /// The findings of a judgement.
 #[must_use]
@@ -28,12 +30,12 @@ pub fn findings(searched: &SearchResult, judged: &[JudgedFinding]) -> Vec<Findin
     let covariance = scattered(&searched.placed, &searched.augmented, &searched.noise);
     let one = |judged: &JudgedFinding| match judged.effect {
         Some(effect) => named(searched, &searched.accepted[effect], judged, &covariance),
-        None => left_over(searched, judged),
+        None => latent_wrench(searched, judged),
     };
     judged.iter().map(one).collect()
 }
 
-/// Values and intervals of a proposal's coefficients at a fit.
+/// Values and intervals of a proposal's coefficients.
 fn quantities(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -48,15 +50,15 @@ fn quantities(
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
     let mut found: Vec<(usize, Quantity)> = Vec::new();
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     problem.visit(&shooting, &fit.coefficients, |place, recording, what| {
         let UnknownKind::CandidateParameter(coefficient) = what else {
             return;
         };
-        if !coefficients.contains(&coefficient) || told.contains(&place) {
+        if !coefficients.contains(&coefficient) || reported.contains(&place) {
             return;
         }
-        told.push(place);
+        reported.push(place);
         let about = &problem.candidates[coefficient];
         if about.own && !acts(recording) {
             return;
@@ -116,7 +118,7 @@ fn named(
     finding
 }
 
-/// How far coefficients are from off, for each recording.
+/// Distances of coefficients from "off", for each recording.
 fn steps(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -168,7 +170,7 @@ fn places(
         }
         Target::Model(_) => channel(problem, system, steps),
     };
-    // What acts in one place only shows in what is driven there: that would say the place once more.
+    // An effect of one region shows in the regime of that region, which says nothing new.
     let everywhere = effect.proposal.extent.is_none();
     let gains = Projection::over_all(system, &[])
         .filter(|_| everywhere)
@@ -219,14 +221,15 @@ fn places(
                 run.4 = own.map(|gain| gain.gain).sum();
             }
             runs.sort_by(|a, b| b.4.total_cmp(&a.4));
-            let told = runs.into_iter().take(TOLD);
-            told.map(|(recording, run, start, end, _)| interval(recording, run, start, end, None))
+            let reported = runs.into_iter().take(MAX_PLACES);
+            reported
+                .map(|(recording, run, start, end, _)| interval(recording, run, start, end, None))
                 .collect()
         }
     }
 }
 
-/// Segments in which the vehicle is somewhere.
+/// Time intervals in which the vehicle is in a region.
 fn visits(
     searched: &SearchResult,
     inside: impl Fn([f64; 2]) -> bool,
@@ -239,7 +242,7 @@ fn visits(
         for edges in segment.edges.windows(2) {
             let middle = 0.5 * (edges[0] + edges[1]);
             let at = |channel| run.series(channel).and_then(|series| series.at(middle));
-            let place = at(crate::recording::Channel::X).zip(at(crate::recording::Channel::Y));
+            let place = at(recording::Channel::X).zip(at(recording::Channel::Y));
             if !place.is_some_and(|(x, y)| inside([x, y])) {
                 continue;
             }
@@ -254,7 +257,7 @@ fn visits(
     found
 }
 
-/// The disc that holds where the vehicle was in an interval.
+/// The smallest centred disc around the path in a time interval.
 fn patch(
     searched: &SearchResult,
     recording: usize,
@@ -264,8 +267,8 @@ fn patch(
 ) -> Option<[f64; 3]> {
     let run = &searched.problem.recordings[recording].runs[run];
     let (x, y) = (
-        run.series(crate::recording::Channel::X)?,
-        run.series(crate::recording::Channel::Y)?,
+        run.series(recording::Channel::X)?,
+        run.series(recording::Channel::Y)?,
     );
     let times = x.time.iter().filter(|time| (start..=end).contains(*time));
     let places: Vec<[f64; 2]> = times
@@ -286,8 +289,8 @@ fn patch(
     (!places.is_empty()).then_some([centre[0], centre[1], radius])
 }
 
-/// A latent wrench without a name.
-fn left_over(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
+/// The finding of a latent wrench.
+fn latent_wrench(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
     let size = searched.last.latent_wrench.map_or([0.0; 3], |w| w.size);
     let largest = (0..3)
         .max_by(|a, b| size[*a].total_cmp(&size[*b]))
@@ -296,13 +299,7 @@ fn left_over(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
     let problem = &searched.problem;
     let mut places: Vec<(f64, Interval)> = Vec::new();
     for (recording, run) in problem.runs() {
-        let found = crate::diagnosis::screening::wrench::smooth(
-            problem,
-            &searched.last.system,
-            recording,
-            run,
-            size,
-        );
+        let found = smooth(problem, &searched.last.system, recording, run, size);
         let Some(trace) = found else { continue };
         let ratio = |k: usize| (trace.value[k][largest] / trace.deviation[k][largest]).abs();
         let strongest = (0..trace.time.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)));
@@ -336,7 +333,7 @@ fn left_over(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
     places.sort_by(|a, b| b.0.total_cmp(&a.0));
     let places: Vec<Interval> = places
         .into_iter()
-        .take(TOLD)
+        .take(MAX_PLACES)
         .map(|(_, place)| place)
         .collect();
     let weight = problem.nominal.vehicle.mass * crate::vehicle::GRAVITY;

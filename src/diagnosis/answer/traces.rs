@@ -1,4 +1,4 @@
-//! What plots show: the path, residuals before and after, the wrench left over.
+//! Plot data: path, residuals before and after, unmodelled wrench.
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
@@ -9,10 +9,10 @@ use crate::fit::problem::NoiseModel;
 use crate::fit::signal::Signal;
 use crate::recording::Channel;
 
-/// A wrench is drawn at least as large as this share of the weight may be.
-const LEAST_SIZE: f64 = 3e-3;
+/// Minimum size of the wrench's prior in plots, as a share of the weight.
+const MIN_SIZE: f64 = 3e-3;
 
-/// All runs that have segments.
+/// Traces of all runs with segments.
 #[must_use]
 pub fn traces(searched: &SearchResult) -> Vec<RunTrace> {
     let problem = &searched.problem;
@@ -33,8 +33,8 @@ pub fn traces(searched: &SearchResult) -> Vec<RunTrace> {
         let size = searched
             .first
             .latent_wrench
-            .map_or([LEAST_SIZE; 3], |w| w.size);
-        let size = size.map(|s| s.max(LEAST_SIZE));
+            .map_or([MIN_SIZE; 3], |w| w.size);
+        let size = size.map(|s| s.max(MIN_SIZE));
         RunTrace {
             recording: problem.names[recording].clone(),
             run,
@@ -49,7 +49,7 @@ pub fn traces(searched: &SearchResult) -> Vec<RunTrace> {
     problem.runs().into_iter().map(one).collect()
 }
 
-/// How much a model misses, in standard deviations of the noise, second by second.
+/// Root mean square of the whitened residuals, bin by bin.
 fn mismatch(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -74,19 +74,19 @@ fn mismatch(
     whitened.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut time, mut size) = (Vec::new(), Vec::new());
     let mut rest = whitened.as_slice();
-    while let Some((begin, _)) = rest.first() {
-        let end = rest.partition_point(|(at, _)| *at < begin + SECOND);
+    while let Some((start, _)) = rest.first() {
+        let end = rest.partition_point(|(at, _)| *at < start + BIN);
         let (now, later) = rest.split_at(end.max(1));
         let squares: f64 = now.iter().map(|(_, r)| r * r).sum();
-        time.push(begin + 0.5 * SECOND);
+        time.push(start + 0.5 * BIN);
         size.push((squares / now.len() as f64).sqrt());
         rest = later;
     }
     (time, size)
 }
 
-/// Length of a segment that gets one colour \[s\].
-const SECOND: f64 = 0.5;
+/// Length of a bin of one colour \[s\].
+const BIN: f64 = 0.5;
 
 fn residuals(searched: &SearchResult, recording: usize, run: usize) -> Vec<ResidualTrace> {
     let problem = &searched.problem;

@@ -1,16 +1,13 @@
-//! Step 9: what to drive next.
+//! The next manoeuvre to drive.
 //!
-//! Each manoeuvre is rehearsed on the refitted soil (`rehearsal`), and judged by how far apart the two
-//! hypotheses would be with its recording beside those at hand (`separation`): the best finding as
-//! it was estimated, and the first of its set.
+//! Each manoeuvre is rehearsed on the refitted soil (`rehearsal`), and ranked by the separation of two hypotheses by
+//! its recording and those at hand (`separation`): the leading finding as estimated, and the first of its rivals. An
+//! effect of one region is taken to act throughout the manoeuvre, and the recordings at hand then determine the soil
+//! alone.
 //!
-//! What showed in one place or for some seconds is taken to act throughout the manoeuvre, and the
-//! recordings at hand then tell of the soil alone.
-//!
-//! Where the recordings tell too little there is no pair to separate. Then every candidate that
-//! they would not have shown at a plausible size is held against nothing, its leading parameter at
-//! its prior's standard deviation, and the median of their separations is what counts: half of what
-//! these recordings hide would show by so much.
+//! Recordings with too little information have no such pair. Then every candidate that they would not have shown at a
+//! plausible size is compared with "nothing", its leading parameter at its prior's standard deviation, and the median
+//! separation counts: half of the hidden candidates would show by this much.
 
 pub mod course;
 pub mod rehearsal;
@@ -24,12 +21,11 @@ use crate::diagnosis::{Manoeuvre, Options, Subject, Verdict};
 use rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
 use separation::Contrast;
 
-/// Where the model with its soil refitted suffices, it takes that many of the candidates to have
-/// been seen at a plausible size to leave it at that.
+/// A "nothing missing" needs no further manoeuvre if this share of the candidates would have shown.
 const ENOUGH: f64 = 0.6;
 
-/// What to drive next: where these recordings leave something open. `hidden` are the candidates
-/// that they would not have shown at a plausible size.
+/// The next manoeuvre, if these recordings do not decide. `hidden` are the candidates that would not have shown at a
+/// plausible size.
 #[must_use]
 pub fn next(
     searched: &SearchResult,
@@ -55,17 +51,17 @@ pub fn next(
     question.answer(&at_hand, options.segment)
 }
 
-/// What a manoeuvre has to answer.
+/// The question to a manoeuvre.
 #[derive(Debug)]
 struct Question {
     separates: [Subject; 2],
     signals: Vec<Contrast>,
-    /// Said of where it is to be driven.
+    /// Suffix of the instruction about the place.
     place: &'static str,
 }
 
 impl Question {
-    /// Which of the first finding's set it is.
+    /// Which of the finding's rivals is true.
     fn between(searched: &SearchResult, first: &JudgedFinding) -> Option<Self> {
         let (rival, _) = *first.set.first()?;
         let effect = searched.accepted.get(first.effect?)?;
@@ -81,7 +77,7 @@ impl Question {
                 .iter()
                 .map(|coefficients| coefficients[*coefficient] - off)
                 .collect();
-            // The recording to come is made on the same ground with the same sensors.
+            // The future recording has the same ground and sensors.
             sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
             (*coefficient, sizes)
         });
@@ -93,7 +89,7 @@ impl Question {
             signals: vec![Contrast {
                 coefficients: coefficients.collect(),
                 rivals,
-                told: !bound && !changes(rival),
+                seen_at_hand: !bound && !changes(rival),
                 scatter: scatter(searched, first.subject),
             }],
             place: if bound {
@@ -104,7 +100,7 @@ impl Question {
         })
     }
 
-    /// Whether anything of this is there.
+    /// Whether any of these candidates acts.
     fn whether(searched: &SearchResult, subjects: &[Subject]) -> Self {
         let candidates = &searched.problem.candidates;
         let recordings = searched.problem.recordings.len();
@@ -114,7 +110,7 @@ impl Question {
             Some(Contrast {
                 coefficients: vec![(coefficient, vec![deviation; recordings + 1])],
                 rivals: Vec::new(),
-                told: true,
+                seen_at_hand: true,
                 scatter: scatter(searched, subject),
             })
         };
@@ -125,7 +121,7 @@ impl Question {
         }
     }
 
-    /// The manoeuvre that answers best.
+    /// The manoeuvre with the largest separation.
     fn answer(&self, at_hand: &AtHand, length: f64) -> Option<Manoeuvre> {
         let signals = self.signals.iter();
         let mut coefficients: Vec<usize> = signals
@@ -157,8 +153,7 @@ impl Question {
         })
     }
 
-    /// The median separation of the signals with a manoeuvre's recording beside those at hand. `None`
-    /// where the model cannot drive all of it.
+    /// The median separation of the signals. `None` if the model cannot follow the manoeuvre.
     fn separation(&self, at_hand: &AtHand, rehearsed: &Rehearsed, one: usize) -> Option<f64> {
         let each = self.signals.iter();
         let mut all: Vec<f64> = each
@@ -175,7 +170,7 @@ fn scatter(searched: &SearchResult, subject: Subject) -> f64 {
     found.map_or(1.0, |one| one.score.scatter)
 }
 
-/// What to do, with numbers of the motion on the refitted soil.
+/// The instruction, with numbers of the motion on the refitted soil.
 fn describe(rehearsal: &Rehearsal) -> String {
     let course = &rehearsal.course;
     let states = rehearsal.states.iter();
@@ -244,8 +239,7 @@ mod tests {
         Subject::Effect(place.unwrap())
     }
 
-    /// Asks after a straight drive in one direction: is it this, so many of its prior's deviations
-    /// large, or that?
+    /// After a straight drive in one direction: is it this, as many prior deviations large, or that?
     fn after_a_straight(a: (&str, &str, f64), b: Option<&str>) -> Manoeuvre {
         let model = on("sandy_loam");
         let recordings = [steady_straight(&model)];
@@ -272,7 +266,7 @@ mod tests {
             signals: vec![Contrast {
                 coefficients: vec![(coefficient, vec![size; 2])],
                 rivals,
-                told: true,
+                seen_at_hand: true,
                 scatter: 1.0,
             }],
             place: "",
@@ -319,13 +313,13 @@ mod tests {
     fn descriptions_name_numbers_of_the_motion() {
         let model = on("sandy_loam");
         for rehearsal in crate::diagnosis::manoeuvre::rehearsal::tests::all(&model) {
-            let told = describe(&rehearsal);
+            let text = describe(&rehearsal);
             let name = rehearsal.course.name;
-            assert!(told.contains(" s"), "{name}: {told}");
-            assert!(told.matches(|c: char| c.is_ascii_digit()).count() > 2);
-            assert!(!told.contains("inf") && !told.contains("NaN"), "{told}");
+            assert!(text.contains(" s"), "{name}: {text}");
+            assert!(text.matches(|c: char| c.is_ascii_digit()).count() > 2);
+            assert!(!text.contains("inf") && !text.contains("NaN"), "{text}");
             let bends = ["slalom", "spiral", "circles", "figure_eight"].contains(&name);
-            assert_eq!(bends, told.contains("radius"), "{name}: {told}");
+            assert_eq!(bends, text.contains("radius"), "{name}: {text}");
         }
     }
 }

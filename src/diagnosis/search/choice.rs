@@ -1,4 +1,4 @@
-//! Which of the things that were fitted is taken next.
+//! The choice of the next effect.
 
 use super::accepted::{NOTHING, TAKE};
 use super::naming::FittedCandidate;
@@ -6,22 +6,22 @@ use super::proposal::ProposalKind;
 use super::stage::Stage;
 use super::trial::GOOD_PART;
 
-/// What is taken first where several things are worth it.
+/// The preference among several acceptable candidates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prefer {
     /// The likeliest.
     Nothing,
-    /// What has a name, the likeliest first: a residual model may be two effects at once.
+    /// Effects of the catalogue first: a residual model may be two effects at once.
     Names,
 }
 
-/// How much better it predicts what it was not fitted to, with the standard error.
+/// Held-out gain, with the standard error.
 pub fn held_out_gain(candidate: &FittedCandidate, stage: &Stage) -> Option<(f64, f64)> {
     let pair = candidate.scores.as_ref().zip(stage.scores.as_ref());
     pair.map(|(with, without)| with.gain_over(without))
 }
 
-/// Log odds; what predicts worse what it was not fitted to is no likelier than nothing.
+/// Log odds; a candidate that predicts held-out data worse is no likelier than "nothing".
 pub fn sound_odds(candidate: &FittedCandidate, stage: &Stage) -> f64 {
     let sound = held_out_gain(candidate, stage).is_none_or(|(mean, error)| mean > -error);
     if sound {
@@ -31,18 +31,18 @@ pub fn sound_odds(candidate: &FittedCandidate, stage: &Stage) -> f64 {
     }
 }
 
-/// What outweighs chance and does not predict worse.
+/// Candidates above the threshold that do not predict worse.
 fn worth_it<'n, 'a>(
     fitted: &'n [FittedCandidate<'a>],
     stage: &Stage,
 ) -> impl Iterator<Item = &'n FittedCandidate<'a>> {
     fitted.iter().filter(move |candidate| {
-        let told = held_out_gain(candidate, stage).is_some();
-        told && sound_odds(candidate, stage) > NOTHING + TAKE
+        let tested = held_out_gain(candidate, stage).is_some();
+        tested && sound_odds(candidate, stage) > NOTHING + TAKE
     })
 }
 
-/// What is taken next. `None` where nothing is worth it.
+/// The next effect. `None` if no candidate is acceptable.
 pub fn choose<'n, 'a>(
     fitted: &'n [FittedCandidate<'a>],
     stage: &Stage,
@@ -57,7 +57,7 @@ pub fn choose<'n, 'a>(
     candidate.or_else(|| best(false))
 }
 
-/// Whether a residual model is the likeliest, and something with a name explains a good part of the same.
+/// Whether a residual model is likeliest, and an effect explains a good share of the same.
 pub fn worth_two_ways(fitted: &[FittedCandidate], stage: &Stage) -> bool {
     let first = |prefer| choose(fitted, stage, prefer);
     let pair = first(Prefer::Nothing).zip(first(Prefer::Names));

@@ -1,8 +1,8 @@
-//! What else may act where the likeliest does.
+//! Colocated candidates: what else may act in the region of the likeliest.
 //!
-//! The box scan finds each candidate's best place through the linearised problem. Where something acts hard, that is far
-//! off: a slope that all but stops a vehicle promises less than half of what it comes to, at another time than it acts, and
-//! would never be fitted. So whatever the scan promises elsewhere, everything is begun where the likeliest acts as well.
+//! The box scan finds each candidate's best region on the linearised problem. A strong effect is far from linear: a
+//! slope that nearly stops a vehicle predicts less than half of its final gain, at another time, and would never be
+//! fitted. So every candidate is also fitted in the region of the likeliest.
 
 use super::initial_guess::cheapest;
 use super::naming::{FittedCandidate, PartialFit, finish, partial_fit, placed};
@@ -18,12 +18,12 @@ use crate::diagnosis::screening::screen::Projection;
 use crate::fit::problem::NoiseModel;
 use nalgebra::DVector;
 
-/// Two times or places that differ by less than this \[s, m\] are one.
+/// Two regions that differ by less than this \[s, m\] are the same.
 const SAME: f64 = 0.3;
-/// At most so many are finished where the likeliest acts.
+/// Maximum number of finished fits in the region of the likeliest.
 const MOST: usize = 4;
 
-/// What is proposed where the likeliest acts, if that is a place or a time, and has not been fitted there.
+/// Proposals in the region of the likeliest that have not been fitted there.
 #[must_use]
 pub fn beside_the_likeliest(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Proposal> {
     let Some((best, extent)) = likeliest(fitted) else {
@@ -50,7 +50,7 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Pr
     there
 }
 
-/// The likeliest in a place where it acts for some time, and for some time where it acts in a place.
+/// The likeliest in a disc if it acts in a time interval, and the reverse.
 #[must_use]
 pub fn otherwise_confined(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Proposal> {
     let Some((best, extent)) = likeliest(fitted) else {
@@ -70,7 +70,7 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Prop
     there
 }
 
-/// The likeliest where it acts somewhere only and something is at stake.
+/// The likeliest, if it is local and its odds are high.
 pub fn likeliest<'n, 'a>(
     fitted: &'n [FittedCandidate<'a>],
 ) -> Option<(&'n FittedCandidate<'a>, &'n Region)> {
@@ -79,21 +79,21 @@ pub fn likeliest<'n, 'a>(
     Some((best, best.proposal.extent.as_ref().filter(|_| local)?))
 }
 
-/// What is proposed where the likeliest acts, the most promising fitted in full where they may come to so much.
+/// Fits the most promising of these proposals in full, if they may exceed `min_odds`.
 #[must_use]
 pub fn fitted_there<'a>(
     stage: &Stage<'a>,
     proposals: &[Proposal],
     likeliest: &FittedCandidate,
-    least: f64,
+    min_odds: f64,
     noise: &NoiseModel,
 ) -> Vec<FittedCandidate<'a>> {
     let before = &stage.fit;
     let started = proposals.iter();
     let started =
-        started.filter_map(|proposal| first_fit_there(stage, proposal, likeliest, least, noise));
+        started.filter_map(|proposal| first_fit_there(stage, proposal, likeliest, min_odds, noise));
     let mut started: Vec<PartialFit> = started
-        .filter(|partial_fit| partial_fit.promise() > least)
+        .filter(|partial_fit| partial_fit.promise() > min_odds)
         .collect();
     started.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     started.truncate(MOST);
@@ -104,13 +104,13 @@ pub fn fitted_there<'a>(
         .collect()
 }
 
-/// The first steps of what is proposed where the likeliest acts. They start on the soil and the starts that the likeliest
-/// came to: elsewhere both are right already, while the refit of the soil has gone far to imitate what acts there.
+/// First steps of a proposal in the region of the likeliest, from that one's soil and starts: elsewhere both are
+/// right already, while the refit of the soil went far to imitate the effect.
 fn first_fit_there<'a>(
     stage: &Stage<'a>,
     proposal: &Proposal,
     likeliest: &FittedCandidate,
-    least: f64,
+    min_odds: f64,
     noise: &NoiseModel,
 ) -> Option<PartialFit<'a>> {
     let Stage { problem, fit, .. } = stage;
@@ -130,12 +130,12 @@ fn first_fit_there<'a>(
         Ok(started) if started.negative_log_evidence.is_finite() => {
             Some(PartialFit::new(proposal, &placed, started, fit))
         }
-        _ => partial_fit(problem, proposal, fit, noise, 1.0, least),
+        _ => partial_fit(problem, proposal, fit, noise, 1.0, min_odds),
     }
 }
 
-/// The same measured against the hypothesis without it where the likeliest is: that one's soil may have turned out better
-/// than the refitted one without what is proposed, which is nobody's merit.
+/// Its gain relative to the hypothesis without it at the likeliest's soil: that soil may be better than the refitted
+/// one, which is no merit of the candidate.
 fn on_a_par<'a>(
     one: FittedCandidate<'a>,
     likeliest: &FittedCandidate,
@@ -148,7 +148,7 @@ fn on_a_par<'a>(
     }
 }
 
-/// What a scan finds, as proposals.
+/// The results of a scan as proposals.
 fn found(
     stage: &Stage,
     scan: impl Fn(&Projection, &[ScanTarget]) -> Vec<LocatedCandidate>,
@@ -166,7 +166,7 @@ fn found(
     placed_locally(problem, scan(&projection, &asked))
 }
 
-/// Whether two places or times are the same for what acts there.
+/// Whether two regions are the same for their effect.
 fn are_alike(one: Option<&Region>, other: &Region) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() < SAME;
     match (one, other) {
@@ -182,7 +182,7 @@ fn are_alike(one: Option<&Region>, other: &Region) -> bool {
     }
 }
 
-/// Takes what was fitted where the likeliest acts; of each candidate the likelier place stays.
+/// Adds the colocated fits; each candidate keeps its likelier region.
 pub fn join<'a>(fitted: &mut Vec<FittedCandidate<'a>>, there: Vec<FittedCandidate<'a>>) {
     for one in there {
         let same = |other: &FittedCandidate| {
@@ -226,7 +226,7 @@ mod tests {
             "{names:?}"
         );
         assert!(!names.contains(&"drag"));
-        // Slowed for some seconds, it may as well have been somewhere.
+        // An interval may as well be a disc.
         let elsewhere = otherwise_confined(&stage, &fitted);
         assert!(elsewhere.iter().all(|one| {
             one.subject.name() == "drag" && matches!(one.extent, Some(Region::Place { .. }))

@@ -1,9 +1,9 @@
-//! Where and when exactly something acts.
+//! Exact edges of regions.
 //!
-//! The box scan sees places and times through the linearised problem, bin by bin. What acts there hard on and off is felt
-//! to a few hundredths of a second, and an edge that is off by a tenth costs all names alike more than what they differ
-//! by. So the edges of what came close to the likeliest are moved in the full fit: they are unknowns of a Gauss–Newton step
-//! beside all others, their derivatives by differences, for the other unknowns have theirs at hand; then the others follow.
+//! The box scan resolves regions by time bins on the linearised problem. A strong effect determines its edges to some
+//! hundredths of a second, and an error of a tenth costs all candidates more than what they differ by. So the edges
+//! of the candidates close to the likeliest are refined in the full fit: they are unknowns of a Gauss–Newton step
+//! beside all others, with derivatives by differences; then the others follow.
 
 use super::naming::{FittedCandidate, placed};
 use super::proposal::{Proposal, ProposalKind};
@@ -18,27 +18,26 @@ use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::problem::{NoiseModel, Tables};
 use nalgebra::{DMatrix, DVector};
 
-/// Edges are counted in shares of the disc's radius or of two seconds. Derivatives are differences over this share ...
+/// Unit of edges: the disc's radius, or two seconds. Derivatives are differences over this share ...
 const DIFFERENCE: f64 = 0.02;
 const SECONDS: f64 = 2.0;
-/// ... what is known of them before is this share (one standard deviation), and a step goes no further than that one.
+/// ... their prior's standard deviation, and the limit of a step.
 const PRIOR: f64 = 1.0;
 const REACH: f64 = 0.25;
-/// A step that loses is damped by so much of the diagonal (Marquardt 1963): beside an edge that is off soil and effect lead
-/// far along what they hardly tell apart, where nothing is linear any more.
+/// Damping of steps that lose, as a share of the diagonal (Marquardt 1963): beside a wrong edge, soil and effect move
+/// far along poorly determined directions, where the problem is not linear.
 const DAMPINGS: [f64; 4] = [0.0, 1e-3, 1e-2, 0.1];
-/// Steps at most, while one gains more than so much of the log evidence; one that gains less than so much is none, for fits
-/// end half a unit from where they lead.
+/// Maximum number of steps, gain of log evidence to continue, and to accept: fits end half a unit from their optimum.
 const STEPS: usize = 10;
-const WORTH: f64 = 1.0;
-const LEAST: f64 = 0.5;
-/// A disc has a place, two numbers, and a radius; an interval two ends.
+const CONTINUE_GAIN: f64 = 1.0;
+const MIN_GAIN: f64 = 0.5;
+/// A disc has a centre (two numbers) and a radius; an interval two ends.
 const EDGES: usize = 3;
-/// An interval stays as long as this \[s\].
+/// Shortest interval \[s\].
 const SHORTEST: f64 = 0.1;
 
-/// Moves the edges of what acts at some time or place and came close to the likeliest, whose log odds are `best`.
-pub fn settle_edges(fitted: &mut [FittedCandidate], best: f64, noise: &NoiseModel) {
+/// Refines the edges of the local candidates close to the likeliest, whose log odds are `best`.
+pub fn refine_edges(fitted: &mut [FittedCandidate], best: f64, noise: &NoiseModel) {
     if best < AT_STAKE {
         return;
     }
@@ -47,35 +46,35 @@ pub fn settle_edges(fitted: &mut [FittedCandidate], best: f64, noise: &NoiseMode
     };
     for candidate in fitted.iter_mut().filter(close) {
         let before = candidate.fit.negative_log_evidence;
-        settle(candidate, noise);
+        refine(candidate, noise);
         if candidate.fit.negative_log_evidence < before {
             candidate.scores = scores(&candidate.problem, &candidate.fit, noise);
         }
     }
 }
 
-/// The edges of what is taken under the noise that it leaves: that of the model without it holds a part of what its edges
-/// are told by. It keeps its odds and scores.
-pub fn settle_under_own_noise(candidate: &mut FittedCandidate, noise: &NoiseModel) {
+/// Refines the edges of the accepted candidate under the noise of its own residuals: that of the model without it
+/// hides information about the edges. It keeps its odds and scores.
+pub fn refine_under_own_noise(candidate: &mut FittedCandidate, noise: &NoiseModel) {
     if candidate.proposal.kind() != ProposalKind::Local || candidate.odds() < AT_STAKE {
         return;
     }
     let gain = candidate.gain;
     let own = own_noise(&candidate.problem, &candidate.fit, noise);
     candidate.fit = continue_fit(&candidate.problem, &candidate.fit, &own, PARTIAL_FIT);
-    settle(candidate, &own);
+    refine(candidate, &own);
     candidate.gain = gain;
 }
 
-fn settle(candidate: &mut FittedCandidate, noise: &NoiseModel) {
+fn refine(candidate: &mut FittedCandidate, noise: &NoiseModel) {
     for _ in 0..STEPS {
-        if stepped(candidate, noise).is_none_or(|gain| gain < WORTH) {
+        if stepped(candidate, noise).is_none_or(|gain| gain < CONTINUE_GAIN) {
             break;
         }
     }
 }
 
-/// One step of the edges and everything else; what it gained. `None` where there is nothing to gain.
+/// One step of the edges and everything else; returns its gain. `None` without a gain.
 fn stepped(candidate: &mut FittedCandidate, noise: &NoiseModel) -> Option<f64> {
     let coefficients = &candidate.fit.coefficients;
     let way = EdgeSystem::of(candidate, noise)?;
@@ -89,7 +88,7 @@ fn stepped(candidate: &mut FittedCandidate, noise: &NoiseModel) -> Option<f64> {
     })?;
     let fit = fit_until(&problem, coefficients, &initial, noise, PARTIAL_FIT).ok()?;
     let gain = candidate.fit.negative_log_evidence - fit.negative_log_evidence;
-    if gain.is_nan() || gain < LEAST {
+    if gain.is_nan() || gain < MIN_GAIN {
         return None;
     }
     candidate.gain += gain;
@@ -97,9 +96,9 @@ fn stepped(candidate: &mut FittedCandidate, noise: &NoiseModel) -> Option<f64> {
     Some(gain)
 }
 
-/// Where the linearised problem leads with the edges among its unknowns.
+/// The normal equations with the edges among the unknowns.
 struct EdgeSystem {
-    /// How many unknowns there are before the edges.
+    /// Number of unknowns before the edges.
     others: usize,
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
@@ -137,8 +136,8 @@ impl EdgeSystem {
         let mut each = Vec::new();
         for (index, segment) in tables.iter().enumerate() {
             let after: Vec<&Tables> = after.iter().map(|all| &all[index]).collect();
-            let felt = with_differences(segment, &here[index], &after);
-            let normal = linearised.normal(index, &felt, noise);
+            let table = with_differences(segment, &here[index], &after);
+            let normal = linearised.normal(index, &table, noise);
             let eliminated = Eliminated::new(&normal, 0.0)?;
             matrix += &eliminated.matrix;
             gradient += &eliminated.gradient;
@@ -151,7 +150,7 @@ impl EdgeSystem {
         let still = matrix.view((0, 0), (others, others)).into_owned();
         let without = gain(still, gradient.rows(0, others).into_owned())?;
         let with = gain(matrix.clone(), gradient.clone())?;
-        if (with - without).is_nan() || with - without < LEAST {
+        if (with - without).is_nan() || with - without < MIN_GAIN {
             return None;
         }
         Some(Self {
@@ -163,7 +162,7 @@ impl EdgeSystem {
         })
     }
 
-    /// The step of all unknowns, damped; edges move no further than their reach.
+    /// The damped step of all unknowns, cut to the limit of the edges.
     fn step(&self, damping: f64) -> Option<DVector<f64>> {
         let mut damped = self.matrix.clone();
         for k in 0..damped.nrows() {
@@ -179,7 +178,7 @@ impl EdgeSystem {
         step.rows(self.others, count).into_owned()
     }
 
-    /// The solution a step from where a fit stands.
+    /// The solution after a step.
     fn solution(&self, candidate: &FittedCandidate, step: &DVector<f64>) -> Solution {
         let FittedCandidate { problem, fit, .. } = candidate;
         let predictor = problem.predictor(&fit.coefficients);
@@ -199,7 +198,7 @@ impl EdgeSystem {
     }
 }
 
-/// A segment's table with derivatives by the edges after the others: `after` are its residuals with each of them moved.
+/// A segment's table with derivatives by the edges as last columns: `after` are its residuals with each edge moved.
 fn with_differences(segment: &Tables, here: &Tables, after: &[&Tables]) -> Tables {
     let columns = segment.columns + after.len();
     let channels = segment.channels.iter().enumerate();
@@ -219,7 +218,7 @@ fn with_differences(segment: &Tables, here: &Tables, after: &[&Tables]) -> Table
     }
 }
 
-/// A proposal with its edges moved by shares of its size; `None` where it has none or would be no more.
+/// A proposal with its edges moved; `None` without edges, or for an empty region.
 fn moved(proposal: &Proposal, shares: &DVector<f64>) -> Option<Proposal> {
     Some(Proposal {
         extent: Some(nudged(proposal.extent.as_ref()?, shares)?),
@@ -297,7 +296,7 @@ pub mod tests {
         let (stage, noise) = refitted(&nominal, &recordings);
         let mut fitted = [drag(&stage, &noise)];
         let before = fitted[0].gain;
-        settle_edges(&mut fitted, before, &noise);
+        refine_edges(&mut fitted, before, &noise);
         let Some(Region::Time(at)) = fitted[0].proposal.extent else {
             unreachable!()
         };
@@ -334,7 +333,7 @@ pub mod tests {
             })
         };
         assert_eq!(nudged(&interval(3.0), &shares(1)), Some(interval(3.2)));
-        // An interval has two ends, and stays one.
+        // An interval has two ends, and does not vanish.
         assert_eq!(nudged(&interval(3.0), &shares(2)), None);
         assert_eq!(nudged(&interval(1.2), &shares(0)), None);
     }

@@ -1,8 +1,8 @@
-//! What is seen from the soil that was given, where the refit of the soil has gone far from it.
+//! Screening from the given soil, if the refitted one is far from it.
 //!
-//! What is missing is imitated by soil as far as that goes, which may be to sand without friction. What the linearised
-//! problem shows there is of another vehicle on another soil: the right name may not be among the proposals, its place
-//! not where it is, and no way may lead back. So all is looked at once more from the given soil.
+//! Soil imitates a missing effect as far as it can, down to sand without friction. The linearised problem there
+//! describes another vehicle on another soil: the right effect may be absent from the proposals or misplaced, without
+//! a way back. So everything is screened once more from the given soil.
 
 use super::initial_guess::{after_steps, on_given_soil};
 use super::naming::PartialFit;
@@ -16,13 +16,13 @@ use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::linearise;
 use crate::fit::problem::NoiseModel;
 
-/// A soil is far from the given one where one of its numbers is so many standard deviations of its prior away.
+/// Distance of a soil parameter, in standard deviations of its prior, that counts as far.
 const FAR: f64 = 1.5;
-/// At most so many that act throughout, and so many that act at some time or place, are proposed besides.
+/// Maximum number of additional proposals that act throughout, and in a region.
 const THROUGHOUT: usize = 3;
 const LOCAL: usize = 3;
 
-/// What is seen beside the given soil alone where the refitted one is far from it.
+/// Proposals from the given soil, if the refitted one is far from it.
 #[must_use]
 pub fn seen_from_given_soil(
     problem: &Problem,
@@ -63,7 +63,7 @@ pub fn seen_from_given_soil(
         .collect()
 }
 
-/// Begins a fit anew on the given soil where the refitted one is far from it. The likelier one stays.
+/// Repeats a fit from the given soil if the refitted one is far from it. The likelier fit stays.
 #[must_use]
 pub fn from_given_soil<'a>(
     partial_fit: PartialFit<'a>,
@@ -111,7 +111,7 @@ pub fn from_given_soil<'a>(
     }
 }
 
-/// Whether one of the soil's numbers lies far from another.
+/// Whether a soil parameter is far from another solution.
 fn is_far(problem: &Problem, from: &[f64], to: &[f64]) -> bool {
     let parameters = problem.soil_parameters();
     let mut pairs = from.iter().zip(to).zip(&parameters);
@@ -138,7 +138,7 @@ mod tests {
         nominal.terrain.cohesion *= 1.5;
         nominal.terrain.frictional_modulus /= 1.5;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        // In longer segments it is seen from the refitted soil as well.
+        // In longer segments the effect also shows from the refitted soil.
         let options = Options {
             segment: 5.0,
             ..Options::default()
@@ -148,7 +148,7 @@ mod tests {
         let initial = problem.initial();
         assert!(is_far(problem, &initial.soil, &fit.solution.soil));
         assert!(!is_far(problem, &initial.soil, &initial.soil));
-        // From the soil that imitates it the shift is not seen whole.
+        // From the imitating soil the shift does not show fully.
         let shifted = |one: &&Proposal| one.subject.name() == "com_shift";
         let proposal = stage.proposals.iter().find(shifted).unwrap();
         assert!(proposal.anew);

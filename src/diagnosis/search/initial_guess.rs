@@ -1,7 +1,7 @@
-//! Where the fits of a proposal start.
+//! Initial guesses of a proposal's fit.
 //!
-//! As seen by the linearised problem, as large as the catalogue expects it, as comparing the curves tells, or at the
-//! end of a walk from off: fits from a place too far away end elsewhere.
+//! The step of the linearised problem, the size that the catalogue expects, delays from cross-correlation, or the end
+//! of a continuation from "off": fits from a distant guess end in other optima.
 
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::candidate::Target;
@@ -12,21 +12,19 @@ use crate::diagnosis::screening::region::Region;
 use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
 
-/// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
-/// lost its way.
+/// A fit that is this much worse than without the proposal, whose price is less, has failed.
 pub const LOST: f64 = 5.0;
-/// A hidden effect that starts so much worse, in units of the log likelihood, leads nowhere.
-const HOPELESS: f64 = 1000.0;
-/// Shares of a proposal's steps that its fit may start with: the cheapest is taken.
+/// An initial guess of a hidden effect this much worse, in log likelihood, is useless.
+const MAX_EXCESS: f64 = 1000.0;
+/// Shares of a proposal's step that are tried as initial guess; the cheapest is used.
 const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
-/// Wheel speeds may be so much later or earlier than what they move \[s\], and so may be what acts with them.
+/// Margin around a time interval for delays of wheel speeds \[s\].
 const REACH: f64 = 1.5;
-/// Steps on the way from off to the typical size, and how far the soil follows at each.
-const WALK: u32 = 5;
-const STROLL: Stop = Stop::after(3, 1.0).without_renewals();
+/// Steps of the continuation from "off", and the end of the soil's fit at each.
+const CONTINUATION_STEPS: u32 = 5;
+const CONTINUATION_FIT: Stop = Stop::after(3, 1.0).without_renewals();
 
-/// Where a proposal's fit starts: the cheapest of some shares of its steps. `None` where a hidden effect
-/// leads nowhere.
+/// The cheapest of some shares of a proposal's step. `None` if a hidden effect has no useful one.
 #[must_use]
 pub fn cheapest(
     problem: &Problem,
@@ -55,9 +53,9 @@ pub fn cheapest(
             .min_by(cheaper)
             .map(|best| best.1);
     }
-    // What is hidden tells its sign no more than its size. Small steps come first: where those lead
-    // nowhere, larger ones are hardly to be driven, which takes long.
-    let cost_ceiling = cost(before) + HOPELESS;
+    // A hidden effect's sign is as uncertain as its size. Small steps come first: after useless ones, larger steps
+    // hardly succeed and take long.
+    let cost_ceiling = cost(before) + MAX_EXCESS;
     let mut found = Vec::new();
     for sign in [1.0, -1.0] {
         for share in SHARES.iter().rev() {
@@ -71,7 +69,7 @@ pub fn cheapest(
     found.into_iter().min_by(cheaper).map(|best| best.1)
 }
 
-/// The segments that what acts for some seconds reaches, where nothing else of the proposal changes the others.
+/// The segments that a time interval reaches, if the proposal changes no others.
 fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
     let (Some(Region::Time(at) | Region::Run(at)), true) = (
         &proposal.extent,
@@ -83,7 +81,7 @@ fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
     Subsample::within(problem, (at.recording, at.run), span)
 }
 
-/// A share of a proposal's steps away from what was before.
+/// A solution after a share of a proposal's step.
 #[must_use]
 pub fn after_steps(
     problem: &Problem,
@@ -113,10 +111,9 @@ pub fn after_steps(
     initial
 }
 
-/// Where effects are proposed that have no derivative while they are off, as large as the catalogue expects
-/// them, and what one run of several has, as large as it was seen: the soil fitted beside that from the given one.
-/// The soil that the refit of the soil ended with imitates them; beside it, or freed at once, they would be turned off and stay
-/// there.
+/// Initial guess for effects without a derivative at "off" at the expected size, and for effects of one run at their
+/// screened size: the soil is fitted beside them from the given one. Beside the refitted soil, which imitates them,
+/// or freed at once, they would return to "off".
 #[must_use]
 pub fn settled(
     problem: &Problem,
@@ -136,12 +133,12 @@ pub fn settled(
     Some(beside(problem, proposal, initial, before, noise, stop)?.solution)
 }
 
-/// Where effects are proposed that have no derivative while they are off: the likeliest place on the way from off
-/// to as large as the catalogue expects them, the soil following a little at each step. The refit of the soil may have gone far to
-/// imitate them (a rigid wheel on soil of three times the stiffness for a tyre): then one step is too long, and so is
-/// the way from the given soil. `None` where the way leads up.
+/// Initial guess for effects without a derivative at "off" by continuation: the likeliest point between "off" and the
+/// expected size, the soil following at each step. The refit of the soil may have gone far to imitate them (a rigid
+/// wheel on soil of three times the stiffness for a tyre). Then one step is too long, and so is the way from the
+/// given soil. `None` if no step gains.
 #[must_use]
-pub fn walked(
+pub fn continued(
     problem: &Problem,
     proposal: &Proposal,
     before: &FittedHypothesis,
@@ -149,10 +146,10 @@ pub fn walked(
 ) -> Option<Solution> {
     let mut at = before.solution.clone();
     let mut best: Option<FittedHypothesis> = None;
-    for step in 1..=WALK {
-        let share = f64::from(step) / f64::from(WALK);
+    for step in 1..=CONTINUATION_STEPS {
+        let share = f64::from(step) / f64::from(CONTINUATION_STEPS);
         at.coefficients = after_steps(problem, proposal, &before.solution, share).coefficients;
-        let Some(here) = beside(problem, proposal, at, before, noise, STROLL) else {
+        let Some(here) = beside(problem, proposal, at, before, noise, CONTINUATION_FIT) else {
             break;
         };
         if here.negative_log_evidence - here.predicted_reduction
@@ -171,15 +168,14 @@ pub fn walked(
     best.map(|best| best.solution)
 }
 
-/// Whether it is hidden and has no derivative while it is off.
+/// Whether it is hidden and has no derivative at "off".
 #[must_use]
 pub fn is_unseen(problem: &Problem, proposal: &Proposal) -> bool {
     let mut own = proposal.coefficients.iter();
     proposal.hidden && own.any(|coefficient| problem.candidates[*coefficient].secant.is_some())
 }
 
-/// The fit of everything else beside a proposal whose coefficients are held where they start. `None` where that cannot be
-/// driven.
+/// The fit of everything else beside held coefficients of a proposal. `None` if the model cannot follow it.
 fn beside(
     problem: &Problem,
     proposal: &Proposal,
@@ -204,12 +200,12 @@ fn beside(
         .filter(|fitted| fitted.negative_log_evidence.is_finite())
 }
 
-/// Where latencies are proposed: they are what comparing the curves tells. A search from zero may
-/// end where motions are matched with their neighbours.
+/// Initial guess for latencies: delays from cross-correlation. A search from zero may match motions with their
+/// neighbours.
 #[must_use]
 pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Option<Solution> {
     let mut initial = before.clone();
-    let mut told = false;
+    let mut changed = false;
     for coefficient in &proposal.coefficients {
         let Target::Sensor(sensor) = problem.candidates[*coefficient].target else {
             continue;
@@ -220,13 +216,13 @@ pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Op
                 continue;
             }
             values[*coefficient] += late[sensor.index()];
-            told |= late[sensor.index()] != 0.0;
+            changed |= late[sensor.index()] != 0.0;
         }
     }
-    told.then_some(initial)
+    changed.then_some(initial)
 }
 
-/// A hypothesis with the given soil in place of its own.
+/// A solution with the given soil.
 #[must_use]
 pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
     Solution {
@@ -272,12 +268,12 @@ mod tests {
         assert!(!elsewhere.iter().any(differs), "{elsewhere:?}");
     }
 
-    /// Share of what the best way gains.
+    /// Minimum share of the best gain.
     const MOST: f64 = 0.9;
 
     #[test]
     fn tyres_are_walked_to_where_re_tuning_went_far_to_imitate_them() {
-        // A light vehicle on hard clay: refitted, rigid wheels stand on soil of several times the stiffness.
+        // A light vehicle on hard clay: refitted, rigid wheels need soil of several times the stiffness.
         let vehicle = Vehicle {
             mass: 75.0,
             yaw_inertia: 6.9,
@@ -303,8 +299,8 @@ mod tests {
         let Stage { problem, fit, .. } = &stage;
         let found = partial_fit(problem, proposal, fit, &noise, 1.0, ANY).unwrap();
         assert!(found.fit.negative_log_evidence < fit.negative_log_evidence - 1000.0);
-        let initial = walked(problem, proposal, fit, &noise).unwrap();
-        let walked = fit_until(
+        let initial = continued(problem, proposal, fit, &noise).unwrap();
+        let continued = fit_until(
             problem,
             &proposal.coefficients,
             &initial,
@@ -312,7 +308,7 @@ mod tests {
             LONG_PARTIAL_FIT,
         )
         .unwrap();
-        let gained = (fit.negative_log_evidence - walked.negative_log_evidence)
+        let gained = (fit.negative_log_evidence - continued.negative_log_evidence)
             / (fit.negative_log_evidence - found.fit.negative_log_evidence);
         assert!(gained > MOST, "{gained}");
     }

@@ -1,7 +1,7 @@
-//! One thing after another: what is missing, and what else.
+//! The search: accepts missing effects one by one.
 //!
-//! Each round looks at everything with what was found so far inside (step 7: what is left over after
-//! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
+//! Each round screens everything beside the effects accepted so far, and the search ends when no further effect is
+//! worth it.
 
 pub mod accepted;
 pub mod choice;
@@ -38,38 +38,38 @@ use std::sync::Arc;
 use trial::try_all;
 use wheels::reconstructed;
 
-/// Where the search ended.
+/// The result of a search.
 #[derive(Debug)]
 pub struct SearchResult<'a> {
     /// The given model.
     pub problem: Problem<'a>,
     /// Noise and weights.
     pub noise: NoiseModel,
-    /// The refitted model under the same noise.
+    /// The refitted model under the final noise.
     pub refitted: FittedHypothesis,
-    /// The model with everything found.
+    /// The augmented model.
     pub augmented: FittedHypothesis,
-    /// The given model with the places of what was found.
+    /// The given model with the regions of the accepted effects.
     pub placed: Problem<'a>,
-    /// What was found.
+    /// The accepted effects.
     pub accepted: Vec<AcceptedEffect>,
-    /// What was fitted and not taken in the last round, with log Bayes factors and priors.
+    /// Log odds of the candidates rejected in the last round.
     pub refused: Vec<(Subject, f64)>,
-    /// Held-out gains of what was fitted first, by subject.
+    /// Held-out gains of the candidates of the first round.
     pub gains: Vec<(Subject, (f64, f64))>,
-    /// Whether there is enough to hold some of it out; without that nothing is named.
+    /// Whether there is a held-out score; without it nothing is accepted.
     pub tested: bool,
-    /// Whether there was time to fit everything that may be missing.
+    /// Whether all candidates were fitted within the time limit.
     pub tried: bool,
-    /// Under the refitted model.
+    /// The screening of the refitted model.
     pub first: Arc<Screening>,
-    /// With everything found.
+    /// The screening of the augmented model.
     pub last: Arc<Screening>,
 }
 
 impl SearchResult<'_> {
-    /// Back to the refitted model: what was found predicts worse what it was not fitted to, so it is
-    /// no likelier than nothing.
+    /// Returns to the refitted model: the accepted effects predict held-out data worse, so they are no likelier than
+    /// "nothing".
     pub fn withdraw(&mut self) {
         for effect in self.accepted.drain(..) {
             self.refused.extend(effect.rivals);
@@ -78,7 +78,7 @@ impl SearchResult<'_> {
             *odds = odds.min(0.0);
         }
         self.noise = own_noise(&self.problem, &self.refitted, &self.noise);
-        // Its intervals are those of the noise that is told.
+        // The reported intervals belong to this noise.
         self.refitted = continue_fit(&self.problem, &self.refitted, &self.noise, HELD);
         self.augmented = self.refitted.clone();
         self.placed = self.problem.clone();
@@ -86,14 +86,14 @@ impl SearchResult<'_> {
     }
 }
 
-/// The fit of the soil is repeated where that gains so much \[log odds\], so many times at most.
+/// The fit of the soil is repeated if that gains this much \[log odds\], and at most this often.
 const STUCK: f64 = 5.0;
 const AGAIN: usize = 2;
 
-/// Searches. From the first look on there is an answer: where the search has to end, it ends with what was found.
+/// Searches for missing effects. From the first screening on there is an answer: at the deadline the search returns it.
 ///
 /// # Errors
-/// A model that cannot even start, numbers that are not finite, no time for a first look.
+/// A model that cannot follow the recordings, numbers that are not finite, a stop, or no time for a first screening.
 pub fn search<'a>(
     problem: &Problem<'a>,
     mut noise: NoiseModel,
@@ -110,7 +110,7 @@ pub fn search<'a>(
     problem.tolerate(&noise);
     let mut stage = screen(problem.clone(), refitted, &mut noise, options, progress)?;
     stage.problem.deadline = progress.search_deadline();
-    // To fall back on where there is no time to fit it under the noise at the end.
+    // The fallback if no time remains to fit it under the final noise.
     let known = progress.limit().map(|_| stage.fit.clone());
     progress.step("fitting candidates")?;
     let mut fitted = try_all(&stage, &noise, progress)?;
@@ -169,8 +169,8 @@ pub fn search<'a>(
     })
 }
 
-/// The refitted model from where the likeliest of what was fitted beside it ended, without that: the refit of the soil may
-/// have stuck on the way there. `None` where it is no better.
+/// The soil refitted from where the likeliest candidate's fit ended, without the candidate: the first fit may be in a
+/// local optimum. `None` if it is no better.
 fn unstuck(
     stage: &Stage,
     fitted: &[FittedCandidate],
@@ -194,8 +194,8 @@ fn unstuck(
     (again.negative_log_evidence < stage.fit.negative_log_evidence - STUCK).then_some(again)
 }
 
-/// The refitted model under the noise and weights at the end, its starts as they have become. On
-/// some soils not every start can be driven: then those that it had.
+/// The refitted model under the final noise and weights, from the final starts, or from the earlier ones if the model
+/// cannot follow those.
 fn refit_soil(
     problem: &Problem,
     baseline: &Solution,
@@ -239,15 +239,15 @@ mod tests {
             proposal,
             gain,
         };
-        // As well as it can be: nothing to start again for.
+        // Already optimal: no reason to repeat.
         assert!(unstuck(&stage, std::slice::from_ref(&beside), &noise).is_none());
-        // Stuck where it began.
+        // Not moved from the initial guess.
         let still = Stop::after(0, 0.0);
         stage.fit = fit_until(&problem, &[], &problem.initial(), &noise, still).unwrap();
         assert!(stage.fit.negative_log_evidence > beside.fit.negative_log_evidence + STUCK);
         let found = unstuck(&stage, std::slice::from_ref(&beside), &noise).unwrap();
         assert!((found.negative_log_evidence - beside.fit.negative_log_evidence).abs() < 1.0);
-        // What gains nothing does not tell of another way.
+        // A candidate without gain is no better way.
         assert!(
             unstuck(
                 &stage,

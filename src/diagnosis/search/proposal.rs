@@ -1,4 +1,4 @@
-//! What may be missing: what screen, box scan and residual models propose, the most likely first.
+//! Proposals of missing effects from screen, box scan and residual models, the likeliest first.
 
 use super::view::View;
 use crate::diagnosis::Subject;
@@ -11,26 +11,26 @@ use crate::diagnosis::screening::slow;
 use crate::diagnosis::screening::system::System;
 use nalgebra::DVector;
 
-/// Something that may be missing, before it is fitted in full.
+/// A proposed effect before its full fit.
 #[derive(Debug, Clone)]
 pub struct Proposal {
     /// What.
     pub subject: Subject,
-    /// The coefficients that it turns.
+    /// Its coefficients.
     pub coefficients: Vec<usize>,
-    /// Where it acts, if not everywhere.
+    /// Its region, if it is local.
     pub extent: Option<Region>,
     /// Steps of its coefficients by the linearised problem.
     pub steps: Vec<(usize, DVector<f64>)>,
     /// Log Bayes factor by the linearised problem, less its price.
     pub evidence: f64,
-    /// What looking in many places costs, or what slow noise of the sensor explains.
+    /// Price of the choice of its region, or what slow noise explains of it.
     pub price: f64,
     /// Stability of a residual model's terms.
     pub stability: Vec<f64>,
     /// Step of the soil that goes with those of its coefficients.
     pub soil: DVector<f64>,
-    /// Whether it is proposed although the linearised problem does not see it.
+    /// Whether it is proposed without evidence on the linearised problem.
     pub hidden: bool,
     /// Whether its fit starts on the given soil, far from the refitted one.
     pub anew: bool,
@@ -49,15 +49,15 @@ pub struct ScreenedCandidate {
     pub price: f64,
 }
 
-/// Proposals that are further behind this share of the best of their kind are not worth a full fit:
-/// throughout, where the linearised problem may be far off, and in one place.
+/// Proposals are fitted in full down to this share of the best of their kind, less this difference: throughout, where
+/// the linearised problem may be far off, and local.
 pub const BEHIND: [f64; 2] = [0.2, 0.6];
 pub const FAR_BEHIND: f64 = 8.0;
-/// Share that the refit of the soil takes up of an effect that may be hidden.
+/// Absorbed share from which an effect may be hidden.
 const HIDDEN: f64 = 0.9;
-/// Less evidence than this is not worth a fit.
+/// Minimum evidence for a fit.
 const FAINT: f64 = 0.5;
-/// Local proposals of one subject are fitted only where they beat it acting throughout by this.
+/// Local proposals must exceed their subject's evidence throughout by this.
 const BETTER_LOCAL: f64 = 3.0;
 
 /// Screens every candidate that is not on.
@@ -96,7 +96,7 @@ pub fn screened(view: &View) -> Vec<ScreenedCandidate> {
         .collect()
 }
 
-/// Everything that may be missing, the most likely first.
+/// All proposals, the likeliest first.
 #[must_use]
 pub fn proposals(
     view: &View,
@@ -152,10 +152,9 @@ pub fn proposals(
     all
 }
 
-/// Effects of which the refit of the soil takes up so much, of all or of one number's, that the linearised problem
-/// may not see them: the soil has gone far to imitate them. So has it for those that have no derivative while they
-/// are off. They are proposed as large as the catalogue expects them, with the soil moved back by what
-/// would imitate that.
+/// Proposals of effects that the linearised problem may not see: the refit of the soil absorbs nearly all of them or
+/// of one coefficient, so the soil has gone far to imitate them; or they have no derivative while they are off. They
+/// are proposed at the expected size, with the soil moved back by its imitation.
 #[must_use]
 pub fn hidden(view: &View, screened: &[ScreenedCandidate]) -> Vec<Proposal> {
     let View {
@@ -204,7 +203,7 @@ pub fn hidden(view: &View, screened: &[ScreenedCandidate]) -> Vec<Proposal> {
         .collect()
 }
 
-/// A step of the typical size from off, to the side on which the linearised problem sees it where the range has two.
+/// A step of the typical size from "off", to the side of the linearised step if the range has two.
 fn away(typical: f64, seen: f64, off: f64, (low, high): (f64, f64)) -> f64 {
     let two_sides = low < off - typical && off - typical < high;
     if seen < 0.0 && two_sides {
@@ -214,7 +213,7 @@ fn away(typical: f64, seen: f64, off: f64, (low, high): (f64, f64)) -> f64 {
     }
 }
 
-/// How the soil follows a step of some unknowns.
+/// Step of the soil that follows a step of some unknowns.
 fn soil_after(
     problem: &Problem,
     projection: &Projection,
@@ -225,7 +224,7 @@ fn soil_after(
     follows.rows(0, problem.soil.len()).into_owned()
 }
 
-/// The unknowns of a screened candidate as steps of coefficients.
+/// A screened candidate's step by coefficient and recording.
 fn steps(
     problem: &Problem,
     system: &System,
@@ -248,7 +247,7 @@ fn steps(
         .collect()
 }
 
-/// What was found in one place or for some time, as proposals.
+/// Located candidates as proposals.
 #[must_use]
 pub fn placed_locally(problem: &Problem, found: Vec<LocatedCandidate>) -> Vec<Proposal> {
     let each = found.into_iter();
@@ -296,7 +295,7 @@ fn unnamed(view: &View, residual_model: ResidualModel) -> Proposal {
     }
 }
 
-/// Of the proposals those that are fitted in full: the best few of each kind.
+/// The best few proposals of each kind.
 #[must_use]
 pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     let mut list: Vec<&Proposal> = Vec::new();
@@ -320,20 +319,20 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     list
 }
 
-/// What sort of proposal.
+/// The kind of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProposalKind {
     /// An effect that acts throughout.
     Throughout,
-    /// Something that acts in one place or for some time.
+    /// An effect of a disc or time interval.
     Local,
-    /// A residual model without a name.
+    /// An empirical residual model.
     ResidualModel,
 }
 
-/// What each term of a residual model costs besides the choice: it can be bent to look like many an effect.
+/// Prior cost of each term of a residual model: it can imitate many effects.
 const TERM: f64 = 2.0;
-/// What acting somewhere only costs besides the choice of the place.
+/// Prior cost of a local effect besides the choice of its region.
 const LOCAL: f64 = 1.0;
 
 impl Proposal {
@@ -354,7 +353,7 @@ impl Proposal {
         }
     }
 
-    /// What sort it is.
+    /// Its kind.
     #[must_use]
     pub fn kind(&self) -> ProposalKind {
         match (&self.extent, self.subject) {
@@ -366,14 +365,14 @@ impl Proposal {
         }
     }
 
-    /// Takes a term out of a residual model.
+    /// Removes a term from a residual model.
     pub fn without_term(&mut self, place: usize) {
         let coefficient = self.coefficients.remove(place);
         self.stability.remove(place);
         self.steps.retain(|(other, _)| *other != coefficient);
     }
 
-    /// Logarithm of its prior beside that of an effect of the catalogue.
+    /// Log prior relative to an effect of the catalogue.
     #[must_use]
     pub fn log_prior(&self) -> f64 {
         match self.kind() {
@@ -386,16 +385,16 @@ impl Proposal {
 }
 
 const MASS: &str = "payload.mass";
-/// The place of a load, and the shift of the centre of mass in that direction.
+/// The place of a load, and the equivalent shift of the centre of mass.
 const SHIFTS: [(&str, &str); 2] = [
     ("payload.ahead", "com_shift.ahead"),
     ("payload.left", "com_shift.left"),
 ];
-/// A load is tried with no more than this share of the vehicle's mass.
+/// Maximum initial load as a share of the vehicle's mass.
 const HEAVIEST: f64 = 0.2;
 
-/// Where a shifted centre of mass is likelier, the load starts where it shifts it as much: of what acts
-/// throughout, and of what acts in one run alone. A load that is on is not proposed again.
+/// If a shifted centre of mass is likelier, the load starts where it causes the same shift: throughout, and in single
+/// runs. A load that is on is not proposed again.
 pub fn place_load(problem: &Problem, proposals: &mut Vec<Proposal>) {
     let shifts = proposals.iter().filter(|one| {
         let whole = matches!(one.extent, None | Some(Region::Run(_)));
@@ -422,7 +421,7 @@ fn step(problem: &Problem, proposal: &Proposal, name: &str) -> Option<f64> {
     step.get(0).copied()
 }
 
-/// The load that shifts the centre of mass as this proposal does, where that does.
+/// The load with the same shift of the centre of mass as a proposal.
 fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Proposal) {
     let Some(mass) = coefficient(problem, MASS) else {
         return;

@@ -1,4 +1,4 @@
-//! What can be left out again.
+//! Removal of redundant effects.
 
 use super::accepted::{AcceptedEffect, NOTHING};
 use super::proposal::{Proposal, ProposalKind};
@@ -10,14 +10,14 @@ use crate::diagnosis::screening::screen::Projection;
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::NoiseModel;
 
-/// What would cost so many times its price by the linearised problem stays without a further look.
+/// Linearised loss, as a multiple of the price, above which an effect stays without a fit.
 const SURELY: f64 = 3.0;
-/// A term of a residual model stays that is so many standard errors from none.
+/// Minimum size of a residual model's term in standard errors.
 const SURE_TERM: f64 = 2.0;
 
-/// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
-/// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to. Where time
-/// is up, what was not yet looked at stays.
+/// Removes effects that the others explain, or that only led to a better soil, and sorts the others by what they
+/// explain beside the rest. `ratio` is the number of all segments over those of the stage. At the deadline the
+/// remaining effects stay.
 pub fn prune(
     stage: &mut Stage,
     accepted: &mut Vec<AcceptedEffect>,
@@ -34,7 +34,7 @@ pub fn prune(
         let loss = linear_loss(stage, &gone.coefficients);
         if loss > SURELY * price + CLOSE {
             if accepted.len() > 1 {
-                // What was found since may explain most of what it was taken for.
+                // Later effects may explain most of it.
                 let gain = ratio * loss - gone.price;
                 accepted[index].gain = accepted[index].gain.min(gain);
             }
@@ -43,7 +43,7 @@ pub fn prune(
         }
         let (problem, without) = without(stage, gone, noise);
         if problem.deadline.is_over() {
-            // A fit that was ended early understates what the rest explains.
+            // A fit that was cut short understates what the rest explains.
             break;
         }
         match without {
@@ -63,15 +63,15 @@ pub fn prune(
             Err(_) => index += 1,
         }
     }
-    // A part tells less of how sure they are.
+    // A subsample has larger standard errors.
     if ratio == 1.0 {
         trim_residual_models(stage, accepted, noise);
     }
     accepted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
 }
 
-/// Takes terms out of residual models that are less than so many standard errors from none. The likelihood takes segments for
-/// independent; what pulls some of them one way and others the other is worth less than it says.
+/// Removes small terms of residual models, in standard errors from the scatter of the segments: the likelihood takes
+/// segments as independent, which overstates terms with opposite effects in different segments.
 fn trim_residual_models(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, noise: &NoiseModel) {
     let mut index = 0;
     while index < accepted.len() {
@@ -93,7 +93,7 @@ fn trim_residual_models(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, n
             break;
         }
         let lost = without.negative_log_evidence - stage.fit.negative_log_evidence;
-        // So it is where the way without it gets lost.
+        // Also if the fit without it failed.
         if lost.is_nan() || lost >= SURELY * (NOTHING - term.log_prior()) {
             index += 1;
             continue;
@@ -110,7 +110,7 @@ fn trim_residual_models(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, n
     }
 }
 
-/// Place of a residual model's term that is least sure, if it is not sure.
+/// Index of a residual model's least certain term, if it is below the limit.
 fn doubtful_term(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -144,7 +144,7 @@ fn doubtful_term(
     (sure[least] < SURE_TERM).then_some(least)
 }
 
-/// The hypothesis without something that was found, and the given model without its place.
+/// The hypothesis without an effect, and the given model without its region.
 pub fn without<'a>(
     stage: &Stage<'a>,
     gone: &Proposal,
@@ -168,7 +168,7 @@ pub fn without<'a>(
     (problem, fit)
 }
 
-/// What switching some coefficients off costs of the log likelihood by the linearised problem.
+/// Linearised loss of log likelihood when some coefficients are switched off.
 fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
     let system = &stage.screening.system;
     let others: Vec<usize> = stage
@@ -181,7 +181,7 @@ fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
     let Some(projection) = Projection::over_all(system, &others) else {
         return 0.0;
     };
-    // Along a line a product of a size and a shape would be taken away twice.
+    // A product of a size and a shape would count twice on the linearised problem.
     let all = &stage.problem.candidates.coefficients;
     let sizes = coefficients
         .iter()
@@ -207,7 +207,8 @@ mod tests {
 
     use crate::vehicle::Specification;
 
-    /// What stays of a finding of these numbers and so much gain on a drive of this model, and the numbers that are on.
+    /// What remains of an effect with these parameters and gain on a drive of this model, and the coefficients that
+    /// are on.
     fn left(
         truth: &Specification,
         names: &[&str],
@@ -269,7 +270,7 @@ mod tests {
         let gain = 1e6;
         let (accepted, coefficients) = left(&truth, &[ratio], gain);
         assert!(accepted.len() == 1 && !coefficients.is_empty());
-        // Nothing was found since that may explain a part of it.
+        // No later effect may explain a part of it.
         assert_eq!(accepted[0].gain, gain);
     }
 

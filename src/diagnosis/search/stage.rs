@@ -1,5 +1,4 @@
-//! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
-//! how it predicts.
+//! A hypothesis with its screening, its proposals and its held-out score.
 
 use super::given_soil::seen_from_given_soil;
 use super::proposal::{Proposal, ScreenedCandidate, hidden, proposals, screened, shortlist};
@@ -18,46 +17,46 @@ use crate::fit::problem::NoiseModel;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What a candidate looked like under the refitted model.
+/// The screening beside a hypothesis.
 #[derive(Debug, Clone)]
 pub struct Screening {
-    /// What the screen saw.
+    /// The screened candidates.
     pub screened: Vec<ScreenedCandidate>,
-    /// The largest chi-square that chance alone gives.
+    /// Threshold of chi-square, from simulated nulls.
     pub threshold: f64,
     /// The linearised problem.
     pub system: Arc<System>,
-    /// A latent wrench; `None` also where there was no time to look for it.
+    /// A latent wrench; `None` also without time for it.
     pub latent_wrench: Option<LatentWrench>,
-    /// How long it took.
+    /// Duration.
     pub took: Duration,
 }
 
-/// Draws of simulated nulls, and the share of them below the threshold.
+/// Number of simulated nulls, and the quantile of the threshold.
 const NULLS: usize = 500;
 const SHARE: f64 = 0.95;
-/// A soil that moves by more than this share of its prior's deviation is screened again.
+/// Sensitivities are repeated if the soil moves by this share of its prior's deviation.
 const MOVED: f64 = 0.02;
-/// A start that moves by more than this is screened again: pose \[m, m, rad\], then velocities.
-const ASTRAY: [f64; 6] = [0.2, 0.2, 0.05, 0.1, 0.1, 0.1];
+/// Sensitivities of a segment are repeated if its start moves by this: pose \[m, m, rad\], then velocities.
+const MOVED_START: [f64; 6] = [0.2, 0.2, 0.05, 0.1, 0.1, 0.1];
 
-/// A hypothesis and everything that is known with it inside.
+/// A hypothesis and its screening.
 #[derive(Debug, Clone)]
 pub struct Stage<'a> {
-    /// The given model with the places of what is on.
+    /// The given model with the regions of accepted effects.
     pub problem: Problem<'a>,
     /// The hypothesis, fitted.
     pub fit: FittedHypothesis,
-    /// What everything else looks like beside it.
+    /// The screening beside it.
     pub screening: Arc<Screening>,
-    /// What may be missing.
+    /// Proposals of missing effects.
     pub proposals: Vec<Proposal>,
-    /// How it predicts what it was not fitted to.
+    /// Its held-out score.
     pub scores: Option<Scores>,
 }
 
-/// Looks at everything around a hypothesis; noise and weights move along. Beside nothing yet, effects that
-/// the refit of the soil may hide are among the proposals.
+/// Screens beside a hypothesis, and updates noise and weights. Without accepted effects the proposals include those that
+/// the refit of the soil may hide.
 ///
 /// # Errors
 /// The caller wants it to end, the hypothesis' deadline has passed (noise and weights are then as before), numbers that are
@@ -91,10 +90,10 @@ pub fn screen<'a>(
     let mut at = fit.solution.clone();
     if moved(&problem, &at, &again.solution) > MOVED {
         at = again.solution.clone();
-        // Both at once would be most of what a diagnosis needs of memory.
+        // Both tables at once would need most of the memory of a diagnosis.
         drop(tables);
         tables = sensitivities(&problem, &layout, &at);
-    } else if let Some(part) = strayed(&at, &again.solution) {
+    } else if let Some(part) = moved_starts(&at, &again.solution) {
         for place in part.places() {
             at.starts[*place] = again.solution.starts[*place];
         }
@@ -144,8 +143,7 @@ pub fn screen<'a>(
     })
 }
 
-/// As [`screen`] after another look. Where time is up, the hypothesis stands as it was fitted, and nothing is known of what
-/// is left over beside it.
+/// As [`screen`] after an earlier screening. At the deadline the hypothesis stays as it was fitted, without proposals.
 ///
 /// # Errors
 /// The caller wants it to end, numbers that are not finite.
@@ -178,7 +176,7 @@ pub fn screen_again<'a>(
     })
 }
 
-/// How far the soil moved, in standard deviations of its prior.
+/// Movement of the soil, in standard deviations of its prior.
 fn moved(problem: &Problem, from: &Solution, to: &Solution) -> f64 {
     let scales = problem.soil_parameters();
     let pairs = from.soil.iter().zip(&to.soil).zip(&scales);
@@ -186,14 +184,14 @@ fn moved(problem: &Problem, from: &Solution, to: &Solution) -> f64 {
     each.fold(0.0, f64::max)
 }
 
-/// The segments whose start was found elsewhere: what it leaves over there is another thing.
-fn strayed(from: &Solution, to: &Solution) -> Option<Subsample> {
+/// The segments whose start has moved: their residuals differ.
+fn moved_starts(from: &Solution, to: &Solution) -> Option<Subsample> {
     let pairs = from.starts.iter().zip(&to.starts).enumerate();
-    let strayed = pairs.filter(|(_, (a, b))| {
-        let mut each = a.iter().zip(b.iter()).zip(ASTRAY);
+    let moved_starts = pairs.filter(|(_, (a, b))| {
+        let mut each = a.iter().zip(b.iter()).zip(MOVED_START);
         each.any(|((a, b), limit)| (a - b).abs() > limit)
     });
-    let places = strayed.map(|(place, _)| place).collect();
+    let places = moved_starts.map(|(place, _)| place).collect();
     Subsample::some(places, from.starts.len())
 }
 
@@ -208,10 +206,10 @@ mod tests {
             coefficients: Vec::new(),
             starts: vec![[0.0; 6]; 3],
         };
-        assert!(strayed(&before, &before).is_none());
+        assert!(moved_starts(&before, &before).is_none());
         let mut after = before.clone();
         after.starts[0][0] = 0.1;
         after.starts[1][4] = -0.3;
-        assert_eq!(strayed(&before, &after).unwrap().places(), [1]);
+        assert_eq!(moved_starts(&before, &after).unwrap().places(), [1]);
     }
 }

@@ -1,11 +1,11 @@
-//! What a search looks at: the linearised problem beside what is on.
+//! The linearised problem beside the accepted effects.
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::screening::system::System;
 use crate::fit::problem::NoiseModel;
 
-/// The linearised problem beside what is on.
+/// The linearised problem beside the coefficients that are on.
 #[derive(Debug)]
 pub struct View<'a, 'g> {
     /// The given model.
@@ -21,7 +21,7 @@ pub struct View<'a, 'g> {
 }
 
 impl<'a, 'g> View<'a, 'g> {
-    /// Projects out what is on. `None` where numbers are not finite.
+    /// Projects out soil and the coefficients that are on. `None` if numbers are not finite.
     #[must_use]
     pub fn new(
         problem: &'a Problem<'g>,
