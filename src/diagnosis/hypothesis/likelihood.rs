@@ -64,7 +64,7 @@ pub fn fit_hypothesis(
     fit_until(problem, coefficients, initial, noise, HELD)
 }
 
-/// As [`fit_hypothesis`], until so many steps are done.
+/// As [`fit_hypothesis`], until another end.
 ///
 /// # Errors
 /// As [`fit_hypothesis`].
@@ -75,20 +75,11 @@ pub fn fit_until(
     noise: &NoiseModel,
     stop: Stop,
 ) -> Result<FittedHypothesis, PredictionError> {
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, initial);
-    let tables = shooting.evaluate(&point, true)?;
-    Ok(fit_from(
-        problem,
-        coefficients,
-        initial,
-        &shooting,
-        point,
-        tables,
-        noise,
-        stop,
-    ))
+    let start = Start::new(problem, coefficients, initial);
+    problem.at(coefficients, initial, |shooting, point| {
+        let tables = shooting.evaluate(&point, true)?;
+        Ok(start.minimise(shooting, point, tables, noise, stop))
+    })
 }
 
 /// As [`fit_until`], with new starts first: the given ones are of a distant model.
@@ -102,11 +93,11 @@ pub fn fit_with_new_starts(
     noise: &NoiseModel,
     stop: Stop,
 ) -> Result<FittedHypothesis, PredictionError> {
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
+    let starts = problem.at(coefficients, initial, |shooting, point| {
+        restarted(shooting, &point, noise)
+    });
     let mut initial = initial.clone();
-    let point = problem.point(&shooting, coefficients, &initial);
-    if let Some(starts) = restarted(&shooting, &point, noise) {
+    if let Some(starts) = starts {
         initial.starts = starts;
     }
     fit_until(problem, coefficients, &initial, noise, stop)
@@ -121,20 +112,10 @@ pub fn continue_fit(
     stop: Stop,
 ) -> FittedHypothesis {
     let (coefficients, initial) = (&fitted.coefficients, &fitted.solution);
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, initial);
-    let tables = fitted.tables.clone();
-    fit_from(
-        problem,
-        coefficients,
-        initial,
-        &shooting,
-        point,
-        tables,
-        noise,
-        stop,
-    )
+    let start = Start::new(problem, coefficients, initial);
+    problem.at(coefficients, initial, |shooting, point| {
+        start.minimise(shooting, point, fitted.tables.clone(), noise, stop)
+    })
 }
 
 /// Finishes a fit from new starts (see [`crate::fit::restart`]), perhaps under another noise.
@@ -144,65 +125,68 @@ pub fn fit_restarted(
     fitted: &FittedHypothesis,
     noise: &NoiseModel,
 ) -> FittedHypothesis {
-    let coefficients = &fitted.coefficients;
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, &fitted.solution);
-    let starts = restarted(&shooting, &point, noise);
-    let anew = starts.and_then(|starts| moved(&shooting, &point, &fitted.tables, starts));
-    let initial = &fitted.solution;
-    let anew = anew.map(|(point, tables)| {
-        fit_from(
+    let (coefficients, initial) = (&fitted.coefficients, &fitted.solution);
+    let start = Start::new(problem, coefficients, initial);
+    let restarted = problem.at(coefficients, initial, |shooting, point| {
+        let starts = restarted(shooting, &point, noise)?;
+        let (moved, tables) = moved(shooting, &point, &fitted.tables, starts)?;
+        let fit = start.minimise(shooting, moved, tables, noise, HELD);
+        let (before, _) = evidence(shooting, &fitted.tables, &point, noise);
+        (fit.negative_log_evidence < before).then_some(fit)
+    });
+    restarted.unwrap_or_else(|| continue_fit(problem, fitted, noise, HELD))
+}
+
+/// A hypothesis before its fit.
+struct Start<'s, 'p> {
+    problem: &'s Problem<'p>,
+    coefficients: &'s [usize],
+    initial: &'s Solution,
+}
+
+impl<'s, 'p> Start<'s, 'p> {
+    fn new(problem: &'s Problem<'p>, coefficients: &'s [usize], initial: &'s Solution) -> Self {
+        Self {
             problem,
             coefficients,
             initial,
-            &shooting,
-            point,
-            tables,
-            noise,
-            HELD,
-        )
-    });
-    let (negative_log_evidence, _) = evidence(&shooting, &fitted.tables, &point, noise);
-    anew.filter(|fit| fit.negative_log_evidence < negative_log_evidence)
-        .unwrap_or_else(|| continue_fit(problem, fitted, noise, HELD))
-}
+        }
+    }
 
-#[allow(
-    clippy::too_many_arguments,
-    reason = "a hypothesis, where it stands, and how it is judged"
-)]
-fn fit_from<P: Predictor>(
-    problem: &Problem,
-    coefficients: &[usize],
-    initial: &Solution,
-    shooting: &ShootingProblem<P>,
-    mut point: Point,
-    tables: Vec<Tables>,
-    noise: &NoiseModel,
-    stop: Stop,
-) -> FittedHypothesis {
-    let outcome = minimise_from(shooting, &mut point, tables, noise, stop);
-    let (negative_log_evidence, covariance) = evidence(shooting, &outcome.tables, &point, noise);
-    FittedHypothesis {
-        coefficients: coefficients.to_vec(),
-        solution: problem.solution(shooting, coefficients, &point, initial),
-        misfit: 0.5 * (outcome.cost - shooting.prior_cost(&point.coordinates)),
-        negative_log_evidence,
-        predicted_reduction: 0.5 * outcome.predicted_reduction,
-        covariance,
-        tables: outcome.tables,
+    /// Minimises the cost from a point with these tables.
+    fn minimise<P: Predictor>(
+        &self,
+        shooting: &ShootingProblem<P>,
+        mut point: Point,
+        tables: Vec<Tables>,
+        noise: &NoiseModel,
+        stop: Stop,
+    ) -> FittedHypothesis {
+        let outcome = minimise_from(shooting, &mut point, tables, noise, stop);
+        let (negative_log_evidence, covariance) =
+            evidence(shooting, &outcome.tables, &point, noise);
+        let solution = self
+            .problem
+            .solution(shooting, self.coefficients, &point, self.initial);
+        FittedHypothesis {
+            coefficients: self.coefficients.to_vec(),
+            solution,
+            misfit: 0.5 * (outcome.cost - shooting.prior_cost(&point.coordinates)),
+            negative_log_evidence,
+            predicted_reduction: 0.5 * outcome.predicted_reduction,
+            covariance,
+            tables: outcome.tables,
+        }
     }
 }
 
 /// Half the cost of a hypothesis at a solution; infinite if the model cannot follow it.
 #[must_use]
 pub fn cost(problem: &Problem, coefficients: &[usize], at: &Solution, noise: &NoiseModel) -> f64 {
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, at);
-    let residuals = shooting.evaluate_unless_one_fails(&point, false);
-    residuals.map_or(f64::INFINITY, |r| 0.5 * shooting.cost(&r, &point, noise))
+    problem.at(coefficients, at, |shooting, point| {
+        let residuals = shooting.evaluate_unless_one_fails(&point, false);
+        residuals.map_or(f64::INFINITY, |r| 0.5 * shooting.cost(&r, &point, noise))
+    })
 }
 
 /// Fits the soil and these coefficients in turns with noise and weights.
@@ -230,26 +214,17 @@ pub fn fit_with_noise(
         }
         stop = NEXT;
     }
-    Ok(fit_from(
-        problem,
-        coefficients,
-        initial,
-        &shooting,
-        point,
-        tables,
-        noise,
-        HELD,
-    ))
+    let start = Start::new(problem, coefficients, initial);
+    Ok(start.minimise(&shooting, point, tables, noise, HELD))
 }
 
 /// Covariance of a hypothesis' unknowns from the scatter of the segments' scores (see [`uncertainty`]), else from the
 /// noise model; widened by [`WIDER`].
 #[must_use]
 pub fn scattered(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> DMatrix<f64> {
-    let predictor = problem.predictor(&fit.coefficients);
-    let shooting = problem.shooting(&predictor, &fit.coefficients);
-    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
-    let robust = uncertainty(&shooting, &fit.tables, &point, noise, true);
+    let robust = problem.at(&fit.coefficients, &fit.solution, |shooting, point| {
+        uncertainty(shooting, &fit.tables, &point, noise, true)
+    });
     let covariance = robust.map_or_else(|| fit.covariance.clone(), |robust| robust.covariance);
     covariance * (WIDER * WIDER)
 }
@@ -257,11 +232,10 @@ pub fn scattered(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) 
 /// Noise and weights of a fitted hypothesis' residuals.
 #[must_use]
 pub fn own_noise(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> NoiseModel {
-    let predictor = problem.predictor(&fit.coefficients);
-    let shooting = problem.shooting(&predictor, &fit.coefficients);
-    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
     let mut own = noise.clone();
-    follow(&shooting, &point, &fit.tables, &mut own);
+    problem.at(&fit.coefficients, &fit.solution, |shooting, point| {
+        follow(shooting, &point, &fit.tables, &mut own)
+    });
     own
 }
 

@@ -329,6 +329,19 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Works on the shooting problem with these coefficients free, at the point of a solution.
+    pub fn at<T>(
+        &self,
+        coefficients: &[usize],
+        solution: &Solution,
+        work: impl FnOnce(&ShootingProblem<'_, ExactPredictor<'_>>, Point) -> T,
+    ) -> T {
+        let predictor = self.predictor(coefficients);
+        let shooting = self.shooting(&predictor, coefficients);
+        let point = self.point(&shooting, coefficients, solution);
+        work(&shooting, point)
+    }
+
     /// The solution at a point; other coefficients keep their values.
     #[must_use]
     pub fn solution<P: crate::fit::predictor::Predictor>(

@@ -137,19 +137,15 @@ pub fn locate(
 ) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
     let discs = discs(&chains);
-    let best = |one: &ScanTarget, scan: &Scan| {
+    each(problem, system, projection, scanned, |one, scan| {
         let best = [
             scan.intervals(&chains),
             scan.runs(&chains),
             scan.discs(&chains, &discs),
             scan.boundary(&chains).filter(|_| is_change(one.subject)),
         ];
-        let best = best.into_iter().flatten();
-        best.map(|(extent, score, evidence)| one.found(extent, score, evidence))
-            .collect::<Vec<_>>()
-    };
-    let each = each(problem, system, projection, scanned, best);
-    each.into_iter().flatten().collect()
+        best.into_iter().flatten()
+    })
 }
 
 /// The best interval of each candidate.
@@ -161,12 +157,9 @@ pub fn in_time(
     scanned: &[ScanTarget],
 ) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
-    let best = |one: &ScanTarget, scan: &Scan| {
-        let (extent, score, evidence) = scan.intervals(&chains)?;
-        Some(one.found(extent, score, evidence))
-    };
-    let each = each(problem, system, projection, scanned, best);
-    each.into_iter().flatten().collect()
+    each(problem, system, projection, scanned, |_, scan| {
+        scan.intervals(&chains)
+    })
 }
 
 /// Each candidate in one given region, less the cost of its choice.
@@ -176,26 +169,24 @@ pub fn located_at(
     system: &System,
     projection: &Projection,
     scanned: &[ScanTarget],
-    (extent, looking): (&Region, f64),
+    (extent, price): (&Region, f64),
 ) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
-    let there = |one: &ScanTarget, scan: &Scan| {
+    each(problem, system, projection, scanned, |_, scan| {
         let score = scan.within(&chains, extent)?;
-        let evidence = score.evidence - looking;
-        Some(one.found(extent.clone(), score, evidence))
-    };
-    let each = each(problem, system, projection, scanned, there);
-    each.into_iter().flatten().collect()
+        let evidence = score.evidence - price;
+        Some((extent.clone(), score, evidence))
+    })
 }
 
-/// Works on every candidate's scan in parallel.
-fn each<T: Send>(
+/// Scans every candidate in parallel; `best` are its best regions with score and evidence.
+fn each<I: IntoIterator<Item = (Region, Score, f64)>>(
     problem: &Problem,
     system: &System,
     projection: &Projection,
     scanned: &[ScanTarget],
-    work: impl Fn(&ScanTarget, &Scan) -> T + Sync,
-) -> Vec<T> {
+    best: impl Fn(&ScanTarget, &Scan) -> I + Sync,
+) -> Vec<LocatedCandidate> {
     let (inverse, settled) = projection.inverse();
     let recordings = 0..problem.recordings.len();
     let nuisance: Vec<_> = recordings
@@ -217,9 +208,12 @@ fn each<T: Send>(
             },
             deadline: problem.deadline,
         };
-        work(one, &scan)
+        let found = best(one, &scan).into_iter();
+        found
+            .map(|(extent, score, evidence)| one.found(extent, score, evidence))
+            .collect::<Vec<_>>()
     };
-    scanned.par_iter().map(scan).collect()
+    scanned.par_iter().flat_map_iter(scan).collect()
 }
 
 fn is_change(subject: Subject) -> bool {

@@ -33,10 +33,10 @@ fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Region, [u
     let mut candidates = scanned(problem, system, &at.soil, &[]);
     candidates.retain(|one| one.subject == Subject::Unknown);
     let found = in_time(problem, system, &projection, &candidates);
-    let mut told = found
+    let mut found = found
         .into_iter()
         .filter(|found| found.score.evidence > FAINT);
-    Some((told.next()?.extent, force_columns(problem, system)?))
+    Some((found.next()?.extent, force_columns(problem, system)?))
 }
 
 /// Re-estimates the noise.

@@ -88,13 +88,13 @@ fn select(
     nuisance: &[usize],
     segments: &[usize],
     coefficients: &[usize],
-    most: usize,
+    max_terms: usize,
 ) -> Option<(Vec<usize>, f64)> {
     let projection = Projection::new(system, nuisance, segments)?;
     let (mut chosen, mut best): (Vec<usize>, f64) = (Vec::new(), 0.0);
     // Logarithm of the number of sets of so many terms.
     let mut price = 0.0;
-    while chosen.len() < most {
+    while chosen.len() < max_terms {
         let with = |coefficient: &usize| {
             let set: Vec<usize> = chosen
                 .iter()
@@ -105,10 +105,10 @@ fn select(
             let score = projection.score_with(&projection.of(&unknowns), 1.0);
             (*coefficient, score.evidence)
         };
-        let left = coefficients
+        let remaining = coefficients
             .iter()
             .filter(|coefficient| !chosen.contains(coefficient));
-        let next = left.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let next = remaining.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let choice = ((coefficients.len() - chosen.len()) as f64 / (chosen.len() + 1) as f64).ln();
         price += choice;
         let evidence = next.1 - price;

@@ -74,12 +74,12 @@ pub struct Scan<'a> {
 #[derive(Default)]
 struct BestRegion {
     found: Option<(Region, Score)>,
-    looked_at: u32,
+    count: u32,
 }
 
 impl BestRegion {
     fn offer(&mut self, extent: Region, score: Score) {
-        self.looked_at += 1;
+        self.count += 1;
         let best = self.found.as_ref();
         if best.is_none_or(|(_, best)| score.evidence > best.evidence) {
             self.found = Some((extent, score));
@@ -87,9 +87,9 @@ impl BestRegion {
     }
 
     /// With the evidence less the cost of the choice.
-    fn of_looked_at(self) -> Option<(Region, Score, f64)> {
+    fn with_price(self) -> Option<(Region, Score, f64)> {
         let (extent, score) = self.found?;
-        let evidence = score.evidence - f64::from(self.looked_at).ln();
+        let evidence = score.evidence - f64::from(self.count).ln();
         Some((extent, score, evidence))
     }
 }
@@ -202,13 +202,13 @@ impl Scan<'_> {
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
         let mut best = BestRegion::default();
         for chain in chains {
-            for (from, begin) in chain.time_bins.iter().enumerate() {
+            for (from, first) in chain.time_bins.iter().enumerate() {
                 if self.deadline.is_over() {
                     return None;
                 }
                 let mut sums = self.nothing();
                 for (to, time_bin) in chain.time_bins.iter().enumerate().skip(from) {
-                    let length = time_bin.end - begin.start;
+                    let length = time_bin.end - first.start;
                     if length > LONGEST {
                         break;
                     }
@@ -225,7 +225,7 @@ impl Scan<'_> {
                     let extent = Region::Time(RunInterval {
                         recording: chain.recording,
                         run: chain.run,
-                        start: begin.start,
+                        start: first.start,
                         end: time_bin.end,
                     });
                     best.offer(extent, self.score(&sums));
@@ -247,7 +247,7 @@ impl Scan<'_> {
                 shift *= 0.5;
             }
         }
-        best.of_looked_at()
+        best.with_price()
     }
 
     /// Offers an interval within one chain; a time bin counts by its share inside.
@@ -294,7 +294,7 @@ impl Scan<'_> {
             });
             best.offer(extent, self.score(&self.sum(run, |_| 1.0).0));
         }
-        best.of_looked_at()
+        best.with_price()
     }
 
     /// The best disc, refined.
@@ -327,7 +327,7 @@ impl Scan<'_> {
                 share *= 0.5;
             }
         }
-        best.of_looked_at()
+        best.with_price()
     }
 
     fn offer_disc(&self, best: &mut BestRegion, chains: &[Chain], disc: [f64; 3]) {
@@ -363,7 +363,7 @@ impl Scan<'_> {
                 best.offer(extent, self.score(&sums));
             }
         }
-        best.of_looked_at()
+        best.with_price()
     }
 }
 

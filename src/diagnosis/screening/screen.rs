@@ -197,7 +197,7 @@ impl<'a> Projection<'a> {
             chi_square: quadratic / scatter,
             scatter,
             evidence: 0.5 * (quadratic / scatter - log_determinant),
-            absorbed: gone(signal, whole).unwrap_or_else(|| candidate.absorbed(0)),
+            absorbed: absorbed_share(signal, whole).unwrap_or_else(|| candidate.absorbed(0)),
             step,
         }
     }
@@ -214,10 +214,10 @@ impl<'a> Projection<'a> {
                 let near = 1e-9 * (high - low);
                 (off <= low + near && step[*k] < 0.0) || (off >= high - near && step[*k] > 0.0)
             };
-            let Some(gone) = free.iter().position(outward) else {
+            let Some(held) = free.iter().position(outward) else {
                 return free;
             };
-            free.remove(gone);
+            free.remove(held);
         }
     }
 
@@ -274,14 +274,14 @@ impl Projected {
     /// Share that the nuisance absorbs of one unknown's signal.
     #[must_use]
     pub fn absorbed(&self, place: usize) -> f64 {
-        let (left, raw) = (self.matrix[(place, place)], self.raw[(place, place)]);
-        gone(left, raw).unwrap_or(1.0)
+        let (remainder, raw) = (self.matrix[(place, place)], self.raw[(place, place)]);
+        absorbed_share(remainder, raw).unwrap_or(1.0)
     }
 }
 
 /// Absorbed share of a signal; `None` if there was none.
-fn gone(left: f64, raw: f64) -> Option<f64> {
-    (raw > 0.0).then(|| (1.0 - left / raw).clamp(0.0, 1.0))
+fn absorbed_share(remainder: f64, raw: f64) -> Option<f64> {
+    (raw > 0.0).then(|| (1.0 - remainder / raw).clamp(0.0, 1.0))
 }
 
 /// The step of the free unknowns and the cost that it saves.

@@ -164,7 +164,7 @@ impl SegmentSystem {
     #[must_use]
     pub fn joins(&self, next: &Self) -> bool {
         let apart = self.edges.last().zip(next.edges.first());
-        apart.is_some_and(|(end, begin)| (begin - end).abs() < SAME_TIME)
+        apart.is_some_and(|(end, start)| (start - end).abs() < SAME_TIME)
     }
 }
 
@@ -186,14 +186,14 @@ impl System {
         &self,
         unknowns: &[usize],
         coefficients: &[usize],
-        told: impl Fn(usize, usize) -> f64,
+        value: impl Fn(usize, usize) -> f64,
     ) -> DVector<f64> {
         let mut step = DVector::zeros(unknowns.len());
         for (recording, places) in self.places.iter().enumerate() {
             for coefficient in coefficients {
                 let unknown = places[self.layout.soil + coefficient];
                 if let Some(place) = unknowns.iter().position(|u| Some(*u) == unknown) {
-                    step[place] = told(*coefficient, recording);
+                    step[place] = value(*coefficient, recording);
                 }
             }
         }

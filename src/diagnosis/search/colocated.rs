@@ -39,13 +39,13 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Pr
             at,
         )
     });
-    let most = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
+    let largest = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
     there.retain(|one| {
         let known = |candidate: &FittedCandidate| {
             candidate.proposal.subject == one.subject
                 && are_alike(candidate.proposal.extent.as_ref(), extent)
         };
-        one.evidence > BEHIND[0] * most - FAR_BEHIND && !fitted.iter().any(known)
+        one.evidence > BEHIND[0] * largest - FAR_BEHIND && !fitted.iter().any(known)
     });
     there
 }

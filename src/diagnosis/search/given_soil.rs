@@ -50,9 +50,9 @@ pub fn seen_from_given_soil(
         one.kind() == ProposalKind::Throughout && known.iter().any(same)
     };
     let list: Vec<&Proposal> = shortlist(&all);
-    let of_kind = |kind, most| {
+    let of_kind = |kind, count| {
         let those = list.iter().filter(move |one| one.kind() == kind);
-        those.filter(|one| !is_known(one)).take(most)
+        those.filter(|one| !is_known(one)).take(count)
     };
     of_kind(ProposalKind::Throughout, THROUGHOUT)
         .chain(of_kind(ProposalKind::Local, LOCAL))

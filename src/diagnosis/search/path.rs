@@ -368,8 +368,8 @@ impl<'a> Path<'a> {
         progress: &'a Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
         let mut path = self.clone();
-        let gone = path.accepted.remove(index).proposal;
-        let (problem, fit) = without(&path.stage, &gone, &path.noise);
+        let removed = path.accepted.remove(index).proposal;
+        let (problem, fit) = without(&path.stage, &removed, &path.noise);
         let Ok(fit) = fit else { return Ok(None) };
         path.stage = path.rescreened(problem, fit, options, progress)?;
         Ok(Some(path))

@@ -29,19 +29,19 @@ pub fn prune(
     }
     let mut index = 0;
     while index < accepted.len() {
-        let gone = &accepted[index].proposal;
-        let price = NOTHING - gone.log_prior() + gone.price;
-        let loss = linear_loss(stage, &gone.coefficients);
+        let removed = &accepted[index].proposal;
+        let price = NOTHING - removed.log_prior() + removed.price;
+        let loss = linear_loss(stage, &removed.coefficients);
         if loss > SURELY * price + CLOSE {
             if accepted.len() > 1 {
                 // Later effects may explain most of it.
-                let gain = ratio * loss - gone.price;
+                let gain = ratio * loss - removed.price;
                 accepted[index].gain = accepted[index].gain.min(gain);
             }
             index += 1;
             continue;
         }
-        let (problem, without) = without(stage, gone, noise);
+        let (problem, without) = without(stage, removed, noise);
         if problem.deadline.is_over() {
             // A fit that was cut short understates what the rest explains.
             break;
@@ -57,7 +57,7 @@ pub fn prune(
             }
             Ok(without) => {
                 let lost = without.negative_log_evidence - stage.fit.negative_log_evidence;
-                accepted[index].gain = ratio * lost - gone.price;
+                accepted[index].gain = ratio * lost - removed.price;
                 index += 1;
             }
             Err(_) => index += 1,
@@ -140,27 +140,27 @@ fn doubtful_term(
         let errors = size / covariance[(unknown, unknown)].max(0.0).sqrt();
         sure[place] = sure[place].max(errors);
     });
-    let least = (0..sure.len()).min_by(|a, b| sure[*a].total_cmp(&sure[*b]))?;
-    (sure[least] < SURE_TERM).then_some(least)
+    let smallest = (0..sure.len()).min_by(|a, b| sure[*a].total_cmp(&sure[*b]))?;
+    (sure[smallest] < SURE_TERM).then_some(smallest)
 }
 
 /// The hypothesis without an effect, and the given model without its region.
 pub fn without<'a>(
     stage: &Stage<'a>,
-    gone: &Proposal,
+    removed: &Proposal,
     noise: &NoiseModel,
 ) -> (Problem<'a>, Result<FittedHypothesis, PredictionError>) {
     let coefficients = stage.fit.coefficients.iter().copied();
     let coefficients: Vec<usize> = coefficients
-        .filter(|k| !gone.coefficients.contains(k))
+        .filter(|k| !removed.coefficients.contains(k))
         .collect();
     let mut problem = stage.problem.clone();
-    if gone.kind() == ProposalKind::Local {
+    if removed.kind() == ProposalKind::Local {
         problem.nominal.effects.window = None;
     }
     let mut initial = stage.fit.solution.clone();
     for recording in &mut initial.coefficients {
-        for coefficient in &gone.coefficients {
+        for coefficient in &removed.coefficients {
             recording[*coefficient] = problem.candidates[*coefficient].off();
         }
     }
@@ -209,7 +209,7 @@ mod tests {
 
     /// What remains of an effect with these parameters and gain on a drive of this model, and the coefficients that
     /// are on.
-    fn left(
+    fn remaining(
         truth: &Specification,
         names: &[&str],
         gain: f64,
@@ -262,13 +262,13 @@ mod tests {
     fn what_gained_by_another_soil_alone_is_left_out() {
         let plain = on("sandy_loam");
         let ratio = "left_right_soil.ratio";
-        let (accepted, coefficients) = left(&plain, &[ratio], 26.0);
+        let (accepted, coefficients) = remaining(&plain, &[ratio], 26.0);
         assert!(accepted.is_empty() && coefficients.is_empty());
         let mut truth = plain;
         let name = ParameterName::find(ratio).unwrap();
         truth.effects.set(name, 0.6).unwrap();
         let gain = 1e6;
-        let (accepted, coefficients) = left(&truth, &[ratio], gain);
+        let (accepted, coefficients) = remaining(&truth, &[ratio], gain);
         assert!(accepted.len() == 1 && !coefficients.is_empty());
         // No later effect may explain a part of it.
         assert_eq!(accepted[0].gain, gain);
@@ -283,7 +283,7 @@ mod tests {
         ];
         let pull = ParameterName::find(terms[0]).unwrap();
         truth.effects.set(pull, 0.03).unwrap();
-        let (accepted, coefficients) = left(&truth, &terms, 1e6);
+        let (accepted, coefficients) = remaining(&truth, &terms, 1e6);
         assert_eq!(coefficients, terms[..1]);
         assert_eq!(accepted[0].proposal.coefficients.len(), 1);
         assert_eq!(accepted[0].proposal.stability.len(), 1);

@@ -148,7 +148,11 @@ fn partially_fitted<'a, 'p>(
 }
 
 /// Those that may reach this share of the best, the most promising first, up to a maximum number.
-fn promising<'a>(mut fits: Vec<PartialFit<'a>>, share: f64, most: usize) -> Vec<PartialFit<'a>> {
+fn promising<'a>(
+    mut fits: Vec<PartialFit<'a>>,
+    share: f64,
+    max_count: usize,
+) -> Vec<PartialFit<'a>> {
     fits.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
     // A proposal from the screen and as a hidden one at the same optimum is finished once.
     let mut once: Vec<PartialFit> = Vec::new();
@@ -159,7 +163,7 @@ fn promising<'a>(mut fits: Vec<PartialFit<'a>>, share: f64, most: usize) -> Vec<
     }
     let mut fits = once;
     let bar = OddsThreshold::of(&fits);
-    fits.truncate(most);
+    fits.truncate(max_count);
     fits.retain(|partial_fit| {
         partial_fit.promise() > bar.min_odds(partial_fit.proposal.kind(), share)
     });
