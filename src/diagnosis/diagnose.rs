@@ -56,7 +56,7 @@ use crate::vehicle::Specification;
 /// 9. *Selection.* The candidate with the largest log odds is accepted, if these exceed those of "nothing" by a
 ///    margin. Steps 5 to 8 repeat beside it, up to four times. Then accepted effects that the others explain are
 ///    removed, and close rivals are fitted once more beside the final set.
-/// 10. *Posterior.* The rivals in the place of each accepted effect and "nothing" share its probability by their log odds,
+/// 10. *Posterior.* The rivals of each accepted effect and "nothing" share its probability by their log odds,
 ///     divided by a temperature for the scatter of evidence between recordings. "Unknown" takes a fixed share, and
 ///     more if residual models or a latent Ornstein–Uhlenbeck wrench explain part of the misfit. The verdict
 ///     is a single name from 0.75 on, else the smallest set with 0.95 of the probability of all rivals.

@@ -3,9 +3,8 @@
 //! The likelihood takes noise as independent from segment to segment, with a correlation time from within them. An
 //! error that outlasts segments, as a compass has, then looks as certain as many independent measurements of a
 //! constant. Its duration is unknown, so "nothing missing" allows for a constant error of the size of the coloured
-//! noise. With an estimate x of deviation s and coloured noise of deviation c, this alternative has the log Bayes
-//! factor x^2 / (2 s^2) c^2 / (s^2 + c^2) - ln(1 + c^2 / s^2) / 2 against none, which an offset of heading or gyro
-//! pays.
+//! noise. Take an estimate x of deviation s and coloured noise of deviation c. This alternative has against none the
+//! log Bayes factor x^2 / (2 s^2) c^2 / (s^2 + c^2) - ln(1 + c^2 / s^2) / 2, which an offset of heading or gyro pays.
 
 use super::screen::Projected;
 use super::system::System;

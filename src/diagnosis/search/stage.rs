@@ -59,8 +59,7 @@ pub struct Stage<'a> {
 /// the refit of the soil may hide.
 ///
 /// # Errors
-/// The caller wants it to end, the hypothesis' deadline has passed (noise and weights are then as before), numbers that are
-/// not finite.
+/// A stop by the caller, the hypothesis' deadline (noise and weights are then as before), or numbers that are not finite.
 pub fn screen<'a>(
     problem: Problem<'a>,
     fit: FittedHypothesis,

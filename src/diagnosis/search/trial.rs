@@ -28,8 +28,8 @@ const MOST: usize = 7;
 /// Share of the remaining search time for first steps: without finished fits they are worth little.
 const FIRST_STEPS: f64 = 0.6;
 
-/// Fits the proposals: all take first steps, and those close to the best are finished. At the deadline partial fits stay as
-/// they are, and cannot be accepted.
+/// Fits the proposals: all take first steps, and those close to the best are finished. At the deadline partial fits
+/// stay as they are, and cannot be accepted.
 ///
 /// # Errors
 /// The caller wants it to end.
