@@ -1,11 +1,10 @@
-//! Step 8: physics without a name, as a law.
+//! Empirical residual models: forces outside the catalogue as functions of the motion.
 //!
-//! A sparse regression of what is left over on dimensionless groups of the motion (the features of
-//! the effects `residual_longitudinal`, `residual_lateral`, `residual_yaw`), not of differentiated
-//! positions but of the predictions themselves: groups are taken one by one as long as the evidence
-//! grows by more than the choice among all groups costs. How often each is chosen when segments are
-//! drawn anew with replacement is its stability (N. Meinshausen & P. Buhlmann, "Stability
-//! selection", J. R. Stat. Soc. B 72 (2010)). The law is then refitted inside the motion.
+//! A sparse regression on dimensionless features of the motion (the effects `residual_longitudinal`,
+//! `residual_lateral`, `residual_yaw`), not of differentiated positions but of the predictions themselves. Features
+//! are added one by one while the evidence grows by more than the choice among all features costs. A feature's
+//! stability is the share of bootstrap samples of the segments in which it is selected (N. Meinshausen & P. Buhlmann,
+//! "Stability selection", J. R. Stat. Soc. B 72 (2010)). The selected model is then refitted inside the motion.
 
 use super::screen::Projection;
 use super::system::System;
@@ -14,10 +13,10 @@ use crate::diagnosis::hypothesis::Problem;
 use crate::effects::{Acts, Axis, CATALOGUE};
 use rayon::prelude::*;
 
-/// A law of few terms.
+/// A residual model of few terms.
 #[derive(Debug, Clone)]
-pub struct Law {
-    /// Its knobs, the strongest first.
+pub struct ResidualModel {
+    /// Its coefficients, the strongest first.
     pub coefficients: Vec<usize>,
     /// Share of resampled data in which each was chosen.
     pub stability: Vec<f64>,
@@ -32,21 +31,25 @@ const DRAWS: usize = 40;
 /// A further term must raise the evidence by more than this.
 const WORTH: f64 = 3.0;
 
-/// The law that explains most beyond soil and the knobs that are on.
+/// The residual model with the largest evidence beyond soil and the coefficients that are on.
 #[must_use]
-pub fn law(problem: &Problem, system: &System, nuisance: &[usize], seed: u64) -> Option<Law> {
+pub fn residual_model(
+    problem: &Problem,
+    system: &System,
+    nuisance: &[usize],
+    seed: u64,
+) -> Option<ResidualModel> {
     let is_off = |coefficient: &usize| {
         system
             .unknowns(*coefficient)
             .iter()
             .all(|u| !nuisance.contains(u))
     };
-    // What pushes in a window would push there alone.
+    // A feature of a windowed effect would act in that window only.
     let effects = &problem.nominal.effects;
-    let confined = |coefficient: &usize| {
-        effects.is_windowed(problem.candidates.coefficients[*coefficient].effect)
-    };
-    let coefficients = problem.candidates.laws();
+    let confined =
+        |coefficient: &usize| effects.is_windowed(problem.candidates[*coefficient].effect);
+    let coefficients = problem.candidates.residual_models();
     let coefficients: Vec<usize> = coefficients.filter(|k| is_off(k) && !confined(k)).collect();
     let all: Vec<usize> = (0..system.segments.len()).collect();
     let (chosen, evidence) = select(system, nuisance, &all, &coefficients, MOST_TERMS)?;
@@ -72,7 +75,7 @@ pub fn law(problem: &Problem, system: &System, nuisance: &[usize], seed: u64) ->
             .filter(|(set, _)| set.contains(coefficient));
         found.count() as f64 / DRAWS as f64
     };
-    Some(Law {
+    Some(ResidualModel {
         stability: chosen.iter().map(chosen_again).collect(),
         coefficients: chosen,
         evidence,
@@ -85,13 +88,13 @@ fn select(
     nuisance: &[usize],
     segments: &[usize],
     coefficients: &[usize],
-    most: usize,
+    max_terms: usize,
 ) -> Option<(Vec<usize>, f64)> {
     let projection = Projection::new(system, nuisance, segments)?;
     let (mut chosen, mut best): (Vec<usize>, f64) = (Vec::new(), 0.0);
     // Logarithm of the number of sets of so many terms.
     let mut price = 0.0;
-    while chosen.len() < most {
+    while chosen.len() < max_terms {
         let with = |coefficient: &usize| {
             let set: Vec<usize> = chosen
                 .iter()
@@ -102,10 +105,10 @@ fn select(
             let score = projection.score_with(&projection.of(&unknowns), 1.0);
             (*coefficient, score.evidence)
         };
-        let left = coefficients
+        let remaining = coefficients
             .iter()
             .filter(|coefficient| !chosen.contains(coefficient));
-        let next = left.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let next = remaining.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let choice = ((coefficients.len() - chosen.len()) as f64 / (chosen.len() + 1) as f64).ln();
         price += choice;
         let evidence = next.1 - price;
@@ -118,7 +121,7 @@ fn select(
     (!chosen.is_empty()).then_some((chosen, best))
 }
 
-/// The dimensionless group that a law's coefficient multiplies, as its effect's equation has it:
+/// The dimensionless group that a residual model's coefficient multiplies, as its effect's equation has it:
 /// `|u| q` for `speed_turning`, 1 for a constant.
 #[must_use]
 pub fn group(effect: usize, name: &str) -> String {
@@ -138,7 +141,7 @@ pub fn group(effect: usize, name: &str) -> String {
     symbols.unwrap_or_else(|| "1".into())
 }
 
-/// What a law's knob pushes.
+/// The component of the wrench that a feature adds to.
 #[must_use]
 pub fn channel(effect: usize) -> Channel {
     match CATALOGUE[effect].acts {
