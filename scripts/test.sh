@@ -22,7 +22,7 @@ tier=default
 case ${1:-} in
 --quick | --all) tier=${1#--} ;;
 -h | --help)
-    sed -n '2,/^set/s/^# \{0,1\}//p' scripts/test.sh | sed '$d'
+    sed -n '2,/^set/s/^# \{0,1\}//p' scripts/test.sh
     exit 0
     ;;
 '') ;;

@@ -325,8 +325,9 @@ PRODUCT = (
     "It simulates a skid-steer vehicle on soil, and finds from a recording which physics the simulation leaves out."
 )
 DIAGNOSIS = """<h2>What did the model leave out?</h2>
-<p>{scene} The tool gets two recordings ({length:.0f} s in all, wheel speeds, position, heading and yaw rate) and a
-soil that is wrong, but not that the vehicle tows. It answers after {seconds:.0f} s on this machine:</p>
+<p>{scene} <code>ugv diagnose</code> gets two recordings of it: {length:.0f} s of wheel speeds, position, heading and
+yaw rate. The soil that it starts from is wrong, and nothing mentions the tow. After {seconds:.0f} s on this machine it
+answers:</p>
 <blockquote>{statement}</blockquote>
 <p>{measured} <a href="diagnosis/report.html">The whole report</a> shows the candidates, the residuals and the map.</p>
 <p>Then the wheel speeds of a drive that the tool has not seen move two FMUs. After {drive:.0f} s the given one is

@@ -16,6 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "proof"))
@@ -312,6 +313,7 @@ class Cases(unittest.TestCase):
         found = [families.effect_of(4, i, "single", "single") for i in range(3 * len(families.EFFECTS_OF["single"]))]
         self.assertTrue(all(found.count(e) == 3 for e in families.EFFECTS_OF["single"]))
 
+    @pytest.mark.nightly
     def test_an_absorbed_case_is_absorbed(self):
         index = next(i for i in range(100) if families.effect_of(1, i, "absorbed", "absorbed") == "drawbar")
         draft = draw_case(1, index, "absorbed", "drawbar")
