@@ -143,90 +143,16 @@
 extern "C" {
 #endif // __cplusplus
 
-// Sets the rates at which the wheel speeds change during the next step.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component component,
-                                       const fmi2ValueReference *references,
-                                       size_t count,
-                                       const fmi2Integer *orders,
-                                       const fmi2Real *values);
-
-// The outputs' first derivatives in time.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component,
-                                        const fmi2ValueReference *references,
-                                        size_t count,
-                                        const fmi2Integer *orders,
-                                        fmi2Real *values);
-
-// Drives on by one communication step.
-//
-// # Safety
-// `component` is null or a live component.
-fmi2Status fmi2DoStep(fmi2Component component,
-                      fmi2Real current_communication_point,
-                      fmi2Real communication_step_size,
-                      fmi2Boolean _no_set_fmu_state_prior_to_current_point);
-
-// Steps are never asynchronous: there is nothing to cancel.
-//
-// # Safety
-// `component` is null or a live component.
-fmi2Status fmi2CancelStep(fmi2Component component);
-
-// Not available: steps are never asynchronous.
-//
-// # Safety
-// `component` is null or a live component.
-fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status *_value);
-
-// The time that the last step reached.
-//
-// # Safety
-// A live component; `value` can be written.
-fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real *value);
-
-// Not available: there is no such status.
-//
-// # Safety
-// `component` is null or a live component.
-fmi2Status fmi2GetIntegerStatus(fmi2Component component, fmi2StatusKind kind, fmi2Integer *_value);
-
-// Whether the FMU wants to end the simulation: it never does.
-//
-// # Safety
-// A live component; `value` can be written.
-fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean *value);
-
-// Not available: steps are never asynchronous.
-//
-// # Safety
-// `component` is null or a live component.
-fmi2Status fmi2GetStringStatus(fmi2Component component, fmi2StatusKind kind, fmi2String *_value);
-
 // The platform's types, `default`.
 const char *fmi2GetTypesPlatform(void);
 
 // The version of the standard, `2.0`.
 const char *fmi2GetVersion(void);
 
-// Switches the reporting of events and of discarded calls on and off; errors and warnings are always reported.
+// Creates an instance. On failure it logs the reason and returns null.
 //
 // # Safety
-// As the standard says: a live component, `n_categories` strings.
-fmi2Status fmi2SetDebugLogging(fmi2Component component,
-                               fmi2Boolean logging_on,
-                               size_t n_categories,
-                               const fmi2String *categories);
-
-// Creates an instance, or reports why not and returns null.
-//
-// # Safety
-// As the standard says: strings that end in zero, callbacks that outlive the instance.
+// As the standard requires: strings that end in zero, callbacks that outlive the instance.
 fmi2Component fmi2Instantiate(fmi2String instance_name,
                               fmi2Type fmu_type,
                               fmi2String fmu_guid,
@@ -235,16 +161,19 @@ fmi2Component fmi2Instantiate(fmi2String instance_name,
                               fmi2Boolean _visible,
                               fmi2Boolean logging_on);
 
-// Frees an instance; nothing for null.
+// Frees an instance. Null is allowed.
 //
 // # Safety
-// `component` is null or a live component, which is none after this.
+// `component` is null or a live component. It is invalid after the call.
 void fmi2FreeInstance(fmi2Component component);
 
-// Tells start and stop time.
-//
-// # Safety
-// `component` is null or a live component.
+// Switches the logging of events and discarded calls on and off. Errors and warnings are always logged.
+fmi2Status fmi2SetDebugLogging(fmi2Component component,
+                               fmi2Boolean logging_on,
+                               size_t n_categories,
+                               const fmi2String *categories);
+
+// Sets start and stop time.
 fmi2Status fmi2SetupExperiment(fmi2Component component,
                                fmi2Boolean _tolerance_defined,
                                fmi2Real _tolerance,
@@ -252,34 +181,91 @@ fmi2Status fmi2SetupExperiment(fmi2Component component,
                                fmi2Boolean stop_time_defined,
                                fmi2Real stop_time);
 
-// Begins the initialization.
-//
-// # Safety
-// `component` is null or a live component.
+// Enters initialization mode.
 fmi2Status fmi2EnterInitializationMode(fmi2Component component);
 
-// Ends the initialization: parameters are fixed from here on.
-//
-// # Safety
-// `component` is null or a live component.
+// Exits initialization mode. From here on the parameters are fixed.
 fmi2Status fmi2ExitInitializationMode(fmi2Component component);
 
-// Ends the simulation; values can still be read.
-//
-// # Safety
-// `component` is null or a live component.
+// Ends the simulation. Values can still be read.
 fmi2Status fmi2Terminate(fmi2Component component);
 
-// Back to how the instance was created.
-//
-// # Safety
-// `component` is null or a live component.
+// Returns to the state after the instantiation.
 fmi2Status fmi2Reset(fmi2Component component);
 
+// Reads variables of type Real.
+fmi2Status fmi2GetReal(fmi2Component component,
+                       const fmi2ValueReference *references,
+                       size_t count,
+                       fmi2Real *values);
+
+// Sets variables of type Real.
+fmi2Status fmi2SetReal(fmi2Component component,
+                       const fmi2ValueReference *references,
+                       size_t count,
+                       const fmi2Real *values);
+
+// Reads variables of type Integer or of an enumeration.
+fmi2Status fmi2GetInteger(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          fmi2Integer *values);
+
+// Sets variables of type Integer or of an enumeration.
+fmi2Status fmi2SetInteger(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          const fmi2Integer *values);
+
+// Reads variables of type Boolean.
+fmi2Status fmi2GetBoolean(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          fmi2Boolean *values);
+
+// Sets variables of type Boolean.
+fmi2Status fmi2SetBoolean(fmi2Component component,
+                          const fmi2ValueReference *references,
+                          size_t count,
+                          const fmi2Boolean *values);
+
+// Reads variables of type String: there are none.
+fmi2Status fmi2GetString(fmi2Component component,
+                         const fmi2ValueReference *references,
+                         size_t count,
+                         fmi2String *_values);
+
+// Sets variables of type String: there are none.
+fmi2Status fmi2SetString(fmi2Component component,
+                         const fmi2ValueReference *references,
+                         size_t count,
+                         const fmi2String *_values);
+
+// Saves the state of the instance.
+fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state);
+
+// Returns to a saved state.
+fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state);
+
+// Frees a saved state. Null is allowed.
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state);
+
+// The number of bytes that `fmi2SerializeFMUstate` writes.
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size);
+
+// Writes a saved state as bytes.
+fmi2Status fmi2SerializeFMUstate(fmi2Component component,
+                                 fmi2FMUstate state,
+                                 fmi2Byte *serialized,
+                                 size_t size);
+
+// Makes a state from bytes.
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component,
+                                   const fmi2Byte *serialized,
+                                   size_t size,
+                                   fmi2FMUstate *state);
+
 // Derivatives of outputs and state derivatives in a direction of inputs and states.
-//
-// # Safety
-// A live component; arrays of the given lengths.
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
                                         const fmi2ValueReference *unknown_references,
                                         size_t n_unknown,
@@ -288,186 +274,78 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
                                         const fmi2Real *known_seeds,
                                         fmi2Real *unknown_values);
 
+// Sets the rates at which the wheel speeds change during the next step.
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component,
+                                       const fmi2ValueReference *references,
+                                       size_t count,
+                                       const fmi2Integer *orders,
+                                       const fmi2Real *values);
+
+// The first derivatives of outputs in time.
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component,
+                                        const fmi2ValueReference *references,
+                                        size_t count,
+                                        const fmi2Integer *orders,
+                                        fmi2Real *values);
+
+// Simulates one communication step.
+fmi2Status fmi2DoStep(fmi2Component component,
+                      fmi2Real current_communication_point,
+                      fmi2Real communication_step_size,
+                      fmi2Boolean _no_set_fmu_state_prior_to_current_point);
+
+// Not available: steps are never asynchronous.
+fmi2Status fmi2CancelStep(fmi2Component component);
+
+// Not available: steps are never asynchronous.
+fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status *_value);
+
+// The time that the last step reached.
+fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real *value);
+
+// Not available: there is no such status.
+fmi2Status fmi2GetIntegerStatus(fmi2Component component, fmi2StatusKind kind, fmi2Integer *_value);
+
+// Whether the FMU asks to end the simulation: it never does.
+fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean *value);
+
+// Not available: steps are never asynchronous.
+fmi2Status fmi2GetStringStatus(fmi2Component component, fmi2StatusKind kind, fmi2String *_value);
+
 // Enters event mode.
-//
-// # Safety
-// `component` is null or a live component.
 fmi2Status fmi2EnterEventMode(fmi2Component component);
 
-// Handles an event: effects that act for a while begin or end by themselves, and the next such moment
-// is told.
-//
-// # Safety
-// A live component; `event_info` can be written.
-fmi2Status fmi2NewDiscreteStates(fmi2Component component,
-                                 fmi2EventInfo *event_info);
+// Handles an event. Effects with a time window switch here; the result holds the next such time.
+fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo *event_info);
 
 // Enters continuous-time mode.
-//
-// # Safety
-// `component` is null or a live component.
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component);
 
-// Takes note of a completed step; the model never asks for an event.
-//
-// # Safety
-// A live component; the two results can be written.
+// Completes an integrator step. The model never asks for an event.
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component component,
                                        fmi2Boolean _no_set_fmu_state_prior_to_current_point,
                                        fmi2Boolean *enter_event_mode,
                                        fmi2Boolean *terminate_simulation);
 
-// Sets the time, on which only effects depend.
-//
-// # Safety
-// `component` is null or a live component.
+// Sets the time. Only effects depend on it.
 fmi2Status fmi2SetTime(fmi2Component component, fmi2Real time);
 
 // Sets the states.
-//
-// # Safety
-// A live component; an array of the given length.
 fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real *states, size_t count);
 
-// Rates of change of the states.
-//
-// # Safety
-// A live component; an array of the given length.
+// The derivatives of the states.
 fmi2Status fmi2GetDerivatives(fmi2Component component, fmi2Real *derivatives, size_t count);
 
-// There are no event indicators; reading none of them succeeds.
-//
-// # Safety
-// `component` is null or a live component.
+// Event indicators: there are none.
 fmi2Status fmi2GetEventIndicators(fmi2Component component, fmi2Real *_indicators, size_t count);
 
 // The states.
-//
-// # Safety
-// A live component; an array of the given length.
 fmi2Status fmi2GetContinuousStates(fmi2Component component, fmi2Real *states, size_t count);
 
 // Orders of magnitude of the states.
-//
-// # Safety
-// A live component; an array of the given length.
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component component,
                                              fmi2Real *nominals,
                                              size_t count);
-
-// Saves the instance's state.
-//
-// # Safety
-// A live component; `state` can be written.
-fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state);
-
-// Returns to a saved state.
-//
-// # Safety
-// A live component and a live state.
-fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state);
-
-// Frees a saved state; nothing for null.
-//
-// # Safety
-// A live component; `state` is null or can be read and written.
-fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state);
-
-// The number of bytes that [`fmi2SerializeFMUstate`] writes.
-//
-// # Safety
-// A live component and a live state; `size` can be written.
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size);
-
-// Writes a saved state as bytes.
-//
-// # Safety
-// A live component and a live state; room for `size` bytes.
-fmi2Status fmi2SerializeFMUstate(fmi2Component component,
-                                 fmi2FMUstate state,
-                                 fmi2Byte *serialized,
-                                 size_t size);
-
-// Makes a state from bytes.
-//
-// # Safety
-// A live component; `size` bytes; `state` can be written.
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component component,
-                                   const fmi2Byte *serialized,
-                                   size_t size,
-                                   fmi2FMUstate *state);
-
-// Reads variables of type Real.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2GetReal(fmi2Component component,
-                       const fmi2ValueReference *references,
-                       size_t count,
-                       fmi2Real *values);
-
-// Sets variables of type Real.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2SetReal(fmi2Component component,
-                       const fmi2ValueReference *references,
-                       size_t count,
-                       const fmi2Real *values);
-
-// Reads variables of type Integer or of an enumeration.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2GetInteger(fmi2Component component,
-                          const fmi2ValueReference *references,
-                          size_t count,
-                          fmi2Integer *values);
-
-// Sets variables of type Integer or of an enumeration.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2SetInteger(fmi2Component component,
-                          const fmi2ValueReference *references,
-                          size_t count,
-                          const fmi2Integer *values);
-
-// Reads variables of type Boolean.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2GetBoolean(fmi2Component component,
-                          const fmi2ValueReference *references,
-                          size_t count,
-                          fmi2Boolean *values);
-
-// Sets variables of type Boolean.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2SetBoolean(fmi2Component component,
-                          const fmi2ValueReference *references,
-                          size_t count,
-                          const fmi2Boolean *values);
-
-// There are no variables of type String; reading none of them succeeds.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2GetString(fmi2Component component,
-                         const fmi2ValueReference *references,
-                         size_t count,
-                         fmi2String *_values);
-
-// There are no variables of type String; setting none of them succeeds.
-//
-// # Safety
-// A live component; arrays of the given length.
-fmi2Status fmi2SetString(fmi2Component component,
-                         const fmi2ValueReference *references,
-                         size_t count,
-                         const fmi2String *_values);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -5,6 +5,7 @@
 # --platforms LIST names the platforms, separated by commas (default: linux64); all stands for those that can
 # be built on Linux: linux64,win64,aarch64-linux. With any other than linux64 all are portable.
 # --output FILE.fmu names the FMU of FMI 2.0, and FILE-fmi3.fmu is then that of FMI 3.0.
+# UGV_FEATURES names features of the tool beside the default ones: those of the tests save compiling it twice.
 # Other arguments are passed on to `ugv package` (--vehicle, --terrain ...).
 set -euo pipefail
 # A relative one is the caller's, as for cargo; build_fmu_library.sh works elsewhere.
@@ -68,7 +69,7 @@ for platform in ${platforms//,/ }; do
     "$here/tools/build_fmu_library.sh" "$platform" $portable
 done &
 libraries_built=$!
-cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet || {
+cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet ${UGV_FEATURES:+--features "$UGV_FEATURES"} || {
     kill "$libraries_built" 2>/dev/null
     fail "the tool could not be built (message above)"
 }

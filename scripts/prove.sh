@@ -33,7 +33,7 @@ arguments=(-m "$module")
 if [[ $module != generator ]]; then
     arguments+=(--tool "${UGV_TOOL:-$target/release/ugv}")
     if [[ -z "${UGV_TOOL:-}" && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
-        cargo build --locked --release --bin ugv >&2
+        cargo build --locked --release --bin ugv ${UGV_FEATURES:+--features "$UGV_FEATURES"} >&2
     fi
 fi
 # Paths that are given are the caller's; modules are not (PYTHONSAFEPATH).

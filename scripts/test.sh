@@ -32,6 +32,8 @@ case ${1:-} in
     exit 1
     ;;
 esac
+# The other scripts build with the features of the tests: nothing is compiled twice.
+export UGV_FEATURES=fmu
 [[ -z ${UGV_DATA:-} || $UGV_DATA == /* ]] || export UGV_DATA=$caller/$UGV_DATA
 
 # A failure does not keep what comes after it from being run.

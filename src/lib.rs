@@ -103,14 +103,17 @@ pub mod effects;
 pub mod fit;
 #[cfg(feature = "fmu")]
 pub mod fmu;
+#[cfg(feature = "analysis")]
 pub mod identification;
 #[cfg(feature = "cli")]
 pub mod import;
+#[cfg(feature = "analysis")]
 pub mod inspection;
 pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;
 pub mod parameter;
+#[cfg(feature = "analysis")]
 pub mod recording;
 #[cfg(feature = "analysis")]
 pub mod report;

@@ -36,7 +36,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "vehicle",
         ],
     ),
-    ("import", &["display", "spelling"]),
+    ("import", &["display", "recording", "spelling"]),
     (
         "recording",
         &["display", "json", "spelling", "terrain", "vehicle"],
@@ -73,11 +73,18 @@ const EDGES: &[(&str, &[&str])] = &[
     ),
     (
         "declaration",
-        &["effects", "json", "parameter", "terrain", "vehicle"],
+        &[
+            "effects",
+            "json",
+            "parameter",
+            "simulation",
+            "terrain",
+            "vehicle",
+        ],
     ),
     (
         "fmu",
-        &["declaration", "parameter", "simulation", "vehicle"],
+        &["declaration", "json", "parameter", "simulation", "vehicle"],
     ),
     (
         "fit",
@@ -270,6 +277,7 @@ impl Imports {
                 let path: String = code[place..].chars().take_while(|c| is_path(*c)).collect();
                 let before = code[..place].rsplit([';', '}']).next().unwrap_or_default();
                 let is_whole = code[..place].ends_with(|c: char| !is_path(c))
+                    && !code[..place].ends_with("pub(in ")
                     && !before.trim_start().starts_with("pub");
                 if is_whole && !path.ends_with(':') {
                     spell_out(&path, &mut |path| found.push((false, path)));

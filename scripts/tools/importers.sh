@@ -14,7 +14,7 @@ target=${CARGO_TARGET_DIR:-$root/target}
 native=${UGV_HELD_DRIVE:-$target/release/examples/held_drive}
 if [[ " $* " != *" --help "* && " $* " != *" -h "* ]]; then
     [[ -f $target/ugv.fmu && -f $target/ugv-fmi3.fmu || " $* " == *" --fmu "* ]] || ./scripts/package.sh >&2
-    [[ -n "${UGV_HELD_DRIVE:-}" ]] || cargo build --locked --release --example held_drive >&2
+    [[ -n "${UGV_HELD_DRIVE:-}" ]] || cargo build --locked --release --example held_drive ${UGV_FEATURES:+--features "$UGV_FEATURES"} >&2
 fi
 # Paths that are given are the caller's.
 cd "$caller"

@@ -224,7 +224,10 @@ impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
         match error {
             RecordingError::Csv(error) => Self::Recording(error),
-            RecordingError::About { file, source } => Self::Json {
+            RecordingError::About {
+                file,
+                error: source,
+            } => Self::Json {
                 path: file.into(),
                 source,
             },

@@ -10,7 +10,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use ugv_terrain::display::visible_line;
 use ugv_terrain::import::{
-    self, Clock, Ending, Heading, Imported, MessageKind, Options, Pose, Survey, Wish,
+    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, PoseChoice, Survey,
+    TopicRequest,
 };
 use ugv_terrain::json::read_file;
 
@@ -50,13 +51,13 @@ pub struct Args {
     #[arg(long, conflicts_with = "output")]
     list: bool,
 
-    /// CSV file for the recording; - or nothing writes to standard output, without the .json
+    /// CSV file for the recording; - or no option writes to standard output, without the .json
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 
     /// Topics for any of joints, odometry, imu, fix; `none` omits a kind
     #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
-    topics: Vec<(MessageKind, Wish)>,
+    topics: Vec<(MessageKind, TopicRequest)>,
 
     /// Joints of the left wheels [default: by name]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -73,11 +74,11 @@ pub struct Args {
     /// Source of x and y [default: odometry, or fixes if the odometry is of wheels, or of unknown
     /// origin while the fixes are precise]
     #[arg(long, value_name = "SOURCE", value_parser = choice(&POSES))]
-    pose: Option<Pose>,
+    pose: Option<PoseChoice>,
 
     /// Source of heading [default: odometry if x and y are from there]
     #[arg(long, value_name = "SOURCE", value_parser = choice(&HEADINGS))]
-    heading: Option<Heading>,
+    heading: Option<HeadingChoice>,
 
     /// Source of time: the measurement, in each message's header, or the log
     #[arg(long, value_name = "CLOCK", default_value = "header", value_parser = choice(&CLOCKS))]
@@ -102,11 +103,12 @@ const SIDES: [(&str, [bool; 2]); 3] = [
     ("right", [false, true]),
     ("both", [true; 2]),
 ];
-const POSES: [(&str, Pose); 2] = [("odometry", Pose::Odometry), ("fix", Pose::Fix)];
-const HEADINGS: [(&str, Heading); 3] = [
-    ("odometry", Heading::Odometry),
-    ("imu", Heading::Imu),
-    ("none", Heading::Without),
+const POSES: [(&str, PoseChoice); 2] =
+    [("odometry", PoseChoice::Odometry), ("fix", PoseChoice::Fix)];
+const HEADINGS: [(&str, HeadingChoice); 3] = [
+    ("odometry", HeadingChoice::Odometry),
+    ("imu", HeadingChoice::Imu),
+    ("none", HeadingChoice::Without),
 ];
 const CLOCKS: [(&str, Clock); 2] = [("header", Clock::Header), ("log", Clock::Log)];
 
@@ -121,7 +123,7 @@ fn choice<T: Copy + Send + Sync>(
     })
 }
 
-fn topic(text: &str) -> Result<(MessageKind, Wish), String> {
+fn topic(text: &str) -> Result<(MessageKind, TopicRequest), String> {
     let names = MessageKind::ALL.map(MessageKind::name).join(", ");
     let expected = format!("expected KIND=TOPIC with a KIND of {names}");
     let (kind, topic) = text.split_once('=').ok_or(expected.as_str())?;
@@ -130,15 +132,15 @@ fn topic(text: &str) -> Result<(MessageKind, Wish), String> {
         .find(|known| known.name() == kind);
     let wish = match topic {
         "" => return Err(expected),
-        "none" => Wish::Without,
-        name => Wish::Named(name.into()),
+        "none" => TopicRequest::Without,
+        name => TopicRequest::Named(name.into()),
     };
     Ok((kind.ok_or(expected)?, wish))
 }
 
 impl Args {
-    fn options(&self) -> Options {
-        Options {
+    fn options(&self) -> ImportOptions {
+        ImportOptions {
             topics: self.topics.iter().cloned().collect(),
             wheels: import::WheelJoints {
                 left: self.left.clone(),
@@ -253,7 +255,7 @@ fn summarise(imported: &Imported, rows: u64) {
     for column in &imported.columns {
         notify(&format!(
             "{:<11} {:>7} samples from {}: {}",
-            column.name,
+            column.channel.name(),
             column.samples.len(),
             column.topic,
             column.conversion
@@ -271,10 +273,10 @@ fn summarise(imported: &Imported, rows: u64) {
 }
 
 /// Prints the topics; a star marks those that an import uses.
-fn list(input: &Path, survey: &Survey, options: &Options) -> Result<(), Failure> {
+fn list(input: &Path, survey: &Survey, options: &ImportOptions) -> Result<(), Failure> {
     let mut used = Vec::new();
     for kind in MessageKind::ALL {
-        let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
+        let wish = options.topics.get(&kind).unwrap_or(&TopicRequest::Any);
         let choice = import::choose(survey, kind, wish, &options.wheels)?;
         used.extend(choice.map(|choice| (choice.topic, kind)));
     }

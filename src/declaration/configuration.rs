@@ -1,39 +1,34 @@
-//! What an FMU is made for: a vehicle, the terrains to choose from, the one to begin with, and the
-//! effects.
+//! The content of an FMU: a vehicle, the terrains to choose from, the selected one, and the effects.
 
-use super::Quantity;
-#[cfg(feature = "fmu")]
-use crate::effects::ParameterName;
 use crate::effects::{CATALOGUE, Effects, Extent};
-use crate::parameter::ParameterError;
 use crate::terrain::Terrain;
 use crate::vehicle::{Specification, Vehicle};
 
-/// Names of the terrains in the order of their numbers, from 1.
-pub const TERRAIN_NAMES: [&str; 5] = [
-    "dry_sand",
-    "sandy_loam",
-    "clayed_soil",
-    "dry_clay",
-    "custom",
+/// Name and description of the terrains in the order of their numbers, from 1.
+pub const TERRAINS: [(&str, &str); 5] = [
+    ("dry_sand", "Dry sand (Tran et al. 2007, Table I)"),
+    ("sandy_loam", "Sandy loam (Tran et al. 2007, Table I)"),
+    ("clayed_soil", "Clayed soil (Tran et al. 2007, Table I)"),
+    ("dry_clay", "Dry clay (Tran et al. 2007, Table I)"),
+    ("custom", "The soil of the parameters soil.*"),
 ];
+/// Name and description of their enumeration.
+pub const TERRAIN_TYPE: (&str, &str) = ("Terrain", "Soil under the wheels");
 
 const CLAYED_SOIL: usize = 2;
-/// What a window that depends on the place is called beside the effects.
+/// The name of a window over places, beside the names of effects.
 const WINDOW_ON_THE_MAP: &str = "a window on the map";
-/// Position of the custom soil in [`TERRAIN_NAMES`].
+/// Index of the custom soil in [`TERRAINS`].
 pub(super) const CUSTOM: usize = 4;
-/// The one parameter that is not kept in the unit that it is set in.
-const FRICTION_ANGLE: Quantity = Quantity::Soil(1);
 
-/// The vehicle, terrains and effects that an FMU starts with; they travel in its `resources/`.
+/// Vehicle, terrains and effects of an FMU, as in its `resources/` folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// The vehicle.
     pub vehicle: Vehicle,
     /// The terrains by number, the custom one last.
     pub terrains: [Terrain; 5],
-    /// Which of them is chosen, from 0.
+    /// Index of the selected terrain, from 0.
     pub selected: usize,
     /// The physics beside the paper's.
     pub effects: Effects,
@@ -59,7 +54,7 @@ impl Configuration {
         }
     }
 
-    /// A model on its own soil, which becomes the custom one and is chosen.
+    /// A model whose soil becomes the custom one, which is selected.
     #[must_use]
     pub fn from_specification(specification: Specification) -> Self {
         let mut configuration = Self {
@@ -71,7 +66,7 @@ impl Configuration {
         configuration
     }
 
-    /// The vehicle on the terrain that is chosen, with the effects.
+    /// The vehicle on the selected terrain, with the effects.
     #[must_use]
     pub fn specification(&self) -> Specification {
         Specification {
@@ -87,8 +82,8 @@ impl Configuration {
         self.vehicle.row_positions.len()
     }
 
-    /// Why the FMU is for co-simulation alone, by name; empty where it is for model exchange as well. That knows
-    /// six states, and so none of what effects make the vehicle and its ground remember; and no event
+    /// What restricts the FMU to co-simulation, by name; empty where it supports model exchange as well.
+    /// Model exchange has six states, so that effects with memory are excluded, and no event
     /// indicators, which the edge of a window on the map would need.
     #[must_use]
     pub fn for_co_simulation_alone(&self) -> Vec<&'static str> {
@@ -109,131 +104,38 @@ impl Configuration {
         &self.terrains[..CUSTOM]
     }
 
-    /// Chooses one of the terrains by name; whether there is one.
+    /// Selects a terrain by name. False if there is none of that name.
     pub fn select(&mut self, name: &str) -> bool {
-        match TERRAIN_NAMES.iter().position(|known| *known == name) {
+        match TERRAINS.iter().position(|(known, _)| *known == name) {
             Some(index) => self.selected = index,
             None => return false,
         }
         true
     }
 
-    /// Begins on one of the terrains by name, which is where the custom soil's parameters start as well; whether there is
-    /// one.
+    /// Selects a terrain by name and sets the parameters of the custom soil to it. False if there is none of that name.
     pub fn begin_on(&mut self, name: &str) -> bool {
         let is_there = self.select(name);
         self.terrains[CUSTOM] = *self.terrain();
         is_there
     }
 
-    /// Chooses a soil of one's own.
+    /// Sets and selects the custom soil.
     pub fn select_custom(&mut self, terrain: Terrain) {
         self.terrains[CUSTOM] = terrain;
         self.selected = CUSTOM;
     }
 
-    /// The terrain that is chosen.
+    /// The selected terrain.
     #[must_use]
     pub fn terrain(&self) -> &Terrain {
         &self.terrains[self.selected]
-    }
-
-    /// The value of a parameter of the vehicle, the custom soil (the friction angle in
-    /// degrees) or an effect; `None` for any other quantity.
-    #[must_use]
-    pub fn parameter(&self, quantity: Quantity) -> Option<f64> {
-        if let Quantity::Effect(parameter) = quantity {
-            return Some(self.effects.get(parameter));
-        }
-        if quantity == FRICTION_ANGLE {
-            return Some(self.terrains[CUSTOM].friction_angle_degrees());
-        }
-        self.clone().slot(quantity).map(|slot| *slot)
-    }
-
-    /// Refuses the value of an effect's parameter outside its range; those of the vehicle and the
-    /// soil are checked together when a model is made.
-    ///
-    /// # Errors
-    /// A value that is not finite or out of range.
-    pub fn check_parameter(quantity: Quantity, value: f64) -> Result<(), ParameterError> {
-        match quantity {
-            Quantity::Effect(parameter) => {
-                let (effect, declared) = parameter.declaration();
-                declared.check(effect.name, value)
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Sets such a parameter to a value that [`Configuration::check_parameter`] accepts; whether
-    /// there is one, and it did.
-    pub fn set_parameter(&mut self, quantity: Quantity, value: f64) -> bool {
-        if let Quantity::Effect(parameter) = quantity {
-            return self.effects.set(parameter, value).is_ok();
-        }
-        let value = if quantity == FRICTION_ANGLE {
-            value.to_radians()
-        } else {
-            value
-        };
-        self.slot(quantity).map(|slot| *slot = value).is_some()
-    }
-
-    /// Visits every number that can be set.
-    #[cfg(feature = "fmu")]
-    pub(crate) fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
-        let mut selected = self.selected as f64;
-        visit(&mut selected);
-        self.selected = (selected as usize).min(CUSTOM);
-        for parameter in ParameterName::all() {
-            let mut value = self.effects.get(parameter);
-            visit(&mut value);
-            self.set_parameter(Quantity::Effect(parameter), value);
-        }
-        let rows = self.rows();
-        let vehicle = (0..7).map(Quantity::Vehicle);
-        let all = (0..6)
-            .map(Quantity::Soil)
-            .chain(vehicle)
-            .chain((0..rows).map(Quantity::Row));
-        for quantity in all {
-            if let Some(slot) = self.slot(quantity) {
-                visit(slot);
-            }
-        }
-    }
-
-    /// Where a parameter is kept, in SI units and radians.
-    fn slot(&mut self, quantity: Quantity) -> Option<&mut f64> {
-        let Self {
-            vehicle, terrains, ..
-        } = self;
-        let soil = &mut terrains[CUSTOM];
-        Some(match quantity {
-            Quantity::Soil(0) => &mut soil.cohesion,
-            Quantity::Soil(1) => &mut soil.friction_angle,
-            Quantity::Soil(2) => &mut soil.cohesive_modulus,
-            Quantity::Soil(3) => &mut soil.frictional_modulus,
-            Quantity::Soil(4) => &mut soil.sinkage_exponent,
-            Quantity::Soil(5) => &mut soil.shear_modulus,
-            Quantity::Vehicle(0) => &mut vehicle.mass,
-            Quantity::Vehicle(1) => &mut vehicle.yaw_inertia,
-            Quantity::Vehicle(2) => &mut vehicle.wheel_radius,
-            Quantity::Vehicle(3) => &mut vehicle.wheel_width,
-            Quantity::Vehicle(4) => &mut vehicle.half_track,
-            Quantity::Vehicle(5) => &mut vehicle.com_offset,
-            Quantity::Vehicle(6) => &mut vehicle.com_height,
-            Quantity::Row(index) => vehicle.row_positions.get_mut(index)?,
-            _ => return None,
-        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::ParameterName;
 
     #[test]
     fn what_model_exchange_cannot_see_is_for_co_simulation_alone() {
@@ -262,28 +164,5 @@ mod tests {
             let found = configuration.for_co_simulation_alone();
             assert_eq!(found, expected, "{effects}");
         }
-    }
-
-    #[test]
-    fn parameters_are_read_back_as_they_were_set() {
-        let mut configuration = Configuration::default();
-        for quantity in [
-            Quantity::Soil(1),
-            Quantity::Soil(4),
-            Quantity::Vehicle(6),
-            Quantity::Row(3),
-        ] {
-            assert!(configuration.set_parameter(quantity, 29.3));
-            assert_eq!(configuration.parameter(quantity), Some(29.3));
-        }
-        let payload = ParameterName::find("payload.mass")
-            .map(Quantity::Effect)
-            .unwrap();
-        assert!(configuration.set_parameter(payload, 29.3));
-        assert_eq!(configuration.parameter(payload), Some(29.3));
-        assert!(!configuration.set_parameter(payload, -1.0));
-        assert!(Configuration::check_parameter(payload, -1.0).is_err());
-        assert!(!configuration.set_parameter(Quantity::Row(4), 1.0));
-        assert_eq!(configuration.parameter(Quantity::Input(0)), None);
     }
 }

@@ -1,9 +1,12 @@
 //! What outputs and rates depend on, at the start and while the simulation runs.
 
-use super::{ArrayVariable, Causality, Configuration, Elements, Quantity, array_variables};
+use super::configuration::Configuration;
+use super::row::Causality;
+use super::variable::{Quantity, Side};
+use super::variables::{ArrayVariable, Elements, Naming};
 use crate::effects::{Boundary, Extent, SlopeProfile};
 
-/// How an unknown depends on what it depends on.
+/// The kind of a dependency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DependencyKind {
     /// As a constant factor.
@@ -23,8 +26,8 @@ impl DependencyKind {
     }
 }
 
-/// What an output or the rate of a state depends on: its own state alone, or the quantities of its
-/// equation; the inputs first, then the states, the time last. Empty for what is neither.
+/// What an output or the rate of a state depends on: its own state only, or the quantities of its
+/// equation (inputs, then states, then the time). Empty for other quantities.
 #[must_use]
 pub fn dependencies(
     quantity: Quantity,
@@ -35,9 +38,9 @@ pub fn dependencies(
         Quantity::State(index) => (states(&[index]), DependencyKind::Constant),
         Quantity::Rate(0 | 1) => (states(&[2, 3, 4]), DependencyKind::Dependent),
         Quantity::Rate(2) => (states(&[5]), DependencyKind::Constant),
-        // On the pose only effects depend: a grade, and a boundary on the map.
+        // The forces depend on the pose through effects: a grade, or a boundary on the map.
         Quantity::Rate(_) | Quantity::Total(_) | Quantity::Wheel(..) => {
-            let inputs = (0..2).map(Quantity::Input);
+            let inputs = Side::BOTH.into_iter().map(Quantity::Input);
             let mut all: Vec<Quantity> = inputs.chain((0..6).map(Quantity::State)).collect();
             if configuration.depends_on_time() {
                 all.push(Quantity::Time);
@@ -48,7 +51,7 @@ pub fn dependencies(
     }
 }
 
-/// The initial value that a coordinate of the pose is at the start, alone.
+/// The initial value that determines a coordinate of the pose at the start.
 #[must_use]
 pub fn initial_pose(quantity: Quantity) -> Option<Quantity> {
     match quantity {
@@ -57,14 +60,14 @@ pub fn initial_pose(quantity: Quantity) -> Option<Quantity> {
     }
 }
 
-/// The variables that an output or a rate may depend on at the start, in any way: the pose on its initial values, all
-/// others on whatever can be set, and on the start time where forces may depend on it.
+/// The variables that an output or a rate may depend on at the start: the pose on its initial values, all
+/// others on everything that can be set, and on the start time where forces may depend on it.
 #[must_use]
 pub fn initial_dependencies(
     quantity: Quantity,
     configuration: &Configuration,
 ) -> Vec<ArrayVariable> {
-    let mut known = array_variables(configuration);
+    let mut known = Naming::Arrays.variables(configuration);
     if let Some(own) = initial_pose(quantity) {
         known.retain(|variable| variable.elements == Elements::One(own));
         return known;

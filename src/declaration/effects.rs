@@ -1,14 +1,15 @@
 //! The effects' parameters as variables of the FMU.
 
-use super::{Attributes, Causality, Configuration, FIRST_ROW, Kind, Quantity, Variable, units};
+use super::configuration::Configuration;
+use super::row::{Attributes, Causality, Kind};
+use super::table::UNITS;
+use super::variable::{Quantity, Variable};
 use crate::effects::{Boundary, CATALOGUE, EffectKind, ParameterName};
 use std::sync::LazyLock;
 
-/// Value references of effects begin here, each effect having room for 16.
+/// The first value reference of effects, and the number reserved for each.
 pub(super) const FIRST: u32 = 500;
-const PER_EFFECT: u32 = 16;
-
-const _: () = assert!(FIRST + PER_EFFECT * CATALOGUE.len() as u32 <= FIRST_ROW);
+pub(super) const PER_EFFECT: u32 = 16;
 
 /// Attributes of all parameters in order, for a boundary that is measured over time and for one that is
 /// measured over a length.
@@ -29,17 +30,17 @@ static ATTRIBUTES: LazyLock<[Vec<Attributes>; 2]> = LazyLock::new(|| {
     })
 });
 
-/// A unit as the standard spells it: "N s^2/m^2" is N.s2/m2, "s or m" the one that serves.
+/// A unit in the standard's spelling: N.s2/m2 for "N s^2/m^2", and one of the two in "s or m".
 fn unit(written: &str, over_time: bool) -> &'static str {
     let (time, length) = written.split_once(" or ").unwrap_or((written, written));
     let chosen = if over_time { time } else { length };
     let spelled = chosen.replace(' ', ".").replace('^', "");
-    let known = units().iter().find(|unit| unit.name == spelled);
+    let known = UNITS.iter().find(|unit| unit.name == spelled);
     known.map_or("", |unit| unit.name)
 }
 
-/// Whether an effect's parameters are variables. Effects that make the model remember are only where
-/// they are on from the beginning: the interface that such an FMU has depends on it.
+/// Whether the parameters of an effect are variables. Effects with memory are offered only where
+/// they are on initially, since they exclude model exchange.
 fn offered(configuration: &Configuration, effect: usize) -> bool {
     let effects = &configuration.effects;
     CATALOGUE[effect].kind == EffectKind::Physics
@@ -65,22 +66,6 @@ pub(super) fn variables(configuration: &Configuration) -> impl Iterator<Item = V
             quantity: Quantity::Effect(parameter),
             attributes: attributes(configuration, parameter),
         })
-    })
-}
-
-/// The variable behind a value reference.
-pub(super) fn find(
-    reference: u32,
-    configuration: &Configuration,
-) -> Option<(Quantity, &'static Attributes)> {
-    let offset = reference.checked_sub(FIRST)?;
-    let (effect, place) = (offset / PER_EFFECT, offset % PER_EFFECT);
-    let parameter = ParameterName::at(effect as usize, place as usize)?;
-    offered(configuration, effect as usize).then(|| {
-        (
-            Quantity::Effect(parameter),
-            attributes(configuration, parameter),
-        )
     })
 }
 

@@ -1,23 +1,32 @@
 //! The files of an FMU's `resources` folder, and the identity that follows from them.
 
-use super::configuration::CUSTOM;
-use super::{Configuration, TERRAIN_NAMES};
+use super::configuration::{CUSTOM, Configuration, TERRAINS};
+use super::effects;
 use crate::effects::Effects;
-use crate::json::JsonError;
+use crate::json::{JsonError, parsed};
 use crate::terrain::Terrain;
 use crate::vehicle::Vehicle;
 use serde_json::{Value, json};
 use std::fmt;
 use uuid::Uuid;
 
-/// Why a folder describes no configuration.
+/// The identity of the library: the declaration as it is written, and the version. Every library of this version
+/// contains it, and no other.
+pub const MARK: &str = concat!(
+    include_str!("table.rs"),
+    " ",
+    env!("CARGO_PKG_VERSION"),
+    "\n"
+);
+
+/// Why the files of a folder give no configuration.
 #[derive(Debug)]
 pub enum ConfigurationError {
-    /// A file that is there but cannot be read.
+    /// A file that cannot be read.
     Io(&'static str, std::io::Error),
-    /// A file that says something else than it should.
+    /// A file with invalid content.
     Json(&'static str, JsonError),
-    /// A file without the name of a terrain.
+    /// A file that selects no terrain.
     Selection(&'static str),
 }
 
@@ -29,7 +38,7 @@ impl fmt::Display for ConfigurationError {
             Self::Selection(file) => write!(
                 f,
                 "resources/{file}: \"selected\" must be one of {}",
-                TERRAIN_NAMES.join(", ")
+                TERRAINS.map(|(name, _)| name).join(", ")
             ),
         }
     }
@@ -43,11 +52,11 @@ const SELECTION_FILE: &str = "terrain.json";
 const EFFECTS_FILE: &str = "effects.json";
 
 impl Configuration {
-    /// Reads the files of a `resources` folder through `read`, which answers `None` for a
-    /// file that is not there; then the built-in one serves.
+    /// Reads the files of a `resources` folder through `read`, which returns `None` for a
+    /// missing file. The built-in vehicle, terrains and effects replace missing files.
     ///
     /// # Errors
-    /// A file that cannot be read or says something else than it should.
+    /// A file that cannot be read or has invalid content.
     pub fn from_resources(
         read: impl Fn(&str) -> std::io::Result<Option<String>>,
     ) -> Result<Self, ConfigurationError> {
@@ -94,16 +103,13 @@ impl Configuration {
     /// The files that [`Configuration::from_resources`] reads back.
     #[must_use]
     pub fn to_resources(&self) -> [(&'static str, String); 4] {
-        let parsed = |text: String| -> Value {
-            serde_json::from_str(&text).expect("what the crate writes is JSON")
-        };
         let mut presets = serde_json::Map::new();
-        for (name, terrain) in TERRAIN_NAMES.iter().zip(&self.terrains[..CUSTOM]) {
-            presets.insert((*name).to_owned(), parsed(terrain.to_json()));
+        for ((name, _), terrain) in TERRAINS.iter().zip(&self.terrains[..CUSTOM]) {
+            presets.insert((*name).to_owned(), parsed(&terrain.to_json()));
         }
         let selection = json!({
-            "selected": TERRAIN_NAMES[self.selected],
-            "custom": parsed(self.terrains[CUSTOM].to_json()),
+            "selected": TERRAINS[self.selected].0,
+            "custom": parsed(&self.terrains[CUSTOM].to_json()),
         });
         let pretty = |value: &Value| format!("{value:#}\n");
         [
@@ -115,12 +121,12 @@ impl Configuration {
     }
 }
 
-/// The FMU's identity, derived from the declaration of its variables and from all the values
-/// that they start with: a model description and a library belong together if they agree.
+/// The FMU's identity, derived from the declaration of its variables and all their start values.
+/// A model description and a library fit together if they have the same identity.
 #[must_use]
 pub fn guid(configuration: &Configuration) -> String {
-    let mut content = super::MARK.to_owned();
-    for variable in super::effects::variables(configuration) {
+    let mut content = MARK.to_owned();
+    for variable in effects::variables(configuration) {
         content += &format!("{variable:?}\n");
     }
     for (name, text) in configuration.to_resources() {

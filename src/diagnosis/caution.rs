@@ -1,33 +1,33 @@
-//! What a reader of the verdict has to know before acting on it.
+//! Limits of a verdict that its reader must know before acting on it.
 
 use crate::vehicle::Vehicle;
 
-/// Something that limits what the verdict is worth.
+/// A limit of the verdict.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Caution {
-    /// The time limit ended the work early.
+    /// The time limit ended the search early.
     TimeUp,
-    /// The time limit allowed a part of the recordings only \[s\].
+    /// The time limit allowed only some of the segments \[s\].
     Part {
         /// Seconds of driving that were used.
         used: f64,
-        /// Seconds of driving that there are.
+        /// Seconds of driving in the recordings.
         of: f64,
     },
-    /// There was no time to compare the models on data that they were not fitted to.
+    /// There was no time for the held-out comparison.
     NotHeldOut,
-    /// Nobody named a vehicle: this one was assumed.
+    /// No vehicle was named; this one was assumed.
     AssumedVehicle {
         /// Its mass \[kg\].
         mass: f64,
-        /// How many wheels it has.
+        /// Number of wheels.
         wheels: usize,
     },
 }
 
 impl Caution {
-    /// That a vehicle was assumed.
+    /// The caution about an assumed vehicle.
     #[must_use]
     pub fn assumed(vehicle: &Vehicle) -> Self {
         Self::AssumedVehicle {
@@ -47,20 +47,20 @@ impl Caution {
         }
     }
 
-    /// In words: what happened, and what to do.
+    /// Sentences for the reader: what happened, and what to do.
     #[must_use]
     pub fn text(&self) -> String {
         match self {
-            Self::TimeUp => "Time was up before everything had been tried. More may be missing than was found, and \
-                             probabilities compare only what had been fitted by then. Give it more time (--within)."
+            Self::TimeUp => "Time was up before all candidates were fitted. More may be missing than was found, and \
+                             the probabilities compare only the fits done by then. Allow more time (--within)."
                 .into(),
             Self::Part { used, of } => format!(
-                "Time allowed only {:.0} % of the driving: {used:.0} s of {of:.0} s, in stretches spread evenly. What acts \
-                 for some seconds may lie between them.",
+                "Time allowed only {:.0} % of the driving: {used:.0} s of {of:.0} s, in segments spread evenly. An effect \
+                 that acts for some seconds may lie between them.",
                 100.0 * used / of
             ),
             Self::NotHeldOut => {
-                "There was no time to compare the models on data that they were not fitted to.".into()
+                "There was no time to compare the models on held-out data.".into()
             }
             Self::AssumedVehicle { mass, wheels } => format!(
                 "No vehicle was named: the paper's was assumed, {mass:.0} kg on {wheels} wheels. The verdict is about that \

@@ -1,4 +1,4 @@
-//! From recordings to a diagnosis.
+//! The entry point: from recordings to a diagnosis.
 
 use super::answer::account::{account, doubts, read};
 use super::answer::augmented::model;
@@ -14,7 +14,7 @@ use super::manoeuvre::next;
 use super::outcome::{
     Account, Candidate, Diagnosis, Finding, HeldOut, Insufficient, Subject, Verdict,
 };
-use super::search::{Searched, search};
+use super::search::{SearchResult, search};
 use super::{Caution, DiagnosisError, Options, Progress};
 use crate::fit::Estimate;
 use crate::fit::error::LENGTHS;
@@ -23,10 +23,46 @@ use crate::fit::signal::Signal;
 use crate::recording::{Recording, different_names};
 use crate::vehicle::Specification;
 
-/// Locates the mismatch between recordings and a model, says what physics was left out, and models it.
+/// Finds the physics that a model leaves out, from recordings: where it acts, its probability, and a model with it.
 ///
-/// Recordings and model as [`Recording`] and [`Specification`] have them (SI, radians); [`Diagnosis::model`] is the given
-/// model with its soil re-tuned and what was found. Takes half a minute to some minutes on rayon's present pool.
+/// Units are SI and radians. [`Diagnosis::model`] is the given model with its soil refitted and the findings on.
+/// A diagnosis takes half a minute to some minutes on rayon's current pool.
+///
+/// # Algorithm
+/// 1. *Segments.* Recordings are cut into segments of some seconds (multiple shooting). Every segment has a free
+///    initial state with a Gaussian prior around the measured one, so errors do not accumulate over a drive.
+///    Rest, gaps and segments that the model cannot follow are dropped.
+/// 2. *Prior.* Soil parameters have the log-normal or normal priors of the catalogue. Every candidate parameter a has
+///    a Gaussian prior around "off" in its coordinate, as wide as the catalogue finds plausible. All effects have
+///    the same prior probability; a local effect, a term of an empirical residual model and the absence of an effect
+///    have fixed log odds to that.
+/// 3. *Likelihood.* Residuals r of each channel are white plus AR(1) noise, whitened by a Kalman filter, with
+///    Student's t weights against outliers. Noise variances and the AR(1) time maximise the restricted likelihood
+///    (REML): soil, initial states and all candidates are integrated out, so a missing effect does not count as noise.
+/// 4. *Soil.* Levenberg–Marquardt minimises cost = r^T S r + (x - x_0)^T P (x - x_0) over soil and initial states,
+///    in turns with the noise. Reconstructions of the wheel speeds between samples compete by the evidence of step 7.
+/// 5. *Screening.* The problem is linearised at the refitted soil; initial states are eliminated segment by segment.
+///    Soil N is projected out of each candidate C: H~ = H_CC - H_CN (H_NN + P_N)^-1 H_NC, likewise the score g~.
+///    log B = g~^T (H~ + P_C)^-1 g~ / 2 - ln det(1 + P_C^-1 H~) / 2. The reported t values divide by the segments'
+///    overdispersion, and by the 95 % quantile of the largest candidate under simulated nulls.
+/// 6. *Regions.* Effects are also resolved in time bins of half a second. Every time interval, run and disc of the map
+///    is scanned for each candidate and for an unmodelled wrench; the best one pays ln(number of regions) of log B.
+///    Forward selection by log B proposes an empirical residual model of up to three terms.
+/// 7. *Evidence.* The best proposals are fitted in full, from several initial guesses. Integrating soil, initial
+///    states and effects by Laplace's method, -2 ln E = cost + ln det H - ln det P, H = J^T S J + P. Edges of
+///    regions are refined in the full fit. Close candidates are fitted under each other's noise and ranked by the mean.
+/// 8. *Held-out score.* Blocks of neighbouring segments are left out; each is scored by its log predictive density under
+///    the posterior of the others. A candidate that scores worse by more than a standard error is not accepted.
+/// 9. *Selection.* The candidate with the largest log odds is accepted, if these exceed those of "nothing" by a
+///    margin. Steps 5 to 8 repeat beside it, up to four times. Then accepted effects that the others explain are
+///    removed, and close rivals are fitted once more beside the final set.
+/// 10. *Posterior.* The rivals of each accepted effect and "nothing" share its probability by their log odds,
+///     divided by a temperature for the scatter of evidence between recordings. "Unknown" takes a fixed share, and
+///     more if residual models or a latent Ornstein–Uhlenbeck wrench explain part of the misfit. The verdict
+///     is a single name from 0.75 on, else the smallest set with 0.95 of the probability of all rivals.
+/// 11. *Check.* The given, the refitted and the augmented model are compared once more with parameters fitted anew
+///     without each block. If the augmented model is worse by a standard error, its findings are withdrawn.
+/// 12. *Next manoeuvre.* Manoeuvres are simulated; the one that best separates the rivals (T-optimality) is proposed.
 ///
 /// ```no_run
 /// use ugv_terrain::diagnosis::{Options, Progress, diagnose};
@@ -48,15 +84,18 @@ use crate::vehicle::Specification;
 /// ```
 ///
 /// # Errors
-/// That it was stopped ([`Progress::stopped_by`]). Recordings that nothing can be said of, or two of one name; a model that cannot follow them, or whose effects depend on
-/// when a drive began; a time limit ([`Progress::within`]) too short for a first look. Of [`DiagnosisError::AtRest`], [`DiagnosisError::TooShort`] and [`DiagnosisError::OutOfTime`] [`insufficient`] makes an answer.
+/// Without a recording, for recordings without a measured motion or enough driving, and for two recordings of one name.
+/// For a model that cannot follow the recordings, or whose effects depend on when a drive started. If the caller stopped
+/// it ([`Progress::stopped_by`]), or the time limit ([`Progress::within`]) is too short for the first screening.
+/// [`insufficient`] turns [`DiagnosisError::AtRest`], [`DiagnosisError::TooShort`] and [`DiagnosisError::OutOfTime`]
+/// into a diagnosis.
 pub fn diagnose(
     recordings: &[Recording],
     nominal: &Specification,
     options: &Options,
     progress: &Progress,
 ) -> Result<Diagnosis, DiagnosisError> {
-    progress.step("preparing")?;
+    progress.step("preparing the recordings")?;
     if recordings.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
@@ -83,9 +122,9 @@ pub fn diagnose(
     progress.in_time(deadline)?;
     let mut problem = Problem::until(nominal, recordings, deadline);
     progress.in_time(deadline)?;
-    let (prepared, by) = prepare(&mut problem, options, progress)?;
-    let mut searched = search(&problem, by, options, progress)?;
-    progress.step("holding out what was found")?;
+    let (prepared, noise) = prepare(&mut problem, options, progress)?;
+    let mut searched = search(&problem, noise, options, progress)?;
+    progress.step("held-out comparison")?;
     let in_time = |held: Option<HeldOut>| held.filter(|_| !deadline.is_over());
     let mut held = in_time(compare(&searched));
     if held.is_some_and(|held| held.gain.0 < -held.gain.1) {
@@ -96,20 +135,20 @@ pub fn diagnose(
     if held.is_none() && deadline.is_over() {
         cautions.push(Caution::NotHeldOut);
     }
-    progress.step("judging")?;
+    progress.step("posterior and verdict")?;
     let mut candidates = candidates(&searched)?;
     let hidden = candidates.iter().filter(|c| !c.1);
     let hidden: Vec<Subject> = hidden.map(|c| c.0.subject).collect();
     let seen = 1.0 - hidden.len() as f64 / candidates.len().max(1) as f64;
     let judgement = judge(&searched, seen);
-    progress.step("what to drive next")?;
+    progress.step("ranking next manoeuvres")?;
     let next = next(&searched, &judgement, &hidden, options).filter(|_| !deadline.is_over());
-    progress.step("reporting")?;
+    progress.step("collecting results")?;
     for (candidate, _) in &mut candidates {
-        candidate.probability = judgement.odds.of(candidate.subject);
+        candidate.probability = judgement.posterior.of(candidate.subject);
     }
     let mut candidates: Vec<Candidate> = candidates.into_iter().map(|(c, _)| c).collect();
-    candidates.extend(others(&judgement.odds, &candidates, nominal));
+    candidates.extend(others(&judgement.posterior, &candidates, nominal));
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let found = findings(&searched, &judgement.findings);
     let model = model(&searched, nominal)?;
@@ -141,7 +180,7 @@ pub fn diagnose(
     Ok(diagnosis)
 }
 
-/// A diagnosis that says that there is too little.
+/// A diagnosis without a verdict, for recordings that contain too little.
 #[must_use]
 pub fn insufficient(
     recordings: &[Recording],
@@ -198,8 +237,8 @@ pub fn insufficient(
     }
 }
 
-/// The soil before and after.
-fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
+/// The soil refitted alone, and beside the findings.
+fn soil(searched: &SearchResult) -> Vec<(Estimate, Estimate)> {
     let problem = &searched.problem;
     let parameters = problem.soil_parameters();
     let estimate = |fit: &FittedHypothesis, k: usize| {
@@ -228,15 +267,15 @@ fn soil(searched: &Searched) -> Vec<(Estimate, Estimate)> {
 
 fn statement(diagnosis: &Diagnosis) -> String {
     let leading = diagnosis.leading.and_then(|k| diagnosis.findings.get(k));
-    let told = leading.map_or("", |finding| &finding.statement);
+    let what = leading.map_or("", |finding| &finding.statement);
     match diagnosis.verdict {
         Verdict::NothingMissing => {
-            "The model with its soil re-tuned explains these recordings: nothing is missing that they could show."
+            "The model with its refitted soil explains these recordings: they show no missing physics."
                 .into()
         }
         Verdict::InsufficientData => undecided(diagnosis),
-        Verdict::MissingPhysics => format!("The model leaves out {told}."),
-        Verdict::Sensor => format!("The recording is at fault, not the model: {told}."),
+        Verdict::MissingPhysics => format!("The model leaves out {what}."),
+        Verdict::Sensor => format!("The fault is in the recording, not in the model: {what}."),
         Verdict::Ambiguous => {
             let names = leading.map_or_else(Vec::new, |finding| {
                 let others = finding.ambiguous_with.iter();
@@ -244,21 +283,21 @@ fn statement(diagnosis: &Diagnosis) -> String {
             });
             let best = if is_likeliest(leading, diagnosis) { "Best" } else { "As fitted" };
             format!(
-                "Something is missing: {}; these recordings do not tell them apart. {best}: {told}.",
+                "Something is missing: {}; these recordings cannot separate them. {best}: {what}.",
                 names.join(" or ")
             )
         }
         Verdict::UnknownPhysics => {
-            format!("Something is missing that the catalogue does not have: {told}.")
+            format!("Something is missing that the catalogue does not contain: {what}.")
         }
     }
 }
 
-/// Why nothing can be said.
+/// Why there is no verdict.
 fn undecided(diagnosis: &Diagnosis) -> String {
     match diagnosis.insufficient {
         Some(Insufficient::TimeUp) => {
-            "Time was up before every candidate had been tried: nothing was found by then, and nothing can be ruled out. Give it more time (--within)."
+            "Time was up before all candidates were fitted. Nothing was found by then, and nothing can be ruled out. Allow more time (--within)."
                 .into()
         }
         Some(Insufficient::Undecided) => {
@@ -272,12 +311,12 @@ fn undecided(diagnosis: &Diagnosis) -> String {
                 first.join(", ")
             )
         }
-        _ => "These recordings tell too little: most effects of a plausible size would not have been seen."
+        _ => "These recordings contain too little information: most effects of a plausible size would not show in them."
             .into(),
     }
 }
 
-/// Whether a finding is likelier than the others of its set.
+/// Whether a finding is at least as likely as each of its rivals.
 fn is_likeliest(finding: Option<&Finding>, diagnosis: &Diagnosis) -> bool {
     finding.is_some_and(|finding| {
         let others = &finding.ambiguous_with;
@@ -292,38 +331,27 @@ fn is_likeliest(finding: Option<&Finding>, diagnosis: &Diagnosis) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::effects::Effects;
-    use crate::terrain::Terrain;
-    use crate::vehicle::Vehicle;
+    use crate::diagnosis::testing::{driven, on, with_effects};
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]
     fn a_diagnosis_can_be_stopped() {
-        let model =
-            |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
-        let recordings = [driven(&model("sandy_loam"), "spiral")];
+        let recordings = [driven(&on("sandy_loam"), "spiral")];
         let (stop, seen) = (AtomicBool::new(false), Mutex::new(Vec::new()));
         let tell = |step| {
             seen.lock().unwrap().push(step);
-            stop.store(step == "naming", Ordering::Relaxed);
+            stop.store(step == "refitting the soil", Ordering::Relaxed);
         };
         let progress = Progress::new(&tell).stopped_by(&stop);
-        let found = diagnose(
-            &recordings,
-            &model("dry_sand"),
-            &Options::default(),
-            &progress,
-        );
+        let found = diagnose(&recordings, &on("dry_sand"), &Options::default(), &progress);
         assert_eq!(found.unwrap_err(), DiagnosisError::Stopped);
-        assert_eq!(seen.lock().unwrap().last(), Some(&"naming"));
+        assert_eq!(seen.lock().unwrap().last(), Some(&"refitting the soil"));
     }
 
     #[test]
     fn what_cannot_be_diagnosed_is_refused() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         let options = Options::default();
         let progress = Progress::new(&|_| ());
         let refused = |recordings: &[Recording], nominal: &Specification, options: &Options| {
@@ -342,11 +370,7 @@ mod tests {
         assert_eq!(found, DiagnosisError::SegmentLength(-5.0));
         let window =
             r#"{"drag": {"coefficient": 9}, "window": {"effects": ["drag"], "time": [1, 2]}}"#;
-        let bound = Specification {
-            effects: Effects::from_json(window).unwrap(),
-            ..nominal.clone()
-        };
-        let found = refused(&one, &bound, &options);
+        let found = refused(&one, &with_effects(&nominal, window), &options);
         assert_eq!(found, DiagnosisError::DependsOnBeginning);
         let found = refused(&one, &nominal, &options);
         assert!(matches!(found, DiagnosisError::NothingMeasured { .. }));

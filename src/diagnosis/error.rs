@@ -1,21 +1,21 @@
-//! Why nothing can be diagnosed.
+//! Reasons why a diagnosis is impossible.
 
 use crate::fit::error::{DEPENDS_ON_BEGINNING, LENGTHS};
 use crate::fit::predictor::PredictionError;
 use crate::recording::{RecordingFault, SameName};
 use thiserror::Error;
 
-/// The position of a vehicle at rest drifts about as far \[m\].
+/// Upper bound of the position's drift at rest \[m\].
 const DRIFT: f64 = 5.0;
 
 /// Why there is no diagnosis.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DiagnosisError {
-    /// No recording at all.
+    /// No recording was given.
     #[error("no recording to diagnose")]
     NoRecording,
-    /// A recording without anything to compare with.
+    /// A recording without pose, yaw rate and velocities.
     #[error("{recording} has neither pose nor yaw rate nor velocities: nothing to compare with")]
     NothingMeasured {
         /// Its name.
@@ -24,10 +24,10 @@ pub enum DiagnosisError {
     /// Wheels that never turn.
     #[error("{}", at_rest(*moved))]
     AtRest {
-        /// How far the recorded positions reach all the same \[m\].
+        /// Extent of the recorded positions \[m\].
         moved: f64,
     },
-    /// Too little to say anything.
+    /// Too little driving.
     #[error("{seconds:.1} s of usable driving are too short: a diagnosis needs {needed} s")]
     TooShort {
         /// Seconds with wheel speeds and samples.
@@ -35,31 +35,33 @@ pub enum DiagnosisError {
         /// Seconds that are needed.
         needed: f64,
     },
-    /// A model that cannot follow the wheel speeds to begin with.
-    #[error("the given vehicle on the given terrain cannot follow most of the recording: {0}")]
+    /// The given model cannot follow the wheel speeds.
+    #[error(
+        "the given vehicle on the given terrain cannot follow most of the recording: {0}; check both"
+    )]
     Undrivable(#[source] PredictionError),
-    /// Numbers that left the range of the machine.
-    #[error("the diagnosis' numbers are not finite")]
+    /// Overflow or an undefined result.
+    #[error("the diagnosis stopped at a number that is not finite")]
     NotFinite,
-    /// Somebody wanted it to end: see [`Progress::stopped_by`](super::Progress::stopped_by).
+    /// The caller ended it: see [`Progress::stopped_by`](super::Progress::stopped_by).
     #[error("the diagnosis was stopped")]
     Stopped,
-    /// The time limit was met before there was anything to judge: see
+    /// The time limit ended the work before the first screening: see
     /// [`Progress::within`](super::Progress::within).
     #[error(
-        "time was up before the recordings could be compared with any candidate; give more time (--within), or fewer recordings"
+        "time was up before the recordings could be compared with any candidate; allow more time (--within) or give fewer recordings"
     )]
     OutOfTime,
-    /// Samples that are no series in time.
+    /// Samples that are not ordered in time.
     #[error(transparent)]
     Recording(RecordingFault),
-    /// A length of segments \[s\] that is none, or too short or too long.
+    /// A segment length outside its range \[s\].
     #[error("segments of {0} s: expected {min} to {max} s", min = LENGTHS.start(), max = LENGTHS.end())]
     SegmentLength(f64),
-    /// Effects of the given model that depend on when a drive began: segments begin anywhere.
+    /// The given model has effects that depend on when a drive started; segments start anywhere.
     #[error("{}", DEPENDS_ON_BEGINNING)]
     DependsOnBeginning,
-    /// Two recordings of one name: findings name the recording.
+    /// Two recordings have one name; findings refer to recordings by name.
     #[error(transparent)]
     SameName(SameName),
 }

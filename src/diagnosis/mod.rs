@@ -1,4 +1,4 @@
-//! What physics did the model leave out?
+//! Diagnosis: which physics a model leaves out, found from recordings.
 
 mod answer;
 mod caution;
@@ -10,6 +10,8 @@ mod outcome;
 mod progress;
 mod screening;
 mod search;
+#[cfg(test)]
+mod testing;
 
 pub use answer::words::phrase;
 pub use caution::Caution;
@@ -21,11 +23,11 @@ pub use outcome::{
 };
 pub use progress::Progress;
 
-/// How to diagnose.
+/// Options of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Length of a segment \[s\]. Where driving makes fewer than six, they are shorter, though not than 5 s; where 10 s or
-    /// more make fewer than four of these, they are cut into four.
+    /// Length of a segment \[s\]. Segments are shortened, down to 5 s, to have six of them; 10 s of driving or more
+    /// are cut into at least four.
     pub segment: f64,
     /// Seed of everything random.
     pub seed: u64,

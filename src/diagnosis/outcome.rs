@@ -1,24 +1,24 @@
-//! What a diagnosis found: plain data for reports, nothing computed here.
+//! The result of a diagnosis as plain data for reports; nothing is computed here.
 
 use super::Caution;
 use crate::effects::{CATALOGUE, EffectKind};
 use crate::fit::{Estimate, NoiseEstimate};
 use crate::vehicle::Specification;
 
-/// What the recordings say of the model, all in all.
+/// The overall result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The re-tuned model explains the recordings.
+    /// The model with the refitted soil explains the recordings.
     NothingMissing,
-    /// Physics of the catalogue is missing.
+    /// An effect of the catalogue is missing.
     MissingPhysics,
-    /// The recording's sensors are at fault, not the model.
+    /// A sensor of the recording is faulty; the model is not.
     Sensor,
-    /// One of several effects, which these recordings do not tell apart.
+    /// One of several effects that these recordings cannot separate.
     Ambiguous,
-    /// Something is missing that the catalogue does not have.
+    /// Something is missing that the catalogue does not contain.
     UnknownPhysics,
-    /// Nothing can be said; [`Diagnosis::insufficient`] has the reason.
+    /// No verdict is possible; [`Diagnosis::insufficient`] has the reason.
     InsufficientData,
 }
 
@@ -42,9 +42,9 @@ impl Verdict {
 pub enum Insufficient {
     /// Too little was recorded.
     TooLittle,
-    /// Time was up before every candidate had been tried.
+    /// Time was up before all candidates were fitted.
     TimeUp,
-    /// Neither that something is missing nor that nothing is missing is likely enough.
+    /// Neither "something is missing" nor "nothing is missing" is likely enough.
     Undecided,
 }
 
@@ -60,14 +60,14 @@ impl Insufficient {
     }
 }
 
-/// What a finding or a candidate is about.
+/// The subject of a finding or a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Subject {
     /// An effect, by its place in [`CATALOGUE`].
     Effect(usize),
-    /// Something that the catalogue does not have.
+    /// Something that the catalogue does not contain.
     Unknown,
-    /// The re-tuned model alone.
+    /// The model with the refitted soil alone.
     Nothing,
 }
 
@@ -82,7 +82,7 @@ impl Subject {
         }
     }
 
-    /// Whether it is a matter of the sensors.
+    /// Whether it is an error of a sensor.
     #[must_use]
     pub fn is_sensor(self) -> bool {
         matches!(self, Self::Effect(index) if CATALOGUE[index].kind == EffectKind::Measurement)
@@ -92,9 +92,9 @@ impl Subject {
 /// A value with its 90 % interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
-    /// Name within its effect, as `slope_east`, or of a sensor's, as `pose`.
+    /// Name within its effect, as `slope_east`; of a sensor fault, as `pose`.
     pub name: String,
-    /// The recording that it belongs to, where each has its own.
+    /// The recording that it belongs to, if each has a separate value.
     pub recording: Option<String>,
     /// Best value.
     pub value: f64,
@@ -106,7 +106,7 @@ pub struct Quantity {
     pub unit: &'static str,
 }
 
-/// What residuals point to.
+/// The component of the unmodelled wrench that residuals point to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channel {
     /// A force along the vehicle, dF_X.
@@ -115,7 +115,7 @@ pub enum Channel {
     Lateral,
     /// A moment about the vertical, dM_Z.
     Yaw,
-    /// No force: the measurement.
+    /// None: the measurement is wrong.
     Measurement,
 }
 
@@ -132,31 +132,31 @@ impl Channel {
     }
 }
 
-/// A stretch of a recording.
+/// A time interval of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interval {
     /// Name of the recording.
     pub recording: String,
-    /// Which of its runs, from 0.
+    /// Index of the run within the recording.
     pub run: usize,
-    /// What the run is called where the recording has several; else empty.
+    /// Label of the run if the recording has several; else empty.
     pub label: String,
-    /// Beginning \[s\], by the run's clock.
+    /// Start \[s\], by the run's clock.
     pub start: f64,
     /// End \[s\].
     pub end: f64,
-    /// Where it shows most.
+    /// The component in which it shows most.
     pub channel: Channel,
-    /// When it shows most, as `heading 60..120 deg` or `speed over 1.2 m/s`; empty for no matter.
+    /// The regime in which it shows most, as `heading 60..120 deg` or `speed over 1.2 m/s`; empty for none.
     pub regime: String,
-    /// The patch on the map, where it is bound to one: centre (east, north) and radius \[m\].
+    /// The disc on the map, if it acts in one: centre (east, north) and radius \[m\].
     pub patch: Option<[f64; 3]>,
 }
 
-/// A term of a law for what has no name.
+/// A term of an empirical residual model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// What it pushes.
+    /// The component of the wrench that it adds to.
     pub channel: Channel,
     /// Name of the parameter in the model file, as `residual_yaw.speed_turning`.
     pub parameter: String,
@@ -164,48 +164,48 @@ pub struct Term {
     pub group: String,
     /// Its coefficient.
     pub coefficient: Quantity,
-    /// Share of the resampled data in which it was chosen.
+    /// Share of the bootstrap samples in which it was selected.
     pub stability: f64,
 }
 
-/// One thing that is missing.
+/// One missing effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// What it is.
     pub subject: Subject,
     /// Its probability.
     pub probability: f64,
-    /// Others that these recordings do not tell from it.
+    /// Other subjects that these recordings cannot separate from it.
     pub ambiguous_with: Vec<Subject>,
     /// Log Bayes factor against the model without it.
     pub evidence: f64,
-    /// Log odds, prior counted, of all that was fitted in its place and of itself, the likeliest first.
+    /// Log odds, prior included, of itself and of everything that was fitted in its place, the likeliest first.
     pub rivals: Vec<(Subject, f64)>,
     /// Its parameters.
     pub parameters: Vec<Quantity>,
-    /// Where it shows, the strongest first.
+    /// Where it shows, the strongest place first.
     pub places: Vec<Interval>,
-    /// Whether it acts in these places alone.
+    /// Whether it acts in these places only.
     pub local: bool,
-    /// The terms of the law where it is unknown.
+    /// The terms of the empirical residual model, if it is unknown.
     pub law: Vec<Term>,
-    /// One plain sentence.
+    /// The finding in one sentence.
     pub statement: String,
 }
 
-/// What was made of an effect that was asked about.
+/// Results for one candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     /// What it is.
     pub subject: Subject,
     /// Its probability.
     pub probability: f64,
-    /// Share of its signal that re-tuning the soil takes up.
+    /// Share of its signal that a refit of the soil absorbs.
     pub absorbed: f64,
-    /// Block-robust t of the projected score, over what chance alone gives the largest of all.
+    /// Block-robust t of the projected score, relative to the 95 % quantile of the largest among all
+    /// candidates under the null.
     pub significance: f64,
-    /// The smallest value of its leading parameter that these recordings would have shown, with
-    /// the parameter's name and unit; infinite where none would.
+    /// The smallest detectable value of its leading parameter; infinite if there is none.
     pub smallest_detectable: f64,
     /// Name of that parameter.
     pub parameter: &'static str,
@@ -215,28 +215,28 @@ pub struct Candidate {
     pub estimate: f64,
     /// Its 90 % interval.
     pub interval: [f64; 2],
-    /// Gain of the held-out log score per sample over the re-tuned model, with its standard error;
-    /// `None` where it was not refitted.
+    /// Gain of the held-out log score per sample over the refitted soil alone, with its standard error;
+    /// `None` if the candidate was not fitted.
     pub held_out_gain: Option<(f64, f64)>,
-    /// Candidates whose projected signals point the same way, with the cosine.
+    /// Candidates whose projected signals have nearly the same direction, with the cosine.
     pub alike: Vec<(Subject, f64)>,
 }
 
-/// How well a model predicts what it was not fitted to.
+/// Errors of a model on held-out data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Root mean square of the position's error \[m\]; NaN without positions.
+    /// Root mean square error of the position \[m\]; NaN without positions.
     pub position: f64,
-    /// Root mean square of the heading's error \[rad\]; NaN without headings.
+    /// Root mean square error of the heading \[rad\]; NaN without headings.
     pub heading: f64,
-    /// Root mean square of the yaw rate's error \[rad/s\]; NaN without a gyro.
+    /// Root mean square error of the yaw rate \[rad/s\]; NaN without a gyro.
     pub yaw_rate: f64,
-    /// Mean log predictive density per sample (white noise of the residuals' units).
+    /// Mean log predictive density per sample (densities in the units of the channels).
     pub log_score: f64,
 }
 
 impl Errors {
-    /// Of a model that cannot drive.
+    /// For a model that cannot follow the wheel speeds.
     pub(super) const NONE: Self = Self {
         position: f64::NAN,
         heading: f64::NAN,
@@ -248,32 +248,32 @@ impl Errors {
 /// Held-out errors of the models.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
-    /// The model as given; NaN where it cannot drive.
+    /// The model as given; NaN if it cannot follow the wheel speeds.
     pub nominal: Errors,
-    /// The soil re-tuned.
+    /// The refitted soil alone.
     pub refitted: Errors,
-    /// With what was found.
+    /// With the findings.
     pub augmented: Errors,
-    /// How much better with what was found than re-tuned: log score per sample, and standard error.
+    /// Gain of the augmented over the refitted model: log score per sample, and standard error.
     pub gain: (f64, f64),
-    /// Seconds ahead that are predicted.
+    /// Prediction horizon \[s\].
     pub horizon: f64,
-    /// Number of stretches predicted.
+    /// Number of predicted segments.
     pub stretches: usize,
 }
 
-/// What to drive next.
+/// A manoeuvre that is worth driving next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Manoeuvre {
     /// Its name, as `slalom`.
     pub name: &'static str,
-    /// What to do, in a sentence with numbers.
+    /// Instruction in one sentence, with numbers.
     pub description: String,
-    /// The two that it separates.
+    /// The two hypotheses that it separates.
     pub separates: [Subject; 2],
     /// Expected separation, in standard deviations.
     pub separation: f64,
-    /// Separation of the manoeuvres that were compared, the best first.
+    /// Separations of all compared manoeuvres, the best first.
     pub compared: Vec<(&'static str, f64)>,
 }
 
@@ -286,13 +286,13 @@ pub struct ResidualTrace {
     pub unit: &'static str,
     /// Times \[s\].
     pub time: Vec<f64>,
-    /// Under the re-tuned model.
+    /// Under the model with the refitted soil.
     pub before: Vec<f64>,
-    /// With what was found.
+    /// With the findings.
     pub after: Vec<f64>,
 }
 
-/// A wrench that the model lacks, over time.
+/// The unmodelled wrench over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrenchTrace {
     /// Times \[s\].
@@ -303,84 +303,83 @@ pub struct WrenchTrace {
     pub deviation: Vec<[f64; 3]>,
 }
 
-/// One run, for plots.
+/// Plot data of one run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunTrace {
     /// Name of the recording.
     pub recording: String,
-    /// Which of its runs, from 0.
+    /// Index of the run within the recording.
     pub run: usize,
-    /// What the run is called where the recording has several; else empty.
+    /// Label of the run if the recording has several; else empty.
     pub label: String,
     /// Times of the path's points \[s\].
     pub time: Vec<f64>,
     /// Measured positions, east and north \[m\]; empty where no position was recorded.
     pub path: Vec<[f64; 2]>,
-    /// How much the re-tuned model misses there, in standard deviations of the noise.
+    /// Root mean square of the whitened residuals there, under the model with the refitted soil.
     pub mismatch: Vec<f64>,
     /// Residuals by channel.
     pub residuals: Vec<ResidualTrace>,
-    /// The wrench left over under the re-tuned model.
+    /// The unmodelled wrench under the model with the refitted soil.
     pub wrench: Option<WrenchTrace>,
 }
 
-/// How it was done.
+/// Settings and intermediate results of the diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Account {
     /// Seed of everything random.
     pub seed: u64,
-    /// Number of segments, and seconds that they cover.
+    /// Number of segments.
     pub segments: usize,
-    /// Seconds that they cover.
+    /// Seconds that the segments cover.
     pub seconds: f64,
-    /// Seconds left out (rest, gaps, what the model cannot drive).
+    /// Seconds not used (rest, gaps, segments that the model cannot follow).
     pub left_out: f64,
     /// Noise of every channel.
     pub noise: Vec<NoiseEstimate>,
-    /// How many times larger the segments' pulls scatter than the noise explains.
+    /// Median over the candidates of the segments' overdispersion.
     pub overdispersion: f64,
-    /// The threshold of the screen, from simulated nulls.
+    /// Screening threshold of t, from simulations under the null.
     pub threshold: f64,
-    /// Log odds of what was fitted last and not taken, the likeliest first.
+    /// Log odds of the candidates rejected in the last round, the likeliest first.
     pub refused: Vec<(Subject, f64)>,
-    /// Seconds that each step took, with its name.
+    /// Name and duration \[s\] of each step.
     pub steps: Vec<(&'static str, f64)>,
-    /// What a reader should know, in plain sentences.
+    /// Remarks for the reader.
     pub notes: Vec<String>,
 }
 
 /// A finished diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagnosis {
-    /// All in all.
+    /// The overall result.
     pub verdict: Verdict,
-    /// Why there is no verdict, where there is none.
+    /// Why there is no verdict, if so.
     pub insufficient: Option<Insufficient>,
-    /// The verdict in one or two plain sentences.
+    /// The verdict in one or two sentences.
     pub statement: String,
-    /// What limits the verdict: time that was up, a vehicle that was assumed.
+    /// Limits of the verdict, as a time limit or an assumed vehicle.
     pub cautions: Vec<Caution>,
     /// Names of the recordings.
     pub recordings: Vec<String>,
-    /// What is missing, in the order of what each explains beside the others; first what has no name where that is the
-    /// main thing.
+    /// What is missing, in the order of what each explains beside the others; an unknown main cause comes first.
     pub findings: Vec<Finding>,
-    /// Place of the finding that the verdict is about.
+    /// Index of the finding that the verdict is about.
     pub leading: Option<usize>,
-    /// Everything that was asked about, nothing and unknown among them; probabilities sum to 1.
+    /// All candidates, with "nothing missing" and "unknown"; their probabilities sum to 1.
     pub candidates: Vec<Candidate>,
-    /// Held-out errors; `None` where there was too little to hold out.
+    /// Held-out errors; `None` if there was too little data to hold out.
     pub held_out: Option<HeldOut>,
-    /// The soil as given, re-tuned (first) and with what was found (second).
+    /// The soil refitted alone (first) and beside the findings (second).
     pub soil: Vec<(Estimate, Estimate)>,
-    /// What to drive next.
+    /// The manoeuvre to drive next.
     pub next: Option<Manoeuvre>,
-    /// The runs, for plots.
+    /// Plot data of the runs.
     pub runs: Vec<RunTrace>,
-    /// How it was done.
+    /// Settings and intermediate results.
     pub account: Account,
     /// The given model.
     pub nominal: Specification,
-    /// The model with the re-tuned soil and what was found.
+    /// The given model with the refitted soil and the findings.
     pub model: Specification,
 }

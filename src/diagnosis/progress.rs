@@ -1,8 +1,8 @@
-//! How far a diagnosis is, and when it has to end.
+//! Progress and time limit of a diagnosis.
 //!
-//! Work falls into three phases with a deadline each. The first look (cut, refit the soil, screen) may take all of the
-//! time: without it there is no answer. The search ends early enough for the answer, by what a pass over the recordings was
-//! measured to cost. The answer itself ends at [`ANSWER`] of the limit; the rest is for the reports.
+//! Work falls into three phases with a deadline each. The first screening (segments, refitted soil, score tests) may
+//! use all of the time: without it there is no answer. The search ends early enough for the answer, by the measured
+//! cost of a pass over the recordings. The answer ends at [`ANSWER`] of the limit; the rest is for the reports.
 
 use super::DiagnosisError;
 use crate::fit::deadline::{Deadline, Watch};
@@ -13,12 +13,12 @@ use std::time::{Duration, Instant};
 
 /// Share of a time limit by which the answer is computed.
 const ANSWER: f64 = 0.95;
-/// The answer takes no more than this share of the limit from the search.
-const MOST_RESERVED: f64 = 0.4;
+/// Maximum share of the limit that is reserved for the answer.
+const MAX_RESERVED: f64 = 0.4;
 
-/// Reports every step when it starts, and keeps how long each took.
+/// Reports every step at its start, and records its duration.
 pub struct Progress<'a> {
-    tell: &'a (dyn Fn(&'static str) + Sync),
+    report: &'a (dyn Fn(&'static str) + Sync),
     steps: Mutex<Vec<(&'static str, Duration)>>,
     stop: Option<&'a AtomicBool>,
     clock: Clock<'a>,
@@ -28,7 +28,7 @@ pub struct Progress<'a> {
     was_late: AtomicBool,
 }
 
-/// What counts the time.
+/// The source of time.
 enum Clock<'a> {
     Real(Instant),
     #[cfg_attr(
@@ -39,11 +39,11 @@ enum Clock<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Reports steps by `tell`. A time limit counts from here.
+    /// Reports steps through `report`. A time limit counts from here.
     #[must_use]
-    pub fn new(tell: &'a (dyn Fn(&'static str) + Sync)) -> Self {
+    pub fn new(report: &'a (dyn Fn(&'static str) + Sync)) -> Self {
         Self {
-            tell,
+            report,
             steps: Mutex::new(Vec::new()),
             stop: None,
             clock: Clock::Real(Instant::now()),
@@ -62,64 +62,64 @@ impl<'a> Progress<'a> {
         self
     }
 
-    /// Ends the diagnosis with [`DiagnosisError::Stopped`] soon after `stop` has become true; `tell` may set it, or
-    /// another thread.
+    /// Ends the diagnosis with [`DiagnosisError::Stopped`] soon after `stop` is true; `report` may set it, or another
+    /// thread.
     #[must_use]
     pub fn stopped_by(mut self, stop: &'a AtomicBool) -> Self {
         self.stop = Some(stop);
         self
     }
 
-    /// Counts time by another clock.
+    /// Replaces the clock.
     #[cfg(test)]
     pub(crate) fn by_clock(mut self, clock: &'a (dyn Fn() -> Duration + Sync)) -> Self {
         self.clock = Clock::Counted(clock);
         self
     }
 
-    /// Time since the beginning.
+    /// Time since the start.
     pub(crate) fn elapsed(&self) -> Duration {
         match self.clock {
-            Clock::Real(begin) => begin.elapsed(),
+            Clock::Real(start) => start.elapsed(),
             Clock::Counted(clock) => clock(),
         }
     }
 
-    /// Where there is a time limit: what it is.
+    /// The time limit, if any.
     pub(crate) fn limit(&self) -> Option<Duration> {
         self.limit
     }
 
-    /// Keeps so much of the time for the answer.
+    /// Reserves time for the answer.
     pub(crate) fn reserve(&self, wanted: Duration) {
         if let (Ok(mut reserved), Some(limit)) = (self.reserved.lock(), self.limit) {
-            *reserved = wanted.min(limit.mul_f64(MOST_RESERVED));
+            *reserved = wanted.min(limit.mul_f64(MAX_RESERVED));
         }
     }
 
-    /// A pass over the recordings takes so long.
+    /// Records the duration of a pass over the recordings.
     pub(crate) fn measured(&self, took: Duration) {
         if let Ok(mut pass) = self.pass.lock() {
             *pass = took;
         }
     }
 
-    /// So many passes over the recordings.
+    /// Duration of passes over the recordings.
     pub(crate) fn passes(&self, count: u32) -> Duration {
         count * self.pass.lock().map_or(Duration::ZERO, |pass| *pass)
     }
 
-    /// When the answer has to be there.
+    /// Deadline of the answer.
     pub(crate) fn answer_deadline(&self) -> Deadline<'_> {
         Deadline::new(self, self.answer_end())
     }
 
-    /// When the search has to end.
+    /// Deadline of the search.
     pub(crate) fn search_deadline(&self) -> Deadline<'_> {
         Deadline::new(self, self.search_end())
     }
 
-    /// When so large a share of the time that the search still has is over.
+    /// Deadline at a share of the remaining search time.
     pub(crate) fn share_of_search(&self, share: f64) -> Deadline<'_> {
         let end = match self.limit {
             None => Duration::MAX,
@@ -141,12 +141,12 @@ impl<'a> Progress<'a> {
         self.answer_end().saturating_sub(reserved)
     }
 
-    /// Whether the search has to end.
+    /// Whether the search must end.
     pub(crate) fn is_late(&self) -> bool {
         self.search_deadline().is_over()
     }
 
-    /// Whether the search has less time than this; where it has, what takes as long is left out.
+    /// Whether the search has less time than this; then the caller skips the work.
     pub(crate) fn lacks(&self, time: Duration) -> bool {
         let lacks = self.limit.is_some() && self.elapsed() + time > self.search_end();
         if lacks {
@@ -155,7 +155,7 @@ impl<'a> Progress<'a> {
         lacks
     }
 
-    /// Whether something was ended or left out for want of time.
+    /// Whether work was cut short or skipped.
     pub(crate) fn was_late(&self) -> bool {
         self.was_late.load(Ordering::Relaxed)
     }
@@ -168,9 +168,9 @@ impl<'a> Progress<'a> {
     /// The next step.
     ///
     /// # Errors
-    /// Somebody wants it to end.
+    /// The caller wants it to end.
     pub(crate) fn step(&self, name: &'static str) -> Result<(), DiagnosisError> {
-        (self.tell)(name);
+        (self.report)(name);
         if let Ok(mut steps) = self.steps.lock() {
             steps.push((name, self.elapsed()));
         }
@@ -178,7 +178,7 @@ impl<'a> Progress<'a> {
     }
 
     /// # Errors
-    /// Somebody wants it to end.
+    /// The caller wants it to end.
     pub(crate) fn go_on(&self) -> Result<(), DiagnosisError> {
         if self.is_stopped() {
             Err(DiagnosisError::Stopped)
@@ -190,7 +190,7 @@ impl<'a> Progress<'a> {
     /// After work until a deadline: whether it was done.
     ///
     /// # Errors
-    /// Somebody wants it to end, or time was up.
+    /// The caller wants it to end, or time was up.
     pub(crate) fn in_time(&self, deadline: Deadline) -> Result<(), DiagnosisError> {
         self.go_on()?;
         if deadline.is_over() {
@@ -200,7 +200,7 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Why there is no fit to begin with.
+    /// The error of a fit that cannot start.
     pub(crate) fn failure(&self, error: PredictionError) -> DiagnosisError {
         match (self.go_on(), error) {
             (Err(stopped), _) => stopped,
@@ -209,17 +209,17 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Seconds that every step took, those of one name together, in the order of their first turns.
+    /// Seconds of every step, in the order of their first start; steps of one name are summed.
     #[must_use]
     pub fn seconds(&self) -> Vec<(&'static str, f64)> {
         let Ok(steps) = self.steps.lock() else {
             return Vec::new();
         };
-        let ends = steps.iter().skip(1).map(|(_, begin)| *begin);
+        let ends = steps.iter().skip(1).map(|(_, start)| *start);
         let ends = ends.chain(std::iter::once(self.elapsed()));
         let mut all: Vec<(&'static str, f64)> = Vec::new();
-        for ((name, begin), end) in steps.iter().zip(ends) {
-            let seconds = end.saturating_sub(*begin).as_secs_f64();
+        for ((name, start), end) in steps.iter().zip(ends) {
+            let seconds = end.saturating_sub(*start).as_secs_f64();
             match all.iter_mut().find(|(other, _)| other == name) {
                 Some((_, sum)) => *sum += seconds,
                 None => all.push((name, seconds)),
@@ -240,5 +240,89 @@ impl Watch for Progress<'_> {
 }
 
 #[cfg(test)]
-#[path = "progress_tests.rs"]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::diagnosis::testing::{driven, first, on};
+    use crate::diagnosis::{Caution, Diagnosis, Insufficient, Options, Verdict, diagnose};
+    use crate::recording::Recording;
+
+    use crate::vehicle::Specification;
+    use std::sync::atomic::AtomicU32;
+
+    /// One reading of the clock. The tests' clock counts its readings, one for each row of wheel speeds in each
+    /// prediction.
+    const TICK: Duration = Duration::from_millis(1);
+
+    /// The answer within this number of readings, and the readings used.
+    fn within(
+        recordings: &[Recording],
+        nominal: &Specification,
+        limit: Option<u32>,
+    ) -> (Result<Diagnosis, DiagnosisError>, u32) {
+        let ticks = AtomicU32::new(0);
+        let clock = || TICK * ticks.fetch_add(1, Ordering::Relaxed);
+        let mut progress = Progress::new(&|_| ()).by_clock(&clock);
+        if let Some(limit) = limit {
+            progress = progress.within(TICK * limit);
+        }
+        let answer = diagnose(recordings, nominal, &Options::default(), &progress);
+        (answer, ticks.load(Ordering::Relaxed))
+    }
+
+    #[test]
+    fn an_answer_comes_in_time() {
+        let nominal = on("dry_sand");
+        let recordings = [first(&driven(&on("sandy_loam"), "spiral"), 15.0)];
+        let (whole, _) = within(&recordings, &nominal, None);
+        let whole = whole.unwrap();
+        let (unhurried, all) = within(&recordings, &nominal, Some(u32::MAX));
+        let mut unhurried = unhurried.unwrap();
+        assert!(unhurried.cautions.is_empty());
+        unhurried.account.steps.clone_from(&whole.account.steps);
+        assert!(format!("{unhurried:?}") == format!("{whole:?}"));
+        let mut last = None;
+        for share in [0, 20, 300, 600] {
+            let limit = all / 1000 * share;
+            let (answer, took) = within(&recordings, &nominal, Some(limit));
+            assert!(took <= limit + limit / 10 + 2000, "{took} of {limit}");
+            last = Some(match answer {
+                Err(error) => {
+                    assert_eq!(error, DiagnosisError::OutOfTime);
+                    assert!(last.is_none(), "more time, less of an answer: {share}");
+                    continue;
+                }
+                Ok(answer) => {
+                    assert!(answer.cautions.contains(&Caution::TimeUp));
+                    // "Nothing missing" requires that all candidates were fitted.
+                    assert_ne!(answer.verdict, Verdict::NothingMissing);
+                    let silent = answer.findings.is_empty();
+                    assert_eq!(silent, answer.insufficient == Some(Insufficient::TimeUp));
+                    share
+                }
+            });
+        }
+        assert!(last.is_some());
+    }
+
+    #[test]
+    fn work_ends_soon_after_somebody_wants_it_to() {
+        let recordings = [first(&driven(&on("sandy_loam"), "spiral"), 20.0)];
+        let (ticks, stop) = (AtomicU32::new(0), AtomicBool::new(false));
+        for until in [0, 100, 3000, 15_000] {
+            ticks.store(0, Ordering::Relaxed);
+            stop.store(false, Ordering::Relaxed);
+            let clock = || {
+                let now = ticks.fetch_add(1, Ordering::Relaxed);
+                stop.fetch_or(now >= until, Ordering::Relaxed);
+                TICK * now
+            };
+            let progress = Progress::new(&|_| ()).by_clock(&clock).stopped_by(&stop);
+            // A distant limit makes the work read the clock.
+            let progress = progress.within(TICK * u32::MAX);
+            let found = diagnose(&recordings, &on("dry_sand"), &Options::default(), &progress);
+            assert_eq!(found.err(), Some(DiagnosisError::Stopped));
+            let after = ticks.load(Ordering::Relaxed) - until;
+            assert!(after < 2000, "{after} after {until}");
+        }
+    }
+}

@@ -7,7 +7,7 @@
 
 use super::sensor::{SensorParameter, SensorValues};
 use super::signal::Signal;
-use crate::recording::{Channel, Course, Drive, Recording, Run, Series};
+use crate::recording::{Channel, Drive, PoseHistory, Recording, Run, Series};
 use crate::vehicle::seen_from;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -167,7 +167,7 @@ impl Cut {
         &mut self,
         whole: &Segment,
         [start, end]: [f64; 2],
-        (run, course): (&Run, &Course),
+        (run, course): (&Run, &PoseHistory),
         sensors: &SensorValues,
         length: f64,
     ) {
@@ -209,12 +209,12 @@ impl Cut {
 }
 
 /// Where the vehicle was in a run, as far as it is measured.
-fn course(run: &Run) -> Course {
+fn course(run: &Run) -> PoseHistory {
     let series = [Channel::X, Channel::Y, Channel::Heading].map(|channel| run.series(channel));
     let [Some(x), Some(y), Some(heading)] = series else {
-        return Course::default();
+        return PoseHistory::default();
     };
-    Course::new(x, y, heading)
+    PoseHistory::new(x, y, heading)
 }
 
 /// The fastest wheel speed between two times \[rad/s\].

@@ -1,10 +1,15 @@
-//! Which function may be called when: the state machines of FMI 2.0.5, sections 3.2.3
-//! (model exchange) and 4.2.4 (co-simulation), and of FMI 3.0, sections 2.3, 3.2 and 4.2, as one
-//! table. Where the two agree a row serves both.
+//! The allowed order of calls: the state machines of FMI 2.0.5, sections 3.2.3 (model exchange) and
+//! 4.2.4 (co-simulation), and of FMI 3.0, sections 2.3, 3.2 and 4.2, as one table. Where both agree,
+//! they share a row.
 
-use super::instance::Interface;
+/// The interface of an instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Interface {
+    ModelExchange,
+    CoSimulation,
+}
 
-/// Where an instance stands.
+/// The state of an instance in the standard's state machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u16)]
 pub(super) enum Mode {
@@ -17,11 +22,11 @@ pub(super) enum Mode {
     /// Model exchange, between events.
     ContinuousTime = 16,
     Terminated = 32,
-    /// A computation failed: values can still be read, and the instance be reset.
+    /// A computation failed. Values can still be read, and the instance can be reset.
     Error = 64,
-    /// A panic was contained: nothing but freeing the instance is left.
+    /// A panic was contained. The instance can only be freed.
     Poisoned = 128,
-    /// Co-simulation, at an event that the importer announced.
+    /// Co-simulation, in event mode.
     StepEvent = 256,
 }
 
@@ -38,12 +43,12 @@ impl Mode {
         Self::Poisoned,
     ];
 
-    /// Whether the states are those that the importer's solver tries.
+    /// Whether the importer's solver sets the states.
     pub(super) fn has_solver(self) -> bool {
         matches!(self, Self::Event | Self::ContinuousTime)
     }
 
-    /// Whether the initialization is still to be ended.
+    /// Whether the initialization has not ended.
     pub(super) fn is_early(self) -> bool {
         matches!(self, Self::Instantiated | Self::Initialization)
     }
@@ -66,45 +71,6 @@ impl Mode {
     }
 }
 
-/// The functions that need an instance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Call {
-    SetDebugLogging,
-    SetupExperiment,
-    EnterInitializationMode,
-    ExitInitializationMode,
-    Terminate,
-    Reset,
-    Get,
-    Set,
-    GetState,
-    SetState,
-    Serialize,
-    Differentiate,
-    SetInputDerivatives,
-    GetOutputDerivatives,
-    DoStep,
-    CancelStep,
-    GetStatus,
-    EnterEventMode,
-    NewDiscreteStates,
-    EnterContinuousTimeMode,
-    CompletedIntegratorStep,
-    SetTime,
-    SetContinuousStates,
-    GetDerivatives,
-    GetContinuousStates,
-    GetNominals,
-    // FMI 3.0 alone: what its table allows otherwise than that of FMI 2.0, and what is new.
-    GetOrStart,
-    GetStatesOrRates,
-    GetScales,
-    Count,
-    GetDependencies,
-    EnterStepMode,
-    Unsupported,
-}
-
 const INSTANTIATED: u16 = Mode::Instantiated as u16;
 const INITIALIZATION: u16 = Mode::Initialization as u16;
 const STEP: u16 = Mode::StepComplete as u16;
@@ -117,70 +83,74 @@ const STEP_EVENT: u16 = Mode::StepEvent as u16;
 const RUNNING: u16 = STEP | STEP_EVENT | EVENT | CONTINUOUS;
 const READABLE: u16 = INITIALIZATION | RUNNING | TERMINATED | ERROR;
 const ANY: u16 = INSTANTIATED | READABLE;
+const NEVER: u16 = 0;
+
+/// A kind of call that needs an instance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Call {
+    /// The modes in which it is allowed.
+    modes: u16,
+    /// The interface to which it is restricted, where the modes do not restrict it.
+    only: Option<Interface>,
+}
+
+macro_rules! calls {
+    ($($name:ident: $modes:expr $(, $interface:ident)?;)*) => {
+        #[allow(non_upper_case_globals, reason = "rows of a table")]
+        impl Call {$(
+            pub const $name: Self = Self { modes: $modes, only: calls!(@ $($interface)?) };
+        )*}
+    };
+    (@) => { None };
+    (@ $interface:ident) => { Some(Interface::$interface) };
+}
+
+calls! {
+    SetDebugLogging: ANY;
+    SetupExperiment: INSTANTIATED;
+    EnterInitializationMode: INSTANTIATED;
+    ExitInitializationMode: INITIALIZATION;
+    Terminate: RUNNING;
+    Reset: ANY;
+    Get: READABLE;
+    Set: INSTANTIATED | INITIALIZATION | RUNNING;
+    GetState: ANY;
+    SetState: ANY;
+    Serialize: ANY;
+    Differentiate: READABLE;
+    SetInputDerivatives: INSTANTIATED | INITIALIZATION | STEP, CoSimulation;
+    GetOutputDerivatives: STEP | TERMINATED | ERROR, CoSimulation;
+    DoStep: STEP;
+    // No step is ever in progress.
+    CancelStep: NEVER;
+    GetStatus: STEP | TERMINATED | ERROR, CoSimulation;
+    EnterEventMode: STEP | EVENT | CONTINUOUS;
+    NewDiscreteStates: EVENT | STEP_EVENT;
+    EnterContinuousTimeMode: EVENT;
+    CompletedIntegratorStep: CONTINUOUS;
+    SetTime: EVENT | CONTINUOUS;
+    SetContinuousStates: CONTINUOUS;
+    GetDerivatives: EVENT | CONTINUOUS | TERMINATED | ERROR, ModelExchange;
+    GetContinuousStates: INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR, ModelExchange;
+    GetNominals: INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR, ModelExchange;
+    // FMI 3.0 only: calls with other modes than in FMI 2.0, and new calls.
+    GetOrStart: ANY;
+    Count: ANY, ModelExchange;
+    GetDependencies: ANY;
+    EnterStepMode: STEP_EVENT;
+    Unsupported: ANY;
+}
 
 impl Call {
-    /// The table: the modes in which a call is allowed.
-    fn allowed(self) -> u16 {
-        match self {
-            Self::SetDebugLogging
-            | Self::Reset
-            | Self::GetState
-            | Self::SetState
-            | Self::Serialize => ANY,
-            Self::SetupExperiment | Self::EnterInitializationMode => INSTANTIATED,
-            Self::ExitInitializationMode => INITIALIZATION,
-            Self::Terminate => RUNNING,
-            Self::Get | Self::Differentiate => READABLE,
-            Self::Set => INSTANTIATED | INITIALIZATION | RUNNING,
-            Self::SetInputDerivatives => INSTANTIATED | INITIALIZATION | STEP,
-            Self::GetOutputDerivatives => STEP | TERMINATED | ERROR,
-            Self::DoStep => STEP,
-            // There is never a step in progress to be cancelled.
-            Self::CancelStep => 0,
-            Self::GetStatus => STEP | TERMINATED | ERROR,
-            Self::EnterEventMode => STEP | EVENT | CONTINUOUS,
-            Self::NewDiscreteStates => EVENT | STEP_EVENT,
-            Self::EnterContinuousTimeMode => EVENT,
-            Self::CompletedIntegratorStep | Self::SetContinuousStates => CONTINUOUS,
-            Self::SetTime => EVENT | CONTINUOUS,
-            Self::GetDerivatives => EVENT | CONTINUOUS | TERMINATED | ERROR,
-            Self::GetContinuousStates => INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR,
-            Self::GetNominals => {
-                INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR
-            }
-            Self::GetOrStart | Self::Count | Self::GetDependencies | Self::Unsupported => ANY,
-            Self::GetStatesOrRates | Self::GetScales => {
-                INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | ERROR
-            }
-            Self::EnterStepMode => STEP_EVENT,
-        }
-    }
-
-    /// The table's other column: the only interface that has the call, where the modes do not tell.
-    fn only(self) -> Option<Interface> {
-        match self {
-            Self::GetDerivatives
-            | Self::GetContinuousStates
-            | Self::GetNominals
-            | Self::GetStatesOrRates
-            | Self::GetScales
-            | Self::Count => Some(Interface::ModelExchange),
-            Self::SetInputDerivatives | Self::GetOutputDerivatives | Self::GetStatus => {
-                Some(Interface::CoSimulation)
-            }
-            _ => None,
-        }
-    }
-
-    /// Refuses a call that is out of order, in words.
+    /// Refuses a call that is out of order, with the reason.
     pub(super) fn check(
         self,
         function: &str,
         mode: Mode,
         interface: Interface,
     ) -> Result<(), String> {
-        let foreign = self.only().is_some_and(|only| only != interface);
-        if self.allowed() & mode as u16 != 0 {
+        let foreign = self.only.is_some_and(|only| only != interface);
+        if self.modes & mode as u16 != 0 {
             return match foreign {
                 false => Ok(()),
                 true => Err(format!("{function} belongs to the other interface")),
@@ -188,7 +158,7 @@ impl Call {
         }
         let mut allowed: Vec<&str> = Mode::ALL
             .into_iter()
-            .filter(|m| self.allowed() & *m as u16 != 0)
+            .filter(|m| self.modes & *m as u16 != 0)
             .map(Mode::describe)
             .collect();
         allowed.dedup();
@@ -233,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn modes_of_one_name_are_told_once() {
+    fn modes_of_one_name_are_listed_once() {
         let refused = Call::Terminate.check("f", Mode::Initialization, Interface::CoSimulation);
         assert_eq!(
             refused.unwrap_err(),

@@ -1,10 +1,12 @@
-//! Creation of instances, and the choice of what they report.
+//! Creation of instances, and the choice of their log categories.
 
+use super::calls::Interface;
 use super::guard::{into_component, panic_message};
-use super::instance::{Instance, Interface, Outcome, Purpose, refuse};
-use super::logger::{CATEGORIES, Logger};
+use super::instance::{Instance, Outcome, Purpose, refuse};
+use super::logger::Logger;
 use super::resources;
-use crate::declaration::{Configuration, guid};
+use super::status::Status;
+use crate::declaration::{Configuration, LOG_CATEGORIES, guid};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -20,16 +22,15 @@ pub(super) unsafe fn text<'a>(string: *const c_char) -> Outcome<&'a CStr> {
     Ok(unsafe { CStr::from_ptr(string) })
 }
 
-/// What the importer says of the unpacked FMU.
+/// Identity and location of the unpacked FMU, as the importer passes them.
 pub(super) struct Package {
-    /// What the standard calls the identity of the model description.
+    /// The standard's name for the identity of the model description.
     pub identity_name: &'static str,
     pub identity: *const c_char,
-    /// Where the resources are.
     pub resources: *const c_char,
 }
 
-/// Creates an instance for a purpose, or reports why not and returns null.
+/// Creates an instance for a purpose. On failure it logs the reason and returns null.
 ///
 /// # Safety
 /// The strings of `package` are null or end in zero.
@@ -58,11 +59,11 @@ pub(super) unsafe fn create(
         Ok(Err(message)) => message,
         Err(panic) => panic_message(panic.as_ref()).to_owned(),
     };
-    logger.error(&format!("{function}: {message}"));
+    logger.report(Status::Error, &format!("{function}: {message}"));
     std::ptr::null_mut()
 }
 
-/// What the instance is to be, from what the importer says and the resources hold.
+/// The configuration in the resources, checked against the identity that the importer passes.
 fn configure(
     logger: &Logger,
     interface: Interface,
@@ -80,9 +81,10 @@ fn configure(
         }
         Some(folder) => {
             let folder = folder.display();
-            logger.warning(&format!(
-                "{folder} is no folder; the built-in vehicle and terrains serve"
-            ));
+            logger.report(
+                Status::Warning,
+                &format!("{folder} is no folder; the built-in vehicle and terrains are used"),
+            );
             Configuration::default()
         }
         None => Configuration::default(),
@@ -98,14 +100,14 @@ fn configure(
     let alone = configuration.for_co_simulation_alone();
     if interface == Interface::ModelExchange && !alone.is_empty() {
         return Err(format!(
-            "this FMU is for co-simulation alone: with {} its model has states or events that model exchange does not see",
+            "this FMU supports co-simulation only: with {} its model has states or events that model exchange does not have",
             alone.join(", ")
         ));
     }
     Ok(configuration)
 }
 
-/// Chooses what an instance reports, by the names of categories.
+/// Chooses the log categories of an instance by their names.
 ///
 /// # Safety
 /// Each of `categories` is null or ends in zero.
@@ -114,14 +116,17 @@ pub(super) unsafe fn set_logging(
     on: bool,
     categories: &[*const c_char],
 ) -> Outcome {
-    let mut named = [false; CATEGORIES.len()];
+    let mut named = [false; LOG_CATEGORIES.len()];
     for &category in categories {
         // SAFETY: the caller's promise.
         let name = unsafe { text(category) }?;
-        match CATEGORIES.iter().position(|known| *known == name) {
+        match LOG_CATEGORIES.iter().position(|known| known.name == name) {
             Some(index) => named[index] = true,
             None => {
-                let known: Vec<_> = CATEGORIES.iter().map(|c| c.to_string_lossy()).collect();
+                let known = LOG_CATEGORIES
+                    .iter()
+                    .map(|known| known.name.to_string_lossy());
+                let known: Vec<_> = known.collect();
                 return refuse(format!("the log categories are {}", known.join(", ")));
             }
         }

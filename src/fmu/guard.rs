@@ -1,4 +1,4 @@
-//! The way into an instance from C: every function of the interface goes through here.
+//! The checks between C and an instance, through which every function of the interface goes.
 
 use super::calls::{Call, Mode};
 use super::instance::{Failure, Instance, Outcome, refuse};
@@ -6,10 +6,10 @@ use super::status::Status;
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What a component handle points to. Laid out as in C, so that the mark comes first.
+/// The target of a component handle. The C layout puts the mark first.
 #[repr(C)]
 pub(super) struct Handle {
-    /// Tells a handle from memory that is something else.
+    /// Distinguishes a handle from other memory.
     magic: u64,
     instance: Instance,
 }
@@ -49,7 +49,7 @@ pub(super) unsafe fn free(component: *mut c_void) {
         return;
     };
     handle.magic = 0;
-    // Dropping cannot be expected to panic; if it does, leaking is what is left.
+    // Dropping should not panic. If it does, the instance leaks.
     let _ = catch_unwind(|| {
         // SAFETY: the handle was made by Box::into_raw and is not used after this.
         drop(unsafe { Box::from_raw(component.cast::<Handle>()) });
@@ -58,7 +58,7 @@ pub(super) unsafe fn free(component: *mut c_void) {
 
 /// Calls into an instance: checks the handle and the order of calls, reports failures to
 /// the importer's logger, and contains panics, after which the instance is poisoned. The
-/// status comes in the type that the version of the standard has for it.
+/// result has the status type of the version of the standard.
 ///
 /// # Safety
 /// `component` is null or a handle from [`into_component`] that has not been freed, and no
@@ -88,42 +88,53 @@ unsafe fn checked(
         return Status::Error;
     };
     let instance = &mut handle.instance;
-    if let Err(message) = call.check(function, instance.core.mode, instance.interface) {
-        instance.logger.error(&message);
+    if let Err(message) = call.check(function, instance.core.mode, instance.purpose.interface) {
+        instance.logger.report(Status::Error, &message);
         return Status::Error;
     }
     match catch_unwind(AssertUnwindSafe(|| body(instance))) {
         Ok(Ok(())) => Status::Ok,
         Ok(Err(Failure::Refused(message))) => {
-            instance.logger.error(&format!("{function}: {message}"));
+            instance
+                .logger
+                .report(Status::Error, &format!("{function}: {message}"));
             Status::Error
         }
         Ok(Err(Failure::Broken(message))) if instance.core.mode.has_solver() => {
-            // The states were a trial of the importer's solver, which may try a shorter step.
-            instance.logger.discard(&format!("{function}: {message}"));
+            // The importer's solver tried the states and may try a shorter step.
+            instance
+                .logger
+                .report(Status::Discard, &format!("{function}: {message}"));
             Status::Discard
         }
         Ok(Err(Failure::Broken(message))) => {
             instance.core.mode = Mode::Error;
-            instance.logger.error(&format!("{function}: {message}"));
+            instance
+                .logger
+                .report(Status::Error, &format!("{function}: {message}"));
             Status::Error
         }
         Ok(Err(Failure::Unavailable(message))) => {
-            instance.logger.discard(&format!("{function}: {message}"));
+            instance
+                .logger
+                .report(Status::Discard, &format!("{function}: {message}"));
             Status::Discard
         }
         Err(panic) => {
             instance.core.mode = Mode::Poisoned;
             let message = panic_message(panic.as_ref());
-            instance.logger.fatal(&format!(
-                "{function} failed internally ({message}); this instance can only be freed"
-            ));
+            instance.logger.report(
+                Status::Fatal,
+                &format!(
+                    "{function} failed internally ({message}); this instance can only be freed"
+                ),
+            );
             Status::Fatal
         }
     }
 }
 
-/// What a panic says.
+/// The message of a panic.
 pub(super) fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
     panic
         .downcast_ref::<&str>()
@@ -132,7 +143,7 @@ pub(super) fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
         .unwrap_or("no message")
 }
 
-/// Refuses what can be no array: a slice in Rust has at most `isize::MAX` bytes.
+/// Refuses invalid arrays: a slice in Rust has at most `isize::MAX` bytes.
 fn check_array<T>(pointer: *const T, count: usize) -> Outcome {
     if pointer.is_null() || !pointer.is_aligned() {
         return refuse("an array is a null pointer");
@@ -185,9 +196,10 @@ pub(super) unsafe fn out<'a, T>(pointer: *mut T) -> Outcome<&'a mut T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::declaration::{Configuration, Naming};
-    use crate::fmu::instance::{Interface, Purpose};
+    use crate::declaration::Configuration;
+    use crate::fmu::calls::Interface;
     use crate::fmu::logger::Logger;
+    use crate::fmu::test_instance::with_logger;
     use fmi_sys::fmi2::{
         fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Component, fmi2ComponentEnvironment,
         fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
@@ -197,11 +209,11 @@ mod tests {
     use std::ffi::CStr;
     use std::ptr::null_mut;
 
-    /// What the importer's logger was told.
+    /// The messages to the importer's logger.
     #[derive(Default)]
     struct Log(RefCell<Vec<(fmi2Status, String)>>);
 
-    /// The standard's logger, but for the arguments that a format would take: there are none.
+    /// The standard's logger without the arguments of a format, which no message has.
     unsafe extern "C" fn log(
         environment: fmi2ComponentEnvironment,
         _instance_name: fmi2String,
@@ -230,13 +242,7 @@ mod tests {
             componentEnvironment: std::ptr::from_ref(environment).cast_mut().cast(),
         };
         let logger = Logger::fmi2(Some(&functions), c"test", verbose);
-        let configuration = Configuration::default();
-        let purpose = Purpose {
-            interface,
-            naming: Naming::Scalars,
-            has_events: false,
-        };
-        into_component(Instance::new(logger, purpose, configuration))
+        into_component(with_logger(logger, interface, Configuration::default()))
     }
 
     fn run(component: fmi2Component, body: impl FnOnce(&mut Instance) -> Outcome) -> fmi2Status {
@@ -258,7 +264,7 @@ mod tests {
         assert_eq!(log.0.take(), [(fmi2Status_fmi2Fatal, expected.to_owned())]);
 
         let status = run(broken, |_| {
-            unreachable!("a poisoned instance is left alone")
+            unreachable!("a poisoned instance is not called")
         });
         assert_eq!(status, fmi2Status_fmi2Error);
         let expected = "fmi2Test: this instance failed internally and can only be freed";
@@ -294,7 +300,7 @@ mod tests {
             (
                 Failure::Unavailable(text()),
                 fmi2Status_fmi2Discard,
-                // Told to those alone who asked for events.
+                // Reported only where the importer enables all categories.
                 None,
                 Mode::Instantiated,
             ),
@@ -312,8 +318,8 @@ mod tests {
             ),
         ] {
             assert_eq!(run(component, |_| Err(failure)), status);
-            let told = severity.map(|severity| (severity, "fmi2Test: reason".to_owned()));
-            assert_eq!(log.0.take(), Vec::from_iter(told));
+            let logged = severity.map(|severity| (severity, "fmi2Test: reason".to_owned()));
+            assert_eq!(log.0.take(), Vec::from_iter(logged));
             let now = |instance: &mut Instance| {
                 assert_eq!(instance.core.mode, mode);
                 Ok(())
@@ -340,9 +346,9 @@ mod tests {
             assert_eq!(run(component, enter), fmi2Status_fmi2OK);
             let broken = |_: &mut Instance| Err(Failure::Broken("reason".to_owned()));
             assert_eq!(run(component, broken), fmi2Status_fmi2Discard);
-            // A solver's trials are many: only who asked for events is told of them.
-            let told = (fmi2Status_fmi2Discard, "fmi2Test: reason".to_owned());
-            assert_eq!(log.0.take(), if verbose { vec![told] } else { vec![] });
+            // A solver tries many states: these are reported only where the importer enables all categories.
+            let logged = (fmi2Status_fmi2Discard, "fmi2Test: reason".to_owned());
+            assert_eq!(log.0.take(), if verbose { vec![logged] } else { vec![] });
             let still = |instance: &mut Instance| {
                 assert_eq!(instance.core.mode, mode);
                 Ok(())
@@ -354,14 +360,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_handle_is_refused() {
+    fn pointers_to_other_memory_are_refused() {
         let unreachable = |_: &mut Instance| unreachable!();
         assert_eq!(run(null_mut(), unreachable), fmi2Status_fmi2Error);
-        // No longer than the mark: a memory checker sees what reads more of it.
+        // As long as the mark: a memory checker detects further reads.
         let mut mark = 0_u64;
         let other = (&raw mut mark).cast();
         assert_eq!(run(other, unreachable), fmi2Status_fmi2Error);
-        // The mark where no handle can begin.
+        // The mark at an address where no handle can be.
         let mut bytes = vec![0_u64; size_of::<Handle>()];
         let odd = bytes.as_mut_ptr().wrapping_byte_add(1);
         // SAFETY: there is room for eight bytes.

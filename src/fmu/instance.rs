@@ -1,19 +1,20 @@
 //! One instance of the FMU, without any C: modes, values, steps.
 
-use super::calls::Mode;
+use super::calls::{Interface, Mode};
 use super::logger::Logger;
 use super::parameters::Parameters;
-use crate::declaration::{Configuration, Naming, state_nominals};
+use super::status::Status;
+use crate::declaration::{ArrayVariable, Configuration, Naming, state_nominals};
 use crate::simulation::{LONGEST_CALL, Simulation, SimulationError, State, WheelSpeeds};
 
-/// Why a call cannot be fulfilled.
+/// Why a call fails.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Failure {
-    /// The call was wrong; the instance stands where it stood.
+    /// The call was wrong. The instance is unchanged.
     Refused(String),
-    /// The computation failed; the instance has to be reset, unless a solver may try again.
+    /// The computation failed. The instance must be reset, unless a solver may try again.
     Broken(String),
-    /// What was asked for does not exist.
+    /// The requested value does not exist.
     Unavailable(String),
 }
 
@@ -24,34 +25,27 @@ pub(super) fn refuse<T>(message: impl Into<String>) -> Outcome<T> {
     Err(Failure::Refused(message.into()))
 }
 
-/// Which interface the instance serves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Interface {
-    ModelExchange,
-    CoSimulation,
-}
-
-/// What an instance is for.
+/// The use of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Purpose {
     pub interface: Interface,
-    /// What its value references stand for.
+    /// Whether its value references stand for scalars or arrays.
     pub naming: Naming,
-    /// Whether the importer of a co-simulation tells of events.
+    /// Whether the importer uses the event mode of co-simulation.
     pub has_events: bool,
 }
 
 pub(super) struct Instance {
     pub logger: Logger,
-    pub interface: Interface,
-    pub naming: Naming,
-    pub has_events: bool,
-    /// What the FMU's resources say: where a reset returns to.
+    pub purpose: Purpose,
+    /// From the FMU's resources. A reset returns to it.
     configuration: Configuration,
+    /// The variables, by rising value reference.
+    pub variables: Vec<ArrayVariable>,
     pub core: Core,
 }
 
-/// Everything that a saved state holds.
+/// The state of an instance that can be saved.
 #[derive(Debug, Clone)]
 pub(super) struct Core {
     pub mode: Mode,
@@ -66,33 +60,28 @@ pub(super) struct Core {
     pub due: f64,
     /// Whether a lifted wheel has been reported.
     pub lift_reported: bool,
-    /// Built from the parameters when first needed; none while they may still change.
+    /// Built from the parameters when first needed; `None` again when a parameter changes.
     pub simulation: Option<Simulation>,
 }
 
 /// Communication points may be off by rounding: by this share of the step, up to so much \[s\].
 const TIME_ROUNDING: f64 = 1e-6;
 const MAX_ROUNDING: f64 = 1e-6;
-/// They may also be off by this share of the time: an importer adds up or multiplies its steps in double precision.
+/// And by this share of the time: an importer adds or multiplies its steps in double precision.
 const TIME_RESOLUTION: f64 = 16.0 * f64::EPSILON;
 /// Up to this time \[s\], some 272 years, neighbouring numbers are no more than `MAX_ROUNDING` apart.
 const MAX_TIME: f64 = (1_u64 << 33) as f64;
 
 impl Instance {
     pub(super) fn new(logger: Logger, purpose: Purpose, configuration: Configuration) -> Self {
-        let core = Core::new(configuration.clone());
-        let Purpose {
-            interface,
-            naming,
-            has_events,
-        } = purpose;
+        let mut variables = purpose.naming.variables(&configuration);
+        variables.sort_by_key(|variable| variable.reference);
         Self {
             logger,
-            interface,
-            naming,
-            has_events,
+            purpose,
+            variables,
+            core: Core::new(configuration.clone()),
             configuration,
-            core,
         }
     }
 
@@ -100,8 +89,9 @@ impl Instance {
         &self.configuration
     }
 
-    pub(super) fn reset(&mut self) {
+    pub(super) fn reset(&mut self) -> Outcome {
         self.core = Core::new(self.configuration.clone());
+        Ok(())
     }
 
     pub(super) fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome {
@@ -112,13 +102,14 @@ impl Instance {
         }
         self.core.time = start;
         self.core.stop_time = stop;
-        // Built at another time, if it is built already.
+        // If it exists, it was built at another time.
         self.core.simulation = None;
         Ok(())
     }
 
-    pub(super) fn enter_initialization(&mut self) {
+    pub(super) fn enter_initialization(&mut self) -> Outcome {
         self.core.mode = Mode::Initialization;
+        Ok(())
     }
 
     pub(super) fn exit_initialization(&mut self) -> Outcome {
@@ -126,8 +117,8 @@ impl Instance {
         let simulation = self.core.simulation()?;
         simulation.set_time(time).map_err(broken)?;
         simulation.wrench().map_err(broken)?;
-        self.core.mode = match self.interface {
-            Interface::CoSimulation if self.has_events => Mode::StepEvent,
+        self.core.mode = match self.purpose.interface {
+            Interface::CoSimulation if self.purpose.has_events => Mode::StepEvent,
             Interface::CoSimulation => Mode::StepComplete,
             Interface::ModelExchange => Mode::Event,
         };
@@ -135,10 +126,10 @@ impl Instance {
         Ok(())
     }
 
-    /// An event: of the importer in co-simulation, where it tells of them.
+    /// Enters event mode; in co-simulation only where the importer uses it.
     pub(super) fn enter_event_mode(&mut self) -> Outcome {
-        self.core.mode = match self.interface {
-            Interface::CoSimulation if self.has_events => Mode::StepEvent,
+        self.core.mode = match self.purpose.interface {
+            Interface::CoSimulation if self.purpose.has_events => Mode::StepEvent,
             Interface::CoSimulation => {
                 return refuse("this instance was made for a co-simulation without event mode");
             }
@@ -153,22 +144,24 @@ impl Instance {
         self.core.pass_on_time()
     }
 
-    pub(super) fn enter_step_mode(&mut self) {
+    pub(super) fn enter_step_mode(&mut self) -> Outcome {
         self.core.mode = Mode::StepComplete;
+        Ok(())
     }
 
-    /// When effects that act for a while begin or end next, for the importer to stop there; in
-    /// co-simulation the steps themselves see to it.
+    /// The next time at which an effect's window opens or closes, where the importer has to stop. In
+    /// co-simulation the steps handle it.
     pub(super) fn next_event(&mut self) -> Outcome<Option<f64>> {
         let time = self.core.time;
         let next = self.core.simulation()?.model().next_event(time);
-        Ok(next.filter(|_| self.interface == Interface::ModelExchange))
+        Ok(next.filter(|_| self.purpose.interface == Interface::ModelExchange))
     }
 
     pub(super) fn terminate(&mut self) -> Outcome {
         self.core.mode = Mode::Terminated;
         let cost = self.core.simulation()?.counters();
-        self.logger.event(&format!("integration: {cost:?}"));
+        self.logger
+            .report(Status::Ok, &format!("integration: {cost:?}"));
         Ok(())
     }
 
@@ -178,7 +171,7 @@ impl Instance {
         self.core.pass_on_time()
     }
 
-    /// One communication step. Input derivatives serve for this step alone.
+    /// One communication step. Input derivatives act during this step only.
     pub(super) fn step(&mut self, point: f64, size: f64) -> Outcome {
         let core = &mut self.core;
         if !(size.is_finite() && size > 0.0) {
@@ -235,7 +228,7 @@ impl Instance {
         let lifted = self.core.simulation().map(Simulation::wheel_lifted);
         if let Ok(Ok(true)) = lifted {
             self.core.lift_reported = true;
-            self.logger.warning(&format!(
+            self.logger.report(Status::Warning, &format!(
                 "at {time} s a wheel lifts off the ground; the loads of the others are scaled to carry the weight"
             ));
         }
@@ -269,7 +262,7 @@ impl Instance {
     }
 }
 
-/// Refuses a time at which steps cannot be told apart.
+/// Refuses a time at which double precision does not resolve steps.
 fn check_time(what: &str, time: f64) -> Outcome {
     if !time.is_finite() {
         return refuse(format!("{what} {time} is not finite"));
@@ -315,8 +308,8 @@ impl Core {
         }
     }
 
-    /// Tells the simulation the time. While the importer integrates towards an event, what held before it
-    /// holds up to it and beyond: what it switches is switched in event mode, and no solver meets a jump.
+    /// Sets the time of the simulation. While the importer integrates towards an event, the effects
+    /// before it act up to it and beyond: they switch in event mode, so that no solver meets a jump.
     fn pass_on_time(&mut self) -> Outcome {
         let time = match self.mode {
             Mode::ContinuousTime => self.time.min(self.due.next_down()),
@@ -325,26 +318,22 @@ impl Core {
         self.simulation()?.set_time(time).map_err(broken)
     }
 
-    /// The simulation, built from the parameters if there is none yet.
+    /// The simulation, built from the parameters where needed.
     pub(super) fn simulation(&mut self) -> Outcome<&mut Simulation> {
         if self.simulation.is_none() {
-            let model = self
-                .parameters
-                .model()
-                .map_err(|e| Failure::Broken(e.to_string()))?;
+            let model = self.parameters.model();
+            let model = model.map_err(|e| Failure::Broken(e.to_string()))?;
             let mut simulation = Simulation::new(model);
-            let state = self.parameters.initial_state(self.speeds);
+            let state = self.parameters.start(self.parameters.initial, self.speeds);
             simulation
                 .set_time(self.time)
                 .and_then(|()| simulation.set_state(state))
                 .and_then(|()| simulation.set_wheel_speeds(self.speeds))
-                .map_err(|e| Failure::Broken(e.to_string()))?;
+                .map_err(broken)?;
             self.simulation = Some(simulation);
         }
-        match &mut self.simulation {
-            Some(simulation) => Ok(simulation),
-            None => Err(Failure::Broken("there is no simulation".to_owned())),
-        }
+        let simulation = self.simulation.as_mut();
+        simulation.ok_or_else(|| Failure::Broken("there is no simulation".to_owned()))
     }
 }
 

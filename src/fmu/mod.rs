@@ -1,14 +1,16 @@
 //! The FMU: the model behind the C interfaces of FMI 2.0 and FMI 3.0.
 //!
-//! This is the only module with unsafe code. `exports` holds the functions of FMI 2.0, `fmi3` those
-//! of FMI 3.0; each goes through `guard`, which checks the handle and the order of calls (one table,
-//! in `calls`) and contains panics; `instance` is safe code that knows no C and no version of the
-//! standard, but for whether value references stand for scalars or arrays.
+//! This is the only module with unsafe code. `fmi2` and `fmi3` contain the functions of the two
+//! standards. Each goes through `guard`, which checks the handle and the order of calls (one table,
+//! in `calls`) and contains panics. `instance` is safe code without C. It depends on the version of
+//! the standard only in whether value references stand for scalars or arrays.
 #![allow(unsafe_code, reason = "the C interface")]
 
 mod calls;
 mod creation;
+
 mod exports;
+mod fmi2;
 mod fmi3;
 mod guard;
 mod instance;
@@ -18,7 +20,6 @@ mod resources;
 mod saved;
 mod sensitivity;
 mod status;
-mod stored;
 #[cfg(test)]
 mod test_instance;
 mod values;

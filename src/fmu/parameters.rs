@@ -5,7 +5,7 @@ use crate::parameter::ParameterError;
 use crate::simulation::{State, WheelSpeeds};
 use crate::vehicle::{Vehicle, VehicleModel};
 
-/// Everything that a simulation is built from.
+/// The values from which a simulation is built.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Parameters {
     pub configuration: Configuration,
@@ -27,13 +27,8 @@ impl Parameters {
         VehicleModel::from_specification(&self.configuration.specification())
     }
 
-    /// Pose and velocities at the start, with these wheel speeds.
-    pub(super) fn initial_state(&self, speeds: WheelSpeeds) -> State {
-        self.start(self.initial, speeds)
-    }
-
-    /// How a drive starts from an initial state and wheel speeds; linear in both together, so that it is
-    /// also how the start changes with their changes.
+    /// The state at the start for initial values and wheel speeds. The function is linear in both, so
+    /// that it also gives the change of the start from their changes.
     pub(super) fn start(&self, initial: State, speeds: WheelSpeeds) -> State {
         let Vehicle {
             wheel_radius,
@@ -47,7 +42,7 @@ impl Parameters {
         }
     }
 
-    /// The number behind a parameter of type Real.
+    /// The value of a parameter of type Real.
     pub(super) fn real(&self, quantity: Quantity) -> Option<f64> {
         match quantity {
             Quantity::Initial(index) => Some(self.initial.to_array()[index]),
@@ -55,7 +50,7 @@ impl Parameters {
         }
     }
 
-    /// Sets a parameter of type Real; whether there is one.
+    /// Sets a parameter of type Real. False if the quantity is none.
     pub(super) fn set_real(&mut self, quantity: Quantity, value: f64) -> bool {
         match quantity {
             Quantity::Initial(index) => {

@@ -1,19 +1,16 @@
-//! Where an importer says the FMU's `resources` folder is.
+//! The location of the FMU's `resources` folder.
 
+use crate::json::read_file;
 use percent_encoding::percent_decode_str;
-use std::fs::{self, File};
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-
-/// The largest file that is read: a profile of a million points.
-const MAX_BYTES: u64 = 64 << 20;
+use std::{fs, io};
 
 /// Reads the resource location as importers write it: a `file:` URI with one to four
 /// slashes, percent-encoded or not, or a plain absolute path; with or without a slash at
-/// the end; on Windows also of a server. `None` stands for no location at all.
+/// the end; on Windows also of a server. `None` for an empty location.
 ///
 /// # Errors
-/// Anything else, in words.
+/// The reason why anything else is refused.
 pub(super) fn folder(location: &str) -> Result<Option<PathBuf>, String> {
     let location = location.trim();
     if location.is_empty() {
@@ -73,27 +70,16 @@ fn strip_scheme(location: &str) -> Option<&str> {
 /// The text of a file of the folder, `None` if there is no such file.
 ///
 /// # Errors
-/// What is no regular file of up to [`MAX_BYTES`]: a pipe would block until somebody writes to it, a device need not end.
+/// A file that is not regular (a pipe would block, a device need not end), or that [`read_file`] refuses.
 pub(super) fn read(folder: &Path, name: &str) -> io::Result<Option<String>> {
     let path = folder.join(name);
     // Opening a pipe blocks already.
     match fs::metadata(&path) {
-        Ok(metadata) if metadata.is_file() => {}
-        Ok(_) => return Err(io::Error::other("it is no regular file")),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error),
+        Ok(metadata) if metadata.is_file() => read_file(&path).map(Some),
+        Ok(_) => Err(io::Error::other("it is no regular file")),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
     }
-    let mut text = String::new();
-    // A file may report another length than it has: /proc does.
-    File::open(path)?
-        .take(MAX_BYTES + 1)
-        .read_to_string(&mut text)?;
-    if text.len() as u64 > MAX_BYTES {
-        return Err(io::Error::other(format!(
-            "it is larger than {MAX_BYTES} bytes"
-        )));
-    }
-    Ok(Some(text))
 }
 
 #[cfg(test)]
@@ -166,8 +152,8 @@ mod tests {
         let folder = folder.path();
         fs::write(folder.join("small"), "{}").unwrap();
         fs::create_dir(folder.join("folder")).unwrap();
-        for (name, size) in [("limit", MAX_BYTES), ("large", MAX_BYTES + 1)] {
-            let file = File::create(folder.join(name)).unwrap();
+        for (name, size) in [("limit", 64 << 20), ("large", (64 << 20) + 1)] {
+            let file = fs::File::create(folder.join(name)).unwrap();
             file.set_len(size).unwrap();
         }
         assert_eq!(read(folder, "small").unwrap().as_deref(), Some("{}"));

@@ -2,7 +2,6 @@
 
 use super::calls::Mode;
 use super::instance::{Failure, Instance, Outcome, broken, refuse};
-use super::values::{total, wheel_field};
 use crate::declaration::{Kind, Naming, Quantity};
 use crate::simulation::{State, WheelSpeeds};
 use crate::vehicle::{Motion, Wrench};
@@ -17,11 +16,10 @@ struct Direction {
 
 impl Direction {
     /// Adds a change of the quantity behind a reference, if it is a known. During the initialization the
-    /// states are unknowns, which follow from their initial values.
+    /// states are unknowns, which follow from the initial values.
     fn add(&mut self, (reference, quantity): (u32, Quantity), seed: f64, early: bool) -> Outcome {
         match quantity {
-            Quantity::Input(0) => self.speeds.left += seed,
-            Quantity::Input(_) => self.speeds.right += seed,
+            Quantity::Input(side) => *side.of(&mut self.speeds) += seed,
             Quantity::State(index) if !early => self.state[index] += seed,
             Quantity::Initial(index) if early => self.state[index] += seed,
             Quantity::Time => self.time += seed,
@@ -86,13 +84,11 @@ fn change(state: State, direction: Direction, wrench: Wrench) -> Change {
 
 impl Change {
     fn of(&self, quantity: Quantity) -> Option<f64> {
-        Some(match quantity {
-            Quantity::State(index) => self.direction.state[index],
-            Quantity::Rate(index) => self.rate[index],
-            Quantity::Total(index) => total(&self.wrench, index),
-            Quantity::Wheel(wheel, field) => wheel_field(&self.wrench.wheels[wheel], field),
-            _ => return None,
-        })
+        match quantity {
+            Quantity::State(index) => Some(self.direction.state[index]),
+            Quantity::Rate(index) => Some(self.rate[index]),
+            other => other.in_wrench(&self.wrench),
+        }
     }
 }
 
@@ -189,7 +185,7 @@ impl Instance {
         orders: &[i32],
         values: &mut [f64],
     ) -> Outcome {
-        let scalars = self.naming == Naming::Scalars;
+        let scalars = self.purpose.naming == Naming::Scalars;
         let known = |order: i32| order == 1 || (order > 1 && scalars);
         if let Some(order) = orders.iter().find(|order| !known(**order)) {
             return refuse(format!("output derivatives are of order 1, not {order}"));
@@ -203,7 +199,7 @@ impl Instance {
         let change = change(simulation.state(), direction, wrench);
         self.changes(&change, references, values)?;
         if scalars {
-            // FMI 2.0 has those of higher orders, which are none of the FMU's, read as zero.
+            // FMI 2.0 requires zero for orders that the FMU does not provide.
             let pairs = values.iter_mut().zip(orders);
             pairs
                 .filter(|(_, order)| **order > 1)
@@ -250,8 +246,8 @@ fn overflow<T>(reference: u32) -> Outcome<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::declaration::variables;
-    use crate::fmu::instance::Interface;
+    use crate::declaration::{Side, variables};
+    use crate::fmu::calls::Interface;
     use crate::fmu::test_instance::{instance, running, with_effects};
 
     fn reference(instance: &Instance, name: &str) -> u32 {
@@ -274,9 +270,9 @@ mod tests {
 
     fn starting(no_slip: bool) -> Instance {
         let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
-        instance.enter_initialization();
+        instance.enter_initialization().unwrap();
         instance.core.parameters.no_slip = no_slip;
-        for (input, speed) in [(0, 4.0), (1, 5.0)] {
+        for (input, speed) in Side::BOTH.into_iter().zip([4.0, 5.0]) {
             instance
                 .core
                 .set_real(Quantity::Input(input), speed)

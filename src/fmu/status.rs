@@ -1,52 +1,30 @@
-//! What a call returns. The numbers are the same in both versions of the standard.
+//! The status that a call returns. Both versions of the standard have the same numbers.
 
-use fmi_sys::{fmi2, fmi3};
+use fmi_sys::fmi2::*;
+use fmi_sys::fmi3::*;
 
-/// How a call went.
+/// The result of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Status {
-    Ok = 0,
-    Warning = 1,
-    Discard = 2,
-    Error = 3,
-    Fatal = 4,
+    Ok = fmi2Status_fmi2OK as u8,
+    Warning = fmi2Status_fmi2Warning as u8,
+    Discard = fmi2Status_fmi2Discard as u8,
+    Error = fmi2Status_fmi2Error as u8,
+    Fatal = fmi2Status_fmi2Fatal as u8,
 }
 
 impl Status {
-    /// As the standard's own type.
+    /// In the type of a version of the standard.
     pub(super) fn code<S: From<u8>>(self) -> S {
         S::from(self as u8)
     }
 }
 
 const _: () = {
-    const fn is(status: Status, two: fmi2::fmi2Status, three: fmi3::fmi3Status) -> bool {
-        status as u8 as fmi2::fmi2Status == two && status as u8 as fmi3::fmi3Status == three
-    }
-    assert!(is(
-        Status::Ok,
-        fmi2::fmi2Status_fmi2OK,
-        fmi3::fmi3Status_fmi3OK
-    ));
-    assert!(is(
-        Status::Warning,
-        fmi2::fmi2Status_fmi2Warning,
-        fmi3::fmi3Status_fmi3Warning
-    ));
-    assert!(is(
-        Status::Discard,
-        fmi2::fmi2Status_fmi2Discard,
-        fmi3::fmi3Status_fmi3Discard
-    ));
-    assert!(is(
-        Status::Error,
-        fmi2::fmi2Status_fmi2Error,
-        fmi3::fmi3Status_fmi3Error
-    ));
-    assert!(is(
-        Status::Fatal,
-        fmi2::fmi2Status_fmi2Fatal,
-        fmi3::fmi3Status_fmi3Fatal
-    ));
+    assert!(fmi2Status_fmi2OK == fmi3Status_fmi3OK);
+    assert!(fmi2Status_fmi2Warning == fmi3Status_fmi3Warning);
+    assert!(fmi2Status_fmi2Discard == fmi3Status_fmi3Discard);
+    assert!(fmi2Status_fmi2Error == fmi3Status_fmi3Error);
+    assert!(fmi2Status_fmi2Fatal == fmi3Status_fmi3Fatal);
 };

@@ -2,24 +2,32 @@
 
 use super::calls::Mode;
 use super::instance::{Core, Failure, Instance, Outcome, broken, refuse};
+use super::status::Status;
 use crate::declaration::{
     self, ArrayVariable, Attributes, Causality, Configuration, DependencyKind, Elements, Kind,
     Naming, Quantity,
 };
 use crate::simulation::State;
-use crate::vehicle::{WheelOutputs, Wrench};
 
-/// Refuses variables of a type that none is of; reading or setting none of them succeeds.
+/// Refuses references to variables of a type that does not occur. An empty list succeeds.
 pub(super) fn none_of(kind: &str, references: &[u32]) -> Outcome {
     match references.first() {
         Some(reference) => refuse(format!(
-            "value reference {reference} is no {kind}; there are none"
+            "value reference {reference} is no {kind}; no variable is of that type"
         )),
         None => Ok(()),
     }
 }
 
-/// Before the initialization there is nothing but what a variable starts with.
+/// There are no event indicators. Reading none of them succeeds.
+pub(super) fn no_event_indicators(count: usize) -> Outcome {
+    match count {
+        0 => Ok(()),
+        _ => refuse("there are no event indicators"),
+    }
+}
+
+/// Before the initialization only variables with a start value can be read.
 fn check_start(reference: u32, attributes: &Attributes) -> Outcome {
     match attributes.causality {
         Causality::Input | Causality::Parameter => Ok(()),
@@ -30,27 +38,31 @@ fn check_start(reference: u32, attributes: &Attributes) -> Outcome {
 }
 
 impl Instance {
-    /// What is behind a reference, which must be of the given type.
+    /// The variable behind a reference, which must be of the given type.
     pub(super) fn find(
         &self,
         reference: u32,
         kind: Kind,
     ) -> Outcome<(Elements, &'static Attributes)> {
-        match self.naming.find(reference, self.configuration()) {
-            Some((elements, attributes)) if attributes.kind == kind => Ok((elements, attributes)),
-            Some((_, attributes)) => refuse(format!(
-                "value reference {reference} is of type {:?}, not {kind:?}",
-                attributes.kind
-            )),
-            None => refuse(format!(
+        let variables = &self.variables;
+        let Ok(index) = variables.binary_search_by_key(&reference, |v| v.reference) else {
+            return refuse(format!(
                 "there is no variable with value reference {reference}"
-            )),
+            ));
+        };
+        let found = &variables[index];
+        let actual = found.attributes.kind;
+        if actual != kind {
+            return refuse(format!(
+                "value reference {reference} is of type {actual:?}, not {kind:?}"
+            ));
         }
+        Ok((found.elements, found.attributes))
     }
 
-    /// Refuses a number of values that is not the one that the variables have together.
+    /// Refuses a number of values other than that of the variables together.
     pub(super) fn check_count(&self, references: &[u32], kind: Kind, given: usize) -> Outcome {
-        if self.naming == Naming::Scalars && references.len() == given {
+        if self.purpose.naming == Naming::Scalars && references.len() == given {
             return Ok(());
         }
         let mut count = 0;
@@ -81,7 +93,7 @@ impl Instance {
 
     pub(super) fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check_count(references, Kind::Real, values.len())?;
-        // First check them all, so that a refused call has changed nothing.
+        // All are checked first, so that a refused call changes nothing.
         let mut given = values.iter();
         for reference in references {
             let (elements, attributes) = self.find(*reference, Kind::Real)?;
@@ -108,16 +120,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Reads the terrain's number, the only enumeration.
+    /// Reads the number of the terrain, the only enumeration.
     pub(super) fn get_enumerations<T: From<u8>>(
         &self,
         references: &[u32],
         values: &mut [T],
     ) -> Outcome {
-        self.check_count(references, Kind::Enumeration, values.len())?;
-        for reference in references {
-            self.find(*reference, Kind::Enumeration)?;
-        }
+        self.check_all(references, Kind::Enumeration, values.len())?;
         let number = self.core.parameters.configuration.selected as u8 + 1;
         values.fill_with(|| number.into());
         Ok(())
@@ -128,49 +137,36 @@ impl Instance {
         references: &[u32],
         values: &[T],
     ) -> Outcome {
-        self.check_count(references, Kind::Enumeration, values.len())?;
-        for (reference, value) in references.iter().zip(values) {
-            let (_, attributes) = self.find(*reference, Kind::Enumeration)?;
-            self.check_settable(*reference, attributes)?;
-            let value: i64 = (*value).into();
-            if !(1..=5).contains(&value) {
-                return refuse(format!("terrain {value} is not one of 1 to 5"));
-            }
+        self.check_all_settable(references, Kind::Enumeration, values.len())?;
+        let numbers = values.iter().map(|value| (*value).into());
+        if let Some(number) = numbers.clone().find(|number| !(1..=5).contains(number)) {
+            return refuse(format!("terrain {number} is not one of 1 to 5"));
         }
-        if let Some(value) = values.last() {
-            let value: i64 = (*value).into();
-            self.core.parameters.configuration.selected = value as usize - 1;
+        if let Some(number) = numbers.last() {
+            self.core.parameters.configuration.selected = number as usize - 1;
             self.core.simulation = None;
         }
         Ok(())
     }
 
-    /// Reads whether to start without slip, the only Boolean.
+    /// Reads whether the start is without slip, the only Boolean.
     pub(super) fn get_booleans<T: From<bool>>(
         &self,
         references: &[u32],
         values: &mut [T],
     ) -> Outcome {
-        self.check_count(references, Kind::Boolean, values.len())?;
-        for reference in references {
-            self.find(*reference, Kind::Boolean)?;
-        }
+        self.check_all(references, Kind::Boolean, values.len())?;
         values.fill_with(|| self.core.parameters.no_slip.into());
         Ok(())
     }
 
-    /// Sets it to the last of the values.
     pub(super) fn set_booleans<T: Copy>(
         &mut self,
         references: &[u32],
         values: &[T],
         is_true: impl Fn(T) -> bool,
     ) -> Outcome {
-        self.check_count(references, Kind::Boolean, values.len())?;
-        for reference in references {
-            let (_, attributes) = self.find(*reference, Kind::Boolean)?;
-            self.check_settable(*reference, attributes)?;
-        }
+        self.check_all_settable(references, Kind::Boolean, values.len())?;
         if let Some(value) = values.last() {
             self.core.parameters.no_slip = is_true(*value);
             self.core.simulation = None;
@@ -178,8 +174,25 @@ impl Instance {
         Ok(())
     }
 
-    /// References of what an output or a state derivative depends on, and how: until the initialization
-    /// ends, on what it starts from.
+    /// Refuses references to variables of another type, and another number of values than variables.
+    fn check_all(&self, references: &[u32], kind: Kind, given: usize) -> Outcome {
+        self.check_count(references, kind, given)?;
+        references
+            .iter()
+            .try_for_each(|reference| self.find(*reference, kind).map(drop))
+    }
+
+    /// The same for variables to be set.
+    fn check_all_settable(&self, references: &[u32], kind: Kind, given: usize) -> Outcome {
+        self.check_count(references, kind, given)?;
+        references.iter().try_for_each(|reference| {
+            let (_, attributes) = self.find(*reference, kind)?;
+            self.check_settable(*reference, attributes)
+        })
+    }
+
+    /// The references on which an output or a state derivative depends, and how: before the end of the
+    /// initialization on start values.
     pub(super) fn dependencies(&self, reference: u32) -> Outcome<(Vec<u32>, DependencyKind)> {
         let (elements, _) = self.find(reference, Kind::Real)?;
         let configuration = self.configuration();
@@ -197,15 +210,14 @@ impl Instance {
                 DependencyKind::Dependent,
             ));
         }
-        let variables = declaration::array_variables(configuration);
         let of = |quantity: &Quantity| {
-            let held = |v: &&ArrayVariable| v.elements == Elements::One(*quantity);
-            variables.iter().find(held).map(|v| v.reference)
+            let is_it = |v: &&ArrayVariable| v.elements == Elements::One(*quantity);
+            self.variables.iter().find(is_it).map(|v| v.reference)
         };
         Ok((quantities.iter().filter_map(of).collect(), kind))
     }
 
-    /// In model exchange the states are the importer's, and some set them one by one.
+    /// In model exchange some importers set the states one by one as variables.
     fn is_free_state(&self, elements: Elements) -> bool {
         matches!(elements, Elements::One(Quantity::State(_))) && self.core.mode.has_solver()
     }
@@ -233,24 +245,23 @@ impl Instance {
         let mut rates = self.core.rates;
         for ((reference, order), value) in references.iter().zip(orders).zip(values) {
             let (elements, _) = self.find(*reference, Kind::Real)?;
-            if *order != 1 && (*order < 1 || self.naming == Naming::Arrays) {
+            if *order != 1 && (*order < 1 || self.purpose.naming == Naming::Arrays) {
                 return refuse(format!("input derivatives are of order 1, not {order}"));
             }
             if !value.is_finite() {
                 return refuse(format!("an input derivative cannot be {value}"));
             }
             if *order > 1 {
-                // To FMI 2.0 the order that is known cannot be told beforehand.
+                // FMI 2.0 has no attribute for the highest order that an FMU supports.
                 if *value != 0.0 {
-                    self.logger.warning(&format!(
-                        "the input derivative of order {order} is left out: wheel speeds are linear within a step"
+                    self.logger.report(Status::Warning, &format!(
+                        "the input derivative of order {order} is ignored: wheel speeds are linear within a step"
                     ));
                 }
                 continue;
             }
             match elements {
-                Elements::One(Quantity::Input(0)) => rates.left = *value,
-                Elements::One(Quantity::Input(_)) => rates.right = *value,
+                Elements::One(Quantity::Input(side)) => *side.of(&mut rates) = *value,
                 _ => return refuse(format!("value reference {reference} is no input")),
             }
         }
@@ -259,33 +270,28 @@ impl Instance {
     }
 }
 
+fn no_real() -> Failure {
+    Failure::Refused("that variable is no Real".to_owned())
+}
+
 impl Core {
     pub(super) fn real(&mut self, quantity: Quantity) -> Outcome<f64> {
         Ok(match quantity {
-            Quantity::Input(0) => self.speeds.left,
-            Quantity::Input(_) => self.speeds.right,
+            Quantity::Input(side) => *side.of(&mut self.speeds),
             Quantity::State(index) => self.simulation()?.state().to_array()[index],
             Quantity::Rate(index) => self.simulation()?.derivative().map_err(broken)?[index],
-            Quantity::Total(index) => total(self.simulation()?.wrench().map_err(broken)?, index),
-            Quantity::Wheel(wheel, field) => wheel_field(
-                &self.simulation()?.wrench().map_err(broken)?.wheels[wheel],
-                field,
-            ),
+            Quantity::Total(_) | Quantity::Wheel(..) => {
+                let wrench = self.simulation()?.wrench().map_err(broken)?;
+                quantity.in_wrench(wrench).ok_or_else(no_real)?
+            }
             Quantity::Time => self.time,
-            parameter => match self.parameters.real(parameter) {
-                Some(value) => value,
-                None => return refuse("that variable is no Real"),
-            },
+            parameter => self.parameters.real(parameter).ok_or_else(no_real)?,
         })
     }
 
     pub(super) fn set_real(&mut self, quantity: Quantity, value: f64) -> Outcome {
         if let Quantity::Input(side) = quantity {
-            if side == 0 {
-                self.speeds.left = value;
-            } else {
-                self.speeds.right = value;
-            }
+            *side.of(&mut self.speeds) = value;
             return self.pass_on_speeds();
         }
         if let Quantity::State(index) = quantity {
@@ -314,29 +320,5 @@ impl Core {
                 .map_err(|e| Failure::Refused(e.to_string())),
             None => Ok(()),
         }
-    }
-}
-
-/// A total of the wrench by its number in [`Quantity::Total`].
-pub(super) fn total(wrench: &Wrench, index: usize) -> f64 {
-    match index {
-        0 => wrench.a_x,
-        1 => wrench.a_y,
-        2 => wrench.rolling_resistance,
-        3 => wrench.turning_resistance_moment,
-        _ => wrench.turning_moment,
-    }
-}
-
-/// A wheel's output by its number in [`Quantity::Wheel`].
-pub(super) fn wheel_field(wheel: &WheelOutputs, field: usize) -> f64 {
-    match field {
-        0 => wheel.longitudinal_slip,
-        1 => wheel.lateral_slip,
-        2 => wheel.load,
-        3 => wheel.sinkage,
-        4 => wheel.entry_angle,
-        5 => wheel.force_x,
-        _ => wheel.force_y,
     }
 }

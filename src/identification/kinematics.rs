@@ -5,16 +5,17 @@
 //! Martínez et al., "Approximating kinematics for tracked mobile robots", IJRR 24(10), 2005:
 //! on even ground the centres of rotation of the wheels of either side hardly move.
 
-use super::estimate::FEWEST_BLOCKS;
-use super::rolled::Rolled;
 use super::signals::wrapped;
-use super::{Estimate, Window};
+use super::windows::PredictionWindow;
+use crate::recording::{Drive, IntervalEstimate, MIN_BLOCKS};
 use crate::vehicle::Vehicle;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 
-/// Fewer windows are no base for three numbers.
-pub(super) const FEWEST_WINDOWS: usize = 4;
+/// Minimum number of windows for a fit of up to three parameters.
+pub(super) const MIN_WINDOWS: usize = 4;
+/// Longest step of the integrals \[s\].
+const STEP: f64 = 0.02;
 
 /// V_X = r (omega_L + omega_R) / 2, Omega = r (omega_R - omega_L) / B', V_Y = -x_ICR Omega.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,30 +28,30 @@ pub struct Kinematics {
     pub icr_x: f64,
 }
 
-/// Which of its numbers are fitted.
+/// Which parameters are fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KinematicsForm {
     /// Radius and track.
     TwoParameter,
-    /// The centres of rotation also move along the vehicle.
+    /// Radius, track, and x_ICR: the centres of rotation may lie ahead of the reference point or behind it.
     ThreeParameter,
 }
 
-/// Kinematics with the intervals of their numbers.
+/// Kinematics with the intervals of their parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedKinematics {
     /// The fitted model.
     pub kinematics: Kinematics,
     /// Effective radius \[m\].
-    pub wheel_radius: Estimate,
+    pub wheel_radius: IntervalEstimate,
     /// Effective track \[m\].
-    pub track: Estimate,
-    /// Where the centres of rotation lie \[m\]; `None` where it is not fitted.
-    pub icr_x: Option<Estimate>,
+    pub track: IntervalEstimate,
+    /// Position of the centres of rotation \[m\]; `None` if it is not fitted.
+    pub icr_x: Option<IntervalEstimate>,
 }
 
 impl Kinematics {
-    /// Wheels that roll without slip, as far as a skid-steer vehicle can.
+    /// Wheels that roll without slip along the vehicle.
     #[must_use]
     pub fn no_slip(vehicle: &Vehicle) -> Self {
         Self {
@@ -62,7 +63,7 @@ impl Kinematics {
 
     /// x \[m\], y \[m\] and heading \[rad\] at the end of a window.
     #[must_use]
-    pub fn predict(&self, window: &Window) -> [f64; 3] {
+    pub fn predict(&self, window: &PredictionWindow) -> [f64; 3] {
         let [ahead, left, turn] = self.displacement(&Rolled::new(&window.wheels));
         let (sin, cos) = window.state.heading.sin_cos();
         [
@@ -77,16 +78,15 @@ impl Kinematics {
         linearise(rolled, Vector3::new(self.wheel_radius, gain, self.icr_x)).0
     }
 
-    /// Fits the numbers to windows by least squares of the errors at their ends, a metre
-    /// weighing as much as a radian. `nominal` says where to look. `None` without windows, or
-    /// where these do not determine the numbers.
+    /// Fits the parameters by least squares of the errors at the ends of windows; a metre counts as much as a radian. The
+    /// search starts around `nominal`. `None` with too few windows, or if they do not determine the parameters.
     #[must_use]
     pub fn fit(
         form: KinematicsForm,
-        windows: &[&Window],
+        windows: &[&PredictionWindow],
         nominal: &Self,
     ) -> Option<FittedKinematics> {
-        if windows.len() < FEWEST_WINDOWS {
+        if windows.len() < MIN_WINDOWS {
             return None;
         }
         let samples: Vec<Sample> = windows.iter().map(|window| Sample::new(window)).collect();
@@ -111,16 +111,70 @@ impl Kinematics {
                 track,
                 icr_x,
             },
-            wheel_radius: Estimate::normal(radius, error(Vector3::x())),
-            track: Estimate::normal(track, error(by_track)),
-            icr_x: (free == 3).then(|| Estimate::normal(icr_x, error(Vector3::z()))),
+            wheel_radius: IntervalEstimate::normal(radius, error(Vector3::x())),
+            track: IntervalEstimate::normal(track, error(by_track)),
+            icr_x: (free == 3).then(|| IntervalEstimate::normal(icr_x, error(Vector3::z()))),
         };
         let widths = [fitted.wheel_radius.width(), fitted.track.width()];
         (!widths.iter().any(|width| width.is_nan())).then_some(fitted)
     }
 }
 
-/// A window as the fit sees it.
+/// Integrals of wheel speeds over a window, from which kinematic models follow.
+#[derive(Debug, Clone)]
+struct Rolled {
+    /// Per step: the mean wheel angle rolled \[rad\], and the twist in the middle. The twist is the angle of the right wheels
+    /// minus that of the left ones \[rad\].
+    steps: Vec<(f64, f64)>,
+    /// Twist at the end \[rad\].
+    twist: f64,
+}
+
+/// Integrals of the rolled angle along the heading, and their derivatives by the gain of the twist.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct RolledPath {
+    /// Of the cosine and the sine \[rad\].
+    value: [f64; 2],
+    /// Derivatives.
+    by_gain: [f64; 2],
+}
+
+impl Rolled {
+    fn new(wheels: &Drive) -> Self {
+        let mut steps = Vec::new();
+        let mut twist = 0.0;
+        for row in 0..wheels.len().saturating_sub(1) {
+            let seconds = wheels.time[row + 1] - wheels.time[row];
+            let (from, rates) = (wheels.wheel_speeds(row), wheels.wheel_accelerations(row));
+            let count = (seconds / STEP).ceil().max(1.0);
+            let step = seconds / count;
+            for k in 0..count as usize {
+                let middle = (k as f64 + 0.5) * step;
+                let [left, right] = [0, 1].map(|side| from[side] + rates[side] * middle);
+                let change = (right - left) * step;
+                steps.push((0.5 * (left + right) * step, twist + 0.5 * change));
+                twist += change;
+            }
+        }
+        Self { steps, twist }
+    }
+
+    /// The path if the heading changes by `gain` times the twist.
+    fn path(&self, gain: f64) -> RolledPath {
+        self.steps
+            .iter()
+            .fold(RolledPath::default(), |mut path, (rolled, twist)| {
+                let (sin, cos) = (gain * twist).sin_cos();
+                path.value[0] += rolled * cos;
+                path.value[1] += rolled * sin;
+                path.by_gain[0] -= rolled * twist * sin;
+                path.by_gain[1] += rolled * twist * cos;
+                path
+            })
+    }
+}
+
+/// A window's data for the fit.
 struct Sample {
     rolled: Rolled,
     displacement: [f64; 3],
@@ -128,7 +182,7 @@ struct Sample {
 }
 
 impl Sample {
-    fn new(window: &Window) -> Self {
+    fn new(window: &PredictionWindow) -> Self {
         Self {
             rolled: Rolled::new(&window.wheels),
             displacement: window.displacement(),
@@ -145,32 +199,31 @@ impl Sample {
     }
 }
 
-/// Displacement by radius, gain of the heading by the twist (r / B') and x_ICR, in closed form
-/// but for the way; and its derivatives by the three.
+/// Displacement and its derivatives by radius, gain of the heading (r / B') and x_ICR, in closed form except for the path.
 fn linearise(rolled: &Rolled, parameters: Vector3<f64>) -> ([f64; 3], Matrix3<f64>) {
     let [radius, gain, icr_x] = parameters.into();
-    let way = rolled.way(gain);
+    let path = rolled.path(gain);
     let (sin, cos) = (gain * rolled.twist).sin_cos();
     let end = [
-        radius * way.value[0] + icr_x * (1.0 - cos),
-        radius * way.value[1] - icr_x * sin,
+        radius * path.value[0] + icr_x * (1.0 - cos),
+        radius * path.value[1] - icr_x * sin,
         gain * rolled.twist,
     ];
     let by_gain = [
-        radius * way.by_gain[0] + icr_x * rolled.twist * sin,
-        radius * way.by_gain[1] - icr_x * rolled.twist * cos,
+        radius * path.by_gain[0] + icr_x * rolled.twist * sin,
+        radius * path.by_gain[1] - icr_x * rolled.twist * cos,
         rolled.twist,
     ];
     let by = Matrix3::from_columns(&[
-        Vector3::new(way.value[0], way.value[1], 0.0),
+        Vector3::new(path.value[0], path.value[1], 0.0),
         Vector3::from(by_gain),
         Vector3::new(1.0 - cos, -sin, 0.0),
     ]);
     (end, by)
 }
 
-/// The best of a row of gains below and above the nominal one: vehicles that skid have tracks
-/// up to several times as wide, and far from the solution headings are off by full turns.
+/// The best of a series of gains below and above the nominal one. The effective track of a skidding vehicle is up to
+/// several times as wide, and far from the solution headings are wrong by full turns.
 fn first_guess(samples: &[Sample], nominal: &Kinematics) -> Option<Vector3<f64>> {
     let gain = nominal.wheel_radius / nominal.track;
     let guesses = (1..=40).map(|k| {
@@ -178,9 +231,9 @@ fn first_guess(samples: &[Sample], nominal: &Kinematics) -> Option<Vector3<f64>>
         // With the gain given, the radius is linear.
         let (mut products, mut squares) = (0.0, 0.0);
         for sample in samples {
-            let way = sample.rolled.way(gain).value;
-            products += way[0] * sample.displacement[0] + way[1] * sample.displacement[1];
-            squares += way[0] * way[0] + way[1] * way[1];
+            let path = sample.rolled.path(gain).value;
+            products += path[0] * sample.displacement[0] + path[1] * sample.displacement[1];
+            squares += path[0] * path[0] + path[1] * path[1];
         }
         let guess = Vector3::new(products / squares, gain, 0.0);
         (cost(samples, guess), guess)
@@ -196,7 +249,7 @@ fn cost(samples: &[Sample], parameters: Vector3<f64>) -> f64 {
         .sum()
 }
 
-/// Gradient and Gauss–Newton matrix of the first `free` parameters; the others stay.
+/// Gradient and Gauss–Newton matrix of the first `free` parameters; the others are fixed.
 fn normal(
     samples: &[Sample],
     parameters: Vector3<f64>,
@@ -218,13 +271,13 @@ fn normal(
     (gradient, matrix)
 }
 
-/// Levenberg–Marquardt; `None` where the windows leave a parameter open.
+/// Levenberg–Marquardt; `None` if the windows do not determine a parameter.
 fn solve(samples: &[Sample], start: Vector3<f64>, free: usize) -> Option<Vector3<f64>> {
     const ROUNDS: usize = 60;
-    /// Steps below this share of the parameters change nothing that is reported.
+    /// Relative step below which no reported digit changes.
     const CONVERGED: f64 = 1e-9;
     let (mut parameters, mut damping) = (start, 1e-4);
-    let mut least = cost(samples, parameters);
+    let mut lowest = cost(samples, parameters);
     for _ in 0..ROUNDS {
         let (gradient, matrix) = normal(samples, parameters, free);
         let mut damped = matrix;
@@ -233,9 +286,9 @@ fn solve(samples: &[Sample], start: Vector3<f64>, free: usize) -> Option<Vector3
         }
         let step = damped.cholesky()?.solve(&-gradient);
         let trial = cost(samples, parameters + step);
-        if trial <= least {
+        if trial <= lowest {
             parameters += step;
-            least = trial;
+            lowest = trial;
             damping /= 10.0;
             if step.norm() < CONVERGED * parameters.norm() {
                 break;
@@ -248,8 +301,8 @@ fn solve(samples: &[Sample], start: Vector3<f64>, free: usize) -> Option<Vector3
     sensible.then_some(parameters)
 }
 
-/// Covariance by the sandwich formula: windows overlap and errors last, so those of a block
-/// may depend on each other in any way. `None` where there are too few blocks to tell.
+/// Covariance by the sandwich formula. Windows overlap and errors persist, so the errors within a block may depend on each
+/// other. `None` with too few blocks.
 fn covariance(
     samples: &[Sample],
     parameters: Vector3<f64>,
@@ -260,7 +313,7 @@ fn covariance(
     for sample in samples {
         blocks.entry(sample.block).or_default().push(sample);
     }
-    if blocks.len() < FEWEST_BLOCKS {
+    if blocks.len() < MIN_BLOCKS {
         return None;
     }
     let mut scatter = Matrix3::zeros();
@@ -275,7 +328,7 @@ fn covariance(
         }
         scatter += gradient * gradient.transpose();
     }
-    // Few blocks scatter less than their errors do.
+    // Correction for few blocks, whose scatter is too small.
     let count = blocks.len() as f64;
     let corrected = count / (count - free as f64);
     Some(inverse * scatter * inverse * corrected)

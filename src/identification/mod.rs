@@ -1,31 +1,22 @@
-//! How well a model predicts what was recorded.
+//! How well a model predicts a recorded drive.
 //!
-//! A recording is cut into windows. Each begins at the recorded state; a model gets the recorded
-//! wheel speeds of the window and says where the vehicle will be at its end. The constant
-//! latencies of pose and wheels are estimated and removed first, and what is fitted is fitted on
-//! other windows than it is judged on.
+//! A recording is cut into windows. Each starts at the recorded state; a model gets the recorded wheel speeds of the window
+//! and predicts the pose at its end. First the constant latencies of pose and wheels are estimated and removed. A model is
+//! judged on other windows than those it is fitted on.
 
 mod error;
-mod estimate;
-mod halves;
-mod increments;
 mod kinematics;
 mod latency;
-mod part;
-mod predict;
-mod rolled;
-mod score;
+mod prediction;
 mod signals;
+mod split;
 mod start;
 mod windows;
 
 pub use error::IdentificationError;
-pub use estimate::Estimate;
-pub use halves::{Halves, split};
 pub use kinematics::{FittedKinematics, Kinematics, KinematicsForm};
-pub use latency::{Latencies, Latency};
-pub use part::fitted_part;
-pub use predict::Predictor;
-pub use score::{PredictionError, Summary, common, summarise};
-pub use signals::{HeadingSource, Signals, heading_noise};
-pub use windows::{Cut, Rejected, Window, WindowSet, cut};
+pub use latency::{Latencies, Latency, heading_noise};
+pub use prediction::{ErrorSummary, MotionModel, PoseError, common, summarise};
+pub use signals::{HeadingSource, Signals};
+pub use split::{DataSplit, fitted_part, split};
+pub use windows::{PredictionWindow, Rejected, WindowOptions, WindowSet, cut};

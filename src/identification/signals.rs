@@ -1,22 +1,19 @@
 //! A run's series on one clock.
 
-use super::estimate::median;
-use super::increments::Increments;
-use super::latency::gyro_bias;
-use super::{IdentificationError, Latencies};
-use crate::recording::{Channel, Course, Drive, Recording, Run, Series};
+use super::error::IdentificationError;
+use crate::recording::{Channel, Drive, PoseHistory, Recording, Run, Series, median};
 use crate::vehicle::seen_from;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
-/// Wheel speeds or yaw rates this far apart are lost in between \[s\].
-const LOST: f64 = 1.5;
+/// Longer intervals between wheel speeds or yaw rates are gaps \[s\].
+const MAX_INTERVAL: f64 = 1.5;
 /// Slower wheels stand still \[rad/s\].
-const TURNS: f64 = 0.1;
+const STANDING: f64 = 0.1;
 /// Seconds on either side over which the gyro is tied to the recorded heading.
 const TIE: f64 = 1.0;
 
-/// Where the heading that a prediction is compared with comes from.
+/// Source of the heading that a prediction is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HeadingSource {
     /// The recorded heading.
@@ -26,7 +23,7 @@ pub enum HeadingSource {
 }
 
 impl HeadingSource {
-    /// Its name in tables and files.
+    /// Name in tables and files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -36,8 +33,8 @@ impl HeadingSource {
     }
 }
 
-/// What the windows are cut from: pose, wheel speeds and yaw rate of one run. Times are those
-/// of the yaw rate's sensor; pose and wheels are shifted onto them by their latencies.
+/// Pose, wheel speeds and yaw rate of one run. Times are those of the yaw rate's sensor; pose and wheels are shifted by
+/// their latencies.
 #[derive(Debug, Clone)]
 pub struct Signals {
     /// The run's label.
@@ -45,23 +42,23 @@ pub struct Signals {
     x: Series,
     y: Series,
     heading: Series,
-    /// Made when it is asked for.
-    course: OnceLock<Course>,
+    /// Computed on demand.
+    history: OnceLock<PoseHistory>,
     wheels: Drive,
     yaw_rate: Option<Series>,
     /// Integral of the yaw rate \[rad\] at its samples.
     turned: Option<Series>,
-    /// Where wheel speeds are not sampled, or the yaw rate, each on its own clock.
-    lost: [Vec<[f64; 2]>; 2],
+    /// Gaps of wheel speeds and yaw rate, each on the clock of its sensor.
+    gaps: [Vec<[f64; 2]>; 2],
     latencies: [f64; 2],
     gyro_bias: f64,
 }
 
 impl Signals {
-    /// The runs that have wheel speeds and a pose, with no latency removed yet.
+    /// The runs with wheel speeds and a pose, before any latency is removed.
     ///
     /// # Errors
-    /// A recording in which no run has both.
+    /// No run has both.
     pub fn of(recording: &Recording) -> Result<Vec<Self>, IdentificationError> {
         let found: Vec<Self> = recording.runs.iter().filter_map(Self::of_run).collect();
         if !found.is_empty() {
@@ -78,21 +75,21 @@ impl Signals {
         })
     }
 
-    /// Whether a run has what windows are cut from.
+    /// Whether a run has wheel speeds and a pose.
     pub(super) fn is_complete(run: &Run) -> bool {
         Self::of_run(run).is_some()
     }
 
     fn of_run(run: &Run) -> Option<Self> {
         let yaw_rate = run.series(Channel::YawRate).cloned();
-        let gyro_gaps = yaw_rate.iter().flat_map(|series| series.gaps(LOST));
+        let gyro_gaps = yaw_rate.iter().flat_map(|series| series.gaps(MAX_INTERVAL));
         Some(Self {
-            lost: [run.wheel_gaps(LOST), gyro_gaps.collect()],
+            gaps: [run.wheel_gaps(MAX_INTERVAL), gyro_gaps.collect()],
             label: run.label.clone(),
             x: run.series(Channel::X)?.clone(),
             y: run.series(Channel::Y)?.clone(),
             heading: run.series(Channel::Heading)?.clone(),
-            course: OnceLock::new(),
+            history: OnceLock::new(),
             wheels: run.drive()?,
             turned: yaw_rate.as_ref().map(integral),
             yaw_rate,
@@ -101,13 +98,13 @@ impl Signals {
         })
     }
 
-    /// Shifts pose and wheel speeds back by what they trail, and takes the bias off the yaw rate.
-    pub fn remove(&mut self, latencies: &Latencies) {
-        self.gyro_bias = latencies.gyro_bias;
-        self.latencies = [latencies.pose.value(), latencies.wheels.value()];
+    /// Sets the latencies of pose and wheel speeds, and the bias of the yaw rate.
+    pub(super) fn correct(&mut self, latencies: [f64; 2], gyro_bias: f64) {
+        self.latencies = latencies;
+        self.gyro_bias = gyro_bias;
     }
 
-    fn pose_latency(&self) -> f64 {
+    pub(super) fn pose_latency(&self) -> f64 {
         self.latencies[0]
     }
 
@@ -115,8 +112,8 @@ impl Signals {
         self.latencies[1]
     }
 
-    /// First and last time at which pose and wheel speeds are known \[s\], and the yaw rate
-    /// where the heading comes from it; the last may lie before the first.
+    /// First and last time at which pose and wheel speeds are known \[s\], and the yaw rate if it is the source of the
+    /// heading. The last may be before the first.
     #[must_use]
     pub fn span(&self, heading: HeadingSource) -> (f64, f64) {
         let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -141,21 +138,21 @@ impl Signals {
         Some([self.x.at(at)?, self.y.at(at)?, self.heading.at(at)?])
     }
 
-    /// The poses over which the vehicle came to where it is at a time, the oldest first, seen from there.
+    /// The poses of the path up to a time, the oldest first, relative to the pose at that time.
     #[must_use]
-    pub fn course(&self, time: f64) -> Vec<[f64; 3]> {
+    pub fn approach(&self, time: f64) -> Vec<[f64; 3]> {
         let at = time + self.pose_latency();
-        let course = self
-            .course
-            .get_or_init(|| Course::new(&self.x, &self.y, &self.heading))
+        let path = self
+            .history
+            .get_or_init(|| PoseHistory::new(&self.x, &self.y, &self.heading))
             .to(at);
-        let Some((here, before)) = course.split_last() else {
+        let Some((here, before)) = path.split_last() else {
             return Vec::new();
         };
         before.iter().map(|pose| seen_from(*pose, *here)).collect()
     }
 
-    /// The times at which the position was sampled within a span.
+    /// Times of the positions within a span.
     pub fn position_times(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + '_ {
         let shift = self.pose_latency();
         let times = within(&self.x.time, from + shift, to + shift);
@@ -171,12 +168,6 @@ impl Signals {
             Some(series.time.get(after)? - series.time.get(after.checked_sub(1)?)?)
         };
         Some(gap(&self.x)?.max(gap(&self.y)?).max(gap(&self.heading)?))
-    }
-
-    /// Whether there is a yaw rate.
-    #[must_use]
-    pub fn has_gyro(&self) -> bool {
-        self.turned.is_some()
     }
 
     /// Samples of the yaw rate within a span.
@@ -203,38 +194,38 @@ impl Signals {
             .collect()
     }
 
-    /// Integral of the yaw rate, from an arbitrary beginning \[rad\].
+    /// Integral of the yaw rate from an arbitrary start \[rad\].
     #[must_use]
     pub fn turned(&self, time: f64) -> Option<f64> {
         let turned = self.turned.as_ref()?;
         Some(turned.at(time)? - self.gyro_bias * (time - turned.start()?))
     }
 
-    /// Whether wheel speeds, or the yaw rate where it tells the heading, are lost between two times.
+    /// Whether wheel speeds have a gap between two times, or the yaw rate if it is the source of the heading.
     #[must_use]
-    pub(super) fn is_lost(&self, from: f64, to: f64, heading: HeadingSource) -> bool {
+    pub(super) fn has_gap(&self, from: f64, to: f64, heading: HeadingSource) -> bool {
         let overlaps = |gaps: &[[f64; 2]], late: f64| {
             let next = gaps.partition_point(|[_, end]| end - late <= from);
             gaps.get(next).is_some_and(|[start, _]| start - late < to)
         };
-        overlaps(&self.lost[0], self.wheel_latency())
-            || heading == HeadingSource::Gyro && overlaps(&self.lost[1], 0.0)
+        overlaps(&self.gaps[0], self.wheel_latency())
+            || heading == HeadingSource::Gyro && overlaps(&self.gaps[1], 0.0)
     }
 
-    /// Seconds in which the wheels turn.
+    /// Duration of turning wheels \[s\].
     #[must_use]
     pub(super) fn moving_seconds(&self) -> f64 {
         let wheels = &self.wheels;
         let turns = |row: &usize| {
             let speeds = wheels.wheel_speeds(*row);
-            speeds.iter().any(|speed| speed.abs() > TURNS)
+            speeds.iter().any(|speed| speed.abs() > STANDING)
         };
         let rows = (0..wheels.len().saturating_sub(1)).filter(turns);
         let seconds = rows.map(|row| wheels.time[row + 1] - wheels.time[row]);
-        seconds.filter(|seconds| *seconds <= LOST).sum()
+        seconds.filter(|seconds| *seconds <= MAX_INTERVAL).sum()
     }
 
-    /// The next time after one at which there is a position; `None` behind the last.
+    /// Time of the next position after a time; `None` after the last.
     #[must_use]
     pub(super) fn next_position(&self, time: f64) -> Option<f64> {
         let at = time + self.pose_latency();
@@ -242,8 +233,8 @@ impl Signals {
         Some(self.x.time.get(next)? - self.pose_latency())
     }
 
-    /// Heading at a time from the integrated yaw rate, tied to the recorded headings around:
-    /// their median forgives those that are wrong.
+    /// Heading at a time from the integrated yaw rate, tied to the recorded headings around it by a median, which is robust
+    /// against wrong ones.
     #[must_use]
     pub fn tied_heading(&self, time: f64) -> Option<f64> {
         let here = self.turned(time)?;
@@ -258,7 +249,7 @@ impl Signals {
         Some(median(&mut offsets))
     }
 
-    /// The wheel speeds from a time on, for so many seconds: times from 0, both ends included.
+    /// The wheel speeds from a time on for a duration \[s\]: times from 0, both ends included.
     #[must_use]
     pub fn drive(&self, start: f64, seconds: f64) -> Drive {
         let from = start + self.wheel_latency();
@@ -280,7 +271,7 @@ impl Signals {
         }
     }
 
-    /// Wheel speeds at a time of their own clock, linear in between, held beyond the ends.
+    /// Wheel speeds at a time of the wheels' clock, linear between samples, held beyond the ends.
     fn wheel_speeds(&self, time: f64) -> [f64; 2] {
         let wheels = &self.wheels;
         let after = wheels.time.partition_point(|t| *t <= time);
@@ -295,8 +286,7 @@ impl Signals {
         [0, 1].map(|side| speeds[side] + rates[side] * seconds)
     }
 
-    /// Integral of the difference of the wheel speeds, right minus left \[rad\], on the wheels'
-    /// clock: it grows with the heading.
+    /// Integral of right minus left wheel speed \[rad\] on the wheels' clock, which grows with the heading.
     pub(super) fn twist(&self) -> Series {
         let wheels = &self.wheels;
         let difference = wheels
@@ -307,32 +297,15 @@ impl Signals {
         integral(&wheels.time.iter().copied().zip(difference).collect())
     }
 
-    /// Integral of the yaw rate, where there is one.
+    /// Integral of the yaw rate, if there is one.
     pub(super) fn turned_series(&self) -> Option<&Series> {
         self.turned.as_ref()
     }
 
-    /// The recorded heading on its own clock.
+    /// The recorded heading on the pose's clock.
     pub(super) fn heading_series(&self) -> &Series {
         &self.heading
     }
-}
-
-/// How far the recorded heading's changes over a second stray from the gyro's less its bias, as RMS \[rad\];
-/// `None` without a yaw rate.
-#[must_use]
-pub fn heading_noise(runs: &[Signals]) -> Option<f64> {
-    let lag = runs.first()?.pose_latency();
-    let pairs = runs
-        .iter()
-        .filter_map(|run| Some((run.turned_series()?, run.heading_series())));
-    let increments = Increments::at_lag(pairs, lag);
-    let bias = gyro_bias(increments.iter().copied());
-    let squares: f64 = increments
-        .iter()
-        .map(|(gyro, pose)| wrapped(gyro - pose - bias).powi(2))
-        .sum();
-    (!increments.is_empty()).then(|| (squares / increments.len() as f64).sqrt())
 }
 
 /// An angle between -pi and pi \[rad\].
@@ -346,7 +319,7 @@ fn within(time: &[f64], from: f64, to: f64) -> &[f64] {
     &time[first..end.max(first)]
 }
 
-/// Integral over time of values that are linear between samples, at the samples.
+/// Integral over time, linear between samples, at the samples.
 fn integral(series: &Series) -> Series {
     let mut sum = 0.0;
     let mut before: Option<(f64, f64)> = None;

@@ -1,38 +1,36 @@
-//! The velocities with which a window starts.
+//! The velocities at the start of a window.
 
-use super::Signals;
-use super::estimate::median;
+use super::signals::Signals;
+use crate::recording::median;
 use nalgebra::{SMatrix, SVector};
 
-/// Reaches of the fit to positions on either side \[s\]: the first that holds enough samples.
-/// Short, because within it the velocity changes evenly; a position's error of 0.03 m at 10 Hz
-/// leaves 0.03 m/s.
+/// Reaches of the fit to positions on either side \[s\]: the first with enough samples counts. It is short because the
+/// acceleration is assumed constant; a position error of 0.03 m at 10 Hz gives 0.03 m/s.
 const REACHES: [f64; 3] = [0.5, 1.0, 2.0];
-/// Samples that are enough.
-const ENOUGH: usize = 6;
+/// Minimum number of samples.
+const MIN_SAMPLES: usize = 6;
 /// Reach of the fit to the yaw rate on either side \[s\].
 const GYRO_REACH: f64 = 0.2;
 /// Step of the integrals \[s\].
 const STEP: f64 = 0.025;
-/// What the fit assumes of a position's error \[m\], and of the acceleration \[m/s^2\] where
-/// the samples lie on one side only and cannot tell it from the velocity.
+/// Assumed error of a position \[m\], and prior of the acceleration \[m/s^2\], which samples on one side alone cannot
+/// separate from the velocity.
 const POSITION_NOISE: f64 = 0.03;
 const ACCELERATION: f64 = 1.0;
-/// Samples further away than so many times the median residual count less (Huber).
+/// Beyond this multiple of the median residual a sample has less weight (Huber).
 const HUBER: f64 = 2.0;
 /// Rounds of reweighting.
 const ROUNDS: usize = 5;
 
-type Row = SVector<f64, 5>;
+type Unknowns = SVector<f64, 5>;
 
 /// Velocities ahead and to the left \[m/s\] and yaw rate \[rad/s\] at a time.
 ///
-/// The positions within reach of it, before and after as far as there are any, are fitted
-/// by a vehicle that turns as recorded, moves sideways steadily and ahead with a steady
-/// acceleration: nothing is differentiated. `None` where too few samples are around.
+/// The positions within reach, before and after, are fitted by a vehicle that turns as recorded, with a constant lateral
+/// velocity and a constant forward acceleration. Nothing is differentiated. `None` with too few samples.
 pub(super) fn velocities(signals: &Signals, time: f64, heading: f64) -> Option<[f64; 3]> {
     let samples = |reach: &f64| signals.position_times(time - reach, time + reach).count();
-    let enough = |reach: &&f64| samples(reach) >= ENOUGH;
+    let enough = |reach: &&f64| samples(reach) >= MIN_SAMPLES;
     let reach = *REACHES.iter().find(enough)?;
     let yaw_rate = yaw_rate(signals, time, reach)?;
     let turned = |at: f64| {
@@ -40,18 +38,18 @@ pub(super) fn velocities(signals: &Signals, time: f64, heading: f64) -> Option<[
         let by_pose = || Some(signals.pose(at)?[2] - signals.pose(time)?[2]);
         by_gyro().or_else(by_pose).unwrap_or((at - time) * yaw_rate)
     };
-    let mut rows: Vec<(Row, f64)> = Vec::new();
+    let mut rows: Vec<(Unknowns, f64)> = Vec::new();
     for at in signals.position_times(time - reach, time + reach) {
         let [x, y, _] = signals.pose(at)?;
         let [c, s, c_t, s_t] = integrals(at - time, |t| heading + turned(time + t));
-        rows.push((Row::from([1.0, 0.0, c, -s, c_t]), x));
-        rows.push((Row::from([0.0, 1.0, s, c, s_t]), y));
+        rows.push((Unknowns::from([1.0, 0.0, c, -s, c_t]), x));
+        rows.push((Unknowns::from([0.0, 1.0, s, c, s_t]), y));
     }
     let [_, _, v_x, v_y, _] = robust(&rows)?.into();
     Some([v_x, v_y, yaw_rate])
 }
 
-/// Line through the yaw rates around, or through the headings where there is no gyro.
+/// From a line through the yaw rates around, or through the headings without a gyro.
 fn yaw_rate(signals: &Signals, time: f64, reach: f64) -> Option<f64> {
     let rates = signals.yaw_rates(time - GYRO_REACH, time + GYRO_REACH);
     if rates.len() >= 3 {
@@ -87,13 +85,13 @@ fn integrals(end: f64, heading: impl Fn(f64) -> f64) -> [f64; 4] {
     })
 }
 
-/// Least squares with Huber's weights, x and y of a sample sharing theirs.
-fn robust(rows: &[(Row, f64)]) -> Option<Row> {
+/// Least squares with Huber's weights; x and y of a sample share their weight.
+fn robust(rows: &[(Unknowns, f64)]) -> Option<Unknowns> {
     let mut weights = vec![1.0; rows.len() / 2];
     let mut best = None;
     for _ in 0..ROUNDS {
         let mut normal = SMatrix::<f64, 5, 5>::zeros();
-        let mut right = Row::zeros();
+        let mut right = Unknowns::zeros();
         normal[(4, 4)] = (POSITION_NOISE / ACCELERATION).powi(2);
         for (index, (row, value)) in rows.iter().enumerate() {
             let weight = weights[index / 2];
@@ -101,7 +99,7 @@ fn robust(rows: &[(Row, f64)]) -> Option<Row> {
             right += row * (*value * weight);
         }
         let solution = normal.cholesky()?.solve(&right);
-        let distance = |pair: &[(Row, f64)]| {
+        let distance = |pair: &[(Unknowns, f64)]| {
             let [a, b] = [0, 1].map(|k| pair[k].1 - pair[k].0.dot(&solution));
             a.hypot(b)
         };

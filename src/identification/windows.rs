@@ -1,41 +1,39 @@
 //! The windows over which a model predicts.
 
-use super::signals::wrapped;
+use super::error::IdentificationError;
+use super::signals::{HeadingSource, Signals, wrapped};
 use super::start::velocities;
-use super::{HeadingSource, IdentificationError, Signals};
 use crate::recording::Drive;
 use crate::simulation::State;
 
-/// How windows are cut.
+/// Options of the windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cut {
-    /// How far a model predicts \[s\].
+pub struct WindowOptions {
+    /// Duration of a prediction \[s\].
     pub horizon: f64,
     /// From the start of a window to that of the next in the same run \[s\].
     pub spacing: f64,
-    /// Windows with wheels that turn slower on average are left out: nothing happens
-    /// there \[rad/s\].
-    pub least_wheel_speed: f64,
-    /// Windows are left out at whose start or end the pose follows from samples that are
-    /// further apart: in a turn the vehicle does not drive straight from one to the next \[s\].
+    /// Minimum mean wheel speed \[rad/s\]; slower windows are rejected as standing.
+    pub min_wheel_speed: f64,
+    /// Maximum interval of the pose at start and end \[s\]; over a longer one a linear interpolation is wrong in turns.
     pub longest_gap: f64,
-    /// What the heading is compared with.
+    /// Source of the recorded heading.
     pub heading: HeadingSource,
 }
 
-impl Default for Cut {
+impl Default for WindowOptions {
     fn default() -> Self {
         Self {
             horizon: 5.0,
             spacing: 0.5,
-            least_wheel_speed: 0.1,
+            min_wheel_speed: 0.1,
             longest_gap: 0.55,
             heading: HeadingSource::Pose,
         }
     }
 }
 
-impl Cut {
+impl WindowOptions {
     fn validate(&self) -> Result<(), IdentificationError> {
         for (what, value) in [("horizon", self.horizon), ("spacing", self.spacing)] {
             if !(0.05..=1e4).contains(&value) {
@@ -47,12 +45,12 @@ impl Cut {
     }
 }
 
-/// A stretch of a run: where it starts, how the wheels turn, where it ends.
+/// A stretch of a run: initial state, wheel speeds, final pose.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Window {
+pub struct PredictionWindow {
     /// Index of the run among those with a pose.
     pub run: usize,
-    /// When it starts \[s\], on the clock of the yaw rate.
+    /// Start time \[s\], on the clock of the yaw rate.
     pub start: f64,
     /// Recorded pose at the start, and velocities from the samples around it.
     pub state: State,
@@ -60,20 +58,19 @@ pub struct Window {
     pub end: [f64; 3],
     /// Wheel speeds in between, times from 0.
     pub wheels: Drive,
-    /// Poses over which the vehicle came to the start, the oldest first, seen from there: ahead, to the left \[m\] and
+    /// Poses of the path up to the start, the oldest first, relative to the pose at the start: ahead, to the left \[m\] and
     /// turned \[rad\].
-    pub course: Vec<[f64; 3]>,
+    pub approach: Vec<[f64; 3]>,
 }
 
-impl Window {
+impl PredictionWindow {
     /// Length \[s\].
     #[must_use]
     pub fn horizon(&self) -> f64 {
         self.wheels.duration()
     }
 
-    /// What changes from start to end, seen from the start: ahead \[m\], to the left \[m\],
-    /// heading \[rad\].
+    /// Change from start to end in the frame of the start: ahead \[m\], to the left \[m\], heading \[rad\].
     #[must_use]
     pub fn displacement(&self) -> [f64; 3] {
         let (sin, cos) = self.state.heading.sin_cos();
@@ -82,7 +79,7 @@ impl Window {
         [cos * x + sin * y, cos * y - sin * x, heading]
     }
 
-    /// Number of a stretch of its run long enough to be independent of the others'.
+    /// Index of a stretch of the run that is long enough for independence from other stretches.
     #[must_use]
     pub fn block(&self) -> (usize, i64) {
         (
@@ -92,13 +89,12 @@ impl Window {
     }
 }
 
-/// Windows that were left out.
+/// Numbers of rejected windows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rejected {
     /// The vehicle stands still.
     pub standing: usize,
-    /// The pose at the start or the end, a wheel speed in between, or the yaw rate that is asked for, is not known
-    /// well enough.
+    /// A gap in the pose at start or end, in the wheel speeds, or in the yaw rate if it is needed.
     pub gaps: usize,
 }
 
@@ -106,41 +102,45 @@ pub struct Rejected {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WindowSet {
     /// The windows.
-    pub windows: Vec<Window>,
-    /// What was left out.
+    pub windows: Vec<PredictionWindow>,
+    /// The rejected ones.
     pub rejected: Rejected,
 }
 
-/// Cuts windows from the runs of a recording, whose name is for the errors.
+/// Cuts windows from the runs of a recording; its name is for the errors.
 ///
 /// # Errors
-/// Settings out of range, runs shorter than the horizon, and nothing left.
-pub fn cut(recording: &str, runs: &[Signals], cut: &Cut) -> Result<WindowSet, IdentificationError> {
-    cut.validate()?;
+/// Settings out of range, runs shorter than the horizon, and no window without rest or gaps.
+pub fn cut(
+    recording: &str,
+    runs: &[Signals],
+    options: &WindowOptions,
+) -> Result<WindowSet, IdentificationError> {
+    options.validate()?;
     let mut set = WindowSet::default();
     let mut longest: f64 = 0.0;
     for (run, signals) in runs.iter().enumerate() {
-        let (first, last) = signals.span(cut.heading);
+        let (first, last) = signals.span(options.heading);
         longest = longest.max(last - first);
-        // A little inside, so that rounding does not lead out of the series.
-        let room = last - first - cut.horizon - 2.0 * ROUNDING;
+        // A margin, so that rounding does not lead beyond the series.
+        let room = last - first - options.horizon - 2.0 * ROUNDING;
         if room < 0.0 {
             continue;
         }
-        let (mut next, count) = (0, (room / cut.spacing).floor() as usize);
+        let (mut next, count) = (0, (room / options.spacing).floor() as usize);
         while next <= count {
-            let start = first + ROUNDING + cut.spacing * next as f64;
+            let start = first + ROUNDING + options.spacing * next as f64;
             next += 1;
             if signals.pose_gap(start).is_some_and(|gap| gap > PAUSE)
                 && let Some(behind) = signals.next_position(start)
             {
-                next = next.max(((behind - first) / cut.spacing).floor() as usize);
+                next = next.max(((behind - first) / options.spacing).floor() as usize);
                 continue;
             }
-            let wheels = signals.drive(start, cut.horizon);
-            if mean_speed(&wheels) <= cut.least_wheel_speed {
+            let wheels = signals.drive(start, options.horizon);
+            if mean_speed(&wheels) <= options.min_wheel_speed {
                 set.rejected.standing += 1;
-            } else if let Some(window) = window(signals, run, start, wheels, cut) {
+            } else if let Some(window) = window(signals, run, start, wheels, options) {
                 set.windows.push(window);
             } else {
                 set.rejected.gaps += 1;
@@ -154,7 +154,7 @@ pub fn cut(recording: &str, runs: &[Signals], cut: &Cut) -> Result<WindowSet, Id
         (true, 0) => Err(IdentificationError::TooShort {
             recording: recording(),
             longest,
-            horizon: cut.horizon,
+            horizon: options.horizon,
         }),
         (true, _) => Err(IdentificationError::NoWindows {
             recording: recording(),
@@ -164,29 +164,35 @@ pub fn cut(recording: &str, runs: &[Signals], cut: &Cut) -> Result<WindowSet, Id
     }
 }
 
-/// Where there is no pose for longer, nothing was recorded, or the clock was set: no window starts there \[s\].
+/// No window starts in a longer gap of the pose: nothing was recorded, or the clock was set \[s\].
 const PAUSE: f64 = 60.0;
-/// Room for rounding of times \[s\].
+/// Margin for the rounding of times \[s\].
 const ROUNDING: f64 = 1e-6;
 
-fn window(signals: &Signals, run: usize, start: f64, wheels: Drive, cut: &Cut) -> Option<Window> {
-    let stop = start + cut.horizon;
+fn window(
+    signals: &Signals,
+    run: usize,
+    start: f64,
+    wheels: Drive,
+    options: &WindowOptions,
+) -> Option<PredictionWindow> {
+    let stop = start + options.horizon;
     let far_apart = |time| {
         signals
             .pose_gap(time)
-            .is_none_or(|gap| gap > cut.longest_gap)
+            .is_none_or(|gap| gap > options.longest_gap)
     };
-    let is_lost = signals.is_lost(start, stop, cut.heading);
-    if is_lost || far_apart(start) || far_apart(stop) {
+    let has_gap = signals.has_gap(start, stop, options.heading);
+    if has_gap || far_apart(start) || far_apart(stop) {
         return None;
     }
     let ([x, y, mut heading], mut end) = (signals.pose(start)?, signals.pose(stop)?);
-    if cut.heading == HeadingSource::Gyro {
+    if options.heading == HeadingSource::Gyro {
         heading = signals.tied_heading(start)?;
         end[2] = heading + signals.turned(stop)? - signals.turned(start)?;
     }
     let [v_x, v_y, yaw_rate] = velocities(signals, start, heading)?;
-    Some(Window {
+    Some(PredictionWindow {
         run,
         start,
         state: State {
@@ -199,7 +205,7 @@ fn window(signals: &Signals, run: usize, start: f64, wheels: Drive, cut: &Cut) -
         },
         end,
         wheels,
-        course: signals.course(start),
+        approach: signals.approach(start),
     })
 }
 

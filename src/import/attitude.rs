@@ -2,34 +2,33 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Quaternions shorter than this say nothing about attitude; publishers without one send zeros.
+/// Minimum length of a quaternion; publishers without an attitude send zeros.
 const SHORTEST: f64 = 1e-3;
-/// Quaternions whose length differs from 1 by more than this are told of.
+/// Larger deviations of a quaternion's length from 1 are noted.
 const LENGTH_TOLERANCE: f64 = 1e-2;
 
-/// What a quaternion says about heading.
+/// The heading of a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Yaw {
     /// Heading \[rad\] in (-pi, pi\].
     Of(f64),
     /// The same from a quaternion whose length is not 1.
     Normalised(f64),
-    /// Zero or not finite.
+    /// Unknown: the quaternion is zero or not finite.
     None,
 }
 
-/// The heading of an attitude x, y, z, w: the angle of the turn about z that comes last after
-/// roll and pitch.
+/// The heading of an attitude x, y, z, w: the angle about z, applied after roll and pitch.
 pub(super) fn yaw(quaternion: [f64; 4]) -> Yaw {
     let length = quaternion
         .iter()
-        .map(|part| part * part)
+        .map(|component| component * component)
         .sum::<f64>()
         .sqrt();
     if !length.is_finite() || length < SHORTEST {
         return Yaw::None;
     }
-    let [x, y, z, w] = quaternion.map(|part| part / length);
+    let [x, y, z, w] = quaternion.map(|component| component / length);
     let heading = (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
     if (length - 1.0).abs() > LENGTH_TOLERANCE {
         Yaw::Normalised(heading)
@@ -69,7 +68,7 @@ mod tests {
         };
         assert!((heading - 2.0).abs() < 1e-14, "{heading}");
         assert_eq!(
-            yaw(quaternion.map(|part| -3.0 * part)),
+            yaw(quaternion.map(|component| -3.0 * component)),
             Yaw::Normalised(heading)
         );
         assert_eq!(yaw([0.0; 4]), Yaw::None);

@@ -1,35 +1,35 @@
-//! What the samples say about what they are.
+//! Plausibility checks of wheel speeds and forward speed.
 
-use super::wheels::Series;
+use super::collect::TimedValues;
 
-/// Fewer samples than this prove nothing.
-const FEWEST: usize = 20;
-/// Wheels slower than this stand, for telling their direction \[rad/s\].
+/// Minimum number of samples for a conclusion.
+const MIN_SAMPLES: usize = 20;
+/// Slower wheels stand and have no direction \[rad/s\].
 pub(super) const STANDING: f64 = 0.2;
-/// Speeds that follow from wheel speeds this well, as a share of their own standard deviation,
-/// were computed from them: over any soil slip alone scatters more.
+/// A speed was computed from the wheel speeds if it deviates by less than this share of its standard deviation: slip
+/// scatters more on any soil.
 pub(super) const COMPUTED: f64 = 5e-3;
-/// The same where a name says otherwise.
+/// The same for a topic whose name claims an independent sensor.
 pub(super) const COMPUTED_DESPITE_NAME: f64 = 1e-3;
-/// Speeds that vary less than this share of their mean follow from anything that is steady.
+/// Speeds with a smaller variation, as a share of their mean, allow no conclusion: they follow from anything steady.
 const STEADY: f64 = 0.02;
-/// Sides that turn against each other in this share of the drive are mirrored, not pivoting.
+/// Sides with opposite signs in this share of the drive are mirrored; otherwise the vehicle pivots.
 const MIRRORED: f64 = 0.9;
 /// Correlation beyond which wheels and vehicle go opposite ways.
 const OPPOSITE: f64 = -0.5;
 
-/// How forward speed goes with wheel speed.
+/// Relation between forward speed and wheel speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Follows {
-    /// As a measurement may.
+    /// Possible for a measurement.
     Loosely,
-    /// Exactly, with this radius \[m\].
+    /// Exact, with this radius \[m\].
     Exactly(f64),
-    /// Backwards.
+    /// With the opposite sign.
     Opposite,
 }
 
-/// The value of a series between its samples.
+/// The value at a time, linear between samples.
 pub(super) fn at(series: &[(i64, f64)], time: i64) -> Option<f64> {
     let after = series.partition_point(|(sample, _)| *sample < time);
     let (to, end) = *series.get(after)?;
@@ -40,9 +40,14 @@ pub(super) fn at(series: &[(i64, f64)], time: i64) -> Option<f64> {
     Some(start + (end - start) * (time - from) as f64 / (to - from) as f64)
 }
 
-/// Compares forward speed with the mean of both sides' wheel speeds; what it leaves over below the share
-/// `computed` of the speed's variation shows that it was computed from them.
-pub(super) fn follows(left: &Series, right: &Series, v_x: &Series, computed: f64) -> Follows {
+/// Compares forward speed with the mean wheel speed of both sides. A deviation below the share `computed` of the speed's
+/// variation shows that the speed was computed from the wheels.
+pub(super) fn follows(
+    left: &TimedValues,
+    right: &TimedValues,
+    v_x: &TimedValues,
+    computed: f64,
+) -> Follows {
     let pairs: Vec<(f64, f64)> = v_x
         .iter()
         .filter_map(|(time, speed)| {
@@ -57,17 +62,16 @@ pub(super) fn follows(left: &Series, right: &Series, v_x: &Series, computed: f64
         sum(|(_, speed)| speed * speed),
     );
     let moved = turning > pairs.len() as f64 * STANDING * STANDING && speed > 0.0;
-    if pairs.len() < FEWEST || !moved {
+    if pairs.len() < MIN_SAMPLES || !moved {
         return Follows::Loosely;
     }
-    // Of the best radius, what it leaves over.
     let radius = both / turning;
-    let left_over = (speed - radius * both).max(0.0);
+    let deviation = (speed - radius * both).max(0.0);
     let count = pairs.len() as f64;
     let mean = sum(|(_, speed)| *speed) / count;
     let variation = speed - count * mean * mean;
     let varies = variation > count * (STEADY * mean).powi(2);
-    if radius > 0.0 && varies && left_over < computed * computed * variation {
+    if radius > 0.0 && varies && deviation < computed * computed * variation {
         Follows::Exactly(radius)
     } else if both < OPPOSITE * (turning * speed).sqrt() {
         Follows::Opposite
@@ -76,8 +80,8 @@ pub(super) fn follows(left: &Series, right: &Series, v_x: &Series, computed: f64
     }
 }
 
-/// Whether the sides turn against each other nearly all the time.
-pub(super) fn mirrored(left: &Series, right: &Series) -> bool {
+/// Whether the sides have opposite signs nearly all the time.
+pub(super) fn mirrored(left: &TimedValues, right: &TimedValues) -> bool {
     let moving: Vec<bool> = left
         .iter()
         .filter_map(|(time, left)| {
@@ -86,14 +90,14 @@ pub(super) fn mirrored(left: &Series, right: &Series) -> bool {
         })
         .collect();
     let against = moving.iter().filter(|against| **against).count();
-    moving.len() >= FEWEST && against as f64 > MIRRORED * moving.len() as f64
+    moving.len() >= MIN_SAMPLES && against as f64 > MIRRORED * moving.len() as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn series(value: impl Fn(f64) -> f64) -> Series {
+    fn series(value: impl Fn(f64) -> f64) -> TimedValues {
         (0..200).map(|k| (k * 10, value(k as f64 * 0.1))).collect()
     }
 
@@ -108,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn computed_speeds_are_told_from_measured_ones() {
+    fn computed_speeds_are_distinguished_from_measured_ones() {
         let (left, right) = (series(|t| 4.0 + t.sin()), series(|t| 5.0 + t.cos()));
         let computed = series(|t| 0.15 * (9.0 + t.sin() + t.cos()) / 2.0);
         let Follows::Exactly(radius) = follows(&left, &right, &computed, COMPUTED) else {
@@ -130,18 +134,18 @@ mod tests {
 
     #[test]
     fn a_steady_drive_does_not_make_a_measurement_wheel_odometry() {
-        // 4 m/s that vary by a tenth; slip is the same but for a part in 300.
+        // 4 m/s with a variation of a tenth; slip varies by one in 300.
         let wheels = series(|t| 20.0 + 2.0 * t.sin());
         let measured = series(|t| 0.19 * (20.0 + 2.0 * t.sin()) * (1.0 + 0.003 * (0.7 * t).cos()));
         assert_eq!(
             follows(&wheels, &wheels, &measured, COMPUTED),
             Follows::Loosely
         );
-        // What hardly varies follows from anything that does not either.
+        // A steady speed follows from any other steady one.
         let steady = series(|t| 20.0 + 0.1 * t.sin());
         let half = series(|t| 0.19 * (20.0 + 0.1 * t.sin()));
         assert_eq!(follows(&steady, &steady, &half, COMPUTED), Follows::Loosely);
-        // A name that says otherwise asks for more.
+        // A name that claims an independent sensor requires more evidence.
         let nearly =
             series(|t| 0.19 * (20.0 + 8.0 * t.sin()) + 0.19 * 8.0 * 0.002 * (3.0 * t).cos());
         let wheels = series(|t| 20.0 + 8.0 * t.sin());

@@ -1,19 +1,19 @@
-//! The time of samples.
+//! Times of samples: header or log.
 
-use super::collect::{Sample, Stream};
+use super::collect::{StampedSample, Stream};
 
-/// Which of a message's times counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// The clock of the samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Clock {
-    /// The header's: when it was measured.
+    /// The time of measurement, in each message's header
     #[default]
     Header,
-    /// The file's: when it was logged.
+    /// The time of logging
     Log,
 }
 
 impl Clock {
-    /// Its name for people.
+    /// Name for the user.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -22,7 +22,7 @@ impl Clock {
         }
     }
 
-    fn of<T>(self, sample: &Sample<T>) -> i64 {
+    fn of<T>(self, sample: &StampedSample<T>) -> i64 {
         match self {
             Self::Header => sample.stamp,
             Self::Log => sample.logged,
@@ -30,31 +30,30 @@ impl Clock {
     }
 }
 
-/// Topics whose delays from measuring to logging differ by more than this may run on different
-/// clocks \[ns\].
+/// Topics may have different clocks if their delays from measurement to logging differ by more than this \[ns\].
 const LARGEST_DELAY_DIFFERENCE: i64 = 200_000_000;
 
-/// A clock that goes back by more than this was set \[ns\].
+/// A clock that goes back by more than this was set back \[ns\].
 const SET_BACK: i64 = 1_000_000_000;
 
-/// One in so many messages, and one in any case, may lack its time of measuring beside those with which a topic
-/// begins: they are left out.
+/// Apart from the first messages of a topic, one message, or one in this number, may lack its time of measurement. Such
+/// messages are dropped.
 const STRAY: usize = 100;
 
-/// Times of measuring may span twice those of logging, and this more \[ns\].
+/// Times of measurement may span twice the span of the times of logging, plus this \[ns\].
 const SPAN_TOLERANCE: i64 = 1_000_000_000;
 
-/// What is known of a topic's times, whatever it carries.
+/// Statistics of a topic's times.
 pub(super) struct Times {
     topic: String,
-    /// Messages without a stamp.
+    /// Number of messages without a stamp.
     unstamped: usize,
-    /// So many of them before the first that has one.
+    /// Number of them before the first with a stamp.
     leading: usize,
     messages: usize,
-    /// Median delay from measuring to logging \[ns\].
+    /// Median delay from measurement to logging \[ns\].
     delay: Option<i64>,
-    /// From the earliest to the latest time of measuring, and of logging \[ns\].
+    /// Spans of the times of measurement and of logging \[ns\].
     spans: [i64; 2],
 }
 
@@ -80,8 +79,8 @@ impl Times {
         }
     }
 
-    /// Whether it can spare the messages without a stamp.
-    fn can_spare(&self) -> bool {
+    /// Whether the messages without a stamp are few enough to be dropped.
+    fn can_drop_unstamped(&self) -> bool {
         let stray = self.unstamped - self.leading;
         2 * self.unstamped <= self.messages && (stray <= 1 || stray * STRAY <= self.messages)
     }
@@ -92,7 +91,7 @@ fn span(times: impl Iterator<Item = i64> + Clone) -> i64 {
     last - times.min().unwrap_or(0)
 }
 
-/// The clock that all of these topics have, and what is to be said of it.
+/// The common clock of topics, with notes.
 pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
     if asked == Clock::Log {
         return (Clock::Log, Vec::new());
@@ -107,7 +106,7 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
             )
         })
         .collect();
-    if !topics.iter().all(Times::can_spare) {
+    if !topics.iter().all(Times::can_drop_unstamped) {
         let note = format!(
             "warning: messages without a time of measurement ({}): the time of logging is taken for all \
              topics",
@@ -130,29 +129,29 @@ pub(super) fn settle(asked: Clock, topics: &[Times]) -> (Clock, Vec<String>) {
     });
     let strayed = strayed.map(|times| {
         format!(
-            "warning: the times of measuring of {} span {:.0} s, those of logging {:.0} s: the clock \
-             was set on the way, or some are wrong; --time log takes the time of logging",
+            "warning: the times of measurement of {} span {:.0} s, those of logging {:.0} s: the clock \
+             was set during the drive, or some are wrong; --time log takes the time of logging",
             times.topic,
             times.spans[0] as f64 * 1e-9,
             times.spans[1] as f64 * 1e-9
         )
     });
     let mut notes: Vec<String> = stray.into_iter().chain(strayed).collect();
-    if let (Some((least, first)), Some((most, last))) = (delays.first(), delays.last())
-        && most.saturating_sub(*least) > LARGEST_DELAY_DIFFERENCE
+    if let (Some((min, first)), Some((max, last))) = (delays.first(), delays.last())
+        && max.saturating_sub(*min) > LARGEST_DELAY_DIFFERENCE
     {
         notes.push(format!(
             "{last} is logged {:.3} s after its header's time, {first} {:.3} s: their clocks may \
              differ; --time log takes the time of logging",
-            *most as f64 * 1e-9,
-            *least as f64 * 1e-9
+            *max as f64 * 1e-9,
+            *min as f64 * 1e-9
         ));
     }
     (Clock::Header, notes)
 }
 
-/// The samples of a topic by time, no two at the same, and what had to be done for it. Of two at one time the first stays,
-/// and takes what it lacks from the other: `fills` says whether it took any.
+/// The samples of a topic sorted by time without repeats, and a note on the changes. Of samples with equal times the first
+/// is kept; `fills` completes it from the others and returns whether it did.
 pub(super) fn ordered<T>(
     stream: Stream<T>,
     clock: Clock,
@@ -160,7 +159,7 @@ pub(super) fn ordered<T>(
 ) -> (Vec<(i64, T)>, Option<String>) {
     let topic = stream.topic.name;
     let samples = stream.samples.into_iter();
-    let has_time = |sample: &Sample<T>| clock == Clock::Log || sample.stamp != 0;
+    let has_time = |sample: &StampedSample<T>| clock == Clock::Log || sample.stamp != 0;
     let mut samples: Vec<(i64, T)> = samples
         .filter(has_time)
         .map(|sample| (clock.of(&sample), sample.value))
@@ -195,8 +194,8 @@ pub(super) fn ordered<T>(
     };
     let note = match (set_back, note) {
         (Some(back), Some(note)) => Some(format!(
-            "warning: {note}; its clock was set back by {:.0} s, so parts of the drive may lie in each \
-             other: --time log takes the time of logging",
+            "warning: {note}; its clock was set back by {:.0} s, so stretches of the drive may overlap: \
+             --time log takes the time of logging",
             back as f64 * 1e-9
         )),
         (_, note) => note,
@@ -208,7 +207,6 @@ pub(super) fn ordered<T>(
 mod tests {
     use super::*;
     use crate::import::container::Connection;
-    use crate::import::message::MessageKind;
 
     fn stream(name: &str, times: &[(i64, i64)]) -> Stream<usize> {
         let channel = Connection {
@@ -216,13 +214,12 @@ mod tests {
             message_type: String::new(),
             encoding: String::new(),
         };
-        let sample = |(value, (stamp, logged)): (usize, &(i64, i64))| Sample {
+        let sample = |(value, (stamp, logged)): (usize, &(i64, i64))| StampedSample {
             stamp: *stamp,
             logged: *logged,
             value,
         };
         Stream {
-            kind: MessageKind::Imu,
             topic: crate::import::survey::Topic::new(&channel, 0),
             child_frame: String::new(),
             samples: times.iter().enumerate().map(sample).collect(),
@@ -241,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn what_one_message_lacks_another_of_the_same_time_tells() {
+    fn messages_of_one_time_complete_each_other() {
         let stream = stream("/a", &[(10, 1), (10, 2), (20, 3), (10, 4)]);
         let sum = |first: &mut usize, other: &usize| {
             *first += other;
@@ -255,9 +252,9 @@ mod tests {
         );
         let joint = |position, velocity| crate::import::collect::JointSample { position, velocity };
         let mut arm = joint(f64::NAN, 2.0);
-        assert!(arm.take(&joint(1.0, 3.0)));
+        assert!(arm.fill_from(&joint(1.0, 3.0)));
         assert_eq!(arm, joint(1.0, 2.0));
-        assert!(!arm.take(&joint(5.0, 6.0)));
+        assert!(!arm.fill_from(&joint(5.0, 6.0)));
     }
 
     #[test]
@@ -271,22 +268,22 @@ mod tests {
             notes[0].starts_with("warning: ") && notes[0].contains("2 of 2 of /bare"),
             "{notes:?}"
         );
-        // A few alone are left out, and move nothing else.
-        let mut most: Vec<(i64, i64)> = (1..200).map(|k| (k * second, k * second)).collect();
-        most.insert(0, (0, 5));
-        let most = stream("/most", &most);
-        let (clock, notes) = settle(Clock::Header, &[Times::of(&most)]);
+        // A few are dropped and change nothing else.
+        let mut many: Vec<(i64, i64)> = (1..200).map(|k| (k * second, k * second)).collect();
+        many.insert(0, (0, 5));
+        let many = stream("/many", &many);
+        let (clock, notes) = settle(Clock::Header, &[Times::of(&many)]);
         assert_eq!(clock, Clock::Header);
         assert!(
-            notes[0].contains("1 of 200 of /most) are left out"),
+            notes[0].contains("1 of 200 of /many) are left out"),
             "{notes:?}"
         );
-        let (samples, note) = ordered(most, clock, |_, _| false);
+        let (samples, note) = ordered(many, clock, |_, _| false);
         assert_eq!((samples.len(), samples[0], note), (199, (second, 1), None));
     }
 
     #[test]
-    fn a_beginning_without_stamps_and_one_more_message_move_nothing() {
+    fn a_start_without_stamps_and_one_more_message_are_dropped() {
         let topic = |stamps: &[i64]| {
             let logged = stamps.iter().zip(1..);
             let times: Vec<(i64, i64)> = logged.map(|(stamp, time)| (*stamp, time)).collect();
@@ -324,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn clocks_that_differ_are_told() {
+    fn different_clocks_are_noted() {
         let near = Times::of(&stream("/near", &[(100, 200)]));
         let far = Times::of(&stream("/far", &[(100, 18_000_000_100)]));
         let (clock, notes) = settle(Clock::Header, &[far, near]);

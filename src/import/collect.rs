@@ -1,21 +1,24 @@
-//! Samples of the chosen topics, as they stand in the file.
+//! Samples of the chosen topics, without conversion.
 
-use super::ImportError;
 use super::attitude::{Yaw, yaw};
-use super::choose::Choice;
+use super::choose::TopicChoice;
 use super::container::{self, Connection, ReadProgress};
-use super::message::{Decode, Fix, Header, Imu, Joints, MessageKind, Odometry};
+use super::error::ImportError;
+use super::message::{Decode, Fix, Imu, Joints, MessageHeader, Odometry};
 use super::side::WheelJoints;
 use super::survey::{Survey, Topic};
 use super::wire::{DecodeError, Encoding};
 use std::path::Path;
 
-/// Something with its two times \[ns\] since 1970.
+/// Times \[ns\] with values.
+pub(super) type TimedValues = Vec<(i64, f64)>;
+
+/// A value with its two times \[ns\] since 1970.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sample<T> {
-    /// When it was measured; zero where the publisher did not say.
+pub(super) struct StampedSample<T> {
+    /// Time of measurement; zero if the publisher did not set it.
     pub stamp: i64,
-    /// When it was logged.
+    /// Time of logging.
     pub logged: i64,
     pub value: T,
 }
@@ -23,11 +26,10 @@ pub(super) struct Sample<T> {
 /// The samples of a topic.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stream<T> {
-    pub kind: MessageKind,
     pub topic: Topic,
     /// The frame of its velocities, in odometry.
     pub child_frame: String,
-    pub samples: Vec<Sample<T>>,
+    pub samples: Vec<StampedSample<T>>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -52,11 +54,11 @@ pub(super) struct FixSample {
     pub status: i8,
     /// Latitude, longitude \[deg\], altitude \[m\].
     pub place: [f64; 3],
-    /// Standard deviation of the worse of east and north \[m\], as the receiver says.
+    /// The larger standard deviation of east and north \[m\], as stated by the receiver.
     pub deviation: Option<f64>,
 }
 
-/// A joint in a message; NaN where the message has no such value.
+/// A joint in a message; NaN for missing values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct JointSample {
     pub position: f64,
@@ -64,19 +66,19 @@ pub(super) struct JointSample {
 }
 
 impl JointSample {
-    /// Takes what is missing from another message of the same moment, and says whether there was any.
-    pub fn take(&mut self, other: &Self) -> bool {
-        let mut taken = false;
+    /// Takes missing values from another message of the same time; returns whether there was any.
+    pub fn fill_from(&mut self, other: &Self) -> bool {
+        let mut filled = false;
         for (own, other) in [
             (&mut self.position, other.position),
             (&mut self.velocity, other.velocity),
         ] {
             if own.is_nan() && !other.is_nan() {
                 *own = other;
-                taken = true;
+                filled = true;
             }
         }
-        taken
+        filled
     }
 }
 
@@ -94,17 +96,38 @@ pub(super) struct Collected {
 
 /// The chosen topics.
 pub(super) struct Choices<'s> {
-    pub joints: Choice<'s>,
+    pub joints: TopicChoice<'s>,
     pub wheels: WheelJoints,
-    pub odometry: Option<Choice<'s>>,
-    pub imu: Option<Choice<'s>>,
-    pub fix: Option<Choice<'s>>,
+    pub odometry: Option<TopicChoice<'s>>,
+    pub imu: Option<TopicChoice<'s>>,
+    pub fix: Option<TopicChoice<'s>>,
+}
+
+impl<'s> Choices<'s> {
+    /// All of them.
+    pub fn all(&self) -> impl Iterator<Item = &TopicChoice<'s>> {
+        let others = [&self.odometry, &self.imu, &self.fix];
+        std::iter::once(&self.joints).chain(others.into_iter().flatten())
+    }
 }
 
 impl<T> Stream<T> {
-    fn new(choice: &Choice) -> Self {
+    /// The stream with other values.
+    pub fn map<U>(&self, value: impl Fn(&T) -> U) -> Stream<U> {
+        let samples = self.samples.iter().map(|sample| StampedSample {
+            stamp: sample.stamp,
+            logged: sample.logged,
+            value: value(&sample.value),
+        });
+        Stream {
+            topic: self.topic.clone(),
+            child_frame: self.child_frame.clone(),
+            samples: samples.collect(),
+        }
+    }
+
+    fn new(choice: &TopicChoice) -> Self {
         Self {
-            kind: choice.kind,
             topic: choice.topic.clone(),
             child_frame: String::new(),
             samples: Vec::new(),
@@ -118,15 +141,15 @@ impl<T> Stream<T> {
             && topic.encoding == channel.encoding
     }
 
-    fn push(&mut self, header: &Header, logged: i64, value: T) {
-        self.samples.push(Sample {
+    fn push(&mut self, header: &MessageHeader, logged: i64, value: T) {
+        self.samples.push(StampedSample {
             stamp: header.stamp,
             logged,
             value,
         });
     }
 
-    /// What is wrong with the message after the last one.
+    /// The error of the message after the last one.
     fn refuse(&self, source: DecodeError) -> ImportError {
         ImportError::Message {
             topic: self.topic.name.clone(),
@@ -140,8 +163,7 @@ impl<T> Stream<T> {
 /// Reads the chosen topics.
 ///
 /// # Errors
-/// A file that cannot be read, and a message that does not decode. A damaged file is read as far
-/// as the survey came.
+/// A file that cannot be read, and a message that does not decode. A damaged file is read up to the damage.
 pub(super) fn collect(
     path: &Path,
     survey: &Survey,
@@ -217,7 +239,7 @@ impl Collected {
     }
 }
 
-/// The worse of two standard deviations; publishers that do not know them leave zeros.
+/// The larger of two standard deviations; publishers that do not know them send zeros.
 fn deviation([east, north]: [f64; 2]) -> Option<f64> {
     let known = [east, north]
         .iter()
@@ -236,7 +258,7 @@ fn wheel_sample(message: &Joints, wheels: &WheelJoints) -> WheelSample {
     let sample = |wanted: &String| {
         let place = message.names.iter().position(|name| name == wanted);
         let value = |values: &[f64]| {
-            // A list that is shorter than the names belongs to none of them for sure.
+            // The values of a shorter list cannot be assigned to names.
             let whole = values.len() == message.names.len();
             place
                 .filter(|_| whole)

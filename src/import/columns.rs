@@ -1,72 +1,58 @@
-//! The recording's columns from samples of one topic each.
+//! The columns of the recording, each from the samples of one topic.
 
 use super::attitude::{Yaw, unwrap};
-use super::collect::{FixSample, ImuSample, OdometrySample};
+use super::collect::{FixSample, ImuSample, OdometrySample, TimedValues};
 use super::geodesy::LocalPlane;
 use super::mounting::Mounting;
 use super::twist::is_in_world;
-use super::wheels::Series;
+use crate::recording::Channel;
 
-/// A column of the recording with its origin.
+/// A column of the recording with its source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its name in the recording.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
+    /// Its channel.
+    pub channel: Channel,
     /// The topic.
     pub topic: String,
-    /// What of the topic's messages it is, and how it was converted.
+    /// The field of the topic's messages and its conversion.
     pub conversion: String,
     /// Times \[ns\] since 1970, increasing, with finite values.
     pub samples: Vec<(i64, f64)>,
 }
 
-/// Columns in the order of the recording, with their units.
-const ORDER: [(&str, &str); 10] = [
-    ("omega_left", "rad/s"),
-    ("omega_right", "rad/s"),
-    ("x", "m"),
-    ("y", "m"),
-    ("heading", "rad"),
-    ("v_x", "m/s"),
-    ("v_y", "m/s"),
-    ("yaw_rate", "rad/s"),
-    ("a_x", "m/s^2"),
-    ("a_y", "m/s^2"),
-];
+/// Remark on accelerations in a conversion.
+const TILT: &str = ", at the sensor, including gravity if it tilts";
 
-/// What an accelerometer measures besides acceleration.
-const TILT: &str = ", at the sensor, with gravity's part where it tilts";
-
-/// Columns so far, and what is to be said about them.
+/// The columns so far, with notes.
 #[derive(Debug, Default)]
-pub(super) struct Columns {
+pub(super) struct ColumnBuilder {
     pub columns: Vec<Column>,
     pub notes: Vec<String>,
 }
 
-impl Columns {
-    /// Adds a column; samples that are not finite are missing. Returns whether any is left.
-    pub fn push(&mut self, name: &str, topic: &str, conversion: &str, samples: Series) -> bool {
-        let Some((name, unit)) = ORDER.into_iter().find(|(known, _)| *known == name) else {
-            return false;
-        };
+impl ColumnBuilder {
+    /// Adds a column without the samples that are not finite. Returns whether it has any.
+    pub fn push(
+        &mut self,
+        channel: Channel,
+        topic: &str,
+        conversion: &str,
+        samples: TimedValues,
+    ) -> bool {
         let before = samples.len();
         let finite = |(_, value): &(i64, f64)| value.is_finite();
-        let samples: Series = samples.into_iter().filter(finite).collect();
+        let samples: TimedValues = samples.into_iter().filter(finite).collect();
         let lost = before - samples.len();
         if lost > 0 {
             self.notes.push(format!(
-                "{name}: {lost} of {before} values of {topic} are no finite numbers; left out"
+                "{channel}: {lost} of {before} values of {topic} are no finite numbers; left out"
             ));
         }
         if samples.is_empty() {
             return false;
         }
         self.columns.push(Column {
-            name,
-            unit,
+            channel,
             topic: topic.into(),
             conversion: conversion.into(),
             samples,
@@ -74,33 +60,32 @@ impl Columns {
         true
     }
 
-    /// The same for what publishers fill with zeros when they do not measure it.
+    /// The same for a value that publishers set to zero if they do not measure it.
     fn push_measured(
         &mut self,
-        name: &str,
+        channel: Channel,
         topic: &str,
         conversion: &str,
-        samples: Series,
+        samples: TimedValues,
     ) -> bool {
         if !samples.is_empty() && samples.iter().all(|(_, value)| *value == 0.0) {
             self.notes.push(format!(
-                "{name}: {topic} says exactly zero throughout, as publishers do that do not measure \
-                 it; left out"
+                "{channel}: {topic} is exactly zero throughout, as from publishers that do not measure it; \
+                 left out"
             ));
             return false;
         }
-        self.push(name, topic, conversion, samples)
+        self.push(channel, topic, conversion, samples)
     }
 
-    /// Heading without jumps at half a turn, where it is asked for also one of zero throughout. Returns whether any attitude
-    /// is known.
+    /// The unwrapped heading; one of zero throughout only if the user requested it. Returns whether any attitude is known.
     pub fn heading(
         &mut self,
         topic: &str,
-        is_asked: bool,
+        is_requested: bool,
         attitudes: impl Iterator<Item = (i64, Option<Yaw>)>,
     ) -> bool {
-        let mut headings = Series::new();
+        let mut headings = TimedValues::new();
         let (mut total, mut unknown, mut stretched) = (0, 0, 0);
         for (time, attitude) in attitudes {
             total += 1;
@@ -130,19 +115,24 @@ impl Columns {
                  normalised"
             ));
         }
-        let conversion = "yaw of the orientation, counted on over whole turns";
-        if is_asked {
-            self.push("heading", topic, conversion, headings)
+        let conversion = "yaw of the orientation, unwrapped";
+        if is_requested {
+            self.push(Channel::Heading, topic, conversion, headings)
         } else {
-            self.push_measured("heading", topic, conversion, headings)
+            self.push_measured(Channel::Heading, topic, conversion, headings)
         }
     }
 
     /// Position of odometry.
     pub fn position(&mut self, topic: &str, samples: &[(i64, OdometrySample)]) {
-        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+        for (axis, channel) in [Channel::X, Channel::Y].into_iter().enumerate() {
             let values = series(samples, |sample| sample.position[axis]);
-            self.push(name, topic, &format!("pose.pose.position.{name}"), values);
+            self.push(
+                channel,
+                topic,
+                &format!("pose.pose.position.{channel}"),
+                values,
+            );
         }
     }
 
@@ -154,18 +144,20 @@ impl Columns {
                  the vehicle, where they belong; left out"
             ));
         } else {
-            for (axis, (name, field)) in [("v_x", "x"), ("v_y", "y")].into_iter().enumerate() {
+            let fields = [(Channel::VX, "x"), (Channel::VY, "y")];
+            for (axis, (channel, field)) in fields.into_iter().enumerate() {
                 let values = series(samples, |sample| sample.velocity[axis]);
-                self.push_measured(name, topic, &format!("twist.twist.linear.{field}"), values);
+                let conversion = format!("twist.twist.linear.{field}");
+                self.push_measured(channel, topic, &conversion, values);
             }
         }
         if with_yaw_rate {
             let values = series(samples, |sample| sample.yaw_rate);
-            self.push_measured("yaw_rate", topic, "twist.twist.angular.z", values);
+            self.push_measured(Channel::YawRate, topic, "twist.twist.angular.z", values);
         }
     }
 
-    /// Yaw rate about the vertical, and the accelerations of an IMU whose axes are known.
+    /// Yaw rate about the vertical, and accelerations if the axes of the IMU are known.
     pub fn imu(
         &mut self,
         topic: &str,
@@ -175,10 +167,15 @@ impl Columns {
     ) {
         let (up, conversion, left) = mounting.axis(z_down);
         let rates = measured(samples, |sample| Some(along(up, sample.angular_velocity?)));
-        self.push_measured("yaw_rate", topic, &conversion, rates);
+        self.push_measured(Channel::YawRate, topic, &conversion, rates);
         if let Some(left) = left {
             let a_x = measured(samples, |sample| Some(sample.acceleration?[0]));
-            self.push_measured("a_x", topic, &format!("linear_acceleration.x{TILT}"), a_x);
+            self.push_measured(
+                Channel::AX,
+                topic,
+                &format!("linear_acceleration.x{TILT}"),
+                a_x,
+            );
             let a_y = measured(samples, |sample| Some(left * sample.acceleration?[1]));
             let turned = if left < 0.0 {
                 ", negated: z points down"
@@ -186,7 +183,7 @@ impl Columns {
                 ""
             };
             let conversion = format!("linear_acceleration.y{turned}{TILT}");
-            self.push_measured("a_y", topic, &conversion, a_y);
+            self.push_measured(Channel::AY, topic, &conversion, a_y);
         }
         self.notes.extend(mounting.note(topic, z_down));
     }
@@ -215,7 +212,8 @@ impl Columns {
             (*time, plane.east_north([latitude, longitude, height]))
         };
         let places: Vec<(i64, [f64; 2])> = valid.iter().map(local).collect();
-        for (axis, (name, direction)) in [("x", "east"), ("y", "north")].into_iter().enumerate() {
+        let directions = [(Channel::X, "east"), (Channel::Y, "north")];
+        for (axis, (channel, direction)) in directions.into_iter().enumerate() {
             let values = places
                 .iter()
                 .map(|(time, place)| (*time, place[axis]))
@@ -224,32 +222,34 @@ impl Columns {
                 "metres {direction} of the first fix, {latitude} deg, {longitude} deg, {altitude} m \
                  (WGS-84)"
             );
-            self.push(name, topic, &conversion, values);
+            self.push(channel, topic, &conversion, values);
         }
         true
     }
 
     /// The columns in the recording's order.
     pub fn sorted(mut self) -> (Vec<Column>, Vec<String>) {
-        let place = |name: &str| ORDER.iter().position(|(known, _)| *known == name);
-        self.columns.sort_by_key(|column| place(column.name));
+        self.columns.sort_by_key(|column| column.channel);
         (self.columns, self.notes)
     }
 }
 
-fn series<T>(samples: &[(i64, T)], value: impl Fn(&T) -> f64) -> Series {
+fn series<T>(samples: &[(i64, T)], value: impl Fn(&T) -> f64) -> TimedValues {
     let pairs = samples.iter().map(|(time, sample)| (*time, value(sample)));
     pairs.collect()
 }
 
-/// A vector's part along an axis, of the components that it needs: another may be no number.
+/// A vector's component along an axis. Components with a factor of zero may be NaN.
 fn along(axis: [f64; 3], vector: [f64; 3]) -> f64 {
-    let parts = axis.iter().zip(vector).filter(|(part, _)| **part != 0.0);
-    parts.map(|(part, value)| part * value).sum()
+    let used = axis
+        .iter()
+        .zip(vector)
+        .filter(|(factor, _)| **factor != 0.0);
+    used.map(|(factor, value)| factor * value).sum()
 }
 
-/// Without what is marked as not measured.
-fn measured<T>(samples: &[(i64, T)], value: impl Fn(&T) -> Option<f64>) -> Series {
+/// The values that are marked as measured.
+fn measured<T>(samples: &[(i64, T)], value: impl Fn(&T) -> Option<f64>) -> TimedValues {
     let pairs = samples
         .iter()
         .filter_map(|(time, sample)| Some((*time, value(sample)?)));
@@ -257,4 +257,106 @@ fn measured<T>(samples: &[(i64, T)], value: impl Fn(&T) -> Option<f64>) -> Serie
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    fn fix(time: i64, status: i8, place: [f64; 3]) -> (i64, FixSample) {
+        let sample = FixSample {
+            status,
+            place,
+            deviation: None,
+        };
+        (time, sample)
+    }
+
+    #[test]
+    fn columns_are_sorted_and_finite() {
+        let mut columns = ColumnBuilder::default();
+        assert!(columns.push(
+            Channel::X,
+            "/a",
+            "",
+            vec![(0, 1.0), (1, f64::NAN), (2, f64::INFINITY)]
+        ));
+        assert!(columns.push(Channel::OmegaLeft, "/b", "", vec![(0, 1.0)]));
+        assert!(!columns.push(Channel::Y, "/a", "", vec![(0, f64::NAN)]));
+        let (columns, notes) = columns.sorted();
+        let names: Vec<&str> = columns.iter().map(|column| column.channel.name()).collect();
+        assert_eq!(names, ["omega_left", "x"]);
+        assert_eq!(columns[1].samples, [(0, 1.0)]);
+        assert!(notes[0].contains("x: 2 of 3 values"), "{notes:?}");
+    }
+
+    #[test]
+    fn zeros_throughout_are_no_measurement() {
+        let sample = OdometrySample {
+            position: [1.0, 2.0],
+            yaw: Yaw::Of(0.0),
+            velocity: [0.5, 0.0],
+            yaw_rate: 0.0,
+        };
+        let mut columns = ColumnBuilder::default();
+        columns.twist("/odom", &[(0, sample.clone()), (1, sample)], true);
+        let (columns, notes) = columns.sorted();
+        let names: Vec<&str> = columns.iter().map(|column| column.channel.name()).collect();
+        assert_eq!((names, notes.len()), (vec!["v_x"], 2));
+    }
+
+    #[test]
+    fn fixes_count_from_the_first_that_is_valid() {
+        let nan = f64::NAN;
+        let samples = [
+            fix(0, -1, [10.0, 20.0, 0.0]),
+            fix(1, 0, [nan, 20.0, 0.0]),
+            fix(2, 0, [48.0, 11.0, nan]),
+            fix(3, 0, [48.0, 11.0, 500.0]),
+            fix(4, 0, [48.0, 11.0, 510.0]),
+            fix(5, 0, [91.0, 11.0, 510.0]),
+        ];
+        let mut columns = ColumnBuilder::default();
+        assert!(columns.fixes("/fix", &samples));
+        let (columns, notes) = columns.sorted();
+        let times: Vec<i64> = columns[0].samples.iter().map(|(time, _)| *time).collect();
+        assert_eq!(times, [2, 3, 4]);
+        assert!(columns[0].samples.iter().all(|(_, east)| east.abs() < 1e-6));
+        assert!(
+            notes[0].contains("1 of 3 fixes have no altitude"),
+            "{notes:?}"
+        );
+        assert!(!ColumnBuilder::default().fixes("/fix", &samples[..2]));
+    }
+
+    #[test]
+    fn the_yaw_rate_of_a_camera_is_about_the_vertical() {
+        // Its axes point to the right, down and ahead; the vehicle yaws at 0.5 and rolls at 0.1 rad/s.
+        let sample = |time: i64| {
+            let sample = ImuSample {
+                yaw: None,
+                angular_velocity: Some([f64::NAN, -0.5, 0.1]),
+                acceleration: Some([0.2, -9.81, 0.3]),
+            };
+            (time, sample)
+        };
+        let samples: Vec<(i64, ImuSample)> = (0..9).map(sample).collect();
+        let mounting = Mounting::Tilted {
+            up: [0.0, -1.0, 0.0],
+            degrees: 90.0,
+            at_rest: true,
+        };
+        let mut columns = ColumnBuilder::default();
+        columns.imu("/camera/imu", &samples, mounting, false);
+        let (columns, notes) = columns.sorted();
+        assert_eq!(columns.len(), 1, "accelerations are left out");
+        assert_eq!(columns[0].channel, Channel::YawRate);
+        assert!(columns[0].samples.iter().all(|(_, rate)| *rate == 0.5));
+        assert!(notes[0].starts_with("warning: "), "{notes:?}");
+        // A sensor upside down has the right sign without an option.
+        let mut columns = ColumnBuilder::default();
+        columns.imu("/imu", &samples, Mounting::Down, false);
+        let (columns, _) = columns.sorted();
+        assert_eq!((columns.len(), columns[0].samples[0].1), (1, -0.1));
+        let mut columns = ColumnBuilder::default();
+        columns.imu("/imu", &samples, Mounting::Upright, false);
+        assert_eq!(columns.sorted().0.len(), 3);
+    }
+}

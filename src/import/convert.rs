@@ -1,15 +1,16 @@
-//! Which sensor gives which column of the recording.
+//! Conversion of samples to columns.
 
-use super::ImportError;
 use super::clock::{Clock, Times, settle};
 use super::collect::{Collected, ImuSample, OdometrySample};
-use super::columns::{Column, Columns};
+use super::columns::{Column, ColumnBuilder};
+use super::error::ImportError;
 use super::mounting::Mounting;
-use super::options::{Heading, Options, Pose};
+use super::options::{HeadingChoice, ImportOptions, PoseChoice};
 use super::plan::Plan;
 use super::track::{Track, wheels};
+use crate::recording::Channel;
 
-/// The columns with all that is to be said about them.
+/// The columns with notes.
 pub(super) struct Converted {
     pub columns: Vec<Column>,
     pub clock: Clock,
@@ -19,13 +20,16 @@ pub(super) struct Converted {
 /// Makes columns of the samples.
 ///
 /// # Errors
-/// No wheel speed, or a column that was asked for and cannot be had.
-pub(super) fn convert(mut all: Collected, options: &Options) -> Result<Converted, ImportError> {
-    let mut columns = Columns::default();
+/// No wheel speed, or a requested column that is not available.
+pub(super) fn convert(
+    mut all: Collected,
+    options: &ImportOptions,
+) -> Result<Converted, ImportError> {
+    let mut columns = ColumnBuilder::default();
     let plan = Plan::of(&all, options, &mut columns.notes)?;
-    // What serves as nothing has no say in the clock.
+    // Unused topics do not affect the clock.
     all.odometry = all.odometry.filter(|_| plan.has_odometry());
-    all.fix = all.fix.filter(|_| plan.pose == Some(Pose::Fix));
+    all.fix = all.fix.filter(|_| plan.pose == Some(PoseChoice::Fix));
     let mut times = vec![Times::of(&all.joints)];
     times.extend(all.odometry.as_ref().map(Times::of));
     times.extend(all.imu.as_ref().map(Times::of));
@@ -61,7 +65,7 @@ pub(super) fn convert(mut all: Collected, options: &Options) -> Result<Converted
         options.heading.is_some(),
         &mut columns,
     )?;
-    overlap(&mut columns);
+    note_missing_overlap(&mut columns);
     let (columns, notes) = columns.sorted();
     Ok(Converted {
         columns,
@@ -71,63 +75,63 @@ pub(super) fn convert(mut all: Collected, options: &Options) -> Result<Converted
 }
 
 /// Adds pose and velocities.
-fn write(odometry: &Track<OdometrySample>, plan: Plan, columns: &mut Columns) {
-    if plan.pose == Some(Pose::Odometry) {
+fn write(odometry: &Track<OdometrySample>, plan: Plan, columns: &mut ColumnBuilder) {
+    if plan.pose == Some(PoseChoice::Odometry) {
         columns.position(&odometry.topic, &odometry.samples);
     }
     if plan.velocities {
-        let mut names = columns.columns.iter().map(|column| column.name);
-        let has_yaw_rate = names.any(|name| name == "yaw_rate");
+        let mut channels = columns.columns.iter().map(|column| column.channel);
+        let has_yaw_rate = channels.any(|channel| channel == Channel::YawRate);
         columns.twist(&odometry.topic, &odometry.samples, !has_yaw_rate);
     }
 }
 
-/// Adds the heading: where the pose is from odometry, from there.
+/// Adds the heading.
 fn write_heading(
     plan: Plan,
     odometry: Option<&Track<OdometrySample>>,
     imu: Option<&Track<ImuSample>>,
-    is_asked: bool,
-    columns: &mut Columns,
+    is_requested: bool,
+    columns: &mut ColumnBuilder,
 ) -> Result<(), ImportError> {
     let (option, found) = match plan.heading {
-        Heading::Without => {
-            if !is_asked && plan.pose == Some(Pose::Fix) {
+        HeadingChoice::Without => {
+            if !is_requested && plan.pose == Some(PoseChoice::Fix) {
                 let note = "no heading: fixes have none (--heading imu or odometry takes it from \
                             there)";
                 columns.notes.push(note.into());
             }
             return Ok(());
         }
-        Heading::Odometry => {
+        HeadingChoice::Odometry => {
             let found = odometry.is_some_and(|odometry| {
                 let samples = odometry.samples.iter();
                 let yaws = samples.map(|(time, sample)| (*time, Some(sample.yaw)));
-                columns.heading(&odometry.topic, is_asked, yaws)
+                columns.heading(&odometry.topic, is_requested, yaws)
             });
             ("--heading odometry", found)
         }
-        Heading::Imu => {
+        HeadingChoice::Imu => {
             let found = imu.is_some_and(|imu| {
                 let samples = imu.samples.iter();
                 columns.heading(
                     &imu.topic,
-                    is_asked,
+                    is_requested,
                     samples.map(|(time, sample)| (*time, sample.yaw)),
                 )
             });
             ("--heading imu", found)
         }
     };
-    if !found && is_asked {
+    if !found && is_requested {
         return Err(ImportError::Missing {
             reason: format!("{option} needs messages with an attitude"),
             remedy: "ugv import FILE --list shows what the file has".into(),
         });
     }
     let strange = match plan.pose {
-        Some(Pose::Odometry) => plan.heading == Heading::Imu,
-        Some(Pose::Fix) => plan.heading == Heading::Odometry,
+        Some(PoseChoice::Odometry) => plan.heading == HeadingChoice::Imu,
+        Some(PoseChoice::Fix) => plan.heading == HeadingChoice::Odometry,
         None => false,
     };
     if strange {
@@ -138,8 +142,8 @@ fn write_heading(
     Ok(())
 }
 
-/// Says which columns have no sample while there are wheel speeds.
-fn overlap(columns: &mut Columns) {
+/// Notes the columns without a sample during the wheel speeds.
+fn note_missing_overlap(columns: &mut ColumnBuilder) {
     let span = |column: &Column| {
         let times = (column.samples.first(), column.samples.last());
         times
@@ -156,7 +160,7 @@ fn overlap(columns: &mut Columns) {
         .columns
         .iter()
         .filter(beside)
-        .map(|c| c.name)
+        .map(|column| column.channel.name())
         .collect();
     if !names.is_empty() {
         columns.notes.push(format!(

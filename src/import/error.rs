@@ -3,82 +3,98 @@
 use super::message::MessageKind;
 use super::wire::DecodeError;
 use crate::display;
-use std::error::Error;
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use thiserror::Error;
 
-/// What stops an import.
-#[derive(Debug)]
+/// Why an import fails.
+#[derive(Debug, Error)]
 pub enum ImportError {
     /// A file that cannot be read.
+    #[error("cannot read {}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// A file of another format.
+    #[error("{} is {found}", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// What it is.
+        /// Its format.
         found: String,
         /// What to do.
         remedy: String,
     },
-    /// A file that ends too early or is damaged.
+    /// A truncated or damaged file.
+    #[error(
+        "{} is damaged near byte {offset}: {reason}; {messages} messages over {seconds:.3} s come before",
+        path.display()
+    )]
     Broken {
         /// The file.
         path: PathBuf,
         /// Where \[bytes\].
         offset: u64,
-        /// What is wrong there.
+        /// The damage.
         reason: String,
-        /// Messages before.
+        /// Number of messages before it.
         messages: u64,
-        /// From the first message to the last before \[s\].
+        /// From the first of them to the last \[s\].
         seconds: f64,
     },
     /// A message that does not fit its type.
+    #[error("message {number} of {topic} is no {message_type}")]
     Message {
         /// The topic.
         topic: String,
         /// The type.
         message_type: String,
-        /// Counted from 1 in its topic.
+        /// Its number in the topic, from 1.
         number: u64,
-        /// What is wrong.
+        /// The fault.
         source: DecodeError,
     },
-    /// A topic that was asked for and is not there, or is of another type.
+    /// A requested topic that is missing, or has another type.
+    #[error("topic {topic} cannot serve as {}: {reason}", kind.name())]
     Topic {
-        /// What it was asked for as.
+        /// The requested use.
         kind: MessageKind,
         /// The topic.
         topic: String,
-        /// What is wrong with it.
+        /// Why it cannot serve.
         reason: String,
-        /// What to write instead.
+        /// What to do.
         remedy: String,
     },
-    /// No topic that has wheel speeds.
+    /// No topic has wheel speeds.
+    #[error(
+        "no topic has wheel speeds (sensor_msgs/JointState); the file has {}",
+        or_none(topics.join(", "))
+    )]
     NoWheelSpeeds {
         /// The topics with their types.
         topics: Vec<String>,
     },
-    /// Joints whose sides cannot be told, or that are not there.
+    /// Joints of an unknown side, or missing joints.
+    #[error(
+        "{topic}: {reason}; its joints are {}",
+        or_none(display::listed(found, ", "))
+    )]
     Joints {
         /// The topic.
         topic: String,
-        /// What is wrong.
+        /// The fault.
         reason: String,
         /// The joints.
         found: Vec<String>,
     },
-    /// Columns that were asked for and cannot be had.
+    /// Requested columns that are not available.
+    #[error("{reason}")]
     Missing {
-        /// What cannot be had, and why.
+        /// What is missing, and why.
         reason: String,
         /// What to do.
         remedy: String,
@@ -86,7 +102,7 @@ pub enum ImportError {
 }
 
 impl ImportError {
-    /// What the user can do about it.
+    /// What to do.
     #[must_use]
     pub fn remedy(&self) -> Option<String> {
         match self {
@@ -116,69 +132,6 @@ impl ImportError {
     }
 }
 
-impl fmt::Display for ImportError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read { path, .. } => write!(f, "cannot read {}", path.display()),
-            Self::Format { path, found, .. } => write!(f, "{} is {found}", path.display()),
-            Self::Broken {
-                path,
-                offset,
-                reason,
-                messages,
-                seconds,
-            } => write!(
-                f,
-                "{} is damaged near byte {offset}: {reason}; {messages} messages over {seconds:.3} s \
-                 come before",
-                path.display()
-            ),
-            Self::Message {
-                topic,
-                message_type,
-                number,
-                ..
-            } => write!(f, "message {number} of {topic} is no {message_type}"),
-            Self::Topic {
-                kind,
-                topic,
-                reason,
-                ..
-            } => write!(f, "topic {topic} cannot serve as {}: {reason}", kind.name()),
-            Self::NoWheelSpeeds { topics } => write!(
-                f,
-                "no topic has wheel speeds (sensor_msgs/JointState); the file has {}",
-                listed(topics.join(", "))
-            ),
-            Self::Joints {
-                topic,
-                reason,
-                found,
-            } => write!(
-                f,
-                "{topic}: {reason}; its joints are {}",
-                listed(display::listed(found, ", "))
-            ),
-            Self::Missing { reason, .. } => reason.fmt(f),
-        }
-    }
-}
-
-impl Error for ImportError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            Self::Read { source, .. } => Some(source),
-            Self::Message { source, .. } => Some(source),
-            _ => None,
-        }
-    }
-}
-
-/// Texts one after the other.
-fn listed(texts: String) -> String {
-    if texts.is_empty() {
-        "none".into()
-    } else {
-        texts
-    }
+fn or_none(text: String) -> String {
+    if text.is_empty() { "none".into() } else { text }
 }

@@ -1,14 +1,15 @@
-//! What satellite fixes are worth.
+//! Quality of satellite fixes.
 
 use super::collect::{FixSample, Stream};
+use crate::recording::upper_median;
 
-/// Fixes that are better than this are of a receiver with corrections (RTK) \[m\].
+/// Standard deviation of a receiver with corrections (RTK) \[m\].
 const PRECISE: f64 = 0.1;
-/// Status of a fix with corrections from a station on the ground.
+/// Status of a fix with ground-based corrections.
 const GROUND_BASED: i8 = 2;
 
 impl FixSample {
-    /// Whether it says where it is.
+    /// Whether it has a position.
     pub fn is_valid(&self) -> bool {
         let [latitude, longitude, _] = self.place;
         // Comparisons with NaN are false.
@@ -17,16 +18,16 @@ impl FixSample {
     }
 }
 
-/// Fixes of which some are valid.
+/// A topic with valid fixes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fixes<'a> {
     pub topic: &'a str,
-    /// Whether most are good to less than a decimetre, as they say themselves.
+    /// Whether the stated deviation is mostly less than a decimetre.
     pub precise: bool,
 }
 
 impl<'a> Fixes<'a> {
-    /// `None` where no fix is valid; says how many are not.
+    /// `None` without valid fixes; the invalid ones are noted.
     pub fn of(stream: &'a Stream<FixSample>, notes: &mut Vec<String>) -> Option<Self> {
         let topic = stream.topic.name.as_str();
         let all = stream.samples.iter().map(|sample| &sample.value);
@@ -44,12 +45,11 @@ impl<'a> Fixes<'a> {
     }
 }
 
-/// By their deviations, and where most have none by their status.
+/// By the deviations, or by the status if most have no deviation.
 fn are_precise(fixes: &[&FixSample]) -> bool {
-    let mut known: Vec<f64> = fixes.iter().filter_map(|fix| fix.deviation).collect();
+    let known: Vec<f64> = fixes.iter().filter_map(|fix| fix.deviation).collect();
     if 2 * known.len() > fixes.len() {
-        known.sort_by(f64::total_cmp);
-        return known[known.len() / 2] < PRECISE;
+        return upper_median(known).is_some_and(|deviation| deviation < PRECISE);
     }
     let corrected = fixes.iter().filter(|fix| fix.status == GROUND_BASED);
     2 * corrected.count() > fixes.len()
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn deviations_tell_how_good_fixes_are_and_else_their_status() {
+    fn deviations_or_status_show_precision() {
         let fix = |status, deviation| FixSample {
             status,
             place: [48.0, 11.0, 500.0],

@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn short_ways_are_those_of_the_radii_of_curvature() {
+    fn short_distances_follow_from_the_radii_of_curvature() {
         // An independent formula: meridian and prime vertical radius times the angle.
         let (latitude, step): (f64, f64) = (48.0, 1e-4);
         let plane = LocalPlane::at([latitude, 11.0, 0.0]);

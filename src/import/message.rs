@@ -1,10 +1,10 @@
-//! The four kinds of message that a recording is made from. Their definitions have not changed
-//! since 2010 but for the header's counter, which ROS 2 dropped.
+//! The four message types of a recording. Their definitions have not changed since 2010, except for the header's counter,
+//! which ROS 2 dropped.
 
 use super::wire::{DecodeError, Encoding, Wire};
 use std::borrow::Cow;
 
-/// What a topic carries.
+/// Kind of a topic's messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MessageKind {
     /// `sensor_msgs/JointState`: wheel speeds.
@@ -21,7 +21,7 @@ impl MessageKind {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Joints, Self::Odometry, Self::Imu, Self::Fix];
 
-    /// The name under which a user picks a topic.
+    /// Name in the options.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -32,7 +32,7 @@ impl MessageKind {
         }
     }
 
-    /// The type as ROS 1 writes it.
+    /// Type name of ROS 1.
     #[must_use]
     pub fn message_type(self) -> &'static str {
         match self {
@@ -43,7 +43,7 @@ impl MessageKind {
         }
     }
 
-    /// Of a type as ROS 1 (`sensor_msgs/Imu`) or ROS 2 (`sensor_msgs/msg/Imu`) writes it.
+    /// From a type name of ROS 1 (`sensor_msgs/Imu`) or ROS 2 (`sensor_msgs/msg/Imu`).
     #[must_use]
     pub fn of_type(name: &str) -> Option<Self> {
         let name = name.replacen("/msg/", "/", 1);
@@ -53,17 +53,17 @@ impl MessageKind {
     }
 }
 
-/// When and in which frame something was measured.
+/// Time and frame of a measurement.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Header<'a> {
-    /// Time of measurement \[ns\] since 1970; zero where the publisher did not set it.
+pub struct MessageHeader<'a> {
+    /// Time of measurement \[ns\] since 1970; zero if the publisher did not set it.
     pub stamp: i64,
     /// The frame's name.
     pub frame: Cow<'a, str>,
 }
 
-impl<'a> Header<'a> {
-    /// That of a message of any kind: all begin with it.
+impl<'a> MessageHeader<'a> {
+    /// The header of a message of any kind: it is the first field of all.
     pub(super) fn decode(encoding: Encoding, bytes: &'a [u8]) -> Result<Self, DecodeError> {
         Self::read(&mut Wire::new(encoding, bytes)?)
     }
@@ -99,7 +99,7 @@ pub(super) trait Decode<'a>: Sized {
 /// `nav_msgs/Odometry` without its covariances.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Odometry<'a> {
-    pub header: Header<'a>,
+    pub header: MessageHeader<'a>,
     /// The frame of the velocities.
     pub child_frame: Cow<'a, str>,
     /// In the header's frame \[m\].
@@ -114,7 +114,7 @@ pub(super) struct Odometry<'a> {
 
 impl<'a> Decode<'a> for Odometry<'a> {
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
-        let (header, child_frame) = (Header::read(wire)?, wire.text()?);
+        let (header, child_frame) = (MessageHeader::read(wire)?, wire.text()?);
         let (position, orientation) = (wire.f64s()?, wire.f64s()?);
         let _covariance: [f64; 36] = wire.f64s()?;
         let (velocity, angular_velocity) = (wire.f64s()?, wire.f64s()?);
@@ -130,10 +130,10 @@ impl<'a> Decode<'a> for Odometry<'a> {
     }
 }
 
-/// `sensor_msgs/Imu`; nothing where a covariance begins with -1, which says "not measured".
+/// `sensor_msgs/Imu`. A covariance with -1 as its first element marks a value as not measured.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Imu<'a> {
-    pub header: Header<'a>,
+    pub header: MessageHeader<'a>,
     /// x, y, z, w: from the sensor's frame to one that is fixed to the earth.
     pub orientation: Option<[f64; 4]>,
     /// In the sensor's frame \[rad/s\].
@@ -150,7 +150,7 @@ impl<'a> Decode<'a> for Imu<'a> {
             Ok((covariance[0] != -1.0).then_some(value))
         }
         Ok(Self {
-            header: Header::read(wire)?,
+            header: MessageHeader::read(wire)?,
             orientation: measured(wire)?,
             angular_velocity: measured(wire)?,
             acceleration: measured(wire)?,
@@ -164,22 +164,22 @@ const COVARIANCE_UNKNOWN: u8 = 0;
 /// `sensor_msgs/NavSatFix`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fix<'a> {
-    pub header: Header<'a>,
+    pub header: MessageHeader<'a>,
     /// Below zero: no fix.
     pub status: i8,
     /// WGS-84 \[deg\].
     pub latitude: f64,
     /// WGS-84 \[deg\].
     pub longitude: f64,
-    /// Above the ellipsoid \[m\]; NaN where there is none.
+    /// Above the ellipsoid \[m\]; NaN if unknown.
     pub altitude: f64,
-    /// East and north \[m^2\]; nothing where the message says that they are not known.
+    /// East and north \[m^2\]; `None` if marked as unknown.
     pub variances: Option<[f64; 2]>,
 }
 
 impl<'a> Decode<'a> for Fix<'a> {
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
-        let (header, status, _service) = (Header::read(wire)?, wire.i8()?, wire.u16()?);
+        let (header, status, _service) = (MessageHeader::read(wire)?, wire.i8()?, wire.u16()?);
         let [latitude, longitude, altitude] = wire.f64s()?;
         let covariance: [f64; 9] = wire.f64s()?;
         let is_known = wire.u8()? != COVARIANCE_UNKNOWN;
@@ -197,7 +197,7 @@ impl<'a> Decode<'a> for Fix<'a> {
 /// `sensor_msgs/JointState` without its efforts. A list that was not measured is empty.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Joints<'a> {
-    pub header: Header<'a>,
+    pub header: MessageHeader<'a>,
     pub names: Vec<Cow<'a, str>>,
     /// \[rad\].
     pub positions: Vec<f64>,
@@ -207,7 +207,7 @@ pub(super) struct Joints<'a> {
 
 impl<'a> Decode<'a> for Joints<'a> {
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
-        let (header, names) = (Header::read(wire)?, wire.list(Wire::text)?);
+        let (header, names) = (MessageHeader::read(wire)?, wire.list(Wire::text)?);
         let (positions, velocities) = (wire.list(Wire::f64)?, wire.list(Wire::f64)?);
         let _efforts = wire.list(Wire::f64)?;
         Ok(Self {
@@ -220,4 +220,142 @@ impl<'a> Decode<'a> for Joints<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    // As the Python package rosbags 0.11.9 writes them: ROS 1, CDR of both byte orders.
+    const FIX: [(Encoding, &str); 3] = [
+        (
+            Encoding::Ros1,
+            "0700000000f153650500000003000000677073ff0100000000000040484000000000008026c00000\
+             00000041804000000000000000000000000000000000000000000000000000000000000000000000\
+             000000000000000000000000000000000000000000000000000000000000000000000000000002",
+        ),
+        (
+            Encoding::Cdr,
+            "0001000000f15365050000000400000067707300ff00010000000000000000000040484000000000\
+             008026c0000000000041804000000000000000000000000000000000000000000000000000000000\
+             00000000000000000000000000000000000000000000000000000000000000000000000000000000\
+             0000000002",
+        ),
+        (
+            Encoding::Cdr,
+            "000000006553f100000000050000000467707300ff000001000000004048400000000000c0268000\
+             00000000408041000000000000000000000000000000000000000000000000000000000000000000\
+             00000000000000000000000000000000000000000000000000000000000000000000000000000000\
+             0000000002",
+        ),
+    ];
+    const JOINTS: [(Encoding, &str); 3] = [
+        (
+            Encoding::Ros1,
+            "0700000000f15365050000000000000002000000040000006c656674050000007269676874020000\
+             00000000000000d03f000000000000e03f02000000000000000000f83f00000000000004c0000000\
+             00",
+        ),
+        (
+            Encoding::Cdr,
+            "0001000000f1536505000000010000000000000002000000050000006c6566740000000006000000\
+             726967687400000002000000000000000000d03f000000000000e03f020000000000000000000000\
+             0000f83f00000000000004c000000000",
+        ),
+        (
+            Encoding::Cdr,
+            "000000006553f10000000005000000010000000000000002000000056c6566740000000000000006\
+             7269676874000000000000023fd00000000000003fe000000000000000000002000000003ff80000\
+             00000000c00400000000000000000000",
+        ),
+    ];
+    /// 1.7e9 s and 5 ns.
+    const STAMP: i64 = 1_700_000_000_000_000_005;
+
+    fn bytes(hexadecimal: &str) -> Vec<u8> {
+        let pair = |place| u8::from_str_radix(&hexadecimal[place..place + 2], 16).unwrap();
+        (0..hexadecimal.len()).step_by(2).map(pair).collect()
+    }
+
+    #[test]
+    fn types_of_both_systems_are_the_same() {
+        assert_eq!(
+            MessageKind::of_type("sensor_msgs/Imu"),
+            Some(MessageKind::Imu)
+        );
+        assert_eq!(
+            MessageKind::of_type("sensor_msgs/msg/Imu"),
+            Some(MessageKind::Imu)
+        );
+        assert_eq!(MessageKind::of_type("sensor_msgs/msg/Image"), None);
+        for kind in MessageKind::ALL {
+            assert_eq!(MessageKind::of_type(kind.message_type()), Some(kind));
+        }
+    }
+
+    #[test]
+    fn fixes_of_another_writer() {
+        for (encoding, text) in FIX {
+            let bytes = bytes(text);
+            let fix = Fix::decode(encoding, &bytes).unwrap();
+            let header = MessageHeader {
+                stamp: STAMP,
+                frame: "gps".into(),
+            };
+            let expected = Fix {
+                header,
+                status: -1,
+                latitude: 48.5,
+                longitude: -11.25,
+                altitude: 520.125,
+                variances: Some([0.0; 2]),
+            };
+            assert_eq!(fix, expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn variances_of_a_fix_are_the_diagonal_unless_unknown() {
+        let mut bytes = bytes(FIX[0].1);
+        let covariance = bytes.len() - 1 - 9 * 8;
+        for (place, variance) in [(0, 0.04_f64), (1, 7.0), (4, 0.09), (8, 1.0)] {
+            let at = covariance + 8 * place;
+            bytes[at..at + 8].copy_from_slice(&variance.to_le_bytes());
+        }
+        let variances = |bytes: &[u8]| Fix::decode(Encoding::Ros1, bytes).unwrap().variances;
+        assert_eq!(variances(&bytes), Some([0.04, 0.09]));
+        *bytes.last_mut().unwrap() = 0;
+        assert_eq!(variances(&bytes), None);
+    }
+
+    #[test]
+    fn a_header_is_that_of_any_kind() {
+        for (encoding, text) in FIX {
+            let bytes = bytes(text);
+            let header = MessageHeader::decode(encoding, &bytes).unwrap();
+            assert_eq!((header.stamp, &*header.frame), (STAMP, "gps"));
+        }
+    }
+
+    #[test]
+    fn joint_states_of_another_writer() {
+        for (encoding, text) in JOINTS {
+            let bytes = bytes(text);
+            let joints = Joints::decode(encoding, &bytes).unwrap();
+            assert_eq!((joints.header.stamp, &*joints.header.frame), (STAMP, ""));
+            assert_eq!(joints.names, ["left", "right"]);
+            assert_eq!(joints.positions, [0.25, 0.5]);
+            assert_eq!(joints.velocities, [1.5, -2.5]);
+        }
+    }
+
+    #[test]
+    fn no_part_of_a_message_decodes_nor_another_kind() {
+        for (encoding, text) in FIX {
+            let bytes = bytes(text);
+            for length in 0..bytes.len() {
+                assert!(Fix::decode(encoding, &bytes[..length]).is_err(), "{length}");
+            }
+            assert!(Imu::decode(encoding, &bytes).is_err());
+            assert!(Odometry::decode(encoding, &bytes).is_err());
+            assert!(Joints::decode(encoding, &bytes).is_err());
+        }
+    }
+}

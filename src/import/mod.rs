@@ -1,8 +1,8 @@
-//! Recordings from robots' logs: MCAP files and ROS 1 bags with joint states, odometry, inertial
-//! measurements and satellite fixes become the columns of a recording.
+//! Recordings from robots' logs: MCAP files and ROS 1 bags with joint states, odometry, inertial measurements and satellite
+//! fixes.
 //!
-//! A file is read twice from front to back, first for its topics ([`survey()`]), then for the
-//! samples of the chosen ones ([`import`]); memory holds a chunk of the file and the samples.
+//! A file is read twice from front to back: first for its topics ([`survey()`]), then for the samples of the chosen ones
+//! ([`import`]). Memory holds a chunk of the file and the samples.
 
 mod attitude;
 mod checks;
@@ -27,26 +27,26 @@ mod twist;
 mod wheels;
 mod wire;
 
-pub use choose::{Choice, Wish, choose};
+pub use choose::{TopicChoice, TopicRequest, choose};
 pub use clock::Clock;
 pub use columns::Column;
 pub use container::{Container, Ending, ReadProgress};
 pub use error::ImportError;
 pub use message::MessageKind;
-pub use options::{Heading, Options, Pose};
-pub use side::{WheelJoints, guess};
+pub use options::{HeadingChoice, ImportOptions, PoseChoice};
+pub use side::WheelJoints;
 pub use survey::{Survey, Topic, survey};
 pub use wire::{DecodeError, Encoding};
 
-use collect::{Choices, Stream, collect};
+use collect::{Choices, collect};
 use serde_json::{Value, json};
 use std::io;
 use std::path::Path;
 
-/// A topic that the recording was made from.
+/// A source topic of a recording.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Used {
-    /// What it served as.
+pub struct UsedTopic {
+    /// Kind of its messages.
     pub kind: MessageKind,
     /// The topic.
     pub topic: Topic,
@@ -54,30 +54,29 @@ pub struct Used {
     pub child_frame: String,
 }
 
-/// A recording, and how it was made.
+/// A recording with its sources.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
-    /// Its columns but the time, at least the two wheel speeds.
+    /// The columns except the time, including the two wheel speeds.
     pub columns: Vec<Column>,
     /// The time that counts as zero \[ns\] since 1970.
     pub start: i64,
-    /// Which of the messages' times counts.
+    /// The clock of its times.
     pub clock: Clock,
     /// The topics.
-    pub topics: Vec<Used>,
-    /// What the user ought to know.
+    pub topics: Vec<UsedTopic>,
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// Makes a recording of a file that was surveyed.
+/// Makes a recording from a surveyed file.
 ///
 /// # Errors
-/// No wheel speeds, topics or joints that are not there, messages that do not decode, and a
-/// damaged file unless the options allow for it.
+/// No wheel speeds, missing topics or joints, messages that do not decode, and a damaged file unless the options allow it.
 pub fn import(
     path: &Path,
     survey: &Survey,
-    options: &Options,
+    options: &ImportOptions,
     progress: &mut ReadProgress,
 ) -> Result<Imported, ImportError> {
     let mut notes = Vec::new();
@@ -97,18 +96,18 @@ pub fn import(
         notes.push(format!("warning: {error}; these were imported"));
     }
     let choices = choices(survey, options)?;
-    let all = [
-        Some(&choices.joints),
-        choices.odometry.as_ref(),
-        choices.imu.as_ref(),
-        choices.fix.as_ref(),
-    ];
-    notes.extend(all.into_iter().flatten().filter_map(Choice::note));
+    notes.extend(choices.all().filter_map(TopicChoice::note));
     let collected = collect(path, survey, &choices, progress)?;
-    let mut topics = vec![used(&collected.joints)];
-    topics.extend(collected.odometry.as_ref().map(used));
-    topics.extend(collected.imu.as_ref().map(used));
-    topics.extend(collected.fix.as_ref().map(used));
+    let child_frame = |kind| match &collected.odometry {
+        Some(odometry) if kind == MessageKind::Odometry => odometry.child_frame.clone(),
+        _ => String::new(),
+    };
+    let topics = choices.all().map(|choice| UsedTopic {
+        kind: choice.kind,
+        topic: choice.topic.clone(),
+        child_frame: child_frame(choice.kind),
+    });
+    let topics = topics.collect();
     let converted = convert::convert(collected, options)?;
     notes.extend(converted.notes);
     let firsts = converted
@@ -124,19 +123,11 @@ pub fn import(
     })
 }
 
-fn used<T>(stream: &Stream<T>) -> Used {
-    Used {
-        kind: stream.kind,
-        topic: stream.topic.clone(),
-        child_frame: stream.child_frame.clone(),
-    }
-}
-
-/// The topics that serve.
-fn choices<'s>(survey: &'s Survey, options: &Options) -> Result<Choices<'s>, ImportError> {
+/// The topics of the recording.
+fn choices<'s>(survey: &'s Survey, options: &ImportOptions) -> Result<Choices<'s>, ImportError> {
     let wheels = &options.wheels;
     let pick = |kind: MessageKind| {
-        let wish = options.topics.get(&kind).unwrap_or(&Wish::Any);
+        let wish = options.topics.get(&kind).unwrap_or(&TopicRequest::Any);
         choose(survey, kind, wish, wheels)
     };
     let Some(joints) = pick(MessageKind::Joints)? else {
@@ -163,7 +154,7 @@ impl Imported {
     /// Writes the recording as CSV and returns the number of its rows.
     ///
     /// # Errors
-    /// Whatever the writer refuses.
+    /// Errors of the writer.
     pub fn write_csv(&self, to: impl io::Write) -> io::Result<u64> {
         table::write(&self.columns, self.start, to)
     }
@@ -179,7 +170,7 @@ impl Imported {
         (last - self.start) as f64 * 1e-9
     }
 
-    /// Where everything comes from, for the file beside the recording.
+    /// The sources of everything, for the JSON file beside the recording.
     #[must_use]
     pub fn provenance(&self, path: &Path, survey: &Survey) -> Value {
         let topics: Vec<Value> = self.topics.iter().map(describe_topic).collect();
@@ -187,10 +178,10 @@ impl Imported {
             let origin = json!({
                 "topic": column.topic,
                 "conversion": column.conversion,
-                "unit": column.unit,
+                "unit": column.channel.unit(),
                 "samples": column.samples.len(),
             });
-            (column.name.to_owned(), origin)
+            (column.channel.name().to_owned(), origin)
         });
         let name = path.file_name().unwrap_or(path.as_os_str());
         json!({
@@ -207,7 +198,7 @@ impl Imported {
     }
 }
 
-fn describe_topic(used: &Used) -> Value {
+fn describe_topic(used: &UsedTopic) -> Value {
     let mut topic = json!({
         "serves_as": used.kind.name(),
         "topic": used.topic.name,

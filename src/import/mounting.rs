@@ -1,47 +1,47 @@
-//! How an inertial sensor is mounted, as gravity tells it.
+//! The mounting of an inertial sensor, from gravity.
 
 use super::checks::{STANDING, at};
-use super::collect::ImuSample;
-use super::wheels::Series;
+use super::collect::{ImuSample, TimedValues};
 
-/// A mean specific force below this has no gravity in it \[m/s^2\].
+/// A mean specific force below this does not include gravity \[m/s^2\].
 const GRAVITY: f64 = 5.0;
-/// So long at rest shows where gravity points to \[s\].
+/// Minimum duration at rest for the direction of gravity \[s\].
 const REST: f64 = 1.0;
-/// A z axis is upright up to this angle \[deg\]: at rest the ground may slope, in motion accelerations turn the mean.
+/// Maximum angle of an upright z axis \[deg\]: at rest the ground may slope, in motion accelerations tilt the mean.
 const NEAR_AT_REST: f64 = 10.0;
 const NEAR_IN_MOTION: f64 = 30.0;
 
-/// How a sensor is mounted.
+/// The mounting of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mounting {
-    /// Nothing tells.
+    /// Unknown.
     Unknown,
-    /// Gravity was taken out of its accelerations, whose mean is this \[m/s^2\].
+    /// Its accelerations do not include gravity; their mean is this \[m/s^2\].
     WithoutGravity(f64),
     /// Its z axis points up.
     Upright,
     /// Its z axis points down.
     Down,
-    /// Neither.
+    /// Its z axis points elsewhere.
     Tilted {
-        /// The unit vector that points up, in the sensor's axes.
+        /// Unit vector up, in the sensor's axes.
         up: [f64; 3],
-        /// From there to its z axis \[deg\].
+        /// Angle between it and the z axis \[deg\].
         degrees: f64,
-        /// Whether it was seen at rest.
+        /// Whether it was measured at rest.
         at_rest: bool,
     },
 }
 
 impl Mounting {
-    /// By the mean specific force while the wheels stand, or throughout where they hardly do.
-    pub fn of(samples: &[(i64, ImuSample)], [left, right]: &[Series; 2]) -> Self {
-        let stands =
-            |side: &Series, time: i64| at(side, time).is_some_and(|speed| speed.abs() < STANDING);
+    /// From the mean specific force while the wheels stand, or of the whole drive if they hardly do.
+    pub fn of(samples: &[(i64, ImuSample)], [left, right]: &[TimedValues; 2]) -> Self {
+        let stands = |side: &TimedValues, time: i64| {
+            at(side, time).is_some_and(|speed| speed.abs() < STANDING)
+        };
         let known = samples.iter().filter_map(|(time, sample)| {
             let force = sample.acceleration?;
-            let is_finite = force.iter().all(|part| part.is_finite());
+            let is_finite = force.iter().all(|component| component.is_finite());
             is_finite.then_some((*time, force))
         });
         let known: Vec<(i64, [f64; 3])> = known.collect();
@@ -62,11 +62,15 @@ impl Mounting {
     }
 
     fn by(force: [f64; 3], near: f64) -> Self {
-        let length = force.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let length = force
+            .iter()
+            .map(|component| component * component)
+            .sum::<f64>()
+            .sqrt();
         if length < GRAVITY {
             return Self::WithoutGravity(length);
         }
-        let up = force.map(|part| part / length);
+        let up = force.map(|component| component / length);
         let degrees = up[2].clamp(-1.0, 1.0).acos().to_degrees();
         if degrees <= near {
             Self::Upright
@@ -81,8 +85,8 @@ impl Mounting {
         }
     }
 
-    /// The axis about which the sensor's yaw rate is counted, in words, and the sign of what it tells of the left; no
-    /// sign where it does not tell of that. `z_down` is what somebody says of its z axis.
+    /// The axis of the yaw rate, its description, and the sign of the lateral acceleration, `None` if the lateral axis is
+    /// unknown. `z_down` is the user's option.
     pub fn axis(self, z_down: bool) -> ([f64; 3], String, Option<f64>) {
         let negated = || "angular_velocity.z, negated: z points down".to_owned();
         match self {
@@ -98,7 +102,7 @@ impl Mounting {
         }
     }
 
-    /// What there is to be said of it.
+    /// A note for the user.
     pub fn note(self, topic: &str, z_down: bool) -> Option<String> {
         match (self, z_down) {
             (Self::Unknown, _) | (Self::Upright, false) | (Self::Down, true) => None,
@@ -120,11 +124,11 @@ impl Mounting {
                 },
                 _,
             ) => {
-                let when = if at_rest { "at rest" } else { "on the average" };
+                let when = if at_rest { "at rest" } else { "on average" };
                 Some(format!(
                     "warning: {topic}: its z axis is {degrees:.0} deg from upright {when}; yaw_rate is \
-                     about the vertical, a_x and a_y are left out, as gravity does not tell where its \
-                     other axes point to"
+                     about the vertical; a_x and a_y are left out, as gravity does not show the direction \
+                     of the other axes"
                 ))
             }
         }
@@ -146,7 +150,7 @@ mod tests {
     fn mounted(axes: impl Fn([f64; 3]) -> [f64; 3], rests: bool) -> Mounting {
         let stands = |time: i64| rests && time < 2 * SECOND;
         let times = || (0..1000).map(|k| k * SECOND / 100);
-        let wheels: Series = times()
+        let wheels: TimedValues = times()
             .map(|time| (time, if stands(time) { 0.0 } else { 5.0 }))
             .collect();
         let imu = times().map(|time| {
@@ -163,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn gravity_at_rest_tells_the_mounting() {
+    fn gravity_at_rest_shows_the_mounting() {
         assert_eq!(mounted(|force| force, true), Mounting::Upright);
         let down = |[x, y, z]: [f64; 3]| [x, -y, -z];
         assert_eq!(mounted(down, true), Mounting::Down);
@@ -183,7 +187,7 @@ mod tests {
                 .unwrap()
                 .starts_with("warning: /imu: its z axis is 90 deg")
         );
-        // Without gravity, or with nothing, nothing is known.
+        // Without gravity or accelerations the mounting is unknown.
         let free = |[x, y, _]: [f64; 3]| [x, y, 0.0];
         assert_eq!(mounted(free, true), Mounting::WithoutGravity(0.0));
         assert_eq!(mounted(|_| [0.0; 3], true), Mounting::Unknown);
@@ -192,7 +196,7 @@ mod tests {
 
     #[test]
     fn accelerations_do_not_look_like_a_tilt() {
-        // On the average the specific force is 17 deg from the vertical.
+        // On average the specific force is 17 deg from the vertical.
         assert_eq!(mounted(|force| force, false), Mounting::Upright);
         let down = |[x, y, z]: [f64; 3]| [x, -y, -z];
         assert_eq!(mounted(down, false), Mounting::Down);
@@ -202,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_somebody_says_of_the_z_axis_counts() {
+    fn the_option_for_the_z_axis_counts() {
         let of = |mounting: Mounting, z_down| {
             let (axis, _, left) = mounting.axis(z_down);
             (axis[2], left, mounting.note("/imu", z_down).is_some())

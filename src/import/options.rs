@@ -1,48 +1,50 @@
-//! What a user may ask of an import.
+//! Options of an import.
 
-use super::choose::Wish;
+use super::choose::TopicRequest;
 use super::clock::Clock;
 use super::message::MessageKind;
 use super::side::WheelJoints;
+use clap::ValueEnum;
 use std::collections::BTreeMap;
 
-/// Where the pose comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pose {
-    /// From odometry.
+/// Source of the pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PoseChoice {
+    /// Odometry
     Odometry,
-    /// From satellite fixes.
+    /// Satellite fixes
     Fix,
 }
 
-/// Where the heading comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Heading {
-    /// From the attitude in odometry.
+/// Source of the heading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum HeadingChoice {
+    /// The attitude in odometry
     Odometry,
-    /// From the attitude of the IMU.
+    /// The attitude of the IMU
     Imu,
-    /// There is to be none.
+    /// No heading
+    #[value(name = "none")]
     Without,
 }
 
-/// What a user may ask of an import; the default asks for nothing.
+/// Options of an import; the default requests nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Options {
-    /// Topics; of kinds that are not there, any.
-    pub topics: BTreeMap<MessageKind, Wish>,
+pub struct ImportOptions {
+    /// Requested topics; for other kinds the best one.
+    pub topics: BTreeMap<MessageKind, TopicRequest>,
     /// The wheels' joints; a side without names is found by the joints' names.
     pub wheels: WheelJoints,
-    /// Whether the left and the right wheels' speeds change their sign.
+    /// Whether the speeds of the left and the right wheels change their sign.
     pub invert: [bool; 2],
-    /// Where the pose comes from; nothing leaves it to what there is.
-    pub pose: Option<Pose>,
-    /// Where the heading comes from; nothing leaves it to where the pose comes from.
-    pub heading: Option<Heading>,
-    /// Which of a message's times counts.
+    /// Source of the pose; by default the best one.
+    pub pose: Option<PoseChoice>,
+    /// Source of the heading; by default that of the pose.
+    pub heading: Option<HeadingChoice>,
+    /// The clock of the samples.
     pub clock: Clock,
     /// Whether the z axis of the IMU points down.
     pub imu_z_down: bool,
-    /// Whether what comes before the damage in a damaged file will do.
+    /// Whether a damaged file is imported up to the damage.
     pub partial: bool,
 }

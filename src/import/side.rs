@@ -1,4 +1,4 @@
-//! Which joints are wheels, and on which side, by their names.
+//! Wheels and their sides, by the names of joints.
 
 use std::collections::BTreeSet;
 
@@ -11,18 +11,17 @@ pub struct WheelJoints {
     pub right: Vec<String>,
 }
 
-/// Words that tell the side: left and right alone and with front, middle (centre), rear (back,
-/// hind).
+/// Words for the sides: left and right alone, and with front, middle (centre), rear (back, hind).
 const LEFT: [&str; 14] = [
     "left", "l", "fl", "lf", "ml", "lm", "cl", "lc", "rl", "lr", "bl", "lb", "hl", "lh",
 ];
 const RIGHT: [&str; 13] = [
     "right", "r", "fr", "rf", "mr", "rm", "cr", "rc", "rr", "br", "rb", "hr", "rh",
 ];
-/// Parts of names of what rolls on the ground, and of what drives it, which may turn faster, before a gear.
+/// Fragments of names of what rolls on the ground, and of drives, which may turn faster, before a gear.
 const ROLLS: [&str; 5] = ["wheel", "track", "tire", "tyre", "sprocket"];
 const DRIVES: [&str; 2] = ["drive", "motor"];
-/// Parts of names of what does not, whatever else the name says.
+/// Fragments of names of other joints; they override the others.
 const OTHERS: [&str; 12] = [
     "steer", "caster", "castor", "susp", "shock", "rocker", "bogie", "arm", "gripper", "finger",
     "camera", "flipper",
@@ -34,10 +33,8 @@ enum Side {
     Right,
 }
 
-/// The wheels among joints: those whose names say that they roll, if there are none those that
-/// drive, or else all that tell a side.
-#[must_use]
-pub fn guess(joints: &BTreeSet<String>) -> WheelJoints {
+/// The wheels among joints: by names of rolling joints; without any, by names of drives; else all names with a side.
+pub(super) fn guess(joints: &BTreeSet<String>) -> WheelJoints {
     let sided = joints
         .iter()
         .filter(|name| !contains(name, &OTHERS))
@@ -59,12 +56,12 @@ pub fn guess(joints: &BTreeSet<String>) -> WheelJoints {
     }
 }
 
-fn contains(name: &str, parts: &[&str]) -> bool {
+fn contains(name: &str, fragments: &[&str]) -> bool {
     let name = name.to_lowercase();
-    parts.iter().any(|part| name.contains(part))
+    fragments.iter().any(|fragment| name.contains(fragment))
 }
 
-/// The side that a name tells; nothing where it tells none, or both.
+/// The side in a name; `None` for neither or both.
 fn side(name: &str) -> Option<Side> {
     let lower = name.to_lowercase();
     match (lower.contains("left"), lower.contains("right")) {
@@ -82,8 +79,8 @@ fn side(name: &str) -> Option<Side> {
     }
 }
 
-/// The words of a name in lower case: parted by anything but letters, and before a capital
-/// that follows a small letter (`wheelFL1` has `wheel` and `fl`).
+/// The words of a name in lower case, separated by non-letters and before a capital after a small letter: `wheelFL1` has
+/// `wheel` and `fl`.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_small = false;
@@ -151,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_drive_is_left_out() {
+    fn other_joints_are_ignored() {
         let names = "left_wheel right_wheel left_hip right_hip left_wheel_steer left_arm_wheel pan";
         assert_eq!(guessed(names), pair("left_wheel", "right_wheel"));
         assert_eq!(guessed("wheel_1 wheel_2 left_right_wheel"), pair("", ""));

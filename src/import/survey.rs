@@ -1,8 +1,8 @@
-//! What a file of messages holds.
+//! The topics of a file of messages.
 
-use super::ImportError;
 use super::container::{self, Connection, Container, Ending, ReadProgress};
-use super::message::{Decode, Header, Joints, MessageKind};
+use super::error::ImportError;
+use super::message::{Decode, Joints, MessageHeader, MessageKind};
 use super::wire::Encoding;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -12,17 +12,17 @@ use std::path::Path;
 pub struct Topic {
     /// Its name.
     pub name: String,
-    /// Its messages' type, as the file has it.
+    /// Type name of its messages.
     pub message_type: String,
-    /// How its messages are serialised, as the file has it.
+    /// Name of their encoding.
     pub encoding: String,
     /// Number of messages.
     pub messages: u64,
-    /// When the earliest and the latest message were logged \[ns\] since 1970.
+    /// Earliest and latest time of logging \[ns\] since 1970.
     pub logged: [i64; 2],
-    /// The frame of its first message, if an import can use it.
+    /// Frame of its first message, if the import supports it.
     pub frame: String,
-    /// The joints, where it has any.
+    /// Its joints, if it has any.
     pub joints: BTreeSet<String>,
 }
 
@@ -39,7 +39,7 @@ impl Topic {
         }
     }
 
-    /// What it carries, if an import can use it.
+    /// Kind of its messages, if the import supports it.
     #[must_use]
     pub fn kind(&self) -> Option<MessageKind> {
         Encoding::of_name(&self.encoding)?;
@@ -52,7 +52,7 @@ impl Topic {
         (self.logged[1] - self.logged[0]) as f64 * 1e-9
     }
 
-    /// Messages per second, if there are two or more.
+    /// Messages per second; `None` with fewer than two.
     #[must_use]
     pub fn rate(&self) -> Option<f64> {
         let seconds = self.seconds();
@@ -60,14 +60,14 @@ impl Topic {
     }
 }
 
-/// What a file of messages holds.
+/// The content of a file of messages.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// The file's format.
     pub container: Container,
     /// Its topics in alphabetical order.
     pub topics: Vec<Topic>,
-    /// Whether it could be read to its end.
+    /// How the reading ended.
     pub ending: Ending,
 }
 
@@ -78,7 +78,7 @@ impl Survey {
         self.topics.iter().map(|topic| topic.messages).sum()
     }
 
-    /// When the first and the last message were logged \[ns\] since 1970.
+    /// First and last time of logging \[ns\] since 1970.
     #[must_use]
     pub fn logged(&self) -> Option<[i64; 2]> {
         let first = self.topics.iter().map(|topic| topic.logged[0]).min()?;
@@ -87,11 +87,10 @@ impl Survey {
     }
 }
 
-/// Reads through a file and notes its topics.
+/// Reads a file for its topics.
 ///
 /// # Errors
-/// A file that cannot be read or is no file of messages. One that is damaged is no error: what
-/// comes before is surveyed.
+/// A file that cannot be read or is no file of messages. Damage is no error: the survey ends there.
 pub fn survey(path: &Path, progress: &mut ReadProgress) -> Result<Survey, ImportError> {
     let container = container::container(path)?;
     let mut topics: BTreeMap<Connection, Topic> = BTreeMap::new();
@@ -99,7 +98,7 @@ pub fn survey(path: &Path, progress: &mut ReadProgress) -> Result<Survey, Import
         if !topics.contains_key(channel) {
             let mut topic = Topic::new(channel, time);
             if let (Some(_), Some(encoding)) = (topic.kind(), Encoding::of_name(&topic.encoding))
-                && let Ok(header) = Header::decode(encoding, data)
+                && let Ok(header) = MessageHeader::decode(encoding, data)
             {
                 topic.frame = header.frame.into_owned();
             }
@@ -113,7 +112,7 @@ pub fn survey(path: &Path, progress: &mut ReadProgress) -> Result<Survey, Import
         if let (Some(MessageKind::Joints), Some(encoding)) =
             (topic.kind(), Encoding::of_name(&topic.encoding))
         {
-            // One that does not decode is told when the topic is read.
+            // A message that does not decode is reported when the topic is read.
             for name in Joints::decode(encoding, data).map_or(Vec::new(), |joints| joints.names) {
                 if !topic.joints.contains(name.as_ref()) {
                     topic.joints.insert(name.into_owned());

@@ -12,7 +12,7 @@ pub(super) fn write(columns: &[Column], start: i64, to: impl Write) -> io::Resul
         .from_writer(to);
     writer.write_field("time")?;
     for column in columns {
-        writer.write_field(column.name)?;
+        writer.write_field(column.channel.name())?;
     }
     writer.write_record(None::<&[u8]>)?;
     let mut places = vec![0; columns.len()];
@@ -29,7 +29,7 @@ pub(super) fn write(columns: &[Column], start: i64, to: impl Write) -> io::Resul
         for (column, place) in columns.iter().zip(&mut places) {
             match column.samples.get(*place) {
                 Some((time, value)) if *time == now => {
-                    // -0 says nothing that 0 does not.
+                    // Writes -0 as 0.
                     writer.write_field(format!("{:?}", value + 0.0))?;
                     *place += 1;
                 }
@@ -60,11 +60,11 @@ pub(super) fn seconds(nanoseconds: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Channel;
 
-    fn column(name: &'static str, samples: &[(i64, f64)]) -> Column {
+    fn column(channel: Channel, samples: &[(i64, f64)]) -> Column {
         Column {
-            name,
-            unit: "",
+            channel,
             topic: String::new(),
             conversion: String::new(),
             samples: samples.to_vec(),
@@ -74,8 +74,11 @@ mod tests {
     #[test]
     fn rows_are_the_union_of_times() {
         let columns = [
-            column("omega_left", &[(1_000, 0.1), (2_000, -0.0)]),
-            column("x", &[(1_500, 1e-9), (2_000, 3.0), (1_000_001_000, 4.0)]),
+            column(Channel::OmegaLeft, &[(1_000, 0.1), (2_000, -0.0)]),
+            column(
+                Channel::X,
+                &[(1_500, 1e-9), (2_000, 3.0), (1_000_001_000, 4.0)],
+            ),
         ];
         let mut text = Vec::new();
         assert_eq!(write(&columns, 1_000, &mut text).unwrap(), 4);

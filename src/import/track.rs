@@ -1,12 +1,13 @@
 //! Samples by time, and the wheel speeds among them.
 
-use super::ImportError;
 use super::checks::mirrored;
 use super::clock::{Clock, ordered};
-use super::collect::{Stream, WheelSample};
-use super::columns::Columns;
+use super::collect::{Stream, TimedValues, WheelSample};
+use super::columns::ColumnBuilder;
+use super::error::ImportError;
 use super::side::WheelJoints;
-use super::wheels::{Series, Source, WheelSpeeds, wheel_speeds};
+use super::wheels::{JointSpeeds, Source, wheel_speeds};
+use crate::recording::Channel;
 
 /// A topic's samples by time.
 pub(super) struct Track<T> {
@@ -33,11 +34,11 @@ impl<T> Track<T> {
 }
 
 impl Track<WheelSample> {
-    /// A robot's arm and its wheels may tell of the same moment in two messages, as each side may.
+    /// Arm and wheels, or the two sides, may publish messages with equal times.
     pub fn of_joints(stream: Stream<WheelSample>, clock: Clock, notes: &mut Vec<String>) -> Self {
         Self::filling(stream, clock, notes, |first, other| {
             let pairs = first.iter_mut().zip(other);
-            pairs.fold(false, |taken, (a, b)| a.take(b) | taken)
+            pairs.fold(false, |filled, (a, b)| a.fill_from(b) | filled)
         })
     }
 }
@@ -50,11 +51,11 @@ pub(super) fn wheels(
     joints: &Track<WheelSample>,
     names: &WheelJoints,
     invert: [bool; 2],
-    columns: &mut Columns,
-) -> Result<[Series; 2], ImportError> {
+    columns: &mut ColumnBuilder,
+) -> Result<[TimedValues; 2], ImportError> {
     let topic = &joints.topic;
     let speeds = wheel_speeds(&joints.samples, names.left.len());
-    let WheelSpeeds {
+    let JointSpeeds {
         left,
         right,
         source,
@@ -71,7 +72,7 @@ pub(super) fn wheels(
     if !still.is_empty() {
         columns.notes.push(format!(
             "warning: {topic}: the velocity of {} stays exactly at zero while others of its side turn, as \
-             joints do that nobody measures; left out of the mean",
+             for a joint that is not measured; left out of the mean",
             still.join(", ")
         ));
     }
@@ -85,11 +86,7 @@ pub(super) fn wheels(
         } else {
             "the joints' velocity is not there"
         };
-        let wrapped = if wrapped {
-            ", whose turns were counted on"
-        } else {
-            ""
-        };
+        let wrapped = if wrapped { ", after unwrapping" } else { "" };
         columns.notes.push(format!(
             "{topic}: {why}; wheel speeds are differences of positions{wrapped}, \
              at the times in the middle"
@@ -103,10 +100,10 @@ pub(super) fn wheels(
         );
     }
     let sides = [
-        ("omega_left", left, &names.left, invert[0]),
-        ("omega_right", right, &names.right, invert[1]),
+        (Channel::OmegaLeft, left, &names.left, invert[0]),
+        (Channel::OmegaRight, right, &names.right, invert[1]),
     ];
-    Ok(sides.map(|(name, mut series, joints, invert)| {
+    Ok(sides.map(|(channel, mut series, joints, invert)| {
         if invert {
             for (_, speed) in &mut series {
                 *speed = -*speed;
@@ -117,7 +114,7 @@ pub(super) fn wheels(
         let joints: Vec<&str> = joints.filter(|joint| !still.contains(joint)).collect();
         let mean = if joints.len() > 1 { "mean of " } else { "" };
         let conversion = format!("{how}{sign}, {mean}{}", joints.join(", "));
-        columns.push(name, topic, &conversion, series.clone());
+        columns.push(channel, topic, &conversion, series.clone());
         series
     }))
 }

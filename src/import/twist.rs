@@ -1,20 +1,19 @@
-//! In which frame an odometry's velocities are: the message's definition says the vehicle's,
-//! some publishers (simulators' ground truth among them) give the world's.
+//! The frame of an odometry's velocities. The message's definition requires the vehicle's frame; some publishers, for
+//! example simulators, use the world's.
 
 use super::attitude::Yaw;
 use super::collect::OdometrySample;
 
-/// Displacements are compared over so long \[s\], not from sample to sample: noise of position
-/// counts once for each.
+/// Displacements are compared over this duration \[s\], so that position noise counts once per window.
 const WINDOW: f64 = 0.5;
-/// Fewer windows than this prove nothing.
-const FEWEST: usize = 10;
-/// Velocities of the world explain displacements better by this factor in squares than those
-/// of the vehicle would, and leave less than this share of them.
+/// Minimum number of windows.
+const MIN_WINDOWS: usize = 10;
+/// Maximum ratio of the squared errors in the world's frame to those in the vehicle's frame, and to the squared
+/// displacements.
 const BETTER: f64 = 0.25;
 
-/// Whether the velocities fit the displacements in the frame of the pose, and not in that of the
-/// vehicle. A drive without turns does not tell.
+/// Whether the velocities fit the displacements in the frame of the pose, and not in that of the vehicle. Without turns
+/// both fit.
 pub(super) fn is_in_world(samples: &[(i64, OdometrySample)]) -> bool {
     let mut windows = 0;
     let (mut as_body, mut as_world, mut moved) = (0.0, 0.0, 0.0);
@@ -37,25 +36,24 @@ pub(super) fn is_in_world(samples: &[(i64, OdometrySample)]) -> bool {
             }
         }
     }
-    windows >= FEWEST && as_world < BETTER * as_body && as_world < BETTER * moved
+    windows >= MIN_WINDOWS && as_world < BETTER * as_body && as_world < BETTER * moved
 }
 
-/// Sums over part of a drive.
+/// Sums over a window.
 #[derive(Default)]
 struct Window {
     seconds: f64,
-    /// Displacement, then velocity times time, read as the vehicle's and as the world's.
+    /// Displacement, then velocity times time in the vehicle's and in the world's frame.
     sums: [[f64; 2]; 3],
 }
 
 impl Window {
     fn add(&mut self, seconds: f64, before: &OdometrySample, after: &OdometrySample) {
-        let world = |sample: &OdometrySample| sample.velocity;
         self.seconds += seconds;
         for axis in 0..2 {
             self.sums[0][axis] += after.position[axis] - before.position[axis];
             self.sums[1][axis] += 0.5 * seconds * (turned(before)[axis] + turned(after)[axis]);
-            self.sums[2][axis] += 0.5 * seconds * (world(before)[axis] + world(after)[axis]);
+            self.sums[2][axis] += 0.5 * seconds * (before.velocity[axis] + after.velocity[axis]);
         }
     }
 
@@ -64,7 +62,7 @@ impl Window {
     }
 }
 
-/// The velocity as one of the vehicle, turned into the frame of the pose.
+/// The velocity, taken in the vehicle's frame and rotated into the frame of the pose.
 fn turned(sample: &OdometrySample) -> [f64; 2] {
     let heading = match sample.yaw {
         Yaw::Of(heading) | Yaw::Normalised(heading) => heading,
@@ -97,10 +95,10 @@ mod tests {
     }
 
     #[test]
-    fn velocities_of_the_world_are_told_from_those_of_the_vehicle() {
+    fn velocities_of_the_world_are_recognised() {
         assert!(is_in_world(&drive(0.4, true)));
         assert!(!is_in_world(&drive(0.4, false)));
-        // Too short, standing, or without attitude: nothing is claimed.
+        // Too short, or without attitude: no conclusion.
         assert!(!is_in_world(&drive(0.4, true)[..300]));
         let mut unknown = drive(0.4, true);
         for (_, sample) in &mut unknown {

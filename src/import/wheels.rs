@@ -1,65 +1,62 @@
 //! Wheel speeds from joint states.
 
 use super::attitude::unwrap;
-use super::collect::{JointSample, WheelSample};
+use super::collect::{JointSample, TimedValues, WheelSample};
+use crate::recording::range;
 use std::f64::consts::{PI, TAU};
 
-/// Times \[ns\] with values.
-pub(super) type Series = Vec<(i64, f64)>;
-
-/// Where wheel speeds come from.
+/// Source of wheel speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
-    /// From the joints' velocities.
+    /// Velocities of the joints.
     Velocity,
-    /// From the joints' positions; whether these are angles that begin anew after a turn.
+    /// Positions of the joints, which may be wrapped angles.
     Position { wrapped: bool },
 }
 
 /// Angular speeds of the left and the right wheels.
 #[derive(Debug, PartialEq)]
-pub(super) struct WheelSpeeds {
-    pub left: Series,
-    pub right: Series,
+pub(super) struct JointSpeeds {
+    pub left: TimedValues,
+    pub right: TimedValues,
     pub source: Source,
-    /// Why positions were taken although there are velocities.
+    /// Whether positions were used because a velocity stays at zero.
     pub dead_velocity: bool,
-    /// Joints whose velocity stays exactly at zero while others of their side turn: they are left out.
+    /// Unused joints: their velocity stays exactly at zero while others of their side turn.
     pub still: Vec<usize>,
 }
 
-/// A wheel that turned further than this did turn \[rad\].
+/// Minimum angle of a wheel that turns \[rad\].
 const TURNED: f64 = 0.1;
-/// Between positions that are further apart than so many usual steps nothing is derived.
+/// Maximum interval between positions for a difference, as a multiple of the median one.
 const LONGEST_GAP: i64 = 10;
-/// How much more than a whole turn the range of wrapped angles may be, by rounding.
+/// Rounding tolerance for the range of wrapped angles \[rad\].
 const WRAP_TOLERANCE: f64 = 1e-3;
 
-/// What a joint's velocities and positions say of it.
+/// JointState of a joint, from its velocities and positions.
 #[derive(Clone, Copy, PartialEq)]
-enum State {
-    /// It turns, or nothing is known of its velocity.
+enum JointState {
+    /// It turns, or its velocity is unknown.
     Turns,
-    /// It stands, or nobody measures it.
+    /// It stands, or is not measured.
     Still,
-    /// Its velocity stays exactly at zero while its position moves.
+    /// Its velocity stays exactly at zero while its position changes.
     Dead,
 }
 
-/// The mean of each side's joints: their velocities, or, where these are missing or one of them stays at
-/// zero while its wheel turns, the differences of their positions. `left` of the joints are on
-/// the left. `None` where a side has neither.
-pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Option<WheelSpeeds> {
+/// Mean speeds of each side. They are the joints' velocities. If these are missing, or one stays at zero while its wheel
+/// turns, they are differences of positions. The first `left` joints are on the left. `None` if a side has neither.
+pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Option<JointSpeeds> {
     let joints = samples.first()?.1.len();
-    let states: Vec<State> = (0..joints).map(|joint| state(samples, joint)).collect();
-    let (sides, still) = used(&states, left, |state| state != State::Still);
-    let dead_velocity = states.contains(&State::Dead);
-    let velocities = |sides: &[Vec<usize>; 2]| -> Option<[Series; 2]> {
+    let states: Vec<JointState> = (0..joints).map(|joint| state(samples, joint)).collect();
+    let (sides, still) = used(&states, left, |state| state != JointState::Still);
+    let dead_velocity = states.contains(&JointState::Dead);
+    let velocities = |sides: &[Vec<usize>; 2]| -> Option<[TimedValues; 2]> {
         let means = sides.each_ref().map(|side| mean_velocity(samples, side));
         means.iter().all(|side| !side.is_empty()).then_some(means)
     };
     if !dead_velocity && let Some([left, right]) = velocities(&sides) {
-        return Some(WheelSpeeds {
+        return Some(JointSpeeds {
             left,
             right,
             source: Source::Velocity,
@@ -70,7 +67,7 @@ pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Optio
     let wrapped = (0..joints).any(|joint| is_wrapped(samples, joint));
     let [by_left, by_right] = sides.map(|side| differences(samples, &side, wrapped));
     if !by_left.is_empty() && !by_right.is_empty() {
-        return Some(WheelSpeeds {
+        return Some(JointSpeeds {
             left: by_left,
             right: by_right,
             source: Source::Position { wrapped },
@@ -78,14 +75,14 @@ pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Optio
             still,
         });
     }
-    // Without the positions of all a dead joint is one that nobody measures, but not the only ones of a side.
-    let (sides, still) = used(&states, left, |state| state == State::Turns);
-    let is_dead = |side: &Vec<usize>| side.iter().any(|joint| states[*joint] == State::Dead);
+    // Without the positions of all, dead joints are ignored, unless they are the only ones of a side.
+    let (sides, still) = used(&states, left, |state| state == JointState::Turns);
+    let is_dead = |side: &Vec<usize>| side.iter().any(|joint| states[*joint] == JointState::Dead);
     if !dead_velocity || sides.iter().any(is_dead) {
         return None;
     }
     let [left, right] = velocities(&sides)?;
-    Some(WheelSpeeds {
+    Some(JointSpeeds {
         left,
         right,
         source: Source::Velocity,
@@ -94,11 +91,11 @@ pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Optio
     })
 }
 
-/// The joints of each side that count, and the others: all of a side count where else none would.
+/// The joints of each side that count, and the others; if no joint of a side would count, all do.
 fn used(
-    states: &[State],
+    states: &[JointState],
     left: usize,
-    counts: impl Fn(State) -> bool,
+    counts: impl Fn(JointState) -> bool,
 ) -> ([Vec<usize>; 2], Vec<usize>) {
     let mut others = Vec::new();
     let sides = [0..left, left..states.len()].map(|side| -> Vec<usize> {
@@ -113,8 +110,8 @@ fn used(
     (sides, others)
 }
 
-/// The mean velocity of joints at each time at which all are known.
-fn mean_velocity(samples: &[(i64, WheelSample)], side: &[usize]) -> Series {
+/// Mean velocity of joints at the times at which all are known.
+fn mean_velocity(samples: &[(i64, WheelSample)], side: &[usize]) -> TimedValues {
     let means = samples.iter().filter_map(|(time, sample)| {
         let sum: f64 = side.iter().map(|joint| sample[*joint].velocity).sum();
         let mean = sum / side.len() as f64;
@@ -123,17 +120,17 @@ fn mean_velocity(samples: &[(i64, WheelSample)], side: &[usize]) -> Series {
     means.collect()
 }
 
-fn state(samples: &[(i64, WheelSample)], joint: usize) -> State {
+fn state(samples: &[(i64, WheelSample)], joint: usize) -> JointState {
     let velocities = samples.iter().map(|(_, sample)| sample[joint].velocity);
     let mut known = velocities
         .filter(|velocity| velocity.is_finite())
         .peekable();
     if known.peek().is_none() || known.any(|velocity| velocity != 0.0) {
-        State::Turns
+        JointState::Turns
     } else if span(samples, joint) > TURNED {
-        State::Dead
+        JointState::Dead
     } else {
-        State::Still
+        JointState::Still
     }
 }
 
@@ -144,11 +141,10 @@ fn positions(samples: &[(i64, WheelSample)], joint: usize) -> impl Iterator<Item
     positions.filter(|position| position.is_finite())
 }
 
-/// Between the smallest and the largest position \[rad\].
+/// Difference between the largest and the smallest position \[rad\].
 fn span(samples: &[(i64, WheelSample)], joint: usize) -> f64 {
-    let least = positions(samples, joint).fold(f64::INFINITY, f64::min);
-    let most = positions(samples, joint).fold(f64::NEG_INFINITY, f64::max);
-    if most > least { most - least } else { 0.0 }
+    let [min, max] = range(positions(samples, joint));
+    if max > min { max - min } else { 0.0 }
 }
 
 /// Whether positions stay within a turn and jump by more than half of it.
@@ -158,9 +154,8 @@ fn is_wrapped(samples: &[(i64, WheelSample)], joint: usize) -> bool {
         && steps.into_iter().any(|(a, b)| (b - a).abs() > PI)
 }
 
-/// Mean speeds between samples, at the times in the middle: exact to second order, and without
-/// delay.
-fn differences(samples: &[(i64, WheelSample)], side: &[usize], wrapped: bool) -> Series {
+/// Mean speeds between samples at the times in the middle: of second order, without delay.
+fn differences(samples: &[(i64, WheelSample)], side: &[usize], wrapped: bool) -> TimedValues {
     let known = |sample: &&(i64, WheelSample)| {
         let mut joints = side.iter();
         joints.all(|joint| sample.1[*joint].position.is_finite())
@@ -169,7 +164,7 @@ fn differences(samples: &[(i64, WheelSample)], side: &[usize], wrapped: bool) ->
     let mut steps: Vec<i64> = known.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
     steps.sort_unstable();
     let Some(usual) = steps.get(steps.len() / 2).copied() else {
-        return Series::new();
+        return TimedValues::new();
     };
     let turned = |from: &JointSample, to: &JointSample| {
         if wrapped {
@@ -244,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wheel_that_nobody_measures_does_not_halve_the_speed() {
+    fn an_unmeasured_wheel_does_not_halve_the_speed() {
         let row = |time: i64| {
             let angle = time as f64 * 1e-3;
             sample(
@@ -254,7 +249,7 @@ mod tests {
         };
         let speeds = wheel_speeds(&[0, 1000, 2000].map(row), 2).unwrap();
         assert_eq!((speeds.still, speeds.left[0].1), (vec![0], 1.0));
-        // All of a side that stand still do stand.
+        // If all joints of a side stand still, the side stands.
         let row = |time: i64| sample(time, &[(0.0, 0.0), (0.0, 0.0), (0.0, 1.0)]);
         let speeds = wheel_speeds(&[0, 1000, 2000].map(row), 2).unwrap();
         assert_eq!((speeds.still.len(), speeds.left[0].1), (0, 0.0));
@@ -262,7 +257,7 @@ mod tests {
 
     #[test]
     fn one_joint_without_velocity_does_not_halve_the_speed() {
-        // The second of the left ones tells its position alone; all turn at 2 rad/s.
+        // The second of the left ones has only a position; all turn at 2 rad/s.
         let row = |time: i64, known: f64| {
             let angle = 2.0 * time as f64 * 1e-3;
             let whole = (known * angle, 2.0);
@@ -272,9 +267,10 @@ mod tests {
         let speeds = wheel_speeds(&times.map(|time| row(time, 1.0)), 2).unwrap();
         assert_eq!(speeds.source, Source::Position { wrapped: false });
         assert!(speeds.dead_velocity && speeds.still.is_empty());
-        let near = |series: &Series| series.iter().all(|(_, speed)| (speed - 2.0).abs() < 1e-9);
+        let near =
+            |series: &TimedValues| series.iter().all(|(_, speed)| (speed - 2.0).abs() < 1e-9);
         assert!(near(&speeds.left) && near(&speeds.right), "{speeds:?}");
-        // Where the others have no positions, their velocities are what there is.
+        // Without positions of the others, their velocities count.
         let speeds = wheel_speeds(&times.map(|time| row(time, f64::NAN)), 2).unwrap();
         assert_eq!(
             (speeds.source, speeds.still),
@@ -283,7 +279,7 @@ mod tests {
             speeds.left
         );
         assert!(near(&speeds.left) && near(&speeds.right));
-        // A side of nothing else has no speed.
+        // A side without another joint has no speed.
         let row = |time: i64| sample(time, &[(time as f64, 0.0), (f64::NAN, 1.0)]);
         assert_eq!(wheel_speeds(&times.map(row), 1), None);
     }

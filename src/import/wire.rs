@@ -1,11 +1,12 @@
-//! Numbers and texts of serialised messages: ROS 1 packs them little-endian without gaps; CDR
-//! (OMG DDSI-RTPS 10.2, XCDR version 1), which ROS 2 uses, names its byte order in a header of
-//! four bytes and aligns every number to its size, counted from the end of that header.
+//! Numbers and texts of serialised messages.
+//!
+//! ROS 1 packs them little-endian without gaps. ROS 2 uses CDR (OMG DDSI-RTPS 10.2, XCDR version 1): a header of four bytes
+//! states the byte order, and every number is aligned to its size from the end of that header.
 
 use std::borrow::Cow;
-use std::fmt;
+use thiserror::Error;
 
-/// How a message is serialised.
+/// Serialisation of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoding {
     /// ROS 1.
@@ -15,7 +16,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// From the name that MCAP files give it.
+    /// From its name in MCAP files.
     #[must_use]
     pub fn of_name(name: &str) -> Option<Self> {
         match name {
@@ -27,55 +28,43 @@ impl Encoding {
 }
 
 /// Why a message cannot be decoded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum DecodeError {
-    /// It ends before its definition does.
+    /// It ends before its definition.
+    #[error("its {bytes} bytes end before the definition does")]
     TooShort {
         /// Its length \[bytes\].
         bytes: usize,
     },
-    /// It goes on after its definition has ended.
+    /// It is longer than its definition.
+    #[error("of its {bytes} bytes the definition covers {expected}")]
     TooLong {
         /// Its length \[bytes\].
         bytes: usize,
-        /// Where its definition ends \[bytes\].
+        /// Length of the definition \[bytes\].
         expected: usize,
     },
-    /// CDR that is not plain XCDR version 1.
+    /// CDR other than plain XCDR version 1.
+    #[error("{}", Self::representation(*.identifier))]
     Representation {
         /// The identifier in its header.
         identifier: [u8; 2],
     },
 }
 
-impl fmt::Display for DecodeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooShort { bytes } => {
-                write!(f, "its {bytes} bytes end before the definition does")
-            }
-            Self::TooLong { bytes, expected } => {
-                write!(f, "of its {bytes} bytes the definition covers {expected}")
-            }
-            Self::Representation {
-                identifier: ZSTD_START,
-            } => f.write_str(
-                "it is compressed with zstd by itself (ros2 bag record --compression-mode message); \
-                 unpack the file with ros2 bag convert",
-            ),
-            Self::Representation {
-                identifier: [high, low],
-            } => write!(
-                f,
-                "its CDR representation {high:#04x}{low:02x} is none of 0x0000 and 0x0001"
-            ),
+impl DecodeError {
+    fn representation([high, low]: [u8; 2]) -> String {
+        if [high, low] == ZSTD_START {
+            "it is compressed with zstd by itself (ros2 bag record --compression-mode message); unpack the file with \
+             ros2 bag convert"
+                .into()
+        } else {
+            format!("its CDR representation {high:#04x}{low:02x} is none of 0x0000 and 0x0001")
         }
     }
 }
 
-impl std::error::Error for DecodeError {}
-
-/// How messages begin that were compressed one by one.
+/// First bytes of messages that are compressed one by one.
 const ZSTD_START: [u8; 2] = [0x28, 0xb5];
 /// CDR rounds a message up to this many bytes.
 const CDR_PADDING: usize = 8;
@@ -103,7 +92,7 @@ impl<'a> Wire<'a> {
                 return Err(DecodeError::Representation { identifier });
             }
             wire.big_endian = low == 0;
-            // What follows is aligned from here on.
+            // Alignment counts from here.
             wire.bytes = &bytes[4..];
             wire.place = 0;
         }
@@ -174,7 +163,7 @@ impl<'a> Wire<'a> {
         Ok(numbers)
     }
 
-    /// A text; CDR counts the zero that ends it.
+    /// A text; its length in CDR includes the final zero.
     pub fn text(&mut self) -> Result<Cow<'a, str>, DecodeError> {
         let length = self.u32()? as usize;
         let mut bytes = self.take(length)?;
@@ -184,17 +173,17 @@ impl<'a> Wire<'a> {
         Ok(String::from_utf8_lossy(bytes))
     }
 
-    /// As many of something as the message says.
+    /// A list with its length.
     pub fn list<T>(
         &mut self,
         item: impl Fn(&mut Self) -> Result<T, DecodeError>,
     ) -> Result<Vec<T>, DecodeError> {
         let length = self.u32()?;
-        // Nothing is reserved: the length may be a lie.
+        // Nothing is reserved: the length may be wrong.
         (0..length).map(|_| item(self)).collect()
     }
 
-    /// That nothing is left, which would mean another definition.
+    /// Checks for the end of the message: a longer one has another definition.
     pub fn finish(self) -> Result<(), DecodeError> {
         let (bytes, expected) = (self.bytes.len(), self.place);
         let padded = match self.encoding {
@@ -214,7 +203,7 @@ mod tests {
 
     #[test]
     fn cdr_aligns_and_swaps_and_ros1_does_neither() {
-        // A byte, the text "ab", a double, of the OMG's rules by hand.
+        // A byte, the text "ab", a double, encoded by hand after the OMG's rules.
         let one = 1.0_f64;
         let mut little = vec![0, 1, 0, 0, 7, 0, 0, 0, 3, 0, 0, 0, b'a', b'b', 0, 0];
         little.extend([0; 4]);
@@ -243,7 +232,7 @@ mod tests {
     fn other_lengths_and_representations_are_refused() {
         let short = Wire::new(Encoding::Ros1, &[1, 2]).unwrap().u32();
         assert_eq!(short, Err(DecodeError::TooShort { bytes: 2 }));
-        // A list that claims to be 4 billion long.
+        // A list that claims a length of 4 billion.
         let lie = Wire::new(Encoding::Ros1, &[255; 9]).unwrap().list(Wire::u8);
         assert_eq!(lie, Err(DecodeError::TooShort { bytes: 9 }));
         let mut long = Wire::new(Encoding::Ros1, &[1, 2]).unwrap();

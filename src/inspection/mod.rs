@@ -1,18 +1,16 @@
-//! What a recording is worth, before anything is fitted to it: rates and gaps, how far its
-//! sensors trail each other, and how much they scatter. Pure; nothing is read or drawn here.
+//! Quality of a recording before any fit: sampling rates and gaps, delays between sensors, and noise. Nothing is read or
+//! drawn here.
 
 mod delay;
 mod motion;
 mod noise;
-mod resample;
 mod signals;
 mod timing;
 
 pub use delay::{Delay, Pair, Quality};
-pub use motion::{Motion, rest_spans};
+pub use motion::{MotionSummary, rest_spans};
 pub use noise::Noise;
-pub use resample::Interval;
-pub use signals::{Signal, heading_rate, wheel_mean};
+pub use signals::{MotionSignal, heading_rate, wheel_mean};
 pub use timing::Timing;
 
 use crate::recording::{Channel, Recording, Run};
@@ -22,11 +20,11 @@ use crate::recording::{Channel, Recording, Run};
 pub struct ChannelReport {
     /// The channel.
     pub channel: Channel,
-    /// Its samples in time.
+    /// Sampling times.
     pub timing: Timing,
-    /// Scatter while all wheels stand still; `None` with too few such samples.
+    /// Noise while all wheels stand still; `None` with too few such samples.
     pub noise_at_rest: Option<Noise>,
-    /// Scatter while they turn, an upper bound: the motion itself is in it.
+    /// Noise while they turn: an upper bound, because it includes the motion.
     pub noise_in_motion: Option<Noise>,
 }
 
@@ -37,9 +35,9 @@ pub struct RunReport {
     pub label: String,
     /// Time of its first sample \[s\].
     pub start: f64,
-    /// What it did.
-    pub motion: Motion,
-    /// The samples of each channel that it has.
+    /// Its motion.
+    pub motion: MotionSummary,
+    /// Sampling times of each channel with samples.
     pub timing: Vec<(Channel, Timing)>,
 }
 
@@ -47,23 +45,23 @@ pub struct RunReport {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
     /// All runs together.
-    pub motion: Motion,
-    /// Each channel that has samples.
+    pub motion: MotionSummary,
+    /// Each channel with samples.
     pub channels: Vec<ChannelReport>,
-    /// How far signals trail each other, from all runs together.
+    /// Delays between signals, from all runs together.
     pub delays: Vec<Delay>,
     /// Each run.
     pub runs: Vec<RunReport>,
 }
 
-/// Looks at a recording.
+/// Inspects a recording.
 #[must_use]
 pub fn inspect(recording: &Recording) -> Inspection {
     let runs: Vec<RunReport> = recording.runs.iter().map(inspect_run).collect();
     let motion = runs
         .iter()
         .map(|run| run.motion)
-        .fold(Motion::default(), Motion::and);
+        .fold(MotionSummary::default(), MotionSummary::and);
     Inspection {
         motion,
         channels: Channel::ALL
@@ -83,7 +81,7 @@ fn inspect_run(run: &Run) -> RunReport {
     RunReport {
         label: run.label.clone(),
         start: run.start(),
-        motion: Motion::of(run),
+        motion: MotionSummary::of(run),
         timing: run.channels().filter_map(timing).collect(),
     }
 }

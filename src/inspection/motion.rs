@@ -1,35 +1,34 @@
-//! How long, how far, and how much of it at rest.
+//! Duration, distance, and time at rest.
 
-use crate::recording::{Channel, Run, Series, longest_interval, way_along};
+use crate::recording::{Channel, Run, Series, distance_along_heading, longest_interval};
 
-/// Wheels slower than this stand still \[rad/s\].
+/// Slower wheels stand still \[rad/s\].
 const STILL: f64 = 0.02;
-/// Ways back that are shorter than this are noise \[m\].
-const WAY_BACK: f64 = 0.2;
-/// The same for turning back \[rad\].
-const TURN_BACK: f64 = 0.05;
-/// With fewer samples at rest a gyro's bias is not known.
-const FEWEST: usize = 20;
-/// A bias shows beyond so many standard errors.
+/// A shorter distance back is noise \[m\].
+const DISTANCE_BAND: f64 = 0.2;
+/// A smaller turn back is noise \[rad\].
+const TURN_BAND: f64 = 0.05;
+/// Minimum number of samples at rest for a gyro's bias.
+const MIN_SAMPLES: usize = 20;
+/// A bias is significant beyond this multiple of its standard error.
 const CLEAR: f64 = 3.0;
 
 /// Duration and distance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct MotionSummary {
     /// From the first sample to the last \[s\].
     pub duration: f64,
-    /// Length of the way along the heading, forward and back, after the pose \[m\], without what
-    /// noise goes to and fro; `None` without a pose.
+    /// Distance along the heading, forward and back, from the pose \[m\], without noise; `None` without a pose.
     pub distance: Option<f64>,
-    /// Angle turned, both ways, after the yaw rate (where it was sampled without a gap), or after the heading without one \[rad\]; without noise and
-    /// without a bias that shows at rest.
+    /// Angle turned, both ways, without noise \[rad\]. It is the integral of the yaw rate outside gaps, less a bias that is
+    /// significant at rest; without a gyro it comes from the heading.
     pub turned: Option<f64>,
     /// Time in which all wheels stand still \[s\].
     pub at_rest: f64,
 }
 
-impl Motion {
-    /// Of one run.
+impl MotionSummary {
+    /// The motion of one run.
     #[must_use]
     pub fn of(run: &Run) -> Self {
         let series = |channel| run.series(channel);
@@ -39,15 +38,16 @@ impl Motion {
             series(Channel::Heading),
         );
         let distance = match pose {
-            (Some(x), Some(y), Some(heading)) => {
-                Some(length(&way_along(x, y, heading).value, WAY_BACK))
-            }
+            (Some(x), Some(y), Some(heading)) => Some(length(
+                &distance_along_heading(x, y, heading).value,
+                DISTANCE_BAND,
+            )),
             _ => None,
         };
         let rests = rest_spans(run);
         let turned = series(Channel::YawRate).map(|rate| {
             let bias = bias(rate, &rests);
-            // What it did in a gap is not known.
+            // The motion in a gap is unknown.
             let limit = longest_interval(rate);
             let pairs = rate.value.windows(2).zip(rate.intervals());
             let pairs = pairs.filter(|(_, interval)| *interval <= limit);
@@ -57,10 +57,10 @@ impl Motion {
             });
             length(
                 &std::iter::once(0.0).chain(steps).collect::<Vec<f64>>(),
-                TURN_BACK,
+                TURN_BAND,
             )
         });
-        let by_heading = || Some(length(&series(Channel::Heading)?.value, TURN_BACK));
+        let by_heading = || Some(length(&series(Channel::Heading)?.value, TURN_BAND));
         Self {
             duration: run.duration(),
             distance,
@@ -70,7 +70,7 @@ impl Motion {
         }
     }
 
-    /// Both together.
+    /// The motions of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let sum = |a: Option<f64>, b: Option<f64>| a.map_or(b, |a| Some(a + b.unwrap_or(0.0)));
@@ -83,12 +83,12 @@ impl Motion {
     }
 }
 
-/// How far values go up and down; a way back counts from where it begins, once it is longer than `band`.
+/// Total variation of values; a reversal counts in full as soon as it exceeds `band`.
 fn length(values: &[f64], band: f64) -> f64 {
     let Some(first) = values.first() else {
         return 0.0;
     };
-    // The last value that counts is the furthest in the direction taken.
+    // The last counted value is the furthest in the current direction.
     let (mut furthest, mut direction, mut total) = (*first, 0.0, 0.0);
     for value in values {
         let step = value - furthest;
@@ -100,7 +100,7 @@ fn length(values: &[f64], band: f64) -> f64 {
     total
 }
 
-/// The mean of a rate at rest, where it is known and not explained by the scatter.
+/// The mean of a rate at rest, if it is significant; otherwise 0.
 fn bias(rate: &Series, rests: &[(f64, f64)]) -> f64 {
     let rests_at = |time: f64| {
         let next = rests.partition_point(|(_, end)| *end < time);
@@ -115,14 +115,14 @@ fn bias(rate: &Series, rests: &[(f64, f64)]) -> f64 {
         .map(|value| (value - mean).powi(2))
         .sum::<f64>();
     let is_clear = mean.abs() * count > CLEAR * square.sqrt();
-    if there.len() >= FEWEST && is_clear {
+    if there.len() >= MIN_SAMPLES && is_clear {
         mean
     } else {
         0.0
     }
 }
 
-/// The spans in which all wheels stand still \[s\].
+/// Spans in which all wheels stand still \[s\].
 #[must_use]
 pub fn rest_spans(run: &Run) -> Vec<(f64, f64)> {
     let Some(drive) = run.drive() else {
@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ways_to_and_fro_count_from_end_to_end_and_noise_does_not() {
+    fn reversals_count_in_full_and_noise_does_not() {
         assert_eq!(length(&[], 0.2), 0.0);
         assert_eq!(length(&[5.0], 0.2), 0.0);
         // Forward, back, and forward again, in steps below the band.
@@ -169,16 +169,16 @@ mod tests {
         let noisy: Vec<f64> = drive
             .iter()
             .zip(&noise)
-            .map(|(way, noise)| way + noise)
+            .map(|(distance, noise)| distance + noise)
             .collect();
         assert!((length(&noisy, 0.2) - 15.0).abs() < 0.5);
     }
 
     #[test]
-    fn nobody_knows_what_turned_in_a_gap() {
+    fn turning_in_a_gap_does_not_count() {
         let times = (0..=100).chain(100_000..=100_100);
         let rate: Series = times.map(|k| (0.05 * f64::from(k), 0.4)).collect();
-        let turned = Motion::of(&Run::new("").with(Channel::YawRate, rate)).turned;
+        let turned = MotionSummary::of(&Run::new("").with(Channel::YawRate, rate)).turned;
         assert!((turned.unwrap() - 0.4 * 10.0).abs() < 1e-9, "{turned:?}");
     }
 
@@ -188,7 +188,7 @@ mod tests {
         let still = || times().map(|(time, _)| (time, 0.0)).collect::<Series>();
         let noisy = |mean: f64, size: f64| -> Series {
             times()
-                .map(|(time, way)| (time, mean + size * way))
+                .map(|(time, swing)| (time, mean + size * swing))
                 .collect()
         };
         let run = Run::new("")
@@ -199,9 +199,9 @@ mod tests {
             .with(Channel::Heading, noisy(0.5, 0.01));
         let biased = run.clone().with(Channel::YawRate, noisy(0.02, 0.04));
         for run in [run, biased] {
-            let Motion {
+            let MotionSummary {
                 distance, turned, ..
-            } = Motion::of(&run);
+            } = MotionSummary::of(&run);
             assert_eq!(distance, Some(0.0));
             assert!(turned.unwrap() < 1e-9, "{turned:?}");
         }

@@ -1,31 +1,29 @@
 //! Scatter of samples about the line between their neighbours.
 
-use super::{Interval, rest_spans};
-use crate::recording::{Channel, Run, Series};
+use super::motion::rest_spans;
+use crate::recording::{Channel, IntervalEstimate, Run, Series, upper_median};
 
-/// Fewer differences give no estimate.
-const FEWEST: usize = 20;
-/// Half width of the 90 % interval, times the root of the number of differences: 1.645 times
-/// 1.17 of a standard deviation that is estimated by a median, and 1.4 because neighbouring
-/// differences share samples.
+/// Minimum number of differences.
+const MIN_DIFFERENCES: usize = 20;
+/// Half width of the 90 % interval times the root of the number of differences. The factors: 1.645 for 90 %, 1.17 for a
+/// standard deviation from a median, 1.4 because neighbouring differences share samples.
 const WIDTH: f64 = 1.645 * 1.17 * 1.4;
-/// The standard deviation of a normal distribution by its median magnitude.
+/// Standard deviation of a normal distribution over its median magnitude.
 const PER_MEDIAN: f64 = 1.4826;
 
-/// Standard deviation of white noise on a channel, in the channel's unit: from each sample's
-/// difference to the line between its neighbours (a second difference), by the median, so that
-/// outliers do not count.
+/// Standard deviation of white noise on a channel, in the channel's unit. It is the median difference of the samples from
+/// the line between their neighbours (second differences), which is robust against outliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// The estimate with its 90 % interval; 0 where over half of the samples lie on the line, as
-    /// values do that are held, or quantised coarsely: it then says nothing.
-    pub deviation: Interval,
+    /// The estimate with its 90 % interval. It is 0, without meaning, if over half of the samples lie on the line: values that
+    /// are held, or coarsely quantised.
+    pub deviation: IntervalEstimate,
     /// Number of differences.
     pub count: usize,
 }
 
 impl Noise {
-    /// Of a channel over all runs: at rest, and in motion.
+    /// Noise of a channel over all runs: at rest, and in motion.
     #[must_use]
     pub fn of(runs: &[Run], channel: Channel) -> [Option<Self>; 2] {
         let (mut still, mut moving) = (Vec::new(), Vec::new());
@@ -46,16 +44,15 @@ impl Noise {
         [still, moving].map(Self::from_differences)
     }
 
-    fn from_differences(mut sizes: Vec<f64>) -> Option<Self> {
+    fn from_differences(sizes: Vec<f64>) -> Option<Self> {
         let count = sizes.len();
-        if count < FEWEST {
+        if count < MIN_DIFFERENCES {
             return None;
         }
-        let (_, median, _) = sizes.select_nth_unstable_by(count / 2, f64::total_cmp);
-        let value = PER_MEDIAN * *median;
+        let value = PER_MEDIAN * upper_median(sizes)?;
         let width = WIDTH / (count as f64).sqrt();
         Some(Self {
-            deviation: Interval {
+            deviation: IntervalEstimate {
                 value,
                 low: value * (1.0 - width).max(0.0),
                 high: value * (1.0 + width),
@@ -65,8 +62,8 @@ impl Noise {
     }
 }
 
-/// For each sample between two others: its time, theirs, and how far it is from the line
-/// between them, as a share of white noise's standard deviation there.
+/// For each sample between two others: its time, their times, and its distance from the line between them, divided by the
+/// standard deviation of that distance for white noise of deviation 1.
 fn differences(series: &Series) -> impl Iterator<Item = (f64, [f64; 2], f64)> + '_ {
     let time = &series.time;
     let value = &series.value;

@@ -1,38 +1,38 @@
-//! The same motion as different sensors see it.
+//! The same motion, measured by different sensors.
 
-use crate::recording::{Channel, Cumulated, Run, Series, way_along};
+use crate::recording::{Channel, Cumulated, Run, Series, distance_along_heading};
 
-/// Something that several sensors tell about.
+/// A signal of the motion from one sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// Right less left wheel speed \[rad/s\]: turning, as the wheels have it.
+pub enum MotionSignal {
+    /// Right minus left wheel speed \[rad/s\]: turning, by the wheels.
     WheelDifference,
-    /// Mean of both wheel speeds \[rad/s\]: driving, as the wheels have it.
+    /// Mean of both wheel speeds \[rad/s\]: driving, by the wheels.
     WheelMean,
-    /// Yaw rate \[rad/s\], as the gyro has it.
+    /// Yaw rate \[rad/s\], by the gyro.
     YawRate,
-    /// Rate of the heading \[rad/s\], as the pose has it.
+    /// Rate of the heading \[rad/s\], by the pose.
     Heading,
-    /// Speed along the heading \[m/s\], as the pose has it.
-    Way,
+    /// Speed along the heading \[m/s\], by the pose.
+    Distance,
     /// Velocity forward \[m/s\], as measured.
     Velocity,
 }
 
-impl Signal {
-    /// What it is called in reports.
+impl MotionSignal {
+    /// Name in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::WheelDifference | Self::WheelMean => "wheels",
             Self::YawRate => "yaw_rate",
             Self::Heading => "heading",
-            Self::Way => "position",
+            Self::Distance => "position",
             Self::Velocity => "v_x",
         }
     }
 
-    /// Its integral over a run; `None` where it was not measured.
+    /// Its integral over a run; `None` if it was not measured.
     #[must_use]
     pub fn of(self, run: &Run) -> Option<Cumulated> {
         let rate = |series: &Series| Cumulated::of_rate(series);
@@ -42,7 +42,7 @@ impl Signal {
             Self::YawRate => rate(run.series(Channel::YawRate)?),
             Self::Velocity => rate(run.series(Channel::VX)?),
             Self::Heading => Cumulated::of_position(run.series(Channel::Heading)?),
-            Self::Way => Cumulated::of_position(&way_along(
+            Self::Distance => Cumulated::of_position(&distance_along_heading(
                 run.series(Channel::X)?,
                 run.series(Channel::Y)?,
                 run.series(Channel::Heading)?,
@@ -70,12 +70,11 @@ pub fn heading_rate(run: &Run, window: f64) -> Option<Series> {
     Some(rates.collect())
 }
 
-/// A sum of both wheel speeds, where both are known.
+/// A weighted sum of both wheel speeds.
 fn wheels(run: &Run, weights: [f64; 2]) -> Option<Series> {
-    let right = run.series(Channel::OmegaRight)?;
-    let sum = run
-        .series(Channel::OmegaLeft)?
-        .samples()
-        .filter_map(|(time, left)| Some((time, weights[0] * left + weights[1] * right.at(time)?)));
-    Some(sum.collect())
+    let sides = [
+        run.series(Channel::OmegaLeft)?,
+        run.series(Channel::OmegaRight)?,
+    ];
+    Some(Series::weighted_sum(sides, weights))
 }

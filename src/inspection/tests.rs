@@ -2,19 +2,8 @@ use super::*;
 use crate::recording::Series;
 
 /// Noise of a given standard deviation: a sum of twelve uniform numbers.
-struct Random(u64);
-
-impl Random {
-    fn normal(&mut self, deviation: f64) -> f64 {
-        let mut next = || {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 33) as f64 / 2f64.powi(31)
-        };
-        deviation * ((0..12).map(|_| next()).sum::<f64>() - 6.0)
-    }
+fn normal(random: &mut fastrand::Rng, deviation: f64) -> f64 {
+    deviation * ((0..12).map(|_| random.f64()).sum::<f64>() - 6.0)
 }
 
 const TURN: f64 = 0.16;
@@ -34,9 +23,9 @@ fn wheels(time: f64) -> (f64, f64) {
     )
 }
 
-/// A run in which wheels trail the gyro by one delay and the pose by another, with noise on all.
+/// A run in which wheels and pose are late by these delays behind the gyro, with noise on all.
 fn run(seconds: f64, late: [f64; 2], noise: [f64; 3], seed: u64) -> Run {
-    let mut random = Random(seed);
+    let mut random = fastrand::Rng::with_seed(seed);
     let fine = 0.002;
     let mut pose = vec![[0.0; 3]];
     for index in 0..(seconds / fine) as usize {
@@ -67,9 +56,9 @@ fn run(seconds: f64, late: [f64; 2], noise: [f64; 3], seed: u64) -> Run {
                 t,
                 at(t - late[1]),
                 [
-                    random.normal(noise[1]),
-                    random.normal(noise[1]),
-                    random.normal(noise[2]),
+                    normal(&mut random, noise[1]),
+                    normal(&mut random, noise[1]),
+                    normal(&mut random, noise[2]),
                 ],
             )
         })
@@ -86,7 +75,7 @@ fn run(seconds: f64, late: [f64; 2], noise: [f64; 3], seed: u64) -> Run {
         .with(
             Channel::YawRate,
             times(0.05)
-                .map(|t| (t, TURN * wheels(t).0 + random.normal(noise[0])))
+                .map(|t| (t, TURN * wheels(t).0 + normal(&mut random, noise[0])))
                 .collect(),
         )
         .with(Channel::X, channel(0))
@@ -101,7 +90,7 @@ fn recording(runs: Vec<Run>) -> Recording {
     }
 }
 
-fn delay(inspection: &Inspection, of: Signal, behind: Signal) -> &Delay {
+fn delay(inspection: &Inspection, of: MotionSignal, behind: MotionSignal) -> &Delay {
     let found = inspection
         .delays
         .iter()
@@ -116,10 +105,18 @@ fn delays_are_recovered_within_two_hundredths_of_a_second() {
         let run = run(100.0, [wheels, pose], [0.02, 0.02, 0.005], 3);
         let inspection = inspect(&recording(vec![run]));
         for (of, behind, truth) in [
-            (Signal::WheelDifference, Signal::YawRate, wheels),
-            (Signal::Heading, Signal::YawRate, pose),
-            (Signal::Heading, Signal::WheelDifference, pose - wheels),
-            (Signal::Way, Signal::WheelMean, pose - wheels),
+            (MotionSignal::WheelDifference, MotionSignal::YawRate, wheels),
+            (MotionSignal::Heading, MotionSignal::YawRate, pose),
+            (
+                MotionSignal::Heading,
+                MotionSignal::WheelDifference,
+                pose - wheels,
+            ),
+            (
+                MotionSignal::Distance,
+                MotionSignal::WheelMean,
+                pose - wheels,
+            ),
         ] {
             let delay = delay(&inspection, of, behind);
             let error = delay.seconds.value - truth;
@@ -134,7 +131,12 @@ fn delays_are_recovered_within_two_hundredths_of_a_second() {
             );
             assert!(!delay.contradicts);
         }
-        let scale = delay(&inspection, Signal::Heading, Signal::WheelDifference).scale;
+        let scale = delay(
+            &inspection,
+            MotionSignal::Heading,
+            MotionSignal::WheelDifference,
+        )
+        .scale;
         assert!((scale.value / TURN - 1.0).abs() < 0.02, "{scale:?}");
     }
 }
@@ -184,7 +186,7 @@ fn short_runs_are_pooled() {
             })
     };
     let inspection = inspect(&recording((0..20).map(piece).collect()));
-    let found = delay(&inspection, Signal::Heading, Signal::YawRate);
+    let found = delay(&inspection, MotionSignal::Heading, MotionSignal::YawRate);
     assert!(
         (found.seconds.value - 0.37).abs() < 0.03,
         "{:?}",
@@ -195,21 +197,21 @@ fn short_runs_are_pooled() {
 }
 
 #[test]
-fn interval_holds_the_truth_about_as_often_as_it_says() {
+fn interval_covers_the_truth_about_as_often_as_stated() {
     let truth = 0.37;
     let estimated = |seed| {
         let run = run(60.0, [0.1, truth], [0.2, 0.05, 0.05], seed);
         let inspection = inspect(&recording(vec![run]));
-        delay(&inspection, Signal::Heading, Signal::YawRate).seconds
+        delay(&inspection, MotionSignal::Heading, MotionSignal::YawRate).seconds
     };
     let found: Vec<_> = (0..40).map(estimated).collect();
-    let held = found
+    let covered = found
         .iter()
         .filter(|one| one.low <= truth && truth <= one.high)
         .count();
     // Of 40 with a chance of 0.9; five blocks make the intervals a little short.
-    assert!(held >= 29, "{held} of 40");
-    // Nor are they wide: 3.29 deviations of what was found are 90 %.
+    assert!(covered >= 29, "{covered} of 40");
+    // Nor are they wide: 3.29 deviations of the estimates are 90 %.
     let squares = found.iter().map(|one| (one.value - truth).powi(2));
     let scatter = (squares.sum::<f64>() / 40.0).sqrt();
     let width = found.iter().map(|one| one.width()).sum::<f64>() / 40.0;
@@ -265,12 +267,12 @@ fn motion_and_timing_are_summed_up() {
         "{:?}",
         inspection.motion
     );
-    let way: f64 = (0..60_000)
+    let distance: f64 = (0..60_000)
         .map(|k| RADIUS * wheels(0.001 * f64::from(k)).1.abs() * 0.001)
         .sum();
     assert!(
-        (inspection.motion.distance.unwrap() - way).abs() < 0.02 * way,
-        "{way}"
+        (inspection.motion.distance.unwrap() - distance).abs() < 0.02 * distance,
+        "{distance}"
     );
     let timing = |channel| {
         inspection
@@ -290,7 +292,7 @@ fn motion_and_timing_are_summed_up() {
 }
 
 #[test]
-fn signals_that_go_against_each_other_are_told() {
+fn opposite_signs_are_reported() {
     let good = run(100.0, [0.1, 0.3], [0.02, 0.02, 0.005], 9);
     let gyro: Series = good
         .series(Channel::YawRate)
@@ -299,12 +301,19 @@ fn signals_that_go_against_each_other_are_told() {
         .map(|(t, value)| (t, -value))
         .collect();
     let inspection = inspect(&recording(vec![good.with(Channel::YawRate, gyro)]));
-    assert!(delay(&inspection, Signal::Heading, Signal::YawRate).contradicts);
-    assert!(!delay(&inspection, Signal::Heading, Signal::WheelDifference).contradicts);
+    assert!(delay(&inspection, MotionSignal::Heading, MotionSignal::YawRate).contradicts);
+    assert!(
+        !delay(
+            &inspection,
+            MotionSignal::Heading,
+            MotionSignal::WheelDifference
+        )
+        .contradicts
+    );
 }
 
 #[test]
-fn nothing_is_made_of_nothing() {
+fn no_motion_gives_no_delay() {
     let still: Series = (0..400).map(|k| (0.05 * f64::from(k), 0.0)).collect();
     let run = Run::new("")
         .with(Channel::OmegaLeft, still.clone())

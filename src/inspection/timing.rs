@@ -1,29 +1,29 @@
-//! When samples come.
+//! Sampling times.
 
-use crate::recording::Series;
+use crate::recording::{Series, nearest_rank};
 
-/// An interval of so many median ones is a gap.
+/// An interval longer than this multiple of the median one is a gap.
 const GAP: f64 = 3.0;
 
-/// Number and times of a channel's samples.
+/// Number and intervals of a channel's samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timing {
     /// Number of samples.
     pub samples: usize,
     /// Median interval between samples \[s\].
     pub interval: f64,
-    /// The intervals that 5 % are shorter and 5 % longer than: their spread is the jitter \[s\].
+    /// 5 % and 95 % quantiles of the intervals, whose spread is the jitter \[s\].
     pub usual: (f64, f64),
     /// The longest interval \[s\].
     pub longest: f64,
-    /// When the longest begins \[s\], and in which of the series.
+    /// Start of the longest interval \[s\], and index of its series.
     pub longest_at: (f64, usize),
-    /// Share of the time in intervals of over three median ones.
+    /// Share of the time in gaps: intervals longer than three median ones.
     pub in_gaps: f64,
 }
 
 impl Timing {
-    /// Of one channel in several runs; `None` with fewer than two samples in each.
+    /// From one channel in several runs; `None` with fewer than two samples in each.
     #[must_use]
     pub fn of<'a>(runs: impl IntoIterator<Item = &'a Series>) -> Option<Self> {
         let mut samples = 0;
@@ -40,16 +40,15 @@ impl Timing {
         }
         intervals.sort_by(f64::total_cmp);
         let total: f64 = intervals.iter().sum();
-        let quantile =
-            |share: f64| intervals.get((share * (intervals.len() as f64 - 1.0)).round() as usize);
-        let interval = *quantile(0.5)?;
+        let quantile = |share| nearest_rank(&intervals, share);
+        let interval = quantile(0.5)?;
         let gaps = intervals.iter().filter(|length| **length > GAP * interval);
         // A sum of nothing is -0.
         let in_gaps = 0.0 + gaps.sum::<f64>() / total;
         Some(Self {
             samples,
             interval,
-            usual: (*quantile(0.05)?, *quantile(0.95)?),
+            usual: (quantile(0.05)?, quantile(0.95)?),
             longest: longest.0,
             longest_at: longest.1,
             in_gaps,

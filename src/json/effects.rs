@@ -1,21 +1,16 @@
 //! Effects as JSON: an object with a key for each effect that is on.
 
-use super::JsonError;
-use super::object;
+use super::error::JsonError;
+use super::object::{self, EFFECTS_FORMAT, FORMAT, as_object, check_format, check_keys};
 use super::window::{self, WINDOW};
 use crate::effects::{
     Boundary, CATALOGUE, Declaration, Effects, Grid, ParameterName, Points, SlopeProfile,
 };
-use crate::spelling::nearest;
 use serde_json::{Map, Value, json};
-
-/// What marks a file of effects.
-pub const EFFECTS_FORMAT: &str = "ugv-effects/1";
 
 /// Keys beside the parameters.
 const PROFILE: &str = "profile";
 const OVER: &str = "over";
-const FORMAT: &str = "format";
 
 const BOUNDARIES: [(&str, Boundary); 3] = [
     ("time", Boundary::Time),
@@ -24,10 +19,10 @@ const BOUNDARIES: [(&str, Boundary); 3] = [
 ];
 
 impl Effects {
-    /// Reads effects from JSON: an object whose keys are names of effects, each holding an object
-    /// with parameters (what is missing has its default); `grade` may hold a `profile`, and
-    /// `terrain_change` tells by `over` what its boundary is measured over; beside the effects a
-    /// `window` may tell when or where some of them act.
+    /// Reads effects from JSON: an object whose keys are names of effects, with objects of parameters
+    /// as values. Missing parameters have their defaults. `grade` may have a `profile`;
+    /// `terrain_change` may have `over`, the quantity over which its boundary is measured. The
+    /// key `window` limits the time or place where some of the effects act.
     ///
     /// # Errors
     /// Text that is not JSON, unknown effects or parameters, and values out of range.
@@ -35,7 +30,7 @@ impl Effects {
         Self::from_json_value(&object::parse(text)?)
     }
 
-    /// As [`Effects::from_json`], from JSON that is parsed already; of a model, its effects.
+    /// As [`Effects::from_json`], from parsed JSON. From a model it reads the effects.
     ///
     /// # Errors
     /// As [`Effects::from_json`].
@@ -46,20 +41,16 @@ impl Effects {
             "effects",
             "an object with a key for each effect that is on",
         )?;
+        let names = CATALOGUE.iter().map(|effect| effect.name);
+        check_keys("set of effects", map.keys(), names.chain([WINDOW, FORMAT]))?;
+        if let Some(value) = map.get(FORMAT) {
+            check_format(value, EFFECTS_FORMAT)?;
+        }
         let mut effects = Self::NONE;
-        for (key, value) in map {
-            if key == FORMAT {
-                check_format(value, EFFECTS_FORMAT)?;
-                continue;
+        for (index, effect) in CATALOGUE.iter().enumerate() {
+            if let Some(value) = map.get(effect.name) {
+                effects.read_effect(index, effect, value)?;
             }
-            if key == WINDOW {
-                continue;
-            }
-            let known = || CATALOGUE.iter().map(|effect| effect.name).chain([WINDOW]);
-            let Some(effect) = CATALOGUE.iter().find(|effect| effect.name == key) else {
-                return Err(unknown("set of effects", key, known()));
-            };
-            effects.read_effect(effect, value)?;
         }
         if let Some(value) = map.get(WINDOW) {
             effects.window = Some(window::read(value, &effects)?);
@@ -69,40 +60,34 @@ impl Effects {
 
     fn read_effect(
         &mut self,
+        index: usize,
         effect: &'static Declaration,
         value: &Value,
     ) -> Result<(), JsonError> {
         let map = as_object(value, effect.name, "an object with the effect's parameters")?;
-        let extra: &[&'static str] = match effect.name {
-            "grade" => &[PROFILE],
-            "terrain_change" => &[OVER],
-            _ => &[],
+        let extra = match effect.name {
+            "grade" => Some(PROFILE),
+            "terrain_change" => Some(OVER),
+            _ => None,
         };
-        for (key, value) in map {
-            let place = format!("{}.{key}", effect.name);
-            match ParameterName::find(&place) {
-                Some(parameter) => {
-                    let expected = || format!("a number [{}]", parameter.declaration().1.unit);
-                    let number = value
-                        .as_f64()
-                        .ok_or_else(|| JsonError::wrong_type(&place, value, expected()))?;
-                    self.set(parameter, number)?;
-                }
-                None if key == PROFILE && extra.contains(&PROFILE) => {
-                    self.slope_profile = Some(read_profile(&place, value)?);
-                }
-                None if key == OVER && extra.contains(&OVER) => {
-                    self.boundary = read_over(&place, value)?;
-                }
-                None => {
-                    let known = effect.parameters.iter().map(|p| p.name);
-                    return Err(unknown(
-                        effect.name,
-                        key,
-                        known.chain(extra.iter().copied()),
-                    ));
-                }
+        let names = effect.parameters.iter().map(|parameter| parameter.name);
+        check_keys(effect.name, map.keys(), names.chain(extra))?;
+        let place = |key: &str| format!("{}.{key}", effect.name);
+        for parameter in parameters(index) {
+            let declared = parameter.declaration().1;
+            if let Some(value) = map.get(declared.name) {
+                let number = value.as_f64().ok_or_else(|| {
+                    let expected = format!("a number [{}]", declared.unit);
+                    JsonError::wrong_type(place(declared.name), value, expected)
+                })?;
+                self.set(parameter, number)?;
             }
+        }
+        if let Some(value) = map.get(PROFILE) {
+            self.slope_profile = Some(read_profile(&place(PROFILE), value)?);
+        }
+        if let Some(value) = map.get(OVER) {
+            self.boundary = read_over(&place(OVER), value)?;
         }
         Ok(())
     }
@@ -115,76 +100,42 @@ impl Effects {
         format!("{value:#}\n")
     }
 
-    /// The effects that are on, or whose shape is another than where nothing is said, as JSON that
+    /// The effects that are on or have parameters other than the defaults, as JSON that
     /// [`Effects::from_json_value`] reads back to the last bit.
     #[must_use]
     pub fn to_json_value(&self) -> Value {
         let mut map = Map::new();
         for (index, effect) in CATALOGUE.iter().enumerate() {
-            let places = 0..effect.parameters.len();
-            let own: Vec<_> = places
-                .filter_map(|place| ParameterName::at(index, place))
-                .collect();
-            let shaped = own
-                .iter()
-                .any(|p| self.get(*p) != p.declaration().1.default);
+            let shaped = parameters(index).any(|p| self.get(p) != p.declaration().1.default);
             let bounded = effect.name == "terrain_change" && self.boundary != Boundary::default();
             if !(self.is_on(index) || shaped || bounded) {
                 continue;
             }
-            let mut parameters = Map::new();
-            for parameter in own {
-                let name = parameter.declaration().1.name;
-                parameters.insert(name.into(), self.get(parameter).into());
-            }
+            let named = parameters(index).map(|parameter| {
+                let value = self.get(parameter).into();
+                (parameter.declaration().1.name.to_owned(), value)
+            });
+            let mut entries: Map<String, Value> = named.collect();
             if effect.name == "grade"
                 && let Some(profile) = &self.slope_profile
             {
-                parameters.insert(PROFILE.into(), write_profile(profile));
+                entries.insert(PROFILE.into(), write_profile(profile));
             }
             if effect.name == "terrain_change" {
                 let named = BOUNDARIES.iter().find(|(_, b)| *b == self.boundary);
                 let name = named.map_or("place", |(name, _)| name);
-                parameters.insert(OVER.into(), name.into());
+                entries.insert(OVER.into(), name.into());
             }
-            map.insert(effect.name.into(), parameters.into());
+            map.insert(effect.name.into(), entries.into());
         }
         map.extend(window::write(self).map(|window| (WINDOW.into(), window)));
         map.into()
     }
 }
 
-pub(super) fn as_object<'a>(
-    value: &'a Value,
-    place: &str,
-    expected: &str,
-) -> Result<&'a Map<String, Value>, JsonError> {
-    value
-        .as_object()
-        .ok_or_else(|| JsonError::wrong_type(place, value, expected.into()))
-}
-
-pub(super) fn check_format(value: &Value, expected: &'static str) -> Result<(), JsonError> {
-    if value == expected {
-        return Ok(());
-    }
-    Err(JsonError::wrong_type(
-        FORMAT,
-        value,
-        format!("\"{expected}\""),
-    ))
-}
-
-pub(super) fn unknown(
-    what: &'static str,
-    key: &str,
-    known: impl Iterator<Item = &'static str>,
-) -> JsonError {
-    JsonError::UnknownKey {
-        what,
-        key: key.into(),
-        nearest: nearest(key, known).unwrap_or_default(),
-    }
+/// The parameters of an effect.
+fn parameters(effect: usize) -> impl Iterator<Item = ParameterName> {
+    (0..).map_while(move |place| ParameterName::at(effect, place))
 }
 
 fn read_over(place: &str, value: &Value) -> Result<Boundary, JsonError> {
@@ -212,7 +163,7 @@ fn read_profile(place: &str, value: &Value) -> Result<SlopeProfile, JsonError> {
                 .enumerate()
             {
                 let pairs = row.as_array().ok_or_else(wrong)?;
-                // Rows of other lengths could still have as many slopes in all as the grid has corners.
+                // Rows of different lengths could have the right number of slopes in total.
                 if pairs.len() != y.len() {
                     let place = format!("{place}.slopes[{index}]");
                     let expected = format!(
@@ -301,7 +252,7 @@ mod tests {
             Effects::from_json(&Effects::NONE.to_json()),
             Ok(Effects::NONE)
         );
-        // What only shapes an effect is kept while it is off.
+        // Parameters that do not switch an effect on are kept while it is off.
         let mut shaped = Effects::NONE.with("drawbar.hitch_height", 0.9).unwrap();
         shaped.boundary = Boundary::Time;
         assert_eq!(Effects::from_json(&shaped.to_json()), Ok(shaped));

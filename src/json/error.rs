@@ -1,4 +1,4 @@
-//! What can be wrong with a vehicle's or a terrain's JSON.
+//! The errors in JSON of vehicles, terrains, effects and models.
 
 use crate::display::{listed, shortened};
 use crate::effects::{ProfileError, WindowError};
@@ -6,7 +6,7 @@ use crate::parameter::ParameterError;
 use serde_json::Value;
 use std::fmt;
 
-/// Why a text describes no vehicle or terrain.
+/// Why JSON is refused.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JsonError {
     /// The text is not JSON.
@@ -15,37 +15,37 @@ pub enum JsonError {
         line: usize,
         /// Column of the line, from 1.
         column: usize,
-        /// What the parser says.
+        /// The parser's message.
         message: String,
     },
-    /// A value of another type than wanted.
+    /// A value of the wrong type.
     WrongType {
-        /// Where: a key, an element such as `row_positions[1]`, or what the text describes.
+        /// A key, an element such as `row_positions[1]`, or the kind of object.
         place: String,
-        /// What stands there.
+        /// The value there.
         found: String,
-        /// What should.
+        /// The expected value.
         expected: String,
     },
-    /// A key that must be there and is not.
+    /// A required key that is missing.
     MissingKey {
-        /// What is described: a vehicle or a terrain.
+        /// The kind of object.
         what: &'static str,
         /// The key.
         key: &'static str,
-        /// What it should hold.
+        /// Its expected value.
         expected: String,
     },
-    /// A key that nothing reads.
+    /// An unknown key.
     UnknownKey {
-        /// What is described: a vehicle or a terrain.
+        /// The kind of object.
         what: &'static str,
         /// The key.
         key: String,
-        /// The known key that is spelled most like it.
+        /// The known key with the nearest spelling.
         nearest: &'static str,
     },
-    /// An object of several terrains where one is wanted.
+    /// An object of several terrains instead of one.
     SeveralTerrains {
         /// Their names.
         names: Vec<String>,
@@ -57,27 +57,25 @@ pub enum JsonError {
         /// What is wrong with it.
         source: Box<JsonError>,
     },
-    /// Numbers that make no profile of slopes.
+    /// Numbers that give no profile of slopes.
     Profile {
-        /// Where it stands.
+        /// Where.
         place: String,
         /// What is wrong with it.
         source: ProfileError,
     },
-    /// A name that is no effect's.
+    /// A name of no effect.
     UnknownEffect {
-        /// Where it stands.
+        /// Where.
         place: String,
         /// The name.
         name: String,
-        /// The effect that is spelled most like it.
+        /// The effect with the nearest spelling.
         nearest: &'static str,
     },
-    /// Two keys in the object of a third, of which one is wanted.
-    Either(&'static str, [&'static str; 2]),
-    /// A window that makes no sense.
+    /// An invalid window.
     Window {
-        /// Where it stands.
+        /// Where.
         place: &'static str,
         /// What is wrong with it.
         source: WindowError,
@@ -96,7 +94,7 @@ impl JsonError {
     }
 }
 
-/// What a value is, short enough for a message.
+/// A value in words, short enough for a message.
 fn describe(value: &Value) -> String {
     match value {
         Value::Null => "null".into(),
@@ -167,10 +165,6 @@ impl fmt::Display for JsonError {
                 f,
                 "{place}: no effect is called `{}`; the nearest is `{nearest}`",
                 shortened(name)
-            ),
-            Self::Either(place, [one, other]) => write!(
-                f,
-                "{place}: found both `{one}` and `{other}`, expected one of them"
             ),
             Self::Window { place, source } => write!(f, "{place}: {source}"),
             Self::OutOfRange(error) => error.fmt(f),

@@ -1,8 +1,7 @@
 //! Vehicles, terrains, effects and whole models as JSON, and the paper's ones.
 //!
-//! A file holds exactly the keys of its kind; `assumed` may stand beside them and is ignored
-//! (recordings list there which of their values were not measured). Values in SI units, the
-//! friction angle in degrees.
+//! A file has exactly the keys of its kind. The key `assumed` is allowed and ignored: recordings list
+//! there which of their values were not measured. Values in SI units, the friction angle in degrees.
 
 mod effects;
 mod error;
@@ -14,8 +13,10 @@ mod unique;
 mod vehicle;
 mod window;
 
-pub use effects::EFFECTS_FORMAT;
 pub use error::JsonError;
 pub use file::read_file;
+#[cfg(feature = "analysis")]
 pub(crate) use object::parse;
-pub use specification::{FittedTo, MODEL_FORMAT};
+pub(crate) use object::parsed;
+pub use object::{EFFECTS_FORMAT, MODEL_FORMAT};
+pub use specification::FittedTo;

@@ -1,17 +1,21 @@
-//! A JSON object with a fixed set of keys.
+//! JSON objects with a fixed set of keys.
 
-use super::JsonError;
-use super::effects::check_format;
-use super::specification::MODEL_FORMAT;
+use super::error::JsonError;
 use super::unique::Unique;
 use crate::spelling::nearest;
 use serde_json::{Map, Value};
-use std::fmt::Write;
+
+/// The key of the mark.
+pub(super) const FORMAT: &str = "format";
+/// The mark of a file of a model.
+pub const MODEL_FORMAT: &str = "ugv-model/1";
+/// The mark of a file of effects.
+pub const EFFECTS_FORMAT: &str = "ugv-effects/1";
 
 /// Recordings list under this key which values of a vehicle were not measured.
 const IGNORED: &str = "assumed";
 
-/// A key and what it holds.
+/// A key and its expected value.
 pub(super) struct Key {
     pub name: &'static str,
     /// "a number [kg]".
@@ -35,8 +39,13 @@ pub(crate) fn parse(text: &str) -> Result<Value, JsonError> {
     Ok(value)
 }
 
-/// What describes or names a vehicle or a terrain: the value itself, or what the object has under
-/// that key, as models and the files beside recordings do.
+/// JSON that this crate has written.
+pub(crate) fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).expect("what the crate writes is JSON")
+}
+
+/// The description or name of a vehicle or a terrain: the value itself, or the value of that key, as in
+/// models and the files beside recordings.
 ///
 /// # Errors
 /// A model of another version, in which the key may mean another thing.
@@ -46,11 +55,49 @@ pub(super) fn unwrap<'a>(value: &'a Value, key: &str) -> Result<&'a Value, JsonE
         return Ok(value);
     };
     let family = |name: &str| name.split('/').next() == MODEL_FORMAT.split('/').next();
-    match value.get("format") {
+    match value.get(FORMAT) {
         Some(format) if format.as_str().is_some_and(family) => check_format(format, MODEL_FORMAT)?,
         _ => {}
     }
     Ok(inner)
+}
+
+pub(super) fn as_object<'a>(
+    value: &'a Value,
+    place: &str,
+    expected: &str,
+) -> Result<&'a Map<String, Value>, JsonError> {
+    value
+        .as_object()
+        .ok_or_else(|| JsonError::wrong_type(place, value, expected.into()))
+}
+
+pub(super) fn check_format(value: &Value, expected: &'static str) -> Result<(), JsonError> {
+    if value == expected {
+        return Ok(());
+    }
+    Err(JsonError::wrong_type(
+        FORMAT,
+        value,
+        format!("\"{expected}\""),
+    ))
+}
+
+/// Refuses unknown keys and suggests the nearest known one.
+pub(super) fn check_keys<'a>(
+    what: &'static str,
+    mut keys: impl Iterator<Item = &'a String>,
+    known: impl IntoIterator<Item = &'static str>,
+) -> Result<(), JsonError> {
+    let known: Vec<&str> = known.into_iter().collect();
+    match keys.find(|key| !known.contains(&key.as_str())) {
+        None => Ok(()),
+        Some(key) => Err(JsonError::UnknownKey {
+            what,
+            key: key.clone(),
+            nearest: nearest(key, known).unwrap_or_default(),
+        }),
+    }
 }
 
 impl<'a> Object<'a> {
@@ -64,17 +111,8 @@ impl<'a> Object<'a> {
             let expected = format!("an object with the keys {}", names.join(", "));
             return Err(JsonError::wrong_type(what, value, expected));
         };
-        let known = || keys.iter().map(|key| key.name);
-        let unknown = map
-            .keys()
-            .find(|key| *key != IGNORED && known().all(|name| name != *key));
-        if let Some((key, nearest)) = unknown.and_then(|key| Some((key, nearest(key, known())?))) {
-            return Err(JsonError::UnknownKey {
-                what,
-                key: key.clone(),
-                nearest,
-            });
-        }
+        let written = map.keys().filter(|key| *key != IGNORED);
+        check_keys(what, written, keys.iter().map(|key| key.name))?;
         Ok(Self { what, keys, map })
     }
 
@@ -115,12 +153,11 @@ impl<'a> Object<'a> {
     }
 }
 
-/// Writes an object, one key to a line, in the order of the table.
-pub(super) fn write(keys: &[Key], value: impl Fn(&str) -> Value) -> String {
-    let mut text = String::from("{\n");
-    for (index, Key { name, .. }) in keys.iter().enumerate() {
-        let comma = if index + 1 < keys.len() { "," } else { "" };
-        let _ = writeln!(text, "  \"{name}\": {}{comma}", value(name));
-    }
-    text + "}\n"
+/// Writes an object, one key to a line, in the given order.
+pub(super) fn write(entries: &[(&str, Value)]) -> String {
+    let lines: Vec<String> = entries
+        .iter()
+        .map(|(key, value)| format!("  \"{key}\": {value}"))
+        .collect();
+    format!("{{\n{}\n}}\n", lines.join(",\n"))
 }

@@ -1,16 +1,11 @@
 //! Models as JSON: vehicle, terrain and effects together.
 
-use super::JsonError;
-use super::effects::{as_object, check_format};
-use super::object;
+use super::error::JsonError;
+use super::object::{self, MODEL_FORMAT, as_object, check_format, check_keys, parsed};
 use crate::effects::Effects;
-use crate::spelling::nearest;
 use crate::terrain::Terrain;
 use crate::vehicle::{Specification, Vehicle};
 use serde_json::{Value, json};
-
-/// What marks a file of a model.
-pub const MODEL_FORMAT: &str = "ugv-model/1";
 
 const KEYS: [&str; 6] = [
     "format",
@@ -26,16 +21,16 @@ const KEYS: [&str; 6] = [
 pub struct FittedTo {
     /// Its name.
     pub recording: String,
-    /// All of it, or else the part by which `ugv score` does not judge.
+    /// All of it, or only the half that `ugv score` does not use.
     pub whole: bool,
 }
 
-/// The parts of a recording, as files have them.
+/// Values of the key `part`.
 const ALL: &str = "all";
 const HALF: &str = "half";
 
 impl FittedTo {
-    /// What the file of a model tells of; nothing where it does not say.
+    /// The recordings in the file of a model; empty where it names none.
     #[must_use]
     pub fn from_json(text: &str) -> Vec<Self> {
         let value = object::parse(text).unwrap_or_default();
@@ -69,13 +64,7 @@ impl Specification {
     pub fn from_json_value(value: &Value) -> Result<Self, JsonError> {
         let expected = "an object with the keys format, vehicle, terrain and effects";
         let map = as_object(value, "model", expected)?;
-        if let Some(key) = map.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            return Err(JsonError::UnknownKey {
-                what: "model",
-                key: key.clone(),
-                nearest: nearest(key, KEYS).unwrap_or_default(),
-            });
-        }
+        check_keys("model", map.keys(), KEYS)?;
         let get = |key: &'static str, expected: &str| {
             map.get(key).ok_or_else(|| JsonError::MissingKey {
                 what: "model",
@@ -112,13 +101,10 @@ impl Specification {
     }
 
     fn to_json_value(&self) -> Value {
-        let parsed = |text: String| -> Value {
-            serde_json::from_str(&text).expect("what the crate writes is JSON")
-        };
         json!({
             "format": MODEL_FORMAT,
-            "vehicle": parsed(self.vehicle.to_json()),
-            "terrain": parsed(self.terrain.to_json()),
+            "vehicle": parsed(&self.vehicle.to_json()),
+            "terrain": parsed(&self.terrain.to_json()),
             "effects": self.effects.to_json_value(),
         })
     }
@@ -139,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_tells_what_its_model_was_fitted_to() {
+    fn recordings_of_the_fit_are_read_back() {
         let model = Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_clay").unwrap());
         let to = [("monday", true), ("tuesday", false)].map(|(recording, whole)| FittedTo {
             recording: recording.into(),

@@ -1,6 +1,6 @@
 //! Terrains as JSON.
 
-use super::JsonError;
+use super::error::JsonError;
 use super::object::{self, Key, Object, key};
 use crate::spelling::nearest;
 use crate::terrain::Terrain;
@@ -101,22 +101,21 @@ impl Terrain {
     }
 
     /// The terrain as JSON that [`Terrain::from_json`] reads back; the friction angle to the
-    /// last bit wherever degrees can tell it.
+    /// last bit where degrees have that resolution.
     #[must_use]
     pub fn to_json(&self) -> String {
-        object::write(KEYS, |name| match name {
-            "cohesion" => self.cohesion.into(),
-            "friction_angle_deg" => self.friction_angle_degrees().into(),
-            "cohesive_modulus" => self.cohesive_modulus.into(),
-            "frictional_modulus" => self.frictional_modulus.into(),
-            "sinkage_exponent" => self.sinkage_exponent.into(),
-            "shear_modulus" => self.shear_modulus.into(),
-            _ => Value::Null,
-        })
+        object::write(&[
+            ("cohesion", self.cohesion.into()),
+            ("friction_angle_deg", self.friction_angle_degrees().into()),
+            ("cohesive_modulus", self.cohesive_modulus.into()),
+            ("frictional_modulus", self.frictional_modulus.into()),
+            ("sinkage_exponent", self.sinkage_exponent.into()),
+            ("shear_modulus", self.shear_modulus.into()),
+        ])
     }
 }
 
-/// A set of terrains would otherwise be told that its first name is an unknown key.
+/// For a set of terrains the message would otherwise be that its first name is an unknown key.
 fn refuse_several(value: &Value) -> Result<(), JsonError> {
     match value.as_object() {
         Some(map) if !map.is_empty() && map.values().all(Value::is_object) => {

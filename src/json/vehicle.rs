@@ -1,6 +1,6 @@
 //! Vehicles as JSON.
 
-use super::JsonError;
+use super::error::JsonError;
 use super::object::{self, Key, Object, key};
 use crate::vehicle::Vehicle;
 use serde_json::Value;
@@ -62,17 +62,16 @@ impl Vehicle {
     /// The vehicle as JSON that [`Vehicle::from_json`] reads back to the last bit.
     #[must_use]
     pub fn to_json(&self) -> String {
-        object::write(KEYS, |name| match name {
-            "mass" => self.mass.into(),
-            "yaw_inertia" => self.yaw_inertia.into(),
-            "wheel_radius" => self.wheel_radius.into(),
-            "wheel_width" => self.wheel_width.into(),
-            "row_positions" => self.row_positions.clone().into(),
-            "half_track" => self.half_track.into(),
-            "com_offset" => self.com_offset.into(),
-            "com_height" => self.com_height.into(),
-            _ => Value::Null,
-        })
+        object::write(&[
+            ("mass", self.mass.into()),
+            ("yaw_inertia", self.yaw_inertia.into()),
+            ("wheel_radius", self.wheel_radius.into()),
+            ("wheel_width", self.wheel_width.into()),
+            ("row_positions", self.row_positions.clone().into()),
+            ("half_track", self.half_track.into()),
+            ("com_offset", self.com_offset.into()),
+            ("com_height", self.com_height.into()),
+        ])
     }
 }
 

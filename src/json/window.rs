@@ -1,7 +1,7 @@
 //! A window of effects as JSON.
 
-use super::JsonError;
-use super::effects::{as_object, unknown};
+use super::error::JsonError;
+use super::object::{as_object, check_keys};
 use crate::effects::{CATALOGUE, EffectKind, Effects, Extent, Window};
 use crate::spelling::nearest;
 use serde_json::{Map, Value, json};
@@ -19,14 +19,17 @@ pub(super) fn read(value: &Value, effects: &Effects) -> Result<Window, JsonError
                  \"time\" \"place\": {\"x\": east, \"y\": north, \"radius\": radius} [m]";
     let wrong = || JsonError::wrong_type(WINDOW, value, shape.into());
     let map = as_object(value, WINDOW, shape)?;
-    let keys = [EFFECTS, TIME, PLACE];
-    if let Some(key) = map.keys().find(|key| !keys.contains(&key.as_str())) {
-        return Err(unknown(WINDOW, key, keys.into_iter()));
-    }
+    check_keys(WINDOW, map.keys(), [EFFECTS, TIME, PLACE])?;
     let extent = match (map.get(TIME), map.get(PLACE)) {
         (Some(time), None) => read_time(time)?,
         (None, Some(place)) => read_place(place)?,
-        (Some(_), Some(_)) => return Err(JsonError::Either(WINDOW, [TIME, PLACE])),
+        (Some(_), Some(_)) => {
+            return Err(JsonError::WrongType {
+                place: WINDOW.into(),
+                found: format!("both `{TIME}` and `{PLACE}`"),
+                expected: "one of them".into(),
+            });
+        }
         (None, None) => return Err(wrong()),
     };
     let names = map.get(EFFECTS).and_then(Value::as_array);
@@ -77,9 +80,7 @@ fn read_place(value: &Value) -> Result<Extent, JsonError> {
     let place = format!("{WINDOW}.{PLACE}");
     let shape = "{\"x\": east, \"y\": north, \"radius\": radius}, three numbers [m]";
     let map = as_object(value, &place, shape)?;
-    if let Some(key) = map.keys().find(|key| !DISC.contains(&key.as_str())) {
-        return Err(unknown("window's place", key, DISC.into_iter()));
-    }
+    check_keys("window's place", map.keys(), DISC)?;
     let number = |key: &str| map.get(key).and_then(Value::as_f64);
     let [Some(x), Some(y), Some(radius)] = DISC.map(number) else {
         return Err(JsonError::wrong_type(place, value, shape.into()));
@@ -201,10 +202,10 @@ mod tests {
         }
         for window in [r#"{"effects": ["drawbar"]}"#, r#"{"time": [1, 2]}"#, "3"] {
             let text = format!(r#"{{"window": {window}, "drawbar": {{"force": 300}}}}"#);
-            let told = Effects::from_json(&text).unwrap_err().to_string();
+            let message = Effects::from_json(&text).unwrap_err().to_string();
             assert!(
-                told.contains("\"time\": [start, end]} [s], or in"),
-                "{told}"
+                message.contains("\"time\": [start, end]} [s], or in"),
+                "{message}"
             );
         }
     }

@@ -1,9 +1,10 @@
 //! The FMU's archive.
 
+use super::documentation::documentation;
 use super::library::Target;
-use super::{MODEL_IDENTIFIER, documentation, model_description, model_description_3};
+use super::model_description::model_description;
+use super::standard::{MODEL_IDENTIFIER, Standard};
 use crate::declaration::{Configuration, MARK};
-use std::fmt;
 use std::io::{self, Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -19,17 +20,6 @@ What is linked into the libraries keeps its own: THIRD-PARTY.txt.
 const THIRD_PARTY: &str = include_str!("../../modelDescription/third_party.txt");
 const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
-
-/// A version of the standard. One shared library serves them all; what differs is the archive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standard {
-    /// FMI 2.0.
-    Fmi2,
-    /// FMI 3.0.
-    Fmi3,
-}
-
-const STANDARDS: [Standard; 2] = [Standard::Fmi2, Standard::Fmi3];
 
 /// A platform that an FMU can hold a shared library for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -64,8 +54,8 @@ impl Platform {
         }
     }
 
-    /// Its folders under `binaries/`, and what the libraries there are for: FMI 3.0 has one for each processor, and the
-    /// libraries of macOS may be for both.
+    /// Its folders under `binaries/`, and the targets of the libraries there. FMI 3.0 has one folder for each
+    /// processor; the libraries of macOS may be for both.
     fn folders(self, standard: Standard) -> &'static [(&'static str, &'static [Target])] {
         match (standard, self) {
             (Standard::Fmi2, Self::Linux64) => &[("linux64", &[Target::LinuxX86])],
@@ -81,8 +71,7 @@ impl Platform {
         }
     }
 
-    /// The folders that a library goes to: of macOS' those of the processors that it is for. None where it is for
-    /// another platform.
+    /// The folders for a library: on macOS those of its processors. None where it is built for another platform.
     fn folders_of(self, standard: Standard, library: &[u8]) -> impl Iterator<Item = &'static str> {
         let found = Target::of(library);
         let folders = self.folders(standard).iter();
@@ -95,7 +84,7 @@ impl Platform {
     /// The platform whose library has this path in an archive of either standard.
     pub(super) fn of_path(path: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|platform| {
-            let folders = STANDARDS
+            let folders = Standard::ALL
                 .iter()
                 .flat_map(|standard| platform.folders(*standard));
             folders
@@ -104,10 +93,10 @@ impl Platform {
         })
     }
 
-    /// Whether a library is what its path in an archive says.
+    /// Whether a library is built for the platform of its path in an archive.
     pub(super) fn belongs(self, path: &str, library: &[u8]) -> bool {
         let of = |standard: &Standard| self.folders_of(*standard, library);
-        STANDARDS
+        Standard::ALL
             .iter()
             .flat_map(of)
             .any(|folder| self.path(folder) == path)
@@ -128,60 +117,28 @@ impl Platform {
 }
 
 /// Why an FMU cannot be made.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum PackageError {
     /// A file that is no shared library of its platform.
+    #[error("the library for {} is not built for that platform", .0.name())]
     WrongPlatform(Platform),
     /// A shared library of another version, which would refuse this model description.
+    #[error("the library for {} was built from another version of ugv-terrain", .0.name())]
     OtherVersion(Platform),
     /// Writing failed.
-    Write(io::Error),
-}
-
-impl fmt::Display for PackageError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::WrongPlatform(platform) => {
-                write!(
-                    f,
-                    "the library for {} is none for that platform",
-                    platform.name()
-                )
-            }
-            Self::OtherVersion(platform) => write!(
-                f,
-                "the library for {} was built from another version of ugv-terrain",
-                platform.name()
-            ),
-            Self::Write(error) => write!(f, "the FMU cannot be written: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for PackageError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Write(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<io::Error> for PackageError {
-    fn from(error: io::Error) -> Self {
-        Self::Write(error)
-    }
+    #[error("the FMU cannot be written: {0}")]
+    Write(#[from] io::Error),
 }
 
 impl From<zip::result::ZipError> for PackageError {
     fn from(error: zip::result::ZipError) -> Self {
-        Self::Write(io::Error::other(error))
+        Self::Write(error.into())
     }
 }
 
 /// Writes the FMU of a configuration with the given shared libraries, for a version of the
-/// standard. The same input gives the same bytes, in whatever order the libraries come: entries are
-/// in a fixed order and carry a fixed time.
+/// standard. The same input gives the same bytes, independent of the order of the libraries: entries
+/// have a fixed order and time.
 ///
 /// # Errors
 /// A library that does not fit, or a failure to write.
@@ -201,15 +158,12 @@ pub fn write_fmu<W: Write + Seek>(
     }
     let mut zip = ZipWriter::new(target);
     let mut add = |name: &str, content: &[u8]| add(&mut zip, name, content);
-    let description = match standard {
-        Standard::Fmi2 => model_description(configuration),
-        Standard::Fmi3 => model_description_3(configuration),
-    };
+    let description = model_description(standard, configuration);
     add("modelDescription.xml", description.as_bytes())?;
     match standard {
         Standard::Fmi2 => add("model.png", ICON)?,
-        // FMI 3.0 has the icon there alone. FMI 2.0 would gain nothing, and FMI Library 3 refuses the whole FMU for the
-        // file's version.
+        // FMI 3.0 has the icon only there. FMI 2.0 would gain nothing, and FMI Library 3 refuses an FMU of FMI 2.0
+        // with this file.
         Standard::Fmi3 => {
             add(
                 "terminalsAndIcons/terminalsAndIcons.xml",
@@ -222,7 +176,7 @@ pub fn write_fmu<W: Write + Seek>(
         "documentation/index.html",
         documentation(standard, configuration).as_bytes(),
     )?;
-    // The name under which both standards look for where to begin.
+    // Both standards define this name for the entry point.
     add("documentation/licenses/license.txt", LICENSES.as_bytes())?;
     add(
         "documentation/licenses/LICENSE-MIT.txt",
@@ -261,7 +215,7 @@ pub(super) fn add<W: Write + Seek>(
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
         .unix_permissions(if executable { 0o755 } else { 0o644 });
-    zip.start_file(name, options).map_err(io::Error::other)?;
+    zip.start_file(name, options)?;
     zip.write_all(content)
 }
 
@@ -319,7 +273,7 @@ mod tests {
         ] {
             assert!(archive.by_name(name).is_ok(), "{name}");
         }
-        // What is of FMI 3.0 alone makes FMI Library 3 refuse an FMU of FMI 2.0.
+        // With these files FMI Library 3 refuses an FMU of FMI 2.0.
         for name in archive.file_names() {
             assert!(!name.unwrap().starts_with("terminalsAndIcons"));
         }

@@ -1,10 +1,7 @@
 //! The page that the FMU carries as its documentation.
 
-use super::Standard;
-use crate::declaration::{
-    ArrayVariable, Attributes, Causality, Configuration, Elements, Kind, TERRAIN_NAMES,
-    array_variables, variables,
-};
+use super::standard::Standard;
+use crate::declaration::{ArrayVariable, Causality, Configuration, Kind, TERRAINS};
 use crate::effects::{CATALOGUE, Declaration, EffectKind, Effects};
 use quick_xml::escape::escape;
 
@@ -17,10 +14,7 @@ const TEMPLATE: &str = include_str!("../../modelDescription/documentation.html")
 /// The page with its tables of effects and variables.
 #[must_use]
 pub fn documentation(standard: Standard, configuration: &Configuration) -> String {
-    let variables = match standard {
-        Standard::Fmi2 => scalars(configuration),
-        Standard::Fmi3 => array_variables(configuration),
-    };
+    let variables = standard.naming().variables(configuration);
     let rows: Vec<String> = variables.iter().map(|v| row(v, configuration)).collect();
     let (version, ramps) = match standard {
         Standard::Fmi2 => ("2.0", RAMPS),
@@ -74,19 +68,6 @@ fn file(configuration: &Configuration) -> String {
     )
 }
 
-/// The variables of FMI 2.0, in the form of those of FMI 3.0.
-fn scalars(configuration: &Configuration) -> Vec<ArrayVariable> {
-    let variables = variables(configuration).into_iter();
-    variables
-        .map(|variable| ArrayVariable {
-            name: variable.name,
-            reference: variable.reference,
-            elements: Elements::One(variable.quantity),
-            attributes: variable.attributes,
-        })
-        .collect()
-}
-
 fn row(variable: &ArrayVariable, configuration: &Configuration) -> String {
     let attributes = variable.attributes;
     let causality = match attributes.causality {
@@ -98,8 +79,8 @@ fn row(variable: &ArrayVariable, configuration: &Configuration) -> String {
     };
     let start = match attributes.kind {
         Kind::Boolean => "false".to_owned(),
-        Kind::Enumeration => TERRAIN_NAMES[configuration.selected].to_owned(),
-        Kind::Real => numbers(variable.elements, attributes, configuration).join(" "),
+        Kind::Enumeration => TERRAINS[configuration.selected].0.to_owned(),
+        Kind::Real => variable.starts(configuration),
     };
     let name = match variable.elements.dimension() {
         Some(size) => format!("{}[{size}]", variable.name),
@@ -112,15 +93,4 @@ fn row(variable: &ArrayVariable, configuration: &Configuration) -> String {
         escape(attributes.unit),
         escape(attributes.description),
     )
-}
-
-fn numbers(
-    elements: Elements,
-    attributes: &Attributes,
-    configuration: &Configuration,
-) -> Vec<String> {
-    let starts = elements
-        .quantities()
-        .filter_map(|quantity| configuration.parameter(quantity).or(attributes.start));
-    starts.map(|number| number.to_string()).collect()
 }

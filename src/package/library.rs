@@ -1,6 +1,6 @@
-//! What a shared library is for, by its header.
+//! The target of a shared library, by its header.
 
-/// What a shared library is for. All are of 64 bits: 32-bit libraries are of no platform of an FMU's.
+/// The target of a shared library. All have 64 bits, as the platforms of an FMU do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
     LinuxX86,
@@ -11,7 +11,7 @@ pub(super) enum Target {
 }
 
 impl Target {
-    /// What the bytes of a file are a shared library for: of macOS' one file may hold several.
+    /// The targets of the shared library in a file: on macOS one file may contain several.
     pub fn of(library: &[u8]) -> Vec<Self> {
         let one = elf(library)
             .or_else(|| pe(library))
@@ -74,10 +74,10 @@ fn mach_o(library: &[u8]) -> Option<Target> {
 
 /// Several of macOS' in one file (`mach-o/fat.h`), each at an offset in a big-endian table; nothing unless all are there.
 fn universal(library: &[u8]) -> Option<Vec<Target>> {
-    /// Java's classes begin alike, with a version from 45 on here.
-    const MOST: u32 = 16;
+    /// Java's classes have the same first bytes, and here a version from 45 on.
+    const MAX_COUNT: u32 = 16;
     let number = |at: usize| array(library, at).map(u32::from_be_bytes);
-    let count = number(4).filter(|count| *count <= MOST)?;
+    let count = number(4).filter(|count| *count <= MAX_COUNT)?;
     if !library.starts_with(b"\xca\xfe\xba\xbe") {
         return None;
     }

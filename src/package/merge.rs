@@ -3,42 +3,44 @@
 use super::archive::{Platform, add};
 use crate::display::shortened;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::io::{self, Read, Seek, Write};
-use zip::result::ZipError;
 use zip::{ZipArchive, ZipWriter};
 
 const BINARIES: &str = "binaries/";
 
 /// Why FMUs cannot be merged.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// A file that is no archive, or a broken one.
+    #[error("{file} is no FMU that can be read: {source}")]
     Read {
-        /// What the file is called.
+        /// Name of the archive.
         file: String,
         /// What is wrong with it.
         source: io::Error,
     },
-    /// A file that no FMU of this crate has: it would leave the archive, or is no library of its platform.
+    /// An entry that no FMU of this crate has: it would be unpacked outside of the folder, or is no library of its platform.
+    #[error("{file}: the entry `{}` is refused: {reason}", shortened(.entry))]
     Refused {
-        /// What the archive is called.
+        /// Name of the archive.
         file: String,
         /// The path in the archive.
         entry: String,
         /// What is wrong with it.
         reason: String,
     },
-    /// A file that two FMUs have with different content.
+    /// An entry with different content in two FMUs.
+    #[error("{entry} differs between {first} and {second}")]
     Differs {
         /// Its path in the archives.
         entry: String,
-        /// The FMU that had it first.
+        /// The first FMU.
         first: String,
-        /// The one that has it otherwise.
+        /// The other one.
         second: String,
     },
-    /// A file that only one of two FMUs has.
+    /// An entry of only one of two FMUs.
+    #[error("{entry} is in {has} and not in {lacks}")]
     Missing {
         /// Its path in the archive.
         entry: String,
@@ -48,56 +50,22 @@ pub enum MergeError {
         lacks: String,
     },
     /// Writing failed.
-    Write(io::Error),
+    #[error("the FMU cannot be written: {0}")]
+    Write(#[from] io::Error),
 }
 
-impl fmt::Display for MergeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read { file, source } => write!(f, "{file} is no FMU that can be read: {source}"),
-            Self::Refused {
-                file,
-                entry,
-                reason,
-            } => write!(
-                f,
-                "{file}: the entry `{}` is refused: {reason}",
-                shortened(entry)
-            ),
-            Self::Differs {
-                entry,
-                first,
-                second,
-            } => write!(f, "{entry} differs between {first} and {second}"),
-            Self::Missing { entry, has, lacks } => {
-                write!(f, "{entry} is in {has} and not in {lacks}")
-            }
-            Self::Write(error) => write!(f, "the FMU cannot be written: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for MergeError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Read { source, .. } | Self::Write(source) => Some(source),
-            _ => None,
-        }
-    }
-}
-
-/// The files of an archive, by path, in its order; folders are none.
+/// Path and content of the files of an archive, in its order, without folders.
 type Files = Vec<(String, Vec<u8>)>;
 
-/// An FMU that is taken apart.
-struct Part<'n> {
+/// An unpacked FMU.
+struct Unpacked<'n> {
     name: &'n str,
-    /// What does not depend on the platform.
+    /// The files that do not depend on the platform.
     model: Files,
     binaries: Files,
 }
 
-impl<'n> Part<'n> {
+impl<'n> Unpacked<'n> {
     fn read(name: &'n str, source: impl Read + Seek) -> Result<Self, MergeError> {
         let files = files(source).map_err(|fault| match fault {
             Fault::Archive(source) => MergeError::Read {
@@ -152,20 +120,14 @@ enum Fault {
     Entry(String, String),
 }
 
-impl From<io::Error> for Fault {
-    fn from(error: io::Error) -> Self {
-        Self::Archive(error)
+impl<E: Into<io::Error>> From<E> for Fault {
+    fn from(error: E) -> Self {
+        Self::Archive(error.into())
     }
 }
 
-impl From<ZipError> for Fault {
-    fn from(error: ZipError) -> Self {
-        Self::Archive(io::Error::other(error))
-    }
-}
-
-/// More than any FMU of this crate takes unpacked \[MB\].
-const LARGEST: u64 = 256;
+/// Limit for the unpacked size of an FMU \[MB\].
+const MAX_SIZE: u64 = 256;
 
 fn files(source: impl Read + Seek) -> Result<Files, Fault> {
     let mut archive = ZipArchive::new(source)?;
@@ -184,12 +146,12 @@ fn files(source: impl Read + Seek) -> Result<Files, Fault> {
         }
         let size = entry.size();
         total = total.saturating_add(size);
-        if total > LARGEST << 20 {
+        if total > MAX_SIZE << 20 {
             return Err(refused(format!(
-                "with it the archive unpacks to over {LARGEST} MB"
+                "with it the archive unpacks to over {MAX_SIZE} MB"
             )));
         }
-        // Memory grows with what comes, and one byte more shows an entry that is longer than it says.
+        // Memory grows with the content. One byte more reveals an entry that is longer than declared.
         let mut content = Vec::new();
         let read = entry.by_ref().take(size + 1).read_to_end(&mut content);
         read.map_err(|error| refused(format!("it does not unpack: {error}")))?;
@@ -217,7 +179,7 @@ fn files(source: impl Read + Seek) -> Result<Files, Fault> {
     Ok(files)
 }
 
-/// Refuses a name that leads out of the folder into which some system unpacks it.
+/// Refuses a name that leads out of the target folder when some system unpacks it.
 fn check_name(path: &str) -> Result<(), &'static str> {
     let path = path.strip_suffix('/').unwrap_or(path);
     if path.contains(char::is_control) {
@@ -227,7 +189,7 @@ fn check_name(path: &str) -> Result<(), &'static str> {
     if path.contains(['\\', ':']) {
         return Err("its name has a backslash or a colon");
     }
-    if path.split('/').any(|part| matches!(part, "" | "." | "..")) {
+    if path.split('/').any(|step| matches!(step, "" | "." | "..")) {
         return Err("its name leads out of the archive");
     }
     Ok(())
@@ -238,41 +200,41 @@ fn is_plain(mode: Option<u32>) -> bool {
     mode.is_none_or(|mode| matches!(mode & 0o170_000, 0 | 0o100_000 | 0o040_000))
 }
 
-/// Writes one FMU with the binaries of all parts, each a name for messages and an archive. All else
-/// has to be the same in each, byte for byte. The result is what packaging all libraries at
-/// once gives, whatever the order of the parts. Returns the paths of the binaries.
+/// Writes one FMU with the binaries of several, each given by a name for messages and an archive. All
+/// other files must be identical. The result is independent of the order and identical to packaging
+/// all libraries at once. Returns the paths of the binaries.
 ///
 /// # Errors
-/// Parts of different models, parts with different binaries in the same place, files that are no FMU,
+/// FMUs of different models, FMUs with different binaries for the same platform, files that are no FMU,
 /// or a failure to write.
 pub fn merge_fmus<W: Write + Seek, R: Read + Seek>(
     target: W,
-    parts: impl IntoIterator<Item = (String, R)>,
+    fmus: impl IntoIterator<Item = (String, R)>,
 ) -> Result<Vec<String>, MergeError> {
-    let sources: Vec<(String, R)> = parts.into_iter().collect();
+    let sources: Vec<(String, R)> = fmus.into_iter().collect();
     let (names, sources): (Vec<String>, Vec<R>) = sources.into_iter().unzip();
-    let mut parts = Vec::new();
+    let mut fmus = Vec::new();
     for (name, source) in names.iter().zip(sources) {
-        parts.push(Part::read(name, source)?);
+        fmus.push(Unpacked::read(name, source)?);
     }
     let mut binaries = BTreeMap::new();
-    for part in &parts {
-        parts[0].same_model(part)?;
-        for (path, content) in &part.binaries {
+    for fmu in &fmus {
+        fmus[0].same_model(fmu)?;
+        for (path, content) in &fmu.binaries {
             let known = binaries
                 .entry((Platform::of_path(path), path.as_str()))
-                .or_insert((part.name, content.as_slice()));
+                .or_insert((fmu.name, content.as_slice()));
             if known.1 != content {
                 return Err(MergeError::Differs {
                     entry: path.clone(),
                     first: known.0.into(),
-                    second: part.name.into(),
+                    second: fmu.name.into(),
                 });
             }
         }
     }
     let mut zip = ZipWriter::new(target);
-    let model = parts.first().map_or(&[][..], |part| &part.model);
+    let model = fmus.first().map_or(&[][..], |fmu| &fmu.model);
     let model = model
         .iter()
         .map(|(path, content)| (path.as_str(), &content[..]));
@@ -281,13 +243,12 @@ pub fn merge_fmus<W: Write + Seek, R: Read + Seek>(
         .map(|((_, path), (_, content))| (*path, *content));
     let mut merged = Vec::new();
     for (path, content) in model.chain(binaries) {
-        add(&mut zip, path, content).map_err(MergeError::Write)?;
+        add(&mut zip, path, content)?;
         if path.starts_with(BINARIES) {
             merged.push(path.to_owned());
         }
     }
-    zip.finish()
-        .map_err(|error| MergeError::Write(io::Error::other(error)))?;
+    zip.finish().map_err(io::Error::from)?;
     Ok(merged)
 }
 
@@ -324,26 +285,26 @@ mod tests {
         bytes.into_inner()
     }
 
-    fn merged(parts: &[(&str, &[u8])]) -> Result<Vec<u8>, MergeError> {
+    fn merged(fmus: &[(&str, &[u8])]) -> Result<Vec<u8>, MergeError> {
         let mut bytes = Cursor::new(Vec::new());
-        let parts = parts
+        let fmus = fmus
             .iter()
-            .map(|(name, part)| ((*name).to_owned(), Cursor::new(*part)));
-        merge_fmus(&mut bytes, parts)?;
+            .map(|(name, fmu)| ((*name).to_owned(), Cursor::new(*fmu)));
+        merge_fmus(&mut bytes, fmus)?;
         Ok(bytes.into_inner())
     }
 
     #[test]
-    fn parts_in_any_order_give_what_packaging_at_once_gives() {
+    fn merging_in_any_order_equals_packaging_at_once() {
         let own = Configuration::default();
         for standard in [Standard::Fmi2, Standard::Fmi3] {
             let packed = |libraries: &[_]| packed_for(standard, &own, libraries);
             let [a, b, c] = [Platform::Linux64, Platform::Win64, Platform::Darwin64].map(library);
             let whole = packed(&[c.clone(), a.clone(), b.clone()]);
-            let parts = [packed(&[a, b.clone()]), packed(&[c, b])];
+            let fmus = [packed(&[a, b.clone()]), packed(&[c, b])];
             for pair in [
-                [("a", &parts[0][..]), ("b", &parts[1])],
-                [("b", &parts[1]), ("a", &parts[0])],
+                [("a", &fmus[0][..]), ("b", &fmus[1])],
+                [("b", &fmus[1]), ("a", &fmus[0])],
                 [("whole", &whole), ("again", &whole)],
             ] {
                 assert_eq!(merged(&pair).unwrap(), whole);
@@ -359,7 +320,7 @@ mod tests {
         let (platform, mut changed) = library(Platform::Linux64);
         let linux = packed(&own, &[(platform, changed.clone())]);
         let other = packed(&heavier, &[library(Platform::Win64)]);
-        let message = |parts: &[(&str, &[u8])]| merged(parts).unwrap_err().to_string();
+        let message = |fmus: &[(&str, &[u8])]| merged(fmus).unwrap_err().to_string();
         assert_eq!(
             message(&[("a.fmu", &linux), ("b.fmu", &other)]),
             "modelDescription.xml differs between a.fmu and b.fmu"
@@ -373,12 +334,12 @@ mod tests {
         let mut more = ZipWriter::new_append(Cursor::new(linux.clone())).unwrap();
         add(&mut more, "resources/more.json", b"{}").unwrap();
         let more = more.finish().unwrap().into_inner();
-        for parts in [
+        for fmus in [
             [("a.fmu", &linux[..]), ("more.fmu", &more[..])],
             [("more.fmu", &more), ("a.fmu", &linux)],
         ] {
             assert_eq!(
-                message(&parts),
+                message(&fmus),
                 "resources/more.json is in more.fmu and not in a.fmu"
             );
         }
@@ -390,8 +351,8 @@ mod tests {
         let cut = &linux[..linux.len() / 2];
         let empty = ZipWriter::new(Cursor::new(Vec::new()));
         let empty = empty.finish().unwrap().into_inner();
-        for part in [b"rubbish", cut, &empty[..]] {
-            let error = merged(&[("a.fmu", &linux), ("b.fmu", part)]).unwrap_err();
+        for fmu in [b"rubbish", cut, &empty[..]] {
+            let error = merged(&[("a.fmu", &linux), ("b.fmu", fmu)]).unwrap_err();
             assert!(matches!(&error, MergeError::Read { file, .. } if file == "b.fmu"));
         }
     }

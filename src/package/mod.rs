@@ -6,14 +6,10 @@ mod documentation;
 mod library;
 mod merge;
 mod model_description;
-mod model_description_3;
-mod xml;
+mod standard;
 
-pub use archive::{PackageError, Platform, Standard, write_fmu};
+pub use archive::{PackageError, Platform, write_fmu};
 pub use documentation::documentation;
 pub use merge::{MergeError, merge_fmus};
 pub use model_description::model_description;
-pub use model_description_3::model_description_3;
-
-/// The FMU's name: model, model identifier, and file name of the shared library.
-pub const MODEL_IDENTIFIER: &str = "ugv";
+pub use standard::{MODEL_IDENTIFIER, Standard};

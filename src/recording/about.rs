@@ -1,20 +1,20 @@
-//! What the JSON beside a recording tells.
+//! The metadata in the JSON file beside a recording.
 
 use crate::json::{self, JsonError};
 use crate::terrain::Terrain;
 use crate::vehicle::Vehicle;
 use serde_json::{Map, Value};
 
-/// Vehicle, terrain, sensors and provenance of a recording; everything may be unknown.
+/// Vehicle, terrain, sensors and provenance of a recording; each may be unknown.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct About {
     /// The vehicle that drove.
     pub vehicle: Option<Vehicle>,
-    /// The nominal terrain: what somebody took it for, not what it is.
+    /// The nominal terrain: an assumption, not a measurement.
     pub terrain: Option<Terrain>,
     /// Name of the nominal terrain, where it is a preset.
     pub terrain_name: Option<String>,
-    /// What is told of each sensor, as it stands there: noise, delay, mounting.
+    /// The JSON entry of each sensor: noise, delay, mounting.
     pub sensors: Map<String, Value>,
     /// Where the recording comes from.
     pub source: String,
@@ -25,13 +25,11 @@ pub struct About {
 }
 
 impl About {
-    /// Reads the keys `vehicle`, `terrain` (a preset's name, or an object), `sensors`,
-    /// `source`, `licence` and `note`. Others are not looked at: they may hold what an
-    /// analysis must not know.
+    /// Reads the keys `vehicle`, `terrain` (a preset's name, or an object), `sensors`, `source`, `licence` and `note`.
+    /// Other keys are ignored: they may hold the solution, which an analysis must not see.
     ///
     /// # Errors
-    /// Text that is not JSON, keys that hold something else, vehicles and terrains that
-    /// their own readers refuse.
+    /// Text that is not JSON, values of another type, and an invalid vehicle or terrain.
     pub fn from_json(text: &str) -> Result<Self, JsonError> {
         let json = json::parse(text)?;
         let Value::Object(map) = &json else {
@@ -73,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn known_keys_are_read_and_others_left_alone() {
+    fn known_keys_are_read_and_others_ignored() {
         let vehicle = Vehicle::tran2007();
         let text = format!(
             r#"{{"vehicle": {}, "terrain": "dry_clay", "sensors": {{"pose": "lidar"}}, "source": "s",

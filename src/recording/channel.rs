@@ -28,6 +28,20 @@ pub enum Channel {
     AY,
 }
 
+/// Name and unit of each channel, in the order of [`Channel::index`].
+const COLUMNS: [(&str, &str); 10] = [
+    ("omega_left", "rad/s"),
+    ("omega_right", "rad/s"),
+    ("x", "m"),
+    ("y", "m"),
+    ("heading", "rad"),
+    ("v_x", "m/s"),
+    ("v_y", "m/s"),
+    ("yaw_rate", "rad/s"),
+    ("a_x", "m/s^2"),
+    ("a_y", "m/s^2"),
+];
+
 impl Channel {
     /// Every channel, in the order of [`Channel::index`].
     pub const ALL: [Self; 10] = [
@@ -43,7 +57,7 @@ impl Channel {
         Self::AY,
     ];
 
-    /// Place in [`Channel::ALL`].
+    /// Index in [`Channel::ALL`].
     #[must_use]
     pub const fn index(self) -> usize {
         self as usize
@@ -52,33 +66,16 @@ impl Channel {
     /// Name of the column.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::OmegaLeft => "omega_left",
-            Self::OmegaRight => "omega_right",
-            Self::X => "x",
-            Self::Y => "y",
-            Self::Heading => "heading",
-            Self::VX => "v_x",
-            Self::VY => "v_y",
-            Self::YawRate => "yaw_rate",
-            Self::AX => "a_x",
-            Self::AY => "a_y",
-        }
+        COLUMNS[self.index()].0
     }
 
     /// Unit of the values.
     #[must_use]
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::OmegaLeft | Self::OmegaRight | Self::YawRate => "rad/s",
-            Self::X | Self::Y => "m",
-            Self::Heading => "rad",
-            Self::VX | Self::VY => "m/s",
-            Self::AX | Self::AY => "m/s^2",
-        }
+        COLUMNS[self.index()].1
     }
 
-    /// Whether every recording must have it.
+    /// Whether a recording without this channel is refused.
     #[must_use]
     pub const fn is_required(self) -> bool {
         matches!(self, Self::OmegaLeft | Self::OmegaRight)

@@ -1,19 +1,19 @@
-//! Mean rates over windows, by which sensors of different rates and noise compare: a pose is
-//! never differentiated from sample to sample, a rate is integrated first.
+//! Mean rates over windows, which make sensors of different rates and noise comparable. A pose is never differentiated
+//! from sample to sample; a rate is integrated first.
 
-use super::Series;
+use super::series::Series;
 
-/// An interval is a gap where it is longer than so many median ones, and than so many seconds.
+/// An interval is a gap if it exceeds both this multiple of the median interval and this duration \[s\].
 const GAP: (f64, f64) = (5.0, 0.6);
 
-/// Longer intervals than this \[s\] are gaps.
+/// The longest interval that is not a gap \[s\].
 #[must_use]
 pub fn longest_interval(series: &Series) -> f64 {
     let median = series.median_interval().unwrap_or(0.0);
     (GAP.0 * median).max(GAP.1)
 }
 
-/// First and last times \[s\] of what was sampled without a gap.
+/// First and last time \[s\] of each stretch without a gap.
 #[must_use]
 pub fn stretches(series: &Series) -> Vec<[f64; 2]> {
     let limit = longest_interval(series);
@@ -28,7 +28,7 @@ pub fn stretches(series: &Series) -> Vec<[f64; 2]> {
 pub struct Cumulated {
     time: Vec<f64>,
     sum: Vec<f64>,
-    /// Seconds of gaps up to each sample.
+    /// Total duration of the gaps before each sample \[s\].
     gaps: Vec<f64>,
 }
 
@@ -73,7 +73,8 @@ impl Cumulated {
         Some((*self.time.first()?, *self.time.last()?))
     }
 
-    /// Where nothing was sampled for longer than a hole \[s\], before the first sample and after the last among it.
+    /// Intervals without samples that are longer than a hole \[s\], including those before the first sample and after the
+    /// last.
     fn silences(&self) -> Vec<[f64; 2]> {
         let pairs = self.time.windows(2).zip(self.gaps.windows(2));
         let long = pairs.filter(|(time, gaps)| time[1] - time[0] > HOLE.0 && gaps[1] > gaps[0]);
@@ -96,8 +97,7 @@ impl Cumulated {
         Some((between(&self.sum), between(&self.gaps)))
     }
 
-    /// Mean rate over a window \[1/s\]; `None` where the window leaves the samples or holds
-    /// part of a gap.
+    /// Mean rate over a window \[1/s\]; `None` if the window reaches beyond the samples or overlaps a gap.
     #[must_use]
     pub fn mean_rate(&self, centre: f64, window: f64) -> Option<f64> {
         let (from, gaps_before) = self.at(centre - window / 2.0)?;
@@ -107,72 +107,72 @@ impl Cumulated {
 
     /// Mean rates over windows around times on a grid.
     #[must_use]
-    pub fn mean_rates(&self, grid: &Grid, window: f64) -> Vec<Option<f64>> {
+    pub fn mean_rates(&self, grid: &TimeGrid, window: f64) -> Vec<Option<f64>> {
         let rate = |index| self.mean_rate(grid.time(index), window);
         (0..grid.count).map(rate).collect()
     }
 }
 
-/// Equidistant times, but for those in long holes.
+/// Equidistant times that skip long holes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub struct TimeGrid {
     /// First time \[s\].
     pub start: f64,
-    /// From one to the next \[s\].
+    /// Step from one time to the next \[s\].
     pub step: f64,
     /// Number of times.
     pub count: usize,
-    /// From which index on so many steps are left out.
-    left_out: Vec<(usize, f64)>,
+    /// From this index on, this many steps are skipped.
+    skipped: Vec<(usize, f64)>,
 }
 
-/// More times than this are not looked at.
-const MOST_TIMES: f64 = 4e6;
-/// Holes of both quantities that are longer than the first \[s\] are left out but for the second at either end, which is
-/// more than windows and delays span. So a night between two drives costs nothing, and does not thin out what is
-/// compared block by block.
+/// Times beyond this number are ignored.
+const MAX_TIMES: f64 = 4e6;
+/// Common holes longer than the first value \[s\] are skipped, except for the second value at either end. That margin is
+/// longer than windows and delays. So a night between two drives costs nothing and does not thin out the blocks that are
+/// compared.
 const HOLE: (f64, f64) = (60.0, 10.0);
 
-impl Grid {
-    /// From the earlier start to the later end of both, in steps of so many seconds.
+impl TimeGrid {
+    /// From the earlier start to the later end of both, in steps of `step` seconds.
     #[must_use]
     pub fn over(a: &Cumulated, b: &Cumulated, step: f64) -> Option<Self> {
         let ((a_start, a_end), (b_start, b_end)) = (a.span()?, b.span()?);
         let (start, end) = (a_start.min(b_start), a_end.max(b_end));
-        let mut skipped = 0.0;
-        let mut left_out = Vec::new();
+        let mut total = 0.0;
+        let mut skipped = Vec::new();
         for [from, to] in shared(&a.silences(), &b.silences()) {
             let first = ((from + HOLE.1 - start) / step).ceil();
             let next = ((to - HOLE.1 - start) / step).floor();
             // A clock that is not in seconds yet can have steps as long as the hole.
             if next > first {
-                let index = (first - skipped) as usize;
-                skipped += next - first;
-                left_out.push((index, skipped));
+                let index = (first - total) as usize;
+                total += next - first;
+                skipped.push((index, total));
             }
         }
-        let steps = ((end - start) / step).floor() - skipped;
-        let count = steps.min(MOST_TIMES) as usize + 1;
+        let steps = ((end - start) / step).floor() - total;
+        let count = steps.min(MAX_TIMES) as usize + 1;
         Some(Self {
             start,
             step,
             count,
-            left_out,
+            skipped,
         })
     }
 
     /// A time of the grid \[s\].
     #[must_use]
     pub fn time(&self, index: usize) -> f64 {
-        let holes = self.left_out.partition_point(|(first, _)| *first <= index);
+        let holes = self.skipped.partition_point(|(first, _)| *first <= index);
         let skipped = holes
             .checked_sub(1)
-            .map_or(0.0, |last| self.left_out[last].1);
+            .map_or(0.0, |last| self.skipped[last].1);
         self.start + (index as f64 + skipped) * self.step
     }
 }
 
-/// What lies in one of both, where that is longer than a hole; both in order.
+/// Intersections of two ordered lists of intervals that are longer than a hole.
 fn shared(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut both = Vec::new();
     let (mut i, mut j) = (0, 0);
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_sensor_saw_for_long_is_left_out_of_the_grid() {
+    fn long_common_holes_are_skipped_by_the_grid() {
         let hole = 1e6;
         let of = |start: f64, count: i32| {
             let times = (0..count).map(move |k| start + 0.1 * f64::from(k));
@@ -235,13 +235,13 @@ mod tests {
             Cumulated::of_rate(&times.map(|time| (time, 1.0)).collect())
         };
         let (a, b) = (sum(&mut of(5.0, 300)), sum(&mut of(7.0, 600)));
-        let grid = Grid::over(&a, &b, 0.02).unwrap();
+        let grid = TimeGrid::over(&a, &b, 0.02).unwrap();
         let times: Vec<f64> = (0..grid.count).map(|index| grid.time(index)).collect();
         let jumps: Vec<_> = times
             .windows(2)
             .filter(|pair| pair[1] - pair[0] > 0.021)
             .collect();
-        // b was sampled to 66.9 s; a comes first again.
+        // The samples of b end at 66.9 s; a continues first.
         assert_eq!(jumps.len(), 1);
         assert!(
             (jumps[0][0] - 76.9).abs() < 0.1 && (jumps[0][1] - (5.0 + hole - 10.0)).abs() < 0.1,
@@ -261,7 +261,7 @@ mod tests {
             "{}",
             known(&b)
         );
-        // A clock in nanoseconds that is not known to be one yet, and a hole of more steps than can be counted.
+        // A clock in nanoseconds before its conversion, and a hole of more steps than can be counted.
         let nanoseconds = |offset: f64, from: f64, to: f64| {
             let times = (0..600).map(move |k| offset + 5e7 * f64::from(k));
             sum(&mut times.filter(move |time| *time <= from || *time >= to))
@@ -270,17 +270,17 @@ mod tests {
             nanoseconds(0.0, 1e10, 1.1e10),
             nanoseconds(2e7, 1.097e10, 1.202e10),
         );
-        let grid = Grid::over(&a, &b, 5e7).unwrap();
+        let grid = TimeGrid::over(&a, &b, 5e7).unwrap();
         assert!((grid.time(grid.count - 1) - (599.0 * 5e7 + 2e7)).abs() <= 5e7);
         let far = sum(&mut (0..70)
             .map(|k| 0.1 * f64::from(k))
             .chain((0..50).map(|k| 1e19 + 4096.0 * f64::from(k))));
-        let grid = Grid::over(&far, &far, 0.1).unwrap();
+        let grid = TimeGrid::over(&far, &far, 0.1).unwrap();
         assert!(grid.time(grid.count - 1) >= 1e19);
-        // Shorter holes stay, and what only one of both saw.
+        // Shorter holes stay, and so do those of one quantity alone.
         let whole = sum(&mut (0..1000).map(|k| 0.1 * f64::from(k)));
-        let parts = sum(&mut of(0.0, 300).filter(|time| *time < 100.0).chain([99.9]));
-        let grid = Grid::over(&whole, &parts, 0.1).unwrap();
+        let cut = sum(&mut of(0.0, 300).filter(|time| *time < 100.0).chain([99.9]));
+        let grid = TimeGrid::over(&whole, &cut, 0.1).unwrap();
         assert!((0..grid.count).all(|index| grid.time(index) == index as f64 * 0.1));
     }
 }

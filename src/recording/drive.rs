@@ -1,5 +1,6 @@
 //! Wheel speeds over common times.
 
+use super::channel::Channel;
 use super::smoothing::knots;
 
 /// Wheel speeds over time, linear in between; at least one row.
@@ -11,11 +12,27 @@ pub struct Drive {
     pub omega_left: Vec<f64>,
     /// Angular speed of the right wheels in each row \[rad/s\].
     pub omega_right: Vec<f64>,
-    /// Rows in which a wheel speed was missing and follows from the samples around it.
+    /// Rows in which a missing wheel speed was interpolated.
     pub filled_rows: usize,
 }
 
 impl Drive {
+    /// From samples with gaps, which are filled linearly; the first and the last sample are held. Fails with the side that
+    /// has no sample.
+    pub(super) fn interpolated(
+        time: Vec<f64>,
+        left: &[Option<f64>],
+        right: &[Option<f64>],
+    ) -> Result<Self, Channel> {
+        let pairs = left.iter().zip(right);
+        Ok(Self {
+            omega_left: fill_gaps(&time, left).ok_or(Channel::OmegaLeft)?,
+            omega_right: fill_gaps(&time, right).ok_or(Channel::OmegaRight)?,
+            filled_rows: pairs.filter(|(l, r)| l.is_none() || r.is_none()).count(),
+            time,
+        })
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -43,10 +60,12 @@ impl Drive {
         [self.omega_left[row], self.omega_right[row]]
     }
 
-    /// The drive between whose samples is what they tell: as means from the middle of each interval between rows to the
-    /// middle of the next where they were `counted`, as encoders do (unsmoothed, the wheels' angle is kept so); as
-    /// values at their times otherwise. `smoothing` is the weight of the squared second differences beside that of the
-    /// squared distances from the samples, for evenly spaced ones (Whittaker's smoother).
+    /// The drive whose linear interpolation reproduces the samples. If they were `counted`, as by encoders, a sample is the
+    /// mean from the middle of the interval before to the middle of the interval after. Without smoothing this keeps the
+    /// angle of the wheels. Otherwise a sample is the value at its time.
+    ///
+    /// `smoothing` is the weight of the squared second differences against the squared distances from the samples, for
+    /// evenly spaced samples (Whittaker's smoother).
     #[must_use]
     pub fn reconstructed(mut self, counted: bool, smoothing: f64) -> Self {
         for side in [&mut self.omega_left, &mut self.omega_right] {
@@ -68,10 +87,8 @@ impl Drive {
     }
 }
 
-/// Fills gaps between samples linearly and holds the first and the last sample beyond them.
-/// `None` where there is no sample at all.
-#[must_use]
-pub fn fill_gaps(time: &[f64], samples: &[Option<f64>]) -> Option<Vec<f64>> {
+/// Fills gaps between samples linearly and holds the first and the last sample beyond them. `None` without any sample.
+fn fill_gaps(time: &[f64], samples: &[Option<f64>]) -> Option<Vec<f64>> {
     let mut filled = Vec::with_capacity(samples.len());
     let mut last: Option<(usize, f64)> = None;
     for (row, sample) in samples.iter().enumerate() {
@@ -106,9 +123,9 @@ mod tests {
     #[test]
     fn counted_wheel_speeds_keep_the_angle_between_the_middles_of_intervals() {
         let time: Vec<f64> = [0.0, 0.05, 0.11, 0.15, 0.2, 0.3, 0.35, 0.4].into();
-        let told = [0.0, 0.0, 1.0, 3.0, 2.5, 2.0, 2.0, 2.0];
+        let samples = [0.0, 0.0, 1.0, 3.0, 2.5, 2.0, 2.0, 2.0];
         let drive = Drive {
-            omega_left: told.to_vec(),
+            omega_left: samples.to_vec(),
             omega_right: time.iter().map(|t| 1.0 + 2.0 * t).collect(),
             time,
             filled_rows: 0,
@@ -119,19 +136,19 @@ mod tests {
             let rate = counted.wheel_accelerations(row)[0];
             counted.omega_left[row] + rate * (time - counted.time[row])
         };
-        for (row, told) in told.iter().enumerate().take(7).skip(1) {
+        for (row, sample) in samples.iter().enumerate().take(7).skip(1) {
             let here = drive.time[row];
             let middles = [drive.time[row - 1], drive.time[row + 1]].map(|t| 0.5 * (here + t));
             // Straight on either side of the row: trapezia.
             let angle = |a: f64, b: f64| 0.5 * (b - a) * (speed(a) + speed(b));
             let mean =
                 (angle(middles[0], here) + angle(here, middles[1])) / (middles[1] - middles[0]);
-            assert!((mean - told).abs() < 1e-12, "{row}: {mean}");
+            assert!((mean - sample).abs() < 1e-12, "{row}: {mean}");
         }
         let ends = [counted.omega_left[0], counted.omega_left[7] - 2.0];
         assert!(ends.iter().all(|end| end.abs() < 1e-12), "{ends:?}");
         assert!(counted.omega_left[3] > 3.2, "the corner is whole again");
-        // An interval's length does not bend a steady change, where intervals are alike.
+        // Between equal intervals a steady change stays straight.
         let steady = |row: usize| (counted.omega_right[row] - drive.omega_right[row]).abs();
         assert!(steady(6) < 0.01);
         // Two rows have no middle.

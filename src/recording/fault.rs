@@ -1,73 +1,52 @@
-//! What makes samples no series in time.
+//! Faults that make samples invalid as a time series.
 
-use super::{Channel, Recording, Series};
+use super::channel::Channel;
+use super::run::Recording;
+use super::series::Series;
 use crate::display::number;
 use std::collections::BTreeSet;
-use std::fmt;
+use thiserror::Error;
 
-/// Samples that no reader lets pass: those of a program's own making may be so.
-#[derive(Debug, Clone, PartialEq)]
+/// An invalid series in a recording. The readers never produce one, but a program that builds a recording may.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{recording}, run {run}, {channel}: {fault}")]
 pub struct RecordingFault {
     /// Name of the recording.
     pub recording: String,
-    /// Place of the run.
+    /// Index of the run.
     pub run: usize,
     /// The channel.
     pub channel: Channel,
-    /// What is wrong with it.
+    /// The fault.
     pub fault: SeriesFault,
 }
 
-/// What is wrong with a series.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A fault of a series.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SeriesFault {
-    /// Not as many values as times.
+    /// The numbers of times and values differ.
+    #[error("{times} times for {values} values")]
     Lengths {
         /// Number of times.
         times: usize,
         /// Number of values.
         values: usize,
     },
-    /// A time \[s\] that is not after the one before, or none at all.
+    /// A time \[s\] that is not finite or does not increase.
+    #[error("{} s is no time after the one before", number(*.0))]
     Time(f64),
-    /// A value that is not finite, at this time \[s\].
+    /// A value that is not finite.
+    #[error("{value} at {} s is not finite", number(*.time))]
     Value {
-        /// When.
+        /// Its time \[s\].
         time: f64,
         /// The value.
         value: f64,
     },
 }
 
-impl fmt::Display for RecordingFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            recording,
-            run,
-            channel,
-            fault,
-        } = self;
-        write!(f, "{recording}, run {run}, {}: {fault}", channel.name())
-    }
-}
-
-impl fmt::Display for SeriesFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Lengths { times, values } => write!(f, "{times} times for {values} values"),
-            Self::Time(time) => write!(f, "{} s is no time after the one before", number(*time)),
-            Self::Value { time, value } => {
-                write!(f, "{value} at {} s is not finite", number(*time))
-            }
-        }
-    }
-}
-
-impl std::error::Error for RecordingFault {}
-impl std::error::Error for SeriesFault {}
-
 impl Series {
-    /// Refuses what is no series in time.
+    /// Checks that this is a time series.
     ///
     /// # Errors
     /// Unequal numbers of times and values, times that do not increase strictly, numbers that are not finite.
@@ -91,10 +70,10 @@ impl Series {
 }
 
 impl Recording {
-    /// Refuses what no reader lets pass; fits and diagnoses ask for it first.
+    /// Checks every channel; fits and diagnoses call this first.
     ///
     /// # Errors
-    /// The first channel that is no series in time.
+    /// The first channel that is no time series.
     pub fn check(&self) -> Result<(), RecordingFault> {
         for (run, data) in self.runs.iter().enumerate() {
             for (channel, series) in data.channels() {
@@ -110,25 +89,18 @@ impl Recording {
     }
 }
 
-/// Two recordings of one name: what is said of one of them names it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Two recordings with the same name, so that messages about them would be ambiguous.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("two recordings are called {name}")]
 pub struct SameName {
     /// The name.
     pub name: String,
 }
 
-impl fmt::Display for SameName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "two recordings are called {}", self.name)
-    }
-}
-
-impl std::error::Error for SameName {}
-
-/// Refuses recordings of one name, a recording that is given twice among them: it would count twice.
+/// Checks that names differ; a recording that is given twice would count twice.
 ///
 /// # Errors
-/// The first name that comes again.
+/// The first name that repeats.
 pub fn different_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<(), SameName> {
     let mut known = BTreeSet::new();
     for name in names {
@@ -145,14 +117,14 @@ mod tests {
     use crate::recording::Run;
 
     #[test]
-    fn names_that_come_again_are_told() {
+    fn repeated_names_are_refused() {
         assert_eq!(different_names(["a", "b"]), Ok(()));
         let error = different_names(["a", "b", "a"]).unwrap_err();
         assert_eq!(error.to_string(), "two recordings are called a");
     }
 
     #[test]
-    fn samples_out_of_order_or_lost_are_told() {
+    fn unordered_and_lost_samples_are_refused() {
         let series = |time: &[f64], value: &[f64]| Series {
             time: time.to_vec(),
             value: value.to_vec(),

@@ -1,57 +1,57 @@
-//! What the reader did to the data, so that nothing happens silently.
+//! Changes that the reader made to the data, so that none is silent.
 
-use super::Channel;
+use super::channel::Channel;
 use std::fmt;
 
-/// The kinds of things that the reader does.
+/// Kinds of changes and findings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum NoteKind {
-    /// Full turns were taken out of a wrapped heading.
+    /// A wrapped heading was unwrapped.
     Unwrapped,
-    /// Cells that say `nan` or `null` were taken as missing.
+    /// Cells with `nan` or `null` were taken as missing.
     NotANumber,
-    /// Samples that repeat a time stamp were left out.
+    /// Samples that repeat a time stamp were dropped.
     Repeated,
-    /// A clock that starts anew under the same label was taken for another run.
+    /// A clock that restarts under the same label was taken as the start of another run.
     Restarted,
-    /// Rows that stood late in the file were put where they belong.
+    /// Rows that are late in the file were sorted in.
     Reordered,
-    /// Times were in another unit than seconds.
+    /// Times in another unit were converted to seconds.
     TimeUnit,
-    /// Values were in another unit than the channel's.
+    /// Values in another unit were converted to the channel's.
     Unit,
-    /// Values that cannot be were left out.
+    /// Impossible values were dropped.
     Outlier,
     /// Left and right wheel speeds were swapped.
     SwappedWheels,
     /// x and y were swapped.
     SwappedPosition,
-    /// A channel had the other sign.
+    /// The sign of a channel was inverted.
     Sign,
-    /// Something looks wrong, but not so clearly that it could be put right.
+    /// Something looks wrong, but the evidence is too weak for a correction.
     Suspicion,
 }
 
 impl NoteKind {
-    /// Whether somebody should look at the file: everything but what happens in good files.
+    /// Whether the user should check the file: every kind except those of good files.
     #[must_use]
     pub fn is_warning(self) -> bool {
         !matches!(self, Self::Unwrapped | Self::NotANumber | Self::Restarted)
     }
 }
 
-/// Something that the reader did, or that it wants known.
+/// A change that the reader made, or a finding that it reports.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
-    /// What kind of thing.
+    /// Its kind.
     pub kind: NoteKind,
-    /// The channel; none where it concerns times.
+    /// The channel; none if the note concerns times.
     pub channel: Option<Channel>,
     /// Number of samples, rows or jumps.
     pub count: usize,
     /// Line of the file with the first of them, from 1.
     pub line: usize,
-    /// What was done and how one sees that it had to be, in a sentence.
+    /// The change and its evidence, in a sentence.
     pub text: String,
 }
 

@@ -1,12 +1,15 @@
 //! A file's runs, each with its own clock and pose frame.
 
-use super::{About, Channel, Drive, Note, Series, fill_gaps};
+use super::about::About;
+use super::channel::Channel;
+use super::drive::Drive;
+use super::note::Note;
+use super::series::Series;
 
 /// One drive without interruption.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Run {
-    /// Value of the column `run`, empty where there is none. Several runs share one where
-    /// the clock starts anew under it.
+    /// Value of the column `run`; empty without that column. Runs share a label if the clock restarts under it.
     pub label: String,
     channels: [Option<Series>; Channel::ALL.len()],
 }
@@ -21,14 +24,14 @@ impl Run {
         }
     }
 
-    /// The run with these samples in a channel, in place of those it had.
+    /// The run with a channel replaced by these samples.
     #[must_use]
     pub fn with(mut self, channel: Channel, series: Series) -> Self {
         self.channels[channel.index()] = (!series.is_empty()).then_some(series);
         self
     }
 
-    /// Samples of a channel; `None` where there is not a single one.
+    /// Samples of a channel; `None` without any.
     #[must_use]
     pub fn series(&self, channel: Channel) -> Option<&Series> {
         self.channels[channel.index()].as_ref()
@@ -61,8 +64,8 @@ impl Run {
         self.end() - self.start()
     }
 
-    /// Both wheel speeds at every time at which one of them was sampled, gaps filled
-    /// linearly and ends held; `None` where a side has no sample.
+    /// Both wheel speeds at every time of a sample of either; gaps are filled linearly and ends held. `None` if a side has
+    /// no sample.
     #[must_use]
     pub fn drive(&self) -> Option<Drive> {
         let (left, right) = (
@@ -78,17 +81,11 @@ impl Run {
             time.iter().map(pick).collect()
         };
         let (left, right) = (rows(left), rows(right));
-        let pairs = left.iter().zip(&right);
-        Some(Drive {
-            omega_left: fill_gaps(&time, &left)?,
-            omega_right: fill_gaps(&time, &right)?,
-            filled_rows: pairs.filter(|(l, r)| l.is_none() || r.is_none()).count(),
-            time,
-        })
+        Drive::interpolated(time, &left, &right).ok()
     }
 
-    /// Where the speed of a side is not sampled for longer than this \[s\]: from a sample to the next, and where the
-    /// other side begins earlier or ends later; in order and without overlap.
+    /// Intervals longer than this \[s\] without a sample of one side, in order and without overlap. Times at which only the
+    /// other side has started, or has not ended, count as well.
     #[must_use]
     pub fn wheel_gaps(&self, longest: f64) -> Vec<[f64; 2]> {
         let sides = [Channel::OmegaLeft, Channel::OmegaRight].map(|side| self.series(side));
@@ -112,16 +109,16 @@ impl Run {
     }
 }
 
-/// What is in one file, and in the one beside it.
+/// The content of a recording's file, and of the JSON file beside it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
     /// Name of the file, without folder and ending.
     pub name: String,
     /// The runs in the order of their first rows; at least one.
     pub runs: Vec<Run>,
-    /// What is known of vehicle, terrain and sensors.
+    /// Metadata: vehicle, terrain, sensors.
     pub about: About,
-    /// What the reader did to the data.
+    /// Changes that the reader made.
     pub notes: Vec<Note>,
 }
 
@@ -132,7 +129,7 @@ impl Recording {
         self.runs.iter().any(|run| run.series(channel).is_some())
     }
 
-    /// What somebody should look at of what the reader did, each with the recording's name.
+    /// The notes that need a check by the user, each with the recording's name.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         let warnings = self.notes.iter().filter(|note| note.kind.is_warning());
         warnings.map(|note| format!("{}: {note}", self.name))
@@ -160,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_side_that_begins_late_or_ends_early_is_lost_there() {
+    fn a_side_that_starts_late_or_ends_early_has_gaps_there() {
         let seconds = |from: u32, to: u32| -> Series {
             let times = (10 * from..=10 * to).map(|k| 0.1 * f64::from(k));
             times.map(|time| (time, 1.0)).collect()

@@ -1,6 +1,8 @@
 //! The samples of one channel.
 
-/// Samples over time; a sample that is missing is not in it. Times increase strictly: [`Series::check`].
+use super::statistics::upper_median;
+
+/// Samples over time, without the missing ones. Times increase strictly: [`Series::check`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Series {
     /// Time of each sample \[s\].
@@ -43,8 +45,7 @@ impl Series {
         }
     }
 
-    /// The value at a time \[s\], linear between samples; `None` before the first and after
-    /// the last.
+    /// The value at a time \[s\], linear between samples; `None` before the first and after the last.
     #[must_use]
     pub fn at(&self, time: f64) -> Option<f64> {
         let after = self.time.partition_point(|sample| *sample <= time);
@@ -70,7 +71,7 @@ impl Series {
         upper_median(self.intervals().collect())
     }
 
-    /// The largest interval: where it begins, and how long it is \[s\].
+    /// The largest interval: its start and its length \[s\].
     #[must_use]
     pub fn largest_gap(&self) -> Option<(f64, f64)> {
         let gaps = self.time.iter().copied().zip(self.intervals());
@@ -81,6 +82,14 @@ impl Series {
     pub fn gaps(&self, longest: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
         let pairs = self.time.windows(2).map(|pair| [pair[0], pair[1]]);
         pairs.filter(move |[from, to]| to - from > longest)
+    }
+
+    /// A weighted sum of two series, at the times of the first at which the second is known.
+    #[must_use]
+    pub fn weighted_sum([a, b]: [&Self; 2], weights: [f64; 2]) -> Self {
+        a.samples()
+            .filter_map(|(time, value)| Some((time, weights[0] * value + weights[1] * b.at(time)?)))
+            .collect()
     }
 
     /// Samples as pairs of time and value.
@@ -94,14 +103,6 @@ impl FromIterator<(f64, f64)> for Series {
         let (time, value) = samples.into_iter().unzip();
         Self { time, value }
     }
-}
-
-/// The larger of the two values in the middle; `None` without values.
-#[must_use]
-pub fn upper_median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    let some = !values.is_empty();
-    some.then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]

@@ -4,10 +4,10 @@ use crate::measured;
 use std::f64::consts::SQRT_2;
 use std::path::Path;
 use ugv_terrain::identification::{
-    Cut, Estimate, Kinematics, KinematicsForm, Latencies, PredictionError, Signals, Summary,
-    Window, cut, split, summarise,
+    ErrorSummary, Kinematics, KinematicsForm, Latencies, PoseError, PredictionWindow, Signals,
+    WindowOptions, cut, split, summarise,
 };
-use ugv_terrain::recording::read_recording;
+use ugv_terrain::recording::{IntervalEstimate, read_recording};
 
 /// The README's numbers: median and 95th percentile of the position \[m\] and of the heading
 /// \[rad\].
@@ -105,7 +105,7 @@ const NEAR: f64 = 0.15;
 
 /// Whether the README's error is within what two halves of the same runs differ by: it does not tell which runs it
 /// judged, so theirs scatters as ours does, and their ratio by sqrt(2) of that.
-fn agrees(ours: &Estimate, theirs: f64) -> bool {
+fn agrees(ours: &IntervalEstimate, theirs: f64) -> bool {
     let bound = if theirs < ours.value {
         ours.low
     } else {
@@ -122,10 +122,10 @@ fn spacing(row: &Row) -> f64 {
 
 struct Found {
     windows: usize,
-    no_slip: [Summary; 2],
+    no_slip: [ErrorSummary; 2],
     radius: f64,
     track: f64,
-    two_parameter: [Summary; 2],
+    two_parameter: [ErrorSummary; 2],
 }
 
 fn compute(folder: &Path, row: &Row) -> Found {
@@ -136,14 +136,15 @@ fn compute(folder: &Path, row: &Row) -> Found {
     for run in &mut runs {
         run.remove(&latencies);
     }
-    let how = Cut {
+    let how = WindowOptions {
         spacing: spacing(row),
-        ..Cut::default()
+        ..WindowOptions::default()
     };
     let set = cut(row.file, &runs, &how).unwrap();
     let halves = split(&runs, &set.windows);
-    let pick =
-        |indices: &[usize]| -> Vec<&Window> { indices.iter().map(|k| &set.windows[*k]).collect() };
+    let pick = |indices: &[usize]| -> Vec<&PredictionWindow> {
+        indices.iter().map(|k| &set.windows[*k]).collect()
+    };
     let (fitted, judged) = (pick(&halves.fitted), pick(&halves.judged));
     let no_slip = Kinematics {
         wheel_radius: 0.30,
@@ -154,7 +155,7 @@ fn compute(folder: &Path, row: &Row) -> Found {
     let score = |kinematics: &Kinematics| {
         let errors: Vec<_> = judged
             .iter()
-            .map(|w| PredictionError::new(w, kinematics.predict(w)))
+            .map(|w| PoseError::new(w, kinematics.predict(w)))
             .collect();
         let blocks = || judged.iter().map(|w| w.block());
         let position: Vec<f64> = errors.iter().map(|e| e.position).collect();

@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 use ugv_terrain::identification::{
-    Cut, HeadingSource, IdentificationError, Kinematics, KinematicsForm, Latencies, Latency,
-    PredictionError, Predictor, Signals, Window, WindowSet, cut, heading_noise, split,
+    HeadingSource, IdentificationError, Kinematics, KinematicsForm, Latencies, Latency,
+    MotionModel, PoseError, PredictionWindow, Signals, WindowOptions, WindowSet, cut,
+    heading_noise, split,
 };
 use ugv_terrain::recording::{Channel, Recording, Run, Series};
 use ugv_terrain::simulation::Simulation;
@@ -139,7 +140,7 @@ fn recording(runs: Vec<Run>) -> Recording {
 }
 
 /// Signals with their latencies removed, and the windows.
-fn prepare(recording: &Recording, how: &Cut) -> (Vec<Signals>, WindowSet) {
+fn prepare(recording: &Recording, how: &WindowOptions) -> (Vec<Signals>, WindowSet) {
     let mut runs = Signals::of(recording).unwrap();
     let latencies = Latencies::estimate(&runs);
     for run in &mut runs {
@@ -149,12 +150,12 @@ fn prepare(recording: &Recording, how: &Cut) -> (Vec<Signals>, WindowSet) {
     (runs, set)
 }
 
-fn errors(predictor: &Predictor, windows: &[Window]) -> Vec<PredictionError> {
-    let error = |window| PredictionError::new(window, predictor.predict(window).unwrap());
+fn errors(predictor: &MotionModel, windows: &[PredictionWindow]) -> Vec<PoseError> {
+    let error = |window| PoseError::new(window, predictor.predict(window).unwrap());
     windows.iter().map(error).collect()
 }
 
-fn worst(errors: &[PredictionError]) -> (f64, f64) {
+fn worst(errors: &[PoseError]) -> (f64, f64) {
     errors
         .iter()
         .fold((0.0, 0.0), |(position, heading), error| {
@@ -180,9 +181,9 @@ fn two_parameters_are_recovered_through_noise() {
         ..PERFECT
     };
     let drive = recording(vec![record("", &kinematic_world(world, 120.0), noisy)]);
-    let (runs, set) = prepare(&drive, &Cut::default());
+    let (runs, set) = prepare(&drive, &WindowOptions::default());
     let halves = split(&runs, &set.windows);
-    let fitted: Vec<&Window> = halves.fitted.iter().map(|k| &set.windows[*k]).collect();
+    let fitted: Vec<&PredictionWindow> = halves.fitted.iter().map(|k| &set.windows[*k]).collect();
     let fit = Kinematics::fit(KinematicsForm::TwoParameter, &fitted, &NOMINAL).unwrap();
     for (name, estimate, truth, tolerance) in [
         ("radius", fit.wheel_radius, world.wheel_radius, 0.001),
@@ -201,15 +202,15 @@ fn two_parameters_are_recovered_through_noise() {
         assert!(reach < 20.0 * tolerance, "{name}: {estimate:?}");
     }
     assert_eq!(fit.icr_x, None);
-    let judged: Vec<Window> = halves
+    let judged: Vec<PredictionWindow> = halves
         .judged
         .iter()
         .map(|k| set.windows[*k].clone())
         .collect();
     // Noise of start and end, and the interpolation of the pose.
-    let (position, heading) = worst(&errors(&Predictor::Kinematics(fit.kinematics), &judged));
+    let (position, heading) = worst(&errors(&MotionModel::Kinematics(fit.kinematics), &judged));
     assert!(position < 0.12 && heading < 0.02, "{position} {heading}");
-    let (position, heading) = worst(&errors(&Predictor::Kinematics(NOMINAL), &judged));
+    let (position, heading) = worst(&errors(&MotionModel::Kinematics(NOMINAL), &judged));
     assert!(position > 0.5 && heading > 0.3, "{position} {heading}");
 }
 
@@ -221,29 +222,29 @@ fn third_parameter_is_recovered() {
         icr_x: 0.31,
     };
     let drive = recording(vec![record("", &kinematic_world(world, 60.0), PERFECT)]);
-    let (_, set) = prepare(&drive, &Cut::default());
-    let windows: Vec<&Window> = set.windows.iter().collect();
+    let (_, set) = prepare(&drive, &WindowOptions::default());
+    let windows: Vec<&PredictionWindow> = set.windows.iter().collect();
     let fit = Kinematics::fit(KinematicsForm::ThreeParameter, &windows, &NOMINAL).unwrap();
     assert!((fit.icr_x.unwrap().value - 0.31).abs() < 0.01, "{fit:?}");
     assert!((fit.track.value - 1.7).abs() < 0.01, "{fit:?}");
-    // Without the third, something is left over.
+    // Without the third parameter an error remains.
     let two = Kinematics::fit(KinematicsForm::TwoParameter, &windows, &NOMINAL).unwrap();
-    let left = |k| worst(&errors(&Predictor::Kinematics(k), &set.windows)).0;
-    assert!(left(fit.kinematics) < 0.02 && left(two.kinematics) > 0.1);
+    let error = |k| worst(&errors(&MotionModel::Kinematics(k), &set.windows)).0;
+    assert!(error(fit.kinematics) < 0.02 && error(two.kinematics) > 0.1);
 }
 
 #[test]
 fn straight_drives_leave_the_track_open_and_few_windows_everything() {
     let world = kinematic_world(NOMINAL, 40.0);
     let drive = recording(vec![record("", &world, PERFECT)]);
-    let (_, set) = prepare(&drive, &Cut::default());
-    let few: Vec<&Window> = set.windows.iter().take(3).collect();
+    let (_, set) = prepare(&drive, &WindowOptions::default());
+    let few: Vec<&PredictionWindow> = set.windows.iter().take(3).collect();
     assert_eq!(
         Kinematics::fit(KinematicsForm::TwoParameter, &few, &NOMINAL),
         None
     );
 
-    let straight: Vec<Window> = set
+    let straight: Vec<PredictionWindow> = set
         .windows
         .iter()
         .map(|window| {
@@ -252,7 +253,7 @@ fn straight_drives_leave_the_track_open_and_few_windows_everything() {
             window
         })
         .collect();
-    let straight: Vec<&Window> = straight.iter().collect();
+    let straight: Vec<&PredictionWindow> = straight.iter().collect();
     assert_eq!(
         Kinematics::fit(KinematicsForm::TwoParameter, &straight, &NOMINAL),
         None
@@ -313,14 +314,14 @@ fn soil_model_predicts_its_own_world() {
         ..PERFECT
     };
     let drive = recording(vec![record("", &soil_world(40.0), sensors)]);
-    let (_, mut set) = prepare(&drive, &Cut::default());
-    // The truth begins with a jump from rest, which no fit to positions can know.
+    let (_, mut set) = prepare(&drive, &WindowOptions::default());
+    // The truth starts with a jump from rest, which no fit to positions can follow.
     set.windows.retain(|window| window.start > 0.4);
-    let (position, heading) = worst(&errors(&Predictor::Soil(sand()), &set.windows));
+    let (position, heading) = worst(&errors(&MotionModel::Soil(sand()), &set.windows));
     // The vehicle's own response lets the wheels seem 0.05 s later than they are, at 1 m/s.
     assert!(position < 0.1 && heading < 0.05, "{position} {heading}");
     let no_slip = Kinematics::no_slip(&Vehicle::tran2007());
-    let (position, heading) = worst(&errors(&Predictor::Kinematics(no_slip), &set.windows));
+    let (position, heading) = worst(&errors(&MotionModel::Kinematics(no_slip), &set.windows));
     assert!(position > 0.5 && heading > 0.3, "{position} {heading}");
 }
 
@@ -335,7 +336,7 @@ fn windows_start_with_the_velocities_of_the_truth() {
     for (sensors, tolerance) in [(PERFECT, 0.05), (noisy, 0.1)] {
         let drive = recording(vec![record("", &truth, sensors)]);
         let runs = Signals::of(&drive).unwrap();
-        let set = cut("drive", &runs, &Cut::default()).unwrap();
+        let set = cut("drive", &runs, &WindowOptions::default()).unwrap();
         for window in set.windows.iter().filter(|window| window.start > 1.0) {
             let row = truth[(window.start / STEP).round() as usize];
             let state = window.state.to_array();
@@ -350,10 +351,10 @@ fn windows_start_with_the_velocities_of_the_truth() {
 #[test]
 fn windows_are_spaced_and_leave_out_rest_and_gaps() {
     let mut truth = kinematic_world(NOMINAL, 30.0);
-    let how = Cut {
+    let how = WindowOptions {
         horizon: 3.0,
         spacing: 1.0,
-        ..Cut::default()
+        ..WindowOptions::default()
     };
     let drive = recording(vec![record("", &truth, PERFECT)]);
     let whole = cut("drive", &Signals::of(&drive).unwrap(), &how).unwrap();
@@ -421,10 +422,10 @@ fn recordings_without_pose_and_settings_out_of_range_are_refused() {
     assert!(error.to_string().contains("no sample of x:"), "{error}");
     let runs = Signals::of(&recording(vec![run])).unwrap();
     for (horizon, spacing) in [(0.0, 1.0), (f64::NAN, 1.0), (5.0, -1.0), (1e9, 1.0)] {
-        let how = Cut {
+        let how = WindowOptions {
             horizon,
             spacing,
-            ..Cut::default()
+            ..WindowOptions::default()
         };
         let error = cut("drive", &runs, &how).unwrap_err();
         assert!(
@@ -436,7 +437,7 @@ fn recordings_without_pose_and_settings_out_of_range_are_refused() {
 
 #[test]
 fn halves_of_a_run_do_not_overlap() {
-    let how = Cut::default();
+    let how = WindowOptions::default();
     let drive = recording(vec![record("", &kinematic_world(NOMINAL, 40.0), PERFECT)]);
     let (runs, set) = prepare(&drive, &how);
     let halves = split(&runs, &set.windows);
@@ -462,7 +463,7 @@ fn every_second_run_is_judged_in_the_order_of_labels() {
     let truth = kinematic_world(NOMINAL, 6.0);
     let labels = ["10", "2", "4", "1", "3"];
     let drive = recording(labels.map(|label| record(label, &truth, PERFECT)).into());
-    let (runs, set) = prepare(&drive, &Cut::default());
+    let (runs, set) = prepare(&drive, &WindowOptions::default());
     let halves = split(&runs, &set.windows);
     let label = |k: &usize| runs[set.windows[*k].run].label.as_str();
     let mut judged: Vec<&str> = halves.judged.iter().map(label).collect();
@@ -477,9 +478,9 @@ fn which_run_is_judged_does_not_depend_on_the_windows() {
     let run = |(label, seconds)| record(label, &kinematic_world(NOMINAL, seconds), PERFECT);
     let drive = recording([("1", 4.0), ("2", 20.0), ("3", 20.0)].map(run).into());
     let judged = |horizon: f64| -> Vec<usize> {
-        let how = Cut {
+        let how = WindowOptions {
             horizon,
-            ..Cut::default()
+            ..WindowOptions::default()
         };
         let (runs, set) = prepare(&drive, &how);
         let mut judged: Vec<usize> = split(&runs, &set.windows)
@@ -494,7 +495,7 @@ fn which_run_is_judged_does_not_depend_on_the_windows() {
     assert_eq!((judged(5.0), judged(3.0)), (vec![1], vec![1]));
     // Beside a run that hardly moves, the only drive is parted.
     let drive = recording([("1", 2.0), ("2", 40.0)].map(run).into());
-    let (runs, set) = prepare(&drive, &Cut::default());
+    let (runs, set) = prepare(&drive, &WindowOptions::default());
     let halves = split(&runs, &set.windows);
     assert!(halves.fitted.len() > 10 && halves.judged.len() > 10);
 }
@@ -508,12 +509,12 @@ fn what_is_lost_within_a_window_is_not_judged() {
         recording(vec![whole.clone().with(channel, kept.collect())])
     };
     let windows = |drive: &Recording, heading| {
-        let how = Cut {
+        let how = WindowOptions {
             heading,
-            ..Cut::default()
+            ..WindowOptions::default()
         };
         let (_, set) = prepare(drive, &how);
-        let over = |window: &&Window| window.start < 22.9 && window.start + 5.0 > 20.1;
+        let over = |window: &&PredictionWindow| window.start < 22.9 && window.start + 5.0 > 20.1;
         (
             set.windows.iter().filter(over).count(),
             set.rejected.gaps > 0,
@@ -537,7 +538,7 @@ fn a_clock_that_is_set_does_not_keep_the_cut_busy() {
             let samples = series.samples().map(|(time, value)| (set(time), value));
             run.with(channel, samples.collect())
         });
-    let (_, set) = prepare(&recording(vec![run]), &Cut::default());
+    let (_, set) = prepare(&recording(vec![run]), &WindowOptions::default());
     assert!(
         (90..105).contains(&set.windows.len()),
         "{}",
@@ -557,12 +558,12 @@ fn a_gyro_is_judged_without_its_bias() {
     let latencies = Latencies::estimate(&runs);
     assert!((latencies.gyro_bias - 0.15).abs() < 0.005, "{latencies:?}");
     runs.iter_mut().for_each(|run| run.remove(&latencies));
-    let how = Cut {
+    let how = WindowOptions {
         heading: HeadingSource::Gyro,
-        ..Cut::default()
+        ..WindowOptions::default()
     };
     let set = cut("drive", &runs, &how).unwrap();
-    let (position, heading) = worst(&errors(&Predictor::Kinematics(NOMINAL), &set.windows));
+    let (position, heading) = worst(&errors(&MotionModel::Kinematics(NOMINAL), &set.windows));
     assert!(position < 0.1 && heading < 0.03, "{position} {heading}");
 }
 
@@ -598,11 +599,11 @@ fn gyro_replaces_a_poor_heading() {
     run = run.with(Channel::Heading, poor);
     let runs = Signals::of(&recording(vec![run])).unwrap();
     assert!(heading_noise(&runs).unwrap() > 0.2);
-    let truth = Predictor::Kinematics(NOMINAL);
+    let truth = MotionModel::Kinematics(NOMINAL);
     let by = |heading| {
-        let how = Cut {
+        let how = WindowOptions {
             heading,
-            ..Cut::default()
+            ..WindowOptions::default()
         };
         let set = cut("drive", &runs, &how).unwrap();
         worst(&errors(&truth, &set.windows))
@@ -617,9 +618,9 @@ fn gyro_replaces_a_poor_heading() {
 #[test]
 fn errors_of_the_heading_are_angles() {
     let drive = recording(vec![record("", &kinematic_world(NOMINAL, 6.0), PERFECT)]);
-    let (_, set) = prepare(&drive, &Cut::default());
+    let (_, set) = prepare(&drive, &WindowOptions::default());
     let window = &set.windows[0];
     let [x, y, heading] = window.end;
-    let error = PredictionError::new(window, [x + 3.0, y - 4.0, heading + 2.0 * PI - 0.1]);
+    let error = PoseError::new(window, [x + 3.0, y - 4.0, heading + 2.0 * PI - 0.1]);
     assert!((error.position - 5.0).abs() < 1e-9 && (error.heading - 0.1).abs() < 1e-9);
 }

@@ -2,7 +2,7 @@
 
 use crate::measured::data;
 use std::path::{Path, PathBuf};
-use ugv_terrain::inspection::{Delay, Quality, Signal, inspect};
+use ugv_terrain::inspection::{Delay, MotionSignal, Quality, inspect};
 use ugv_terrain::recording::{Channel, NoteKind, Recording, read_recording};
 
 fn all(folder: &str) -> Vec<Recording> {
@@ -99,17 +99,17 @@ fn swapped_columns_of_real_recordings_are_seen() {
 fn delays_of_real_recordings_are_those_known_of_them() {
     for recording in all("recordings") {
         let (name, inspection) = (&recording.name, inspect(&recording));
-        let behind_gyro = |of: Signal| -> &Delay {
+        let behind_gyro = |of: MotionSignal| -> &Delay {
             let mut pairs = inspection.delays.iter();
-            let found =
-                pairs.find(|delay| delay.pair.of == of && delay.pair.behind == Signal::YawRate);
+            let found = pairs
+                .find(|delay| delay.pair.of == of && delay.pair.behind == MotionSignal::YawRate);
             found.expect("every recording has wheels, pose and gyro")
         };
         assert!(
             inspection.delays.iter().all(|delay| !delay.contradicts),
             "{name}"
         );
-        let wheels = behind_gyro(Signal::WheelDifference);
+        let wheels = behind_gyro(MotionSignal::WheelDifference);
         if !name.contains("ice") {
             assert_eq!(wheels.quality, Quality::Clear, "{name}");
             assert!(
@@ -118,7 +118,7 @@ fn delays_of_real_recordings_are_those_known_of_them() {
                 wheels.seconds
             );
         }
-        let pose = behind_gyro(Signal::Heading);
+        let pose = behind_gyro(MotionSignal::Heading);
         assert_ne!(pose.quality, Quality::Unknown, "{name}");
         assert!(
             (0.2..0.8).contains(&pose.seconds.value),

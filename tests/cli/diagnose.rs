@@ -436,6 +436,23 @@ fn a_terrain_that_cannot_carry_the_vehicle_is_but_a_start() {
     assert!(bench.read("diagnosis/report.html").contains("cannot drive"));
 }
 
+#[test]
+fn the_answer_does_not_depend_on_the_number_of_threads() {
+    let bench = Bench::new();
+    bench.write("a.csv", simulated(&bench));
+    for jobs in ["1", "2"] {
+        bench.stdout(&format!(
+            "diagnose a.csv --terrain dry_clay --jobs {jobs} --out {jobs} --quiet"
+        ));
+    }
+    for file in ["diagnosis.json", "model.json"] {
+        let [one, two] = ["1", "2"].map(|jobs| bench.read(&format!("{jobs}/{file}")));
+        assert_eq!(one, two, "{file}");
+    }
+    let told: Value = serde_json::from_str(&bench.read("1/diagnosis.json")).unwrap();
+    assert_ne!(told["verdict"], "insufficient_data");
+}
+
 /// Standard error is gone by the time somebody reads the answer.
 #[test]
 fn what_the_reader_put_right_stands_in_the_answer() {

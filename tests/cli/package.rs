@@ -162,7 +162,7 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
         ),
         (
             "--library linux64=ugv.dll",
-            "the library for linux64 is none for that platform",
+            "the library for linux64 is not built for that platform",
         ),
         (
             "--library win64=old.dll",

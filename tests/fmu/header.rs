@@ -7,7 +7,9 @@ use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
-use ugv_terrain::declaration::{Configuration, Quantity, Variable, enumerations, variables};
+use ugv_terrain::declaration::{
+    Configuration, Quantity, TERRAIN_TYPE, TERRAINS, Variable, variables,
+};
 use ugv_terrain::effects::Effects;
 
 const HEADER: &str = "modelDescription/ugv.h";
@@ -31,12 +33,38 @@ fn generated() -> String {
         documentation_style: DocumentationStyle::C99,
         ..Config::default()
     };
-    // The modules are found from this one.
-    let exports = support::root().join("src/fmu/exports/mod.rs");
+    let folder = tempfile::tempdir().unwrap();
+    let exports = folder.path().join("fmi2.rs");
+    std::fs::write(&exports, expanded()).unwrap();
     let builder = Builder::new().with_config(config).with_src(exports);
     let mut text = Vec::new();
     builder.generate().unwrap().write(&mut text);
     String::from_utf8(text).unwrap()
+}
+
+/// The exported functions of FMI 2.0 as cbindgen reads them, which expands no macros.
+fn expanded() -> String {
+    let source = std::fs::read_to_string(support::root().join("src/fmu/fmi2.rs")).unwrap();
+    let (functions, entries) = source.split_once("exports! {").unwrap();
+    let mut text = functions.to_owned();
+    for entry in entries.split(";\n\n") {
+        let comments = entry
+            .lines()
+            .map(str::trim)
+            .filter(|l| l.starts_with("///"));
+        let (head, rest) = entry.split_once("TYPE = ").unwrap();
+        let (_, name) = head.rsplit_once("fmi2").unwrap();
+        let (_, rest) = rest.split_once('(').unwrap();
+        let (arguments, _) = rest.split_once(')').unwrap();
+        let comments: Vec<&str> = comments.collect();
+        let comments = comments.join("\n");
+        writeln!(
+            text,
+            "{comments}\n#[no_mangle]\npub extern \"C\" fn fmi2{name}(component: fmi2Component, {arguments}) -> fmi2Status {{}}"
+        )
+        .unwrap();
+    }
+    text
 }
 
 /// The paper's vehicle with the effects on whose parameters are no variables otherwise.
@@ -87,12 +115,11 @@ fn constants() -> String {
             }
         }
     }
-    for enumeration in enumerations() {
-        writeln!(text, "/* {} */", enumeration.description).unwrap();
-        for (item, value, _) in enumeration.items {
-            let name = format!("{}_{item}", enumeration.name);
-            writeln!(text, "#define UGV_{} {value}", name.to_uppercase()).unwrap();
-        }
+    let (name, description) = TERRAIN_TYPE;
+    writeln!(text, "/* {description} */").unwrap();
+    for ((item, _), value) in TERRAINS.iter().zip(1..) {
+        let name = format!("{name}_{item}").to_uppercase();
+        writeln!(text, "#define UGV_{name} {value}").unwrap();
     }
     text
 }
@@ -132,12 +159,10 @@ fn every_variable_has_a_name_of_its_own() {
         .collect();
     let distinct: HashSet<&str> = names.iter().copied().collect();
     assert_eq!(names.len(), distinct.len());
-    let scalars = variables(&configuration())
-        .iter()
-        .filter(|v| !v.name.contains('['))
-        .count();
-    // One row variable, seven wheel variables, five terrains.
-    assert_eq!(names.len(), scalars + 1 + 7 + 5);
+    let variables = variables(&configuration());
+    let is_named = |v: &&Variable| !v.name.contains('[') || v.name.contains("[1]");
+    let named = variables.iter().filter(is_named).count();
+    assert_eq!(names.len(), named + TERRAINS.len());
 }
 
 /// Compiles programs with the header; returns what the compiler says.

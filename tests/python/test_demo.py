@@ -1,8 +1,11 @@
 """The demo and the example controller, on the packaged FMU."""
 
 import contextlib
+import html
 import io
+import json
 import os
+import re
 import sys
 import tempfile
 import unittest
@@ -15,16 +18,23 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts" / "examples"))
 
+import concealed
 import demo
 import path_follower
 
 ROOT = Path(__file__).resolve().parents[2]
-FMU = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "ugv.fmu"
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+FMU = TARGET / "ugv.fmu"
+UGV = Path(os.environ.get("UGV_TOOL") or TARGET / "release" / "ugv")
 
 # Half a wheel's width: closer than this, the wheels still cover the tracks they should make.
 LARGEST_ERROR = 0.123  # m
 # What remains is the controller's own: it reacts to the error, so that in a curve it keeps one.
 RMS_ERROR = 0.06  # m
+# The mended FMU is this many times nearer to the recorded path than the given one, over the unseen drive.
+TIMES_NEARER = 3
+# What a repository carries lightly [bytes].
+LARGEST_RECORDING = 200_000
 # Without feedback nothing brings the vehicle back: the error grows to the size of the path.
 TIMES_WORSE = 10
 
@@ -114,21 +124,44 @@ class Demo(Pictures):
     def test_as_a_script(self) -> None:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            printed = run_main(demo, "--fmu", str(FMU), "--output", name)
+            printed = run_main(demo, "--fmu", str(FMU), "--tool", str(UGV), "--output", name)
             page = (folder / "index.html").read_text(encoding="utf-8")
+            self.assert_diagnosed(folder, page, printed)
             pictures = [*folder.glob("*.png"), *folder.glob("*.svg")]
             for picture in pictures:
                 self.assert_drawn(picture)
         self.assertLessEqual(
-            {"demo.png", "demo.svg", "figure_of_eight.png"}, {picture.name for picture in pictures}
+            {"demo.png", "demo.svg", "figure_of_eight.png", "follow.png"}, {picture.name for picture in pictures}
         )
         for terrain in demo.TERRAINS:
             lines = [line for line in printed.splitlines() if line.startswith(demo.label(terrain))]
             self.assertEqual(len(lines), 1, printed)
         self.assertIn("index.html", printed)
-        self.assertEqual(page.count("<svg"), len(demo.PANELS) + 1)
+        self.assertEqual(page.count("<svg"), len(demo.PANELS) + 2)
+        self.assertIn(demo.PRODUCT, page)
         for reference in ('src="', "<link", "url(http", str(ROOT)):
             self.assertNotIn(reference, page, "the page must stand alone")
+
+    def assert_diagnosed(self, folder: Path, page: str, printed: str) -> None:
+        """The concealed effect is named, its number lies in the interval, and the mended FMU is nearer to the path."""
+        said = json.loads((folder / "diagnosis" / "diagnosis.json").read_text())
+        truth = json.loads((concealed.RECORDINGS / "truth.json").read_text())
+        (effect,) = truth["effects"]
+        self.assertEqual([finding["effect"] for finding in said["findings"]], [effect["effect"]])
+        for name, off in effect["off"].items():
+            found = said["findings"][0]["parameters"][name]
+            self.assertTrue(found["low"] <= effect["parameters"][name] <= found["high"], f"{name}, off at {off}: {found}")
+        self.assertIn(html.escape(said["statement"]), page)
+        self.assertIn('<a href="diagnosis/report.html">', page)
+        self.assertIn("<html", (folder / "diagnosis" / "report.html").read_text(encoding="utf-8"))
+        given, mended = (float(re.search(rf"{name}\.fmu: ([0-9.]+) m RMS", printed)[1]) for name in ("given", "mended"))
+        self.assertLess(TIMES_NEARER * mended, given)
+
+    def test_the_recordings_are_small(self) -> None:
+        files = [path for path in concealed.RECORDINGS.iterdir() if path.suffix in (".csv", ".json")]
+        self.assertGreaterEqual(len(files), 5)
+        for path in files:
+            self.assertLess(path.stat().st_size, LARGEST_RECORDING, path.name)
 
 
 if __name__ == "__main__":

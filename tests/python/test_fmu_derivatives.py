@@ -327,7 +327,7 @@ class InputDerivatives(unittest.TestCase):
             instance.set_input_derivatives((0.0, 0.0), order=2)
             self.assertEqual(instance.messages, [])
             instance.set_input_derivatives(self.RATES, order=2)
-            self.assertIn("of order 2 is left out", instance.messages[0].text)
+            self.assertIn("of order 2 is ignored", instance.messages[0].text)
             with self.assertRaisesRegex(Failed, "cannot be NaN"):
                 instance.set_input_derivatives((1.0, float("nan")))
             instance.step(0.5)

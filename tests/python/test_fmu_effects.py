@@ -128,7 +128,7 @@ class Remembering(unittest.TestCase):
     def test_there_is_no_model_exchange(self) -> None:
         arguments = with_effects(REMEMBERING)
         complaint = refusal(kind=fmi2ModelExchange, **arguments)
-        self.assertIn("for co-simulation alone: with multipass, transient_shear", complaint)
+        self.assertIn("supports co-simulation only: with multipass, transient_shear", complaint)
         with Instance(**arguments).start(SPEEDS) as instance:
             instance.step(0.5)
             self.assertNotEqual(instance.outputs(), driven({}))
@@ -149,7 +149,7 @@ class Remembering(unittest.TestCase):
         place = {"effects": ["drag"], "place": {"x": 1.0, "y": 0.0, "radius": 2.0}}
         arguments = with_effects(drag | {"window": place})
         complaint = refusal(kind=fmi2ModelExchange, **arguments)
-        self.assertIn("for co-simulation alone: with a window on the map", complaint)
+        self.assertIn("supports co-simulation only: with a window on the map", complaint)
         with Instance(**arguments).start(SPEEDS) as instance:
             instance.step(0.5)
         # One in time is told as time events.

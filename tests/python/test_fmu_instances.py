@@ -188,7 +188,7 @@ class States(unittest.TestCase):
         ):
             status = self.instance.call(function, argument, byref(c_size_t()))
             self.assertEqual(status, fmi2Error)
-            self.assertIn("the state is none, or has been freed", self.instance.messages[-1].text)
+            self.assertIn("this is no saved state, or it has been freed", self.instance.messages[-1].text)
 
     def test_states_are_saved_in_every_mode(self) -> None:
         with Instance() as instance:
@@ -225,13 +225,13 @@ class States(unittest.TestCase):
             (bytes(1000), "are no state of this FMU"),
             (b"rubbish " * 100, "are no state of this FMU"),
             (data[:20], "another FMU, or of another version"),
-            (data[:44], "only a part of a state, or were changed"),
-            (data[:100], "only a part of a state, or were changed"),
-            (data[:-8], "only a part of a state, or were changed"),
-            (data[:-1], "only a part of a state, or were changed"),
-            (data + b"\0", "only a part of a state, or were changed"),
-            (data + data, "only a part of a state, or were changed"),
-            *((bytes(each), "only a part of a state, or were changed") for each in changed),
+            (data[:44], "an incomplete or damaged state"),
+            (data[:100], "an incomplete or damaged state"),
+            (data[:-8], "an incomplete or damaged state"),
+            (data[:-1], "an incomplete or damaged state"),
+            (data + b"\0", "an incomplete or damaged state"),
+            (data + data, "an incomplete or damaged state"),
+            *((bytes(each), "an incomplete or damaged state") for each in changed),
             (foreign, "another FMU, or of another version"),
         ):
             with self.subTest(size=len(wrong)), self.assertRaisesRegex(Failed, reason):

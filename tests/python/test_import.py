@@ -321,7 +321,7 @@ class Choices(ImportCase):
         self.assertIn("/odometry/filtered, /wheel/odom", recording.notes)
         recording = self.imported(log, "--topics", "odometry=odometry/filtered")
         self.assertEqual(len(recording.columns["x"]), 600)
-        self.assertIn("does not tell what its pose is from", recording.notes)
+        self.assertIn("does not show the source of its pose", recording.notes)
         recording = self.imported(log, "--topics", "odometry=none")
         self.assertEqual(recording.names, ["time", "omega_left", "omega_right"])
         self.assertIn("no pose", recording.notes)
@@ -429,7 +429,7 @@ class Choices(ImportCase):
         recording = self.imported(self.log(drive + fixes(1.5)))
         self.assertEqual(len(recording.columns["x"]), 400)
         self.assertIn("warning: pose from /odom (--pose fix", recording.notes)
-        self.assertIn("warning: the name of /odom does not tell", recording.notes)
+        self.assertIn("warning: the name of /odom does not show", recording.notes)
 
     def test_odd_attitudes_and_numbers(self) -> None:
         odometry = self.odometry()

@@ -73,6 +73,14 @@ class Package(Project):
             for order in ([*words, "--vehicle", "mine.json"], ["--vehicle", "mine.json", *words]):
                 self.assertEqual(self.outputs(*order), expected, order)
 
+    def test_zig_is_set_up_where_the_library_is_handed_on(self) -> None:
+        for words, group, portable in (([], "", ""), (["--portable"], "platforms", "--portable"), (["--platforms", "darwin64"], "platforms", "--portable")):
+            self.call("package.sh", *words)
+            (setup,), (build,) = self.called("setup.sh"), self.called("build_fmu_library.sh")
+            self.assertEqual(setup, f"CALLER: {group}".strip(), words)
+            platform = words[1] if len(words) > 1 else "linux64"
+            self.assertEqual(build, f"CALLER: {platform} {portable}".strip(), words)
+
     def test_what_only_the_tool_does_is_refused_before_anything_is_built(self) -> None:
         for words in (["--fmi", "3"], ["--fmi=2"], ["--merge", "a.fmu", "b.fmu", "--output", "c.fmu"]):
             self.assertIn("use target/release/ugv package", self.call("package.sh", *words, status=1))
@@ -172,6 +180,30 @@ class Callers(Project):
         told = [call.replace("CALLER/../built", "BUILT") for call in self.called("python")]
         self.assertEqual(told, ["ROOT: scripts/tools/numpy_model.py drive --output BUILT/bench/drive.csv",
                                 "ROOT: -m zipfile -e BUILT/ugv.fmu BUILT/bench/fmu"])
+
+
+class Setup(unittest.TestCase):
+    """scripts/setup.sh and its groups."""
+
+    def test_every_package_of_a_group_has_a_version(self) -> None:
+        folder = ROOT / "scripts" / "requirements"
+        names = {path.stem: [line for line in path.read_text().splitlines() if not line.startswith("#")] for path in folder.glob("*.txt")}
+        pinned = {line.partition("==")[0] for line in names.pop("constraints")}
+        self.assertEqual(set(names), {"base", "demo", "proof", "scale", "platforms", "test"})
+        for group, packages in names.items():
+            self.assertEqual(set(packages) - pinned, set(), group)
+
+    def test_a_group_that_is_not_there_is_refused(self) -> None:
+        done = subprocess.run([ROOT / "scripts" / "setup.sh", "demos"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("there is no group demos; there are demo, proof", done.stderr)
+
+    def test_the_index_names_every_script(self) -> None:
+        index = (ROOT / "scripts" / "README.md").read_text()
+        for folder in ("", "examples", "tools"):
+            for path in (ROOT / "scripts" / folder).iterdir():
+                if path.suffix in (".sh", ".py"):
+                    self.assertIn(f"`{path.name}`", index)
 
 
 class Defaults(unittest.TestCase):

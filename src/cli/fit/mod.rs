@@ -13,7 +13,7 @@ use names::{FreeNames, print_names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use ugv_terrain::fit::{Fitted, Options, Stage, fit_model};
-use ugv_terrain::identification::{Cut, fitted_part};
+use ugv_terrain::identification::{WindowOptions, fitted_part};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -116,7 +116,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     if args.half {
         for recording in &mut recordings {
-            *recording = fitted_part(recording, &Cut::default())?;
+            *recording = fitted_part(recording, &WindowOptions::default())?;
         }
     }
     let nominal = named.nominal(&recordings, args.quiet)?;

@@ -3,7 +3,8 @@
 use super::models::ComparedModel;
 use rayon::prelude::*;
 use ugv_terrain::identification::{
-    Cut, Halves, Latencies, PredictionError, Summary, Window, WindowSet, common, summarise,
+    DataSplit, ErrorSummary, Latencies, PoseError, PredictionWindow, WindowOptions, WindowSet,
+    common, summarise,
 };
 
 /// A recording's windows and the models that predict them.
@@ -11,10 +12,10 @@ pub struct ModelComparison {
     pub name: String,
     pub latencies: Latencies,
     /// How the windows are cut.
-    pub cut: Cut,
+    pub cut: WindowOptions,
     pub heading_noise: Option<f64>,
     pub set: WindowSet,
-    pub halves: Halves,
+    pub halves: DataSplit,
     pub models: Vec<ComparedModel>,
 }
 
@@ -34,14 +35,14 @@ pub struct ModelResult {
     /// Why it failed first.
     pub reason: Option<String>,
     pub scores: Option<ModelScores>,
-    errors: Vec<PredictionError>,
+    errors: Vec<PoseError>,
     blocks: Vec<(usize, i64)>,
 }
 
 /// Errors at the end of windows.
 pub struct ModelScores {
-    pub position: Summary,
-    pub heading: Summary,
+    pub position: ErrorSummary,
+    pub heading: ErrorSummary,
 }
 
 /// The result of a model on the windows of all recordings.
@@ -62,15 +63,15 @@ impl ModelComparison {
     /// Predicts every judged window with every model on all threads; the results do not depend on their number.
     pub fn run(&self, done: impl Fn() + Sync) -> ComparisonResult<'_> {
         let windows = self.halves.judged.iter();
-        let windows: Vec<&Window> = windows.map(|k| &self.set.windows[*k]).collect();
+        let windows: Vec<&PredictionWindow> = windows.map(|k| &self.set.windows[*k]).collect();
         let mut predictions = Vec::new();
         let mut reasons = Vec::new();
         for model in &self.models {
-            let predict = |window: &&Window| {
+            let predict = |window: &&PredictionWindow| {
                 let predictor = model.predictor.as_ref()?;
                 let predicted = predictor.predict(window);
                 done();
-                Some(predicted.map(|pose| PredictionError::new(window, pose)))
+                Some(predicted.map(|pose| PoseError::new(window, pose)))
             };
             let all: Vec<_> = windows.par_iter().map(predict).collect();
             let reason = all
@@ -83,7 +84,7 @@ impl ModelComparison {
         }
         let counted = common(&predictions);
         let blocks: Vec<(usize, i64)> = counted.iter().map(|k| windows[*k].block()).collect();
-        let result = |(errors, reason): (Vec<Option<PredictionError>>, Option<String>)| {
+        let result = |(errors, reason): (Vec<Option<PoseError>>, Option<String>)| {
             let failed = errors.iter().filter(|error| error.is_none()).count();
             let errors: Vec<_> = counted.iter().filter_map(|k| errors[*k]).collect();
             ModelResult {
@@ -104,8 +105,8 @@ impl ModelComparison {
 }
 
 impl ModelScores {
-    fn of<B: Ord + Clone>(errors: &[PredictionError], blocks: &[B]) -> Option<Self> {
-        let pick = |value: fn(&PredictionError) -> f64| {
+    fn of<B: Ord + Clone>(errors: &[PoseError], blocks: &[B]) -> Option<Self> {
+        let pick = |value: fn(&PoseError) -> f64| {
             let values: Vec<f64> = errors.iter().map(value).collect();
             summarise(&values, blocks.iter().cloned())
         };

@@ -2,7 +2,8 @@
 
 use super::comparison::{ComparisonResult, ModelScores, PooledResult};
 use serde_json::{Map, Value, json};
-use ugv_terrain::identification::{Estimate, Latency, Summary};
+use ugv_terrain::identification::{ErrorSummary, Latency};
+use ugv_terrain::recording::IntervalEstimate;
 
 pub fn render(
     horizon: f64,
@@ -76,7 +77,7 @@ fn insert(model: &mut Value, scores: Option<&ModelScores>) {
     model["heading_rad"] = scores.map_or(Value::Null, |scores| summary(&scores.heading));
 }
 
-fn summary(summary: &Summary) -> Value {
+fn summary(summary: &ErrorSummary) -> Value {
     json!({
         "median": estimate(&summary.median),
         "p95": estimate(&summary.p95),
@@ -84,7 +85,7 @@ fn summary(summary: &Summary) -> Value {
     })
 }
 
-fn estimate(estimate: &Estimate) -> Value {
+fn estimate(estimate: &IntervalEstimate) -> Value {
     json!({ "value": estimate.value, "low": estimate.low, "high": estimate.high })
 }
 

@@ -15,7 +15,7 @@ use models::{ComparedModel, GivenModel};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use ugv_terrain::identification::{
-    Cut, HeadingSource, Latencies, Signals, cut, heading_noise, split,
+    HeadingSource, Latencies, Signals, WindowOptions, cut, heading_noise, split,
 };
 use ugv_terrain::recording::{Recording, different_names, read_recording_of};
 
@@ -52,11 +52,11 @@ pub struct Args {
     model: NominalArgs,
 
     /// Length of a prediction
-    #[arg(long, value_name = "S", default_value_t = Cut::default().horizon)]
+    #[arg(long, value_name = "S", default_value_t = WindowOptions::default().horizon)]
     horizon: f64,
 
     /// Interval between the starts of windows
-    #[arg(long, value_name = "S", default_value_t = Cut::default().spacing)]
+    #[arg(long, value_name = "S", default_value_t = WindowOptions::default().spacing)]
     spacing: f64,
 
     /// Compare the heading with the recorded one or with the integrated yaw rate; auto takes
@@ -145,11 +145,11 @@ fn prepare(
             return Err(Failure::argument(reason).with_remedy("take --heading pose"));
         }
     };
-    let how = Cut {
+    let how = WindowOptions {
         horizon: args.horizon,
         spacing: args.spacing,
         heading,
-        ..Cut::default()
+        ..WindowOptions::default()
     };
     let set = cut(&recording.name, &runs, &how)?;
     let halves = split(&runs, &set.windows);

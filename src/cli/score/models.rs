@@ -4,8 +4,9 @@ use crate::cli::failure::Failure;
 use crate::cli::nominal::{DEFAULT_TERRAIN, NamedModel, NominalArgs};
 use std::sync::Arc;
 use ugv_terrain::identification::{
-    Cut, Estimate, FittedKinematics, Kinematics, KinematicsForm, Predictor, Window,
+    FittedKinematics, Kinematics, KinematicsForm, MotionModel, PredictionWindow, WindowOptions,
 };
+use ugv_terrain::recording::IntervalEstimate;
 use ugv_terrain::recording::Recording;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
@@ -14,7 +15,7 @@ use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
 pub struct NamedEstimate {
     pub name: &'static str,
     pub unit: &'static str,
-    pub estimate: Estimate,
+    pub estimate: IntervalEstimate,
 }
 
 /// A model that is compared with others.
@@ -26,7 +27,7 @@ pub struct ComparedModel {
     /// Fitted numbers.
     pub parameters: Vec<NamedEstimate>,
     /// `None` if it could not be fitted.
-    pub predictor: Option<Predictor>,
+    pub predictor: Option<MotionModel>,
 }
 
 /// A soil model with a short description.
@@ -35,13 +36,13 @@ pub type DescribedModel = (String, Arc<VehicleModel>);
 impl ComparedModel {
     /// Kinematics and soils, the simplest first.
     pub fn all(
-        windows: &[Window],
+        windows: &[PredictionWindow],
         fitted: &[usize],
         nominal: DescribedModel,
         given: Option<DescribedModel>,
     ) -> Vec<Self> {
         let no_slip = Kinematics::no_slip(nominal.1.vehicle());
-        let on: Vec<&Window> = fitted.iter().map(|index| &windows[*index]).collect();
+        let on: Vec<&PredictionWindow> = fitted.iter().map(|index| &windows[*index]).collect();
         let fit = |form| Kinematics::fit(form, &on, &no_slip);
         let mut models = vec![
             Self {
@@ -51,7 +52,7 @@ impl ComparedModel {
                     no_slip.wheel_radius, no_slip.track
                 ),
                 parameters: Vec::new(),
-                predictor: Some(Predictor::Kinematics(no_slip)),
+                predictor: Some(MotionModel::Kinematics(no_slip)),
             },
             Self::fitted("two_parameter", fit(KinematicsForm::TwoParameter)),
             Self::fitted("three_parameter", fit(KinematicsForm::ThreeParameter)),
@@ -66,7 +67,7 @@ impl ComparedModel {
             name,
             description,
             parameters: Vec::new(),
-            predictor: Some(Predictor::Soil(model)),
+            predictor: Some(MotionModel::Soil(model)),
         }
     }
 
@@ -95,7 +96,7 @@ impl ComparedModel {
             name,
             description: "kinematics fitted to the windows that are not judged".into(),
             parameters,
-            predictor: Some(Predictor::Kinematics(fitted.kinematics)),
+            predictor: Some(MotionModel::Kinematics(fitted.kinematics)),
         }
     }
 }
@@ -121,7 +122,12 @@ impl GivenModel {
     }
 
     /// A warning if a recording's windows are not independent of the model.
-    pub fn doubt(&self, recording: &Recording, cut: &Cut, within_a_run: bool) -> Option<String> {
+    pub fn doubt(
+        &self,
+        recording: &Recording,
+        cut: &WindowOptions,
+        within_a_run: bool,
+    ) -> Option<String> {
         let name = &recording.name;
         if self.is_fitted_to_all_of(recording) {
             return Some(format!(
@@ -132,12 +138,12 @@ impl GivenModel {
         let mut to = self.named.fitted_to.iter();
         let is_half = to.any(|to| to.recording == *name);
         // Whole runs are judged or not, however they are cut.
-        (is_half && within_a_run && *cut != Cut::default()).then(|| {
+        (is_half && within_a_run && *cut != WindowOptions::default()).then(|| {
             format!(
                 "warning: the given model was fitted to one half of {name}, of windows of {} s every {} s with the \
                  recorded heading; windows of other lengths, as here, overlap with that half",
-                Cut::default().horizon,
-                Cut::default().spacing
+                WindowOptions::default().horizon,
+                WindowOptions::default().spacing
             )
         })
     }

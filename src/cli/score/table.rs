@@ -3,7 +3,8 @@
 use super::comparison::{ComparisonResult, ModelScores, PooledResult};
 use std::fmt::Write;
 use ugv_terrain::display::visible_line;
-use ugv_terrain::identification::{Estimate, Latency};
+use ugv_terrain::identification::Latency;
+use ugv_terrain::recording::IntervalEstimate;
 use ugv_terrain::report::aligned;
 
 pub fn render(
@@ -141,8 +142,8 @@ fn latency(latency: &Latency) -> String {
     }
 }
 
-fn interval(estimate: &Estimate, digits: usize) -> String {
-    let Estimate { low, high, .. } = estimate;
+fn interval(estimate: &IntervalEstimate, digits: usize) -> String {
+    let IntervalEstimate { low, high, .. } = estimate;
     if estimate.width().is_finite() {
         format!("({low:.digits$}..{high:.digits$})")
     } else {

@@ -121,8 +121,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let course = course.or(args.settled.then(Vec::new));
     start(&mut simulation, &recording, state, course.as_deref())?;
     let mut summary = DriveSummary::new(&recording, simulation.state());
+    let columns = table::columns(simulation.model().vehicle());
     table
-        .write_all(table::header(simulation.model().vehicle().wheel_count()).as_bytes())
+        .write_all(table::header(&columns).as_bytes())
         .map_err(|source| table.failure(source))?;
     drive(&recording, schedule, &mut simulation, |point| {
         summary.visit(point);
@@ -132,7 +133,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             trace.visit(point);
         }
         if point.is_row {
-            table::write_row(&mut table, point).map_err(|source| table.failure(source))?;
+            table::write_row(&mut table, &columns, point)
+                .map_err(|source| table.failure(source))?;
         }
         Ok(())
     })?;

@@ -2,68 +2,40 @@
 
 use super::drive::DrivePoint;
 use std::io::{self, Write};
-use ugv_terrain::vehicle::WheelOutputs;
+use ugv_terrain::declaration::{Causality, Configuration, Variable, variables};
+use ugv_terrain::vehicle::Vehicle;
 
-type PointValue = fn(&DrivePoint) -> f64;
-type WheelValue = fn(&WheelOutputs) -> f64;
+/// The columns after the time: inputs and outputs of the FMU.
+pub fn columns(vehicle: &Vehicle) -> Vec<Variable> {
+    let configuration = Configuration {
+        vehicle: vehicle.clone(),
+        ..Configuration::default()
+    };
+    let mut columns = variables(&configuration);
+    columns.retain(|v| matches!(v.attributes.causality, Causality::Input | Causality::Output));
+    columns
+}
 
-/// Names and values of the columns.
-const COLUMNS: [(&str, PointValue); 14] = [
-    ("time", |point| point.time),
-    ("omega_left", |point| point.wheel_speeds.left),
-    ("omega_right", |point| point.wheel_speeds.right),
-    ("x", |point| point.state.x),
-    ("y", |point| point.state.y),
-    ("heading", |point| point.state.heading),
-    ("v_x", |point| point.state.v_x),
-    ("v_y", |point| point.state.v_y),
-    ("yaw_rate", |point| point.state.yaw_rate),
-    ("a_x", |point| point.wrench.a_x),
-    ("a_y", |point| point.wrench.a_y),
-    ("rolling_resistance", |point| {
-        point.wrench.rolling_resistance
-    }),
-    ("turning_resistance_moment", |point| {
-        point.wrench.turning_resistance_moment
-    }),
-    ("turning_moment", |point| point.wrench.turning_moment),
-];
-
-/// The columns of each wheel.
-const WHEEL_COLUMNS: [(&str, WheelValue); 7] = [
-    ("longitudinal_slip", |wheel| wheel.longitudinal_slip),
-    ("lateral_slip", |wheel| wheel.lateral_slip),
-    ("load", |wheel| wheel.load),
-    ("sinkage", |wheel| wheel.sinkage),
-    ("entry_angle", |wheel| wheel.entry_angle),
-    ("force_x", |wheel| wheel.force_x),
-    ("force_y", |wheel| wheel.force_y),
-];
-
-/// The header line for a vehicle with this many wheels.
-pub fn header(wheels: usize) -> String {
-    let mut names: Vec<String> = COLUMNS.iter().map(|(name, _)| (*name).into()).collect();
-    for wheel in 1..=wheels {
-        names.extend(
-            WHEEL_COLUMNS
-                .iter()
-                .map(|(name, _)| format!("wheel[{wheel}].{name}")),
-        );
-    }
+/// The header line.
+pub fn header(columns: &[Variable]) -> String {
+    let names = columns.iter().map(|column| column.name.as_str());
+    let names: Vec<&str> = ["time"].into_iter().chain(names).collect();
     names.join(",") + "\n"
 }
 
 /// Writes a row; its numbers read back to the last bit.
-pub fn write_row(out: &mut impl Write, point: &DrivePoint) -> io::Result<()> {
-    for (index, (_, value)) in COLUMNS.iter().enumerate() {
-        let comma = if index > 0 { "," } else { "" };
-        // -0 becomes 0.
-        write!(out, "{comma}{:?}", value(point) + 0.0)?;
-    }
-    for wheel in &point.wrench.wheels {
-        for (_, value) in &WHEEL_COLUMNS {
-            write!(out, ",{:?}", value(wheel) + 0.0)?;
-        }
+pub fn write_row(out: &mut impl Write, columns: &[Variable], point: &DrivePoint) -> io::Result<()> {
+    write!(out, "{:?}", unsigned_zero(point.time))?;
+    for column in columns {
+        let quantity = column.quantity;
+        let value = quantity.output(point.wheel_speeds, point.state, point.wrench);
+        let value = value.expect("inputs and outputs have values");
+        write!(out, ",{:?}", unsigned_zero(value))?;
     }
     writeln!(out)
+}
+
+/// -0 becomes 0.
+fn unsigned_zero(value: f64) -> f64 {
+    value + 0.0
 }

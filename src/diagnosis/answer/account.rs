@@ -1,20 +1,20 @@
-//! The account that a diagnosis gives of itself.
+//! The account of a diagnosis: noise, thresholds, and remarks.
 
 use super::posterior::likeliest_first;
 use crate::diagnosis::Options;
 use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::Wheels;
 use crate::diagnosis::hypothesis::maps::Maps;
-use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::diagnosis::outcome::Account;
-use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::SearchResult;
 use crate::effects::Extent;
 use crate::fit::noise_model::noise_estimates;
 use crate::recording::Recording;
 use crate::vehicle::Vehicle;
 
-/// How it was done: noise, thresholds, and what the reader should know besides.
+/// Noise, thresholds and remarks of a diagnosis.
 #[must_use]
-pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f64) -> Account {
+pub fn account(searched: &SearchResult, options: &Options, left_out: f64, seconds: f64) -> Account {
     let problem = &searched.problem;
     let predictor = problem.predictor(&searched.augmented.coefficients);
     let shooting = problem.shooting(&predictor, &searched.augmented.coefficients);
@@ -26,7 +26,7 @@ pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f
         segments: problem.segments.len(),
         seconds,
         left_out,
-        noise: noise_estimates(&shooting, &searched.augmented.tables, &searched.by),
+        noise: noise_estimates(&shooting, &searched.augmented.tables, &searched.noise),
         overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
         threshold: searched.first.threshold.sqrt(),
         refused: likeliest_first(&searched.refused),
@@ -35,7 +35,7 @@ pub fn account(searched: &Searched, options: &Options, left_out: f64, seconds: f
     }
 }
 
-/// What is doubtful of the vehicle that was given: the answer is about that vehicle.
+/// Implausible dimensions of the given vehicle: the answer is about that vehicle.
 #[must_use]
 pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
     let doubts = vehicle.doubts().into_iter();
@@ -44,39 +44,39 @@ pub fn doubts(vehicle: &Vehicle) -> Vec<String> {
         .collect()
 }
 
-/// What the reader put right or wants known of the recordings.
+/// Warnings of the importer about the recordings.
 #[must_use]
 pub fn read(recordings: &[Recording]) -> Vec<String> {
     let warnings = recordings.iter().flat_map(Recording::warnings);
     warnings.map(|warning| format!("{warning}.")).collect()
 }
 
-fn notes(searched: &Searched) -> Vec<String> {
+fn notes(searched: &SearchResult) -> Vec<String> {
     let mut notes = doubts(&searched.problem.nominal.vehicle);
     if searched.problem.stiffening > 1.0 {
         notes.push(format!(
-            "On the terrain as given the vehicle cannot drive all that was recorded; re-tuning began with {} times its frictional modulus.",
+            "The given terrain does not carry the vehicle through the whole recording; the fit of the soil starts from {} times its frictional modulus.",
             searched.problem.stiffening
         ));
     }
     notes.extend(searched.problem.wheels.as_ref().map(between_samples));
     if searched.problem.maps == Maps::OfRecordings {
-        let note = "Recordings begin at one point, so each counts as having a map of its own: what belongs to a place on the map is not sought. Give poses in one frame if they share one.";
+        let note = "The recordings start at the same point, so each has a separate map, and effects tied to a place on the map are not searched for. If the drives share one frame, give their poses in it.";
         notes.push(note.into());
     }
-    notes.extend(at_the_end_of_its_range(searched));
+    notes.extend(at_bounds(searched));
     let window = |problem: &Problem| problem.nominal.effects.window.clone();
     let found = window(&searched.placed).filter(|_| window(&searched.problem).is_none());
     if let Some(Extent::Time { .. }) = found.map(|window| window.extent) {
-        let note = "What acts in one drive only, or for some seconds of it, is not part of the augmented model.";
+        let note = "The augmented model does not include what acts in one drive only or for some seconds of it.";
         notes.push(note.into());
     }
     notes.extend(read(searched.problem.recordings));
     notes
 }
 
-/// Soil parameters that would go further than they may: what they stand for then is not soil.
-fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> {
+/// Soil parameters at their bounds: they may imitate something other than soil.
+fn at_bounds(searched: &SearchResult) -> impl Iterator<Item = String> {
     let parameters = searched.problem.soil_parameters();
     let pairs = parameters
         .into_iter()
@@ -86,7 +86,7 @@ fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> 
         let near = 1e-6 * (high - low);
         (*at <= low + near || *at >= high - near).then(|| {
             format!(
-                "{} went to the end of its range, {:.3e} {}: it may stand for something else than soil; on firm ground for tyres, which the given model can have (tyre_compliance).",
+                "{} reached the end of its range, {:.3e} {}: it may imitate something other than soil. On firm ground that may be tyres, which the given model can include (tyre_compliance).",
                 parameter.name,
                 parameter.value(*at),
                 parameter.unit
@@ -95,7 +95,7 @@ fn at_the_end_of_its_range(searched: &Searched) -> impl Iterator<Item = String> 
     })
 }
 
-/// How wheel speeds were taken between samples, in words.
+/// The reconstruction of the wheel speeds, in words.
 fn between_samples(wheels: &Wheels) -> String {
     let units = if wheels.likelier < 1.0 {
         "a fraction of a unit"
@@ -103,13 +103,13 @@ fn between_samples(wheels: &Wheels) -> String {
         &format!("{:.0} units", wheels.likelier)
     };
     let how = match (wheels.counted, wheels.smoothing > 0.0) {
-        (true, false) => "as means over the time between samples, as encoders count",
+        (true, false) => "as means over each sampling interval, as encoders count",
         (true, true) => {
-            "as means over the time between samples, as encoders count, and smoothed, as counts are noisy"
+            "as means over each sampling interval, as encoders count, and smoothed, because the counts are noisy"
         }
-        (false, _) => "smoothed, as they are noisy from sample to sample",
+        (false, _) => "smoothed, because their samples are noisy",
     };
     format!(
-        "Wheel speeds are taken {how}; so the recordings are likelier by {units} of log evidence than with straight lines from sample to sample."
+        "Wheel speeds are taken {how}. This raises the log evidence by {units} over linear interpolation between samples."
     )
 }

@@ -1,19 +1,19 @@
-//! The given model with what was found.
+//! The augmented model: the given one with the findings.
 
 use crate::diagnosis::DiagnosisError;
-use crate::diagnosis::hypothesis::What;
+use crate::diagnosis::hypothesis::UnknownKind;
 use crate::diagnosis::hypothesis::candidate::{Target, copy};
 use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
-use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::SearchResult;
 use crate::effects::{CATALOGUE, Effects, Extent, Window};
 use crate::vehicle::Specification;
 
-/// What a recording tells of what is its own counts at least so much of what was expected before.
-const LEAST_TOLD: f64 = 1e-3;
+/// Minimum weight of a recording's separate value, as a share of the prior's precision.
+const MIN_INFORMATION: f64 = 1e-3;
 
-/// The augmented model: what is bound to some seconds of one drive is left out of it.
+/// The augmented model, without effects of some seconds of one drive.
 pub fn model(
-    searched: &Searched,
+    searched: &SearchResult,
     nominal: &Specification,
 ) -> Result<Specification, DiagnosisError> {
     let problem = &searched.placed;
@@ -22,8 +22,8 @@ pub fn model(
         .map_err(|_| DiagnosisError::NotFinite)?;
     let predictor = problem.predictor(&searched.augmented.coefficients);
     let shooting = problem.shooting(&predictor, &searched.augmented.coefficients);
-    // What each recording has for itself goes in as the mean.
-    let mut own: Vec<(usize, Vec<Told>)> = Vec::new();
+    // Separate values of the recordings enter as their mean.
+    let mut own: Vec<(usize, Vec<OwnValue>)> = Vec::new();
     let FittedHypothesis {
         coefficients,
         solution,
@@ -31,21 +31,21 @@ pub fn model(
         ..
     } = &searched.augmented;
     problem.visit(&shooting, coefficients, |place, recording, what| {
-        if let What::CandidateParameter(coefficient) = what
-            && problem.candidates.coefficients[coefficient].own
+        if let UnknownKind::CandidateParameter(coefficient) = what
+            && problem.candidates[coefficient].own
         {
-            let told = Told {
+            let value = OwnValue {
                 at: solution.coefficients[recording][coefficient],
                 variance: covariance[(place, place)],
             };
             match own.iter_mut().find(|(other, _)| *other == coefficient) {
-                Some((_, all)) => all.push(told),
-                None => own.push((coefficient, vec![told])),
+                Some((_, all)) => all.push(value),
+                None => own.push((coefficient, vec![value])),
             }
         }
     });
     for (coefficient, all) in own {
-        let about = &problem.candidates.coefficients[coefficient];
+        let about = &problem.candidates[coefficient];
         let coordinate = mean(&all, about.parameter.prior.deviation);
         if let Target::Model(parameter) = about.target {
             let value = about.parameter.value(coordinate);
@@ -55,7 +55,7 @@ pub fn model(
         }
     }
     without_seconds(&mut model.effects, &nominal.effects)?;
-    // Where an effect that is off was expected to act is nobody's concern.
+    // The places of effects that are off are those of the given model.
     for effect in 0..CATALOGUE.len() {
         if !model.effects.is_on(effect) {
             copy(&mut model.effects, effect, &nominal.effects)
@@ -65,23 +65,22 @@ pub fn model(
     Ok(model)
 }
 
-/// What a recording tells of a coordinate of its own.
-struct Told {
+/// A recording's separate value of a coordinate.
+struct OwnValue {
     at: f64,
     variance: f64,
 }
 
-/// The mean of a coordinate over recordings, each by what it tells beyond what was expected: a drive that was never there
-/// tells nothing.
-fn mean(each: &[Told], expected: f64) -> f64 {
+/// The mean over recordings, weighted by their information beyond the prior: a drive that never was in the region has
+/// none.
+fn mean(each: &[OwnValue], expected: f64) -> f64 {
     let known = expected.powi(-2);
-    let weight = |told: &Told| (told.variance.recip() - known).max(LEAST_TOLD * known);
-    let sum: f64 = each.iter().map(|told| weight(told) * told.at).sum();
+    let weight = |value: &OwnValue| (value.variance.recip() - known).max(MIN_INFORMATION * known);
+    let sum: f64 = each.iter().map(|value| weight(value) * value.at).sum();
     sum / each.iter().map(weight).sum::<f64>()
 }
 
-/// Turns off what was found in some seconds of one drive. Where the given model has a window of its own, nothing is
-/// looked for in another.
+/// Turns off effects of some seconds of one drive. If the given model has a window, no other one is searched.
 fn without_seconds(effects: &mut Effects, problem: &Effects) -> Result<(), DiagnosisError> {
     if problem.window.is_some() {
         return Ok(());
@@ -101,11 +100,11 @@ mod tests {
 
     #[test]
     fn a_drive_that_was_never_there_does_not_count() {
-        let told = |at, variance| Told { at, variance };
-        // Slope in a disc: 0.06 rad where it was crossed; nothing but the prior of 0.1 rad where it was not.
-        let crossed = mean(&[told(0.06, 1e-4), told(0.0, 1e-2)], 0.1);
+        let value = |at, variance| OwnValue { at, variance };
+        // Slope in a disc: 0.06 rad from a crossing; the prior of 0.1 rad from a drive elsewhere.
+        let crossed = mean(&[value(0.06, 1e-4), value(0.0, 1e-2)], 0.1);
         assert!((crossed - 0.06).abs() < 1e-5, "{crossed}");
-        let both = mean(&[told(0.06, 1e-4), told(0.04, 1e-4)], 0.1);
+        let both = mean(&[value(0.06, 1e-4), value(0.04, 1e-4)], 0.1);
         assert!((both - 0.05).abs() < 1e-12);
     }
 

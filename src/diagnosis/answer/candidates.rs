@@ -1,40 +1,39 @@
-//! Everything that was asked about, in numbers.
+//! Results of all candidates.
 
-use super::ambiguity::groups;
 use super::posterior::Posterior;
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::diagnosis::screening::screen::{Projection, one_degree};
-use crate::diagnosis::search::Searched;
-use crate::diagnosis::search::proposal::Screened;
+use crate::diagnosis::search::SearchResult;
+use crate::diagnosis::search::proposal::ScreenedCandidate;
 use crate::diagnosis::{Candidate, DiagnosisError, Subject};
 use crate::effects::CATALOGUE;
 use crate::fit::parameter::NORMAL_95;
 use crate::vehicle::Specification;
+use nalgebra::{DMatrix, DVector};
 
-/// Power with which the smallest detectable effect is seen: 90 % quantile of the normal
-/// distribution.
+/// Quantile of the normal distribution for a power of 90 % at the smallest detectable effect.
 const POWER: f64 = 1.28;
 
-/// Every screened candidate, and whether it would have been seen at a plausible size.
+/// Every screened candidate, and whether a plausible value would have been detected.
 ///
 /// # Errors
 /// Numbers that are not finite.
-pub fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
+pub fn candidates(searched: &SearchResult) -> Result<Vec<(Candidate, bool)>, DiagnosisError> {
     let screening = &searched.first;
     let projection =
         Projection::over_all(&screening.system, &[]).ok_or(DiagnosisError::NotFinite)?;
-    let alike = groups(&projection, &screening.screened);
-    let one = |(screened, alike): (&Screened, Vec<(Subject, f64)>)| {
+    let alike = similar(&projection, &screening.screened);
+    let one = |(screened, alike): (&ScreenedCandidate, Vec<(Subject, f64)>)| {
         let mut coefficients = searched.problem.candidates.of(screened.subject);
-        // The one that the numbers are of: recordings may tell nothing of the others.
+        // The coefficient that the results are about; others may have no information.
         let coefficient =
             coefficients.find(|coefficient| !screening.system.unknowns(*coefficient).is_empty());
-        let coefficient = &searched.problem.candidates.coefficients[coefficient?];
+        let coefficient = &searched.problem.candidates[coefficient?];
         let (projected, score) = (&screened.projected, &screened.score);
         let information = projected.matrix[(0, 0)] / score.scatter;
         let needed = screening.threshold.sqrt() + POWER;
         let smallest = needed / information.max(0.0).sqrt();
-        let off = coefficient.parameter.prior_coordinate();
+        let off = coefficient.off();
         let value = |step: f64| {
             let (low, high) = coefficient.parameter.bounds();
             if step.is_finite() && (low..=high).contains(&(off + step)) {
@@ -43,7 +42,7 @@ pub fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, Diagnos
                 f64::INFINITY
             }
         };
-        // Away from off, to the side that is possible.
+        // From "off" to the possible side.
         let upward = (value(smallest) - coefficient.parameter.value(off)).abs();
         let downward = (value(-smallest) - coefficient.parameter.value(off)).abs();
         let degrees = projected.unknowns.len();
@@ -69,7 +68,7 @@ pub fn candidates(searched: &Searched) -> Result<Vec<(Candidate, bool)>, Diagnos
     Ok(pairs.filter_map(one).collect())
 }
 
-/// A subject that nothing is known of.
+/// A candidate without results.
 #[must_use]
 pub fn empty(subject: Subject) -> Candidate {
     Candidate {
@@ -87,9 +86,13 @@ pub fn empty(subject: Subject) -> Candidate {
     }
 }
 
-/// What was not screened but has a probability: nothing, unknown, a change of terrain.
+/// Subjects with a probability that are not screened: nothing, unknown, a change of terrain.
 #[must_use]
-pub fn others(odds: &Posterior, screened: &[Candidate], nominal: &Specification) -> Vec<Candidate> {
+pub fn others(
+    posterior: &Posterior,
+    screened: &[Candidate],
+    nominal: &Specification,
+) -> Vec<Candidate> {
     let change = CATALOGUE
         .iter()
         .position(|e| e.name == TERRAIN_CHANGE)
@@ -99,8 +102,63 @@ pub fn others(odds: &Posterior, screened: &[Candidate], nominal: &Specification)
     subjects.retain(|subject| !screened.iter().any(|c| c.subject == *subject));
     let each = subjects.into_iter();
     each.map(|subject| Candidate {
-        probability: odds.of(subject),
+        probability: posterior.of(subject),
         ..empty(subject)
     })
     .collect()
+}
+
+/// Smallest reported cosine.
+const ALIKE: f64 = 0.8;
+
+/// For each screened candidate those with a similar signal, with the cosine, the most similar first.
+///
+/// The angle between two candidates' signals after a refit of the soil: with H~ of both, the largest share of the one's
+/// signal d (its one-step estimate, else its prior's deviation) that the other can imitate,
+/// cos^2 = d^T H~_cd H~_dd^-1 H~_dc d / d^T H~_cc d.
+fn similar(projection: &Projection, screened: &[ScreenedCandidate]) -> Vec<Vec<(Subject, f64)>> {
+    let all: Vec<usize> = screened
+        .iter()
+        .flat_map(|one| one.projected.unknowns.iter().copied())
+        .collect();
+    let joint = projection.of(&all).matrix;
+    let mut firsts = vec![0];
+    for one in screened {
+        firsts.push(firsts.last().copied().unwrap_or(0) + one.projected.unknowns.len());
+    }
+    let block = |a: usize, b: usize| -> DMatrix<f64> {
+        let (rows, columns) = (firsts[a + 1] - firsts[a], firsts[b + 1] - firsts[b]);
+        joint
+            .view((firsts[a], firsts[b]), (rows, columns))
+            .into_owned()
+    };
+    let one = |a: usize| {
+        let signal = signal(projection, &screened[a]);
+        let own = (signal.transpose() * block(a, a) * &signal)[0];
+        let mut alike: Vec<(Subject, f64)> = (0..screened.len())
+            .filter(|b| *b != a)
+            .filter_map(|b| {
+                let seen = block(b, a) * &signal;
+                let mut other = block(b, b);
+                let ridge = 1e-9 * other.diagonal().max();
+                for k in 0..other.nrows() {
+                    other[(k, k)] += ridge.max(1e-300);
+                }
+                let mimicked = seen.dot(&other.cholesky()?.solve(&seen));
+                let cosine = (mimicked / own).max(0.0).sqrt().min(1.0);
+                (cosine >= ALIKE).then_some((screened[b].subject, cosine))
+            })
+            .collect();
+        alike.sort_by(|a, b| b.1.total_cmp(&a.1));
+        alike
+    };
+    (0..screened.len()).map(one).collect()
+}
+
+fn signal(projection: &Projection, one: &ScreenedCandidate) -> DVector<f64> {
+    if one.score.step.iter().any(|v| *v != 0.0) {
+        return one.score.step.clone();
+    }
+    let precision = projection.precisions(&one.projected.unknowns);
+    DVector::from_iterator(precision.len(), precision.iter().map(|p| p.sqrt().recip()))
 }

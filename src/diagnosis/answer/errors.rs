@@ -1,17 +1,18 @@
-//! How far predictions of data not fitted err: as given, re-tuned, with what was found.
+//! Held-out comparison of the given, the refitted and the augmented model.
 //!
-//! Each model is judged by parameters from other folds (see `cross_validated`) and under the noise that it leaves
-//! itself: under the noise of another one, which holds less, what it misses would count more. Errors in metres
-//! come from starts fitted to the first second of a segment alone; what follows it is predicted. They are
-//! compared on the segments that all models can drive; the score is over all.
+//! Each model is scored with parameters from other folds ([`cross_validated`]) and under the noise of its own
+//! residuals: under the smaller noise of a better model its misfit would count more. Errors in metres and radians
+//! follow a start that is fitted to the first second of a segment; the rest is predicted. They cover the segments
+//! that all models can follow; the score covers all.
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::block::{Block, blocks};
-use crate::diagnosis::hypothesis::cross_validated::cross_validated;
-use crate::diagnosis::hypothesis::held_out::Scores;
-use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, HELD, fit_on, follow, own_noise};
+use crate::diagnosis::hypothesis::held_out::{Scores, cross_validated};
+use crate::diagnosis::hypothesis::likelihood::{
+    FittedHypothesis, HELD, continue_fit, follow, own_noise,
+};
 use crate::diagnosis::outcome::{Errors, HeldOut};
-use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::SearchResult;
 use crate::fit::exact::ExactPredictor;
 use crate::fit::observation::observe;
 use crate::fit::optimiser::{Stop, minimise};
@@ -23,28 +24,27 @@ use crate::fit::signal::Signal;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// A start is fitted to so many seconds; the rest is predicted.
+/// Time to which a start is fitted \[s\]; the rest is predicted.
 const SEEN: f64 = 1.0;
-/// When starts alone are fitted.
+/// The end of a fit of starts.
 const START_STOP: Stop = Stop::after(10, 0.5);
-/// Weight of samples that are not seen.
+/// Weight of held-out samples.
 const UNSEEN: f64 = 1e-8;
 
-/// A model's predictions of what it was not fitted to.
-struct Row {
-    /// Of each segment; `None` where the model cannot drive.
-    errors: Vec<Option<Sums>>,
+/// A model's held-out errors and scores.
+struct HeldOutPrediction {
+    /// For each segment; `None` if the model cannot follow it.
+    errors: Vec<Option<SquaredErrors>>,
     scores: Scores,
 }
 
-/// Compares the model as given, re-tuned, and with what was found. `None` where there is too little to
-/// hold out.
+/// Compares the given, the refitted and the augmented model. `None` if there is too little data to hold out.
 #[must_use]
-pub fn compare(searched: &Searched) -> Option<HeldOut> {
-    let (problem, by) = (&searched.problem, &searched.by);
+pub fn compare(searched: &SearchResult) -> Option<HeldOut> {
+    let (problem, noise) = (&searched.problem, &searched.noise);
     let row = |problem, fit| {
-        let own = own_noise(problem, fit, by);
-        fitted(problem, &fit_on(problem, fit, &own, HELD), &own)
+        let own = own_noise(problem, fit, noise);
+        fitted(problem, &continue_fit(problem, fit, &own, HELD), &own)
     };
     let refitted = row(problem, &searched.refitted)?;
     let augmented = if searched.accepted.is_empty() {
@@ -52,11 +52,14 @@ pub fn compare(searched: &Searched) -> Option<HeldOut> {
     } else {
         Some(row(&searched.placed, &searched.augmented)?)
     };
-    let nominal = nominal(problem, by);
+    let nominal = nominal(problem, noise);
     let rows = [nominal.as_ref(), Some(&refitted), augmented.as_ref()];
     let rows = rows.into_iter().flatten();
     let by_all: Vec<bool> = (0..problem.segments.len())
-        .map(|index| rows.clone().all(|row: &Row| row.errors[index].is_some()))
+        .map(|index| {
+            rows.clone()
+                .all(|row: &HeldOutPrediction| row.errors[index].is_some())
+        })
         .collect();
     let length = problem.segments.iter().map(|s| s.end - s.start);
     let best = augmented.as_ref().unwrap_or(&refitted);
@@ -74,16 +77,25 @@ pub fn compare(searched: &Searched) -> Option<HeldOut> {
     })
 }
 
-/// Of a fitted hypothesis.
-fn fitted(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> Option<Row> {
-    let scores = cross_validated(problem, fit, by)?;
+/// Errors of a fitted hypothesis.
+fn fitted(
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    noise: &NoiseModel,
+) -> Option<HeldOutPrediction> {
+    let scores = cross_validated(problem, fit, noise)?;
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
-    Some(Row::new(&shooting, &fit.solution.starts, scores, by))
+    Some(HeldOutPrediction::new(
+        &shooting,
+        &fit.solution.starts,
+        scores,
+        noise,
+    ))
 }
 
-/// Of the model as it is given. `None` where it cannot drive.
-fn nominal(problem: &Problem, by: &NoiseModel) -> Option<Row> {
+/// Errors of the given model. `None` if it cannot follow the recordings.
+fn nominal(problem: &Problem, noise: &NoiseModel) -> Option<HeldOutPrediction> {
     let predictor =
         ExactPredictor::new(problem.nominal.clone(), Vec::new()).with_deadline(problem.deadline);
     let none = vec![Vec::new(); problem.recordings.len()];
@@ -93,8 +105,8 @@ fn nominal(problem: &Problem, by: &NoiseModel) -> Option<Row> {
         coordinates: DVector::zeros(0),
         starts: shooting.measured_starts(),
     };
-    let mut own = by.clone();
-    let outcome = minimise(&shooting, &mut point, by, START_STOP).ok()?;
+    let mut own = noise.clone();
+    let outcome = minimise(&shooting, &mut point, noise, START_STOP).ok()?;
     follow(&shooting, &point, &outcome.tables, &mut own);
     let blocks = blocks(&shooting, &outcome.tables, &point, &own)?;
     let scores = Scores {
@@ -102,31 +114,36 @@ fn nominal(problem: &Problem, by: &NoiseModel) -> Option<Row> {
         samples: blocks.iter().map(|block| block.samples).collect(),
         coordinates: vec![DVector::zeros(0); blocks.len()],
     };
-    Some(Row::new(&shooting, &point.starts, scores, &own))
+    Some(HeldOutPrediction::new(
+        &shooting,
+        &point.starts,
+        scores,
+        &own,
+    ))
 }
 
-impl Row {
+impl HeldOutPrediction {
     fn new(
         shooting: &ShootingProblem<ExactPredictor>,
         starts: &[[f64; 6]],
         scores: Scores,
-        by: &NoiseModel,
+        noise: &NoiseModel,
     ) -> Self {
         let one = |(index, segment): (usize, &Segment)| {
             let at = &scores.coordinates[index];
-            predicted(shooting, index, segment, at, starts[index], by)
+            predicted(shooting, index, segment, at, starts[index], noise)
         };
         let errors = shooting.segments.par_iter().enumerate().map(one).collect();
         let mut scores = scores;
-        for (density, weights) in scores.log_density.iter_mut().zip(&by.weights) {
+        for (density, weights) in scores.log_density.iter_mut().zip(&noise.weights) {
             *density -= 0.5 * price(weights.iter().flatten());
         }
         Self { errors, scores }
     }
 
-    /// Over these segments; the score over all.
+    /// Errors over these segments; the score over all.
     fn sum_up(&self, counted: &[bool]) -> Errors {
-        let mut all = Sums::default();
+        let mut all = SquaredErrors::default();
         let pairs = self.errors.iter().zip(counted);
         for sums in pairs.filter_map(|(sums, counts)| sums.filter(|_| *counts)) {
             for (total, part) in all.0.iter_mut().zip(sums.0) {
@@ -144,30 +161,29 @@ impl Row {
     }
 }
 
-/// What the weights of outliers cost, for they are each model's own: with it the density is Student's.
+/// The penalty of the outliers' weights, which differ between models: with it the density is Student's.
 fn price<'w>(weights: impl Iterator<Item = &'w f64>) -> f64 {
     // The determinant of the noise has the logarithm already.
     weights.map(|weight| penalty(*weight) + weight.ln()).sum()
 }
 
-/// Sums of squares and numbers of samples: position (two coordinates make one sample), heading, yaw
-/// rate.
+/// Sums of squares and numbers of samples: position (two coordinates make one sample), heading, yaw rate.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums([(f64, usize); 3]);
+struct SquaredErrors([(f64, usize); 3]);
 
-/// Fits a start to the first second and predicts the rest. `None` where the model cannot drive.
+/// Errors after a start that is fitted to the first second. `None` if the model cannot follow.
 fn predicted(
     shooting: &ShootingProblem<ExactPredictor>,
     index: usize,
     segment: &Segment,
     at: &DVector<f64>,
     start: [f64; 6],
-    by: &NoiseModel,
-) -> Option<Sums> {
+    noise: &NoiseModel,
+) -> Option<SquaredErrors> {
     let values = shooting.model_values(segment.recording, at);
     let sensors = shooting.sensor_values(segment.recording, at);
     let seen = segment.start + SEEN;
-    let mut own = by.of(&[index]);
+    let mut own = noise.of(&[index]);
     for (data, weights) in segment.samples.iter().zip(&mut own.weights[0]) {
         let late = data.signal.latency(&sensors);
         for (time, weight) in data.time.iter().zip(weights) {
@@ -186,7 +202,7 @@ fn predicted(
         false,
     )
     .ok()?;
-    let mut sums = Sums::default();
+    let mut sums = SquaredErrors::default();
     for (data, residuals) in segment.samples.iter().zip(&observed) {
         let late = data.signal.latency(&sensors);
         let later = data.time.iter().zip(&residuals.residual);

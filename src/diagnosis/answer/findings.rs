@@ -1,44 +1,41 @@
-//! What was found, in numbers and plain words.
+//! Findings in numbers and sentences.
 
 use super::posterior::likeliest_first;
-use super::verdict::Judged;
+use super::verdict::JudgedFinding;
 use super::words::{statement, whose};
 use crate::diagnosis::hypothesis::candidate::Target;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, scattered};
-use crate::diagnosis::hypothesis::{Problem, What};
+use crate::diagnosis::hypothesis::{Problem, UnknownKind};
 use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
-use crate::diagnosis::screening::law::{channel as pushed, group};
 use crate::diagnosis::screening::regime::{channel, gains, regime};
 use crate::diagnosis::screening::region::Region;
+use crate::diagnosis::screening::residual_model::{channel as pushed, group};
 use crate::diagnosis::screening::screen::Projection;
+use crate::diagnosis::screening::wrench::smooth;
 use crate::diagnosis::search::proposal::{Proposal, ProposalKind};
-use crate::diagnosis::search::{AcceptedEffect, Searched};
+use crate::diagnosis::search::{AcceptedEffect, SearchResult};
 use crate::fit::parameter::{FreeParameter, NORMAL_95};
+use crate::recording;
 use nalgebra::DMatrix;
 
-/// Stretches that are told where something acts throughout.
-const TOLD: usize = 3;
+/// Number of reported places of an effect that acts throughout.
+const MAX_PLACES: usize = 3;
 
 /// The findings of a judgement.
 #[must_use]
-pub fn findings(searched: &Searched, judged: &[Judged]) -> Vec<Finding> {
+pub fn findings(searched: &SearchResult, judged: &[JudgedFinding]) -> Vec<Finding> {
     if judged.is_empty() {
         return Vec::new();
     }
-    let covariance = scattered(&searched.placed, &searched.augmented, &searched.by);
-    let one = |judged: &Judged| match judged.accepted_effect {
-        Some(accepted_effect) => named(
-            searched,
-            &searched.accepted[accepted_effect],
-            judged,
-            &covariance,
-        ),
-        None => left_over(searched, judged),
+    let covariance = scattered(&searched.placed, &searched.augmented, &searched.noise);
+    let one = |judged: &JudgedFinding| match judged.effect {
+        Some(effect) => named(searched, &searched.accepted[effect], judged, &covariance),
+        None => latent_wrench(searched, judged),
     };
     judged.iter().map(one).collect()
 }
 
-/// Values and intervals of a proposal's knobs at a fit.
+/// Values and intervals of a proposal's coefficients.
 fn quantities(
     problem: &Problem,
     fit: &FittedHypothesis,
@@ -53,16 +50,16 @@ fn quantities(
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
     let mut found: Vec<(usize, Quantity)> = Vec::new();
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     problem.visit(&shooting, &fit.coefficients, |place, recording, what| {
-        let What::CandidateParameter(coefficient) = what else {
+        let UnknownKind::CandidateParameter(coefficient) = what else {
             return;
         };
-        if !coefficients.contains(&coefficient) || told.contains(&place) {
+        if !coefficients.contains(&coefficient) || reported.contains(&place) {
             return;
         }
-        told.push(place);
-        let about = &problem.candidates.coefficients[coefficient];
+        reported.push(place);
+        let about = &problem.candidates[coefficient];
         if about.own && !acts(recording) {
             return;
         }
@@ -89,17 +86,17 @@ fn quantities(
 }
 
 fn named(
-    searched: &Searched,
-    accepted_effect: &AcceptedEffect,
-    judged: &Judged,
+    searched: &SearchResult,
+    effect: &AcceptedEffect,
+    judged: &JudgedFinding,
     covariance: &DMatrix<f64>,
 ) -> Finding {
-    let proposal = &accepted_effect.proposal;
+    let proposal = &effect.proposal;
     let (problem, fit) = (&searched.placed, &searched.augmented);
     let parameters = quantities(problem, fit, proposal, covariance);
     let steps = steps(problem, fit, &proposal.coefficients);
     let local = proposal.kind() == ProposalKind::Local;
-    let places = places(searched, accepted_effect, judged.subject, &steps);
+    let places = places(searched, effect, judged.subject, &steps);
     let law: Vec<Term> = if proposal.subject == Subject::Unknown {
         law(problem, proposal, &parameters)
     } else {
@@ -109,8 +106,8 @@ fn named(
         subject: judged.subject,
         probability: judged.probability,
         ambiguous_with: judged.set.iter().map(|(subject, _)| *subject).collect(),
-        evidence: accepted_effect.gain,
-        rivals: likeliest_first(&accepted_effect.rivals),
+        evidence: effect.gain,
+        rivals: likeliest_first(&effect.rivals),
         parameters,
         places,
         local,
@@ -121,16 +118,14 @@ fn named(
     finding
 }
 
-/// How far knobs are from off, for each recording.
+/// Distances of coefficients from "off", for each recording.
 fn steps(
     problem: &Problem,
     fit: &FittedHypothesis,
     coefficients: &[usize],
 ) -> Vec<(usize, Vec<f64>)> {
     let each = |coefficient: &usize| {
-        let off = problem.candidates.coefficients[*coefficient]
-            .parameter
-            .prior_coordinate();
+        let off = problem.candidates[*coefficient].off();
         let values = fit
             .solution
             .coefficients
@@ -143,7 +138,7 @@ fn steps(
 
 fn law(problem: &Problem, proposal: &Proposal, parameters: &[Quantity]) -> Vec<Term> {
     let term = |(index, coefficient): (usize, &usize)| {
-        let about = &problem.candidates.coefficients[*coefficient];
+        let about = &problem.candidates[*coefficient];
         Term {
             channel: pushed(about.effect),
             parameter: about.parameter.name.clone(),
@@ -161,23 +156,22 @@ fn law(problem: &Problem, proposal: &Proposal, parameters: &[Quantity]) -> Vec<T
 }
 
 fn places(
-    searched: &Searched,
-    accepted_effect: &AcceptedEffect,
+    searched: &SearchResult,
+    effect: &AcceptedEffect,
     subject: Subject,
     steps: &[(usize, Vec<f64>)],
 ) -> Vec<Interval> {
     let problem = &searched.problem;
     let system = &searched.first.system;
-    let what =
-        match problem.candidates.coefficients[accepted_effect.proposal.coefficients[0]].target {
-            Target::Sensor(_) => Channel::Measurement,
-            Target::Model(_) if subject == Subject::Unknown => pushed(
-                problem.candidates.coefficients[accepted_effect.proposal.coefficients[0]].effect,
-            ),
-            Target::Model(_) => channel(problem, system, steps),
-        };
-    // What acts in one place only shows in what is driven there: that would say the place once more.
-    let everywhere = accepted_effect.proposal.extent.is_none();
+    let what = match problem.candidates[effect.proposal.coefficients[0]].target {
+        Target::Sensor(_) => Channel::Measurement,
+        Target::Model(_) if subject == Subject::Unknown => {
+            pushed(problem.candidates[effect.proposal.coefficients[0]].effect)
+        }
+        Target::Model(_) => channel(problem, system, steps),
+    };
+    // An effect of one region shows in the regime of that region, which says nothing new.
+    let everywhere = effect.proposal.extent.is_none();
     let gains = Projection::over_all(system, &[])
         .filter(|_| everywhere)
         .map(|projection| gains(problem, system, &projection, steps))
@@ -193,7 +187,7 @@ fn places(
         regime: regime.clone(),
         patch,
     };
-    match &accepted_effect.proposal.extent {
+    match &effect.proposal.extent {
         Some(Region::Time(at) | Region::Run(at)) => {
             let patch = patch(searched, at.recording, at.run, at.start, at.end);
             vec![interval(at.recording, at.run, at.start, at.end, patch)]
@@ -227,15 +221,19 @@ fn places(
                 run.4 = own.map(|gain| gain.gain).sum();
             }
             runs.sort_by(|a, b| b.4.total_cmp(&a.4));
-            let told = runs.into_iter().take(TOLD);
-            told.map(|(recording, run, start, end, _)| interval(recording, run, start, end, None))
+            let reported = runs.into_iter().take(MAX_PLACES);
+            reported
+                .map(|(recording, run, start, end, _)| interval(recording, run, start, end, None))
                 .collect()
         }
     }
 }
 
-/// Stretches in which the vehicle is somewhere.
-fn visits(searched: &Searched, inside: impl Fn([f64; 2]) -> bool) -> Vec<(usize, usize, f64, f64)> {
+/// Time intervals in which the vehicle is in a region.
+fn visits(
+    searched: &SearchResult,
+    inside: impl Fn([f64; 2]) -> bool,
+) -> Vec<(usize, usize, f64, f64)> {
     let problem = &searched.problem;
     let mut found: Vec<(usize, usize, f64, f64)> = Vec::new();
     for segment in &searched.first.system.segments {
@@ -244,7 +242,7 @@ fn visits(searched: &Searched, inside: impl Fn([f64; 2]) -> bool) -> Vec<(usize,
         for edges in segment.edges.windows(2) {
             let middle = 0.5 * (edges[0] + edges[1]);
             let at = |channel| run.series(channel).and_then(|series| series.at(middle));
-            let place = at(crate::recording::Channel::X).zip(at(crate::recording::Channel::Y));
+            let place = at(recording::Channel::X).zip(at(recording::Channel::Y));
             if !place.is_some_and(|(x, y)| inside([x, y])) {
                 continue;
             }
@@ -259,9 +257,9 @@ fn visits(searched: &Searched, inside: impl Fn([f64; 2]) -> bool) -> Vec<(usize,
     found
 }
 
-/// The disc that holds where the vehicle was in an interval.
+/// The smallest centred disc around the path in a time interval.
 fn patch(
-    searched: &Searched,
+    searched: &SearchResult,
     recording: usize,
     run: usize,
     start: f64,
@@ -269,8 +267,8 @@ fn patch(
 ) -> Option<[f64; 3]> {
     let run = &searched.problem.recordings[recording].runs[run];
     let (x, y) = (
-        run.series(crate::recording::Channel::X)?,
-        run.series(crate::recording::Channel::Y)?,
+        run.series(recording::Channel::X)?,
+        run.series(recording::Channel::Y)?,
     );
     let times = x.time.iter().filter(|time| (start..=end).contains(*time));
     let places: Vec<[f64; 2]> = times
@@ -291,8 +289,8 @@ fn patch(
     (!places.is_empty()).then_some([centre[0], centre[1], radius])
 }
 
-/// A wrench that comes and goes without a name.
-fn left_over(searched: &Searched, judged: &Judged) -> Finding {
+/// The finding of a latent wrench.
+fn latent_wrench(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
     let size = searched.last.latent_wrench.map_or([0.0; 3], |w| w.size);
     let largest = (0..3)
         .max_by(|a, b| size[*a].total_cmp(&size[*b]))
@@ -301,13 +299,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
     let problem = &searched.problem;
     let mut places: Vec<(f64, Interval)> = Vec::new();
     for (recording, run) in problem.runs() {
-        let found = crate::diagnosis::screening::wrench::smooth(
-            problem,
-            &searched.last.system,
-            recording,
-            run,
-            size,
-        );
+        let found = smooth(problem, &searched.last.system, recording, run, size);
         let Some(trace) = found else { continue };
         let ratio = |k: usize| (trace.value[k][largest] / trace.deviation[k][largest]).abs();
         let strongest = (0..trace.time.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)));
@@ -341,7 +333,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
     places.sort_by(|a, b| b.0.total_cmp(&a.0));
     let places: Vec<Interval> = places
         .into_iter()
-        .take(TOLD)
+        .take(MAX_PLACES)
         .map(|(_, place)| place)
         .collect();
     let weight = problem.nominal.vehicle.mass * crate::vehicle::GRAVITY;
@@ -364,7 +356,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
     };
     let strongest = places.first().map_or(String::new(), |place| {
         format!(
-            ", the strongest from {:.1} to {:.1} s of {}",
+            ", strongest from {:.1} to {:.1} s of {}",
             place.start,
             place.end,
             whose(place)
@@ -381,7 +373,7 @@ fn left_over(searched: &Searched, judged: &Judged) -> Finding {
         local: false,
         law: Vec::new(),
         statement: format!(
-            "a {what} of about {amount} comes and goes that no effect of the catalogue explains{strongest}"
+            "a time-varying {what} of about {amount} that no effect of the catalogue explains{strongest}"
         ),
     }
 }

@@ -1,7 +1,6 @@
-//! What is told: probabilities and the verdict, what was found in numbers and words, and what it predicts.
+//! The answer: posterior and verdict, findings in numbers and words, and the held-out comparison.
 
 pub mod account;
-pub mod ambiguity;
 pub mod augmented;
 pub mod candidates;
 pub mod errors;

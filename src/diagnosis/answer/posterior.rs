@@ -1,19 +1,19 @@
-//! Probabilities of what may be missing, from log odds.
+//! Posterior probabilities from log odds.
 
 use crate::diagnosis::Subject;
 use crate::diagnosis::search::accepted::NOTHING;
 
-/// Share of the probability that stays with "unknown" whatever the evidence: now and then something
-/// outside the catalogue looks exactly like something inside.
+/// Probability of "unknown" whatever the evidence: now and then something outside the catalogue imitates an effect
+/// exactly.
 pub const DOUBT: f64 = 0.03;
-/// Softens log Bayes factors: so much where nothing is likeliest, so much where something is, by `CLEAR` or more, and
-/// so many roots of the largest besides.
+/// Temperatures of log Bayes factors: if nothing is likeliest, if something is by `CLEAR` or more, and this many
+/// roots of the largest besides.
 const SILENT: f64 = 0.75;
 const TEMPERATURE: f64 = 2.0;
 const CLEAR: f64 = 3.0;
 const PER_ROOT: f64 = 0.02;
 
-/// Softens differences of log odds where the largest are these.
+/// Temperature of log odds whose largest is `top`.
 fn temperature(top: f64) -> f64 {
     let clear = ((top - NOTHING) / CLEAR).clamp(0.0, 1.0);
     SILENT + (TEMPERATURE - SILENT) * clear + PER_ROOT * top.max(0.0).sqrt()
@@ -24,11 +24,11 @@ fn temperature(top: f64) -> f64 {
 pub struct Posterior(pub Vec<(Subject, f64)>);
 
 impl Posterior {
-    /// From log odds of subjects, and those of nothing.
+    /// From log odds of subjects and of "nothing".
     #[must_use]
-    pub fn new(weighed: &[(Subject, f64)], nothing: f64) -> Self {
+    pub fn new(log_odds: &[(Subject, f64)], nothing: f64) -> Self {
         let mut all = vec![(Subject::Nothing, nothing)];
-        all.extend_from_slice(weighed);
+        all.extend_from_slice(log_odds);
         let logs = likeliest_first(&all);
         let top = logs[0].1;
         let temperature = temperature(top);
@@ -56,25 +56,25 @@ impl Posterior {
             .sum()
     }
 
-    /// With a part of what one subject has given to others in equal parts.
+    /// With a share of one subject's probability spread evenly over others.
     #[must_use]
-    pub fn shared(mut self, from: Subject, part: f64, among: &[Subject]) -> Self {
+    pub fn shared(mut self, from: Subject, share: f64, among: &[Subject]) -> Self {
         let Some(own) = self.0.iter_mut().find(|(other, _)| *other == from) else {
             return self;
         };
-        let problem = if among.is_empty() { 0.0 } else { part * own.1 };
-        own.1 -= problem;
+        let moved = if among.is_empty() { 0.0 } else { share * own.1 };
+        own.1 -= moved;
         for subject in among {
-            let each = problem / among.len() as f64;
+            let each = moved / among.len() as f64;
             match self.0.iter_mut().find(|(other, _)| other == subject) {
-                Some((_, share)) => *share += each,
+                Some((_, other)) => *other += each,
                 None => self.0.push((*subject, each)),
             }
         }
         self
     }
 
-    /// With a share of all given to a subject.
+    /// With a share of all probability given to a subject.
     #[must_use]
     pub fn with(mut self, subject: Subject, share: f64) -> Self {
         for (_, other) in &mut self.0 {
@@ -88,8 +88,7 @@ impl Posterior {
     }
 }
 
-/// Of several findings, each weighed by its evidence: what explains little is a small part of what was missing. That
-/// nothing is missing takes all of them to be wrong.
+/// Mean over several findings, weighted by evidence. "Nothing" requires that all of them are wrong.
 #[must_use]
 pub fn mean(each: &[(Posterior, f64)]) -> Option<Posterior> {
     let total: f64 = each.iter().map(|(_, gain)| gain).sum();
@@ -149,7 +148,7 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-12);
         assert!(odds.of(a) > 0.95 && odds.of(b) < odds.of(a));
         assert!((odds.of(Subject::Unknown) - DOUBT).abs() < 1e-12);
-        // The same lead says less where more is at stake.
+        // The same lead counts less at larger odds.
         let ahead = |top: f64| Posterior::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
         assert!(ahead(20.0) > ahead(200.0) && ahead(200.0) > ahead(2000.0));
         assert!(ahead(2000.0) > 0.5);

@@ -1,23 +1,24 @@
-//! What plots show: the path, residuals before and after, the wrench left over.
+//! Plot data: path, residuals before and after, unmodelled wrench.
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
 use crate::diagnosis::outcome::{ResidualTrace, RunTrace};
 use crate::diagnosis::screening::wrench::smooth;
-use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::SearchResult;
 use crate::fit::problem::NoiseModel;
 use crate::fit::signal::Signal;
 use crate::recording::Channel;
 
-/// A wrench is drawn at least as large as this share of the weight may be.
-const LEAST_SIZE: f64 = 3e-3;
+/// Minimum size of the wrench's prior in plots, as a share of the weight.
+const MIN_SIZE: f64 = 3e-3;
 
-/// All runs that have segments.
+/// Traces of all runs with segments.
 #[must_use]
-pub fn traces(searched: &Searched) -> Vec<RunTrace> {
+pub fn traces(searched: &SearchResult) -> Vec<RunTrace> {
     let problem = &searched.problem;
     let one = |(recording, run): (usize, usize)| {
-        let (time, mismatch) = mismatch(problem, &searched.refitted, &searched.by, recording, run);
+        let (time, mismatch) =
+            mismatch(problem, &searched.refitted, &searched.noise, recording, run);
         let data = &problem.recordings[recording].runs[run];
         let at = |channel, time| data.series(channel).and_then(|series| series.at(time));
         let place = |time: &f64| Some([at(Channel::X, *time)?, at(Channel::Y, *time)?]);
@@ -32,8 +33,8 @@ pub fn traces(searched: &Searched) -> Vec<RunTrace> {
         let size = searched
             .first
             .latent_wrench
-            .map_or([LEAST_SIZE; 3], |w| w.size);
-        let size = size.map(|s| s.max(LEAST_SIZE));
+            .map_or([MIN_SIZE; 3], |w| w.size);
+        let size = size.map(|s| s.max(MIN_SIZE));
         RunTrace {
             recording: problem.names[recording].clone(),
             run,
@@ -48,11 +49,11 @@ pub fn traces(searched: &Searched) -> Vec<RunTrace> {
     problem.runs().into_iter().map(one).collect()
 }
 
-/// How much a model misses, in standard deviations of the noise, second by second.
+/// Root mean square of the whitened residuals, bin by bin.
 fn mismatch(
     problem: &Problem,
     fit: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     recording: usize,
     run: usize,
 ) -> (Vec<f64>, Vec<f64>) {
@@ -62,32 +63,32 @@ fn mismatch(
             continue;
         }
         for (channel, data) in segment.samples.iter().enumerate() {
-            let noise = by.noise[recording][data.signal.group() as usize];
+            let channel_noise = noise.noise[recording][data.signal.group() as usize];
             let table = &fit.tables[index].channels[channel];
             let residual = table.iter().step_by(fit.tables[index].columns);
             let mut residual: Vec<f64> = residual.copied().collect();
-            noise.whiten(&data.time, &by.weights[index][channel], 1, &mut residual);
+            channel_noise.whiten(&data.time, &noise.weights[index][channel], 1, &mut residual);
             whitened.extend(data.time.iter().copied().zip(residual));
         }
     }
     whitened.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut time, mut size) = (Vec::new(), Vec::new());
     let mut rest = whitened.as_slice();
-    while let Some((begin, _)) = rest.first() {
-        let end = rest.partition_point(|(at, _)| *at < begin + SECOND);
+    while let Some((start, _)) = rest.first() {
+        let end = rest.partition_point(|(at, _)| *at < start + BIN);
         let (now, later) = rest.split_at(end.max(1));
         let squares: f64 = now.iter().map(|(_, r)| r * r).sum();
-        time.push(begin + 0.5 * SECOND);
+        time.push(start + 0.5 * BIN);
         size.push((squares / now.len() as f64).sqrt());
         rest = later;
     }
     (time, size)
 }
 
-/// Length of a stretch that gets one colour \[s\].
-const SECOND: f64 = 0.5;
+/// Length of a bin of one colour \[s\].
+const BIN: f64 = 0.5;
 
-fn residuals(searched: &Searched, recording: usize, run: usize) -> Vec<ResidualTrace> {
+fn residuals(searched: &SearchResult, recording: usize, run: usize) -> Vec<ResidualTrace> {
     let problem = &searched.problem;
     let of = |signal: Signal| {
         let (name, unit) = match signal {

@@ -1,4 +1,4 @@
-//! Subjects and findings in plain words.
+//! Subjects and findings in plain sentences.
 
 use crate::diagnosis::outcome::{Channel, Finding, Interval, Quantity, Subject, Term};
 use crate::effects::CATALOGUE;
@@ -7,7 +7,7 @@ use crate::effects::CATALOGUE;
 #[must_use]
 pub fn phrase(subject: Subject) -> String {
     match subject {
-        Subject::Unknown => "something that the catalogue does not have".into(),
+        Subject::Unknown => "something that the catalogue does not contain".into(),
         Subject::Nothing => "nothing missing".into(),
         Subject::Effect(effect) => {
             let declared = CATALOGUE[effect];
@@ -16,14 +16,14 @@ pub fn phrase(subject: Subject) -> String {
     }
 }
 
-/// One plain sentence.
+/// A finding in one sentence.
 #[must_use]
 pub fn statement(finding: &Finding) -> String {
     let what = if finding.law.is_empty() {
         let numbers: Vec<String> = finding.parameters.iter().map(number).collect();
         format!("{}: {}", phrase(finding.subject), numbers.join(", "))
     } else {
-        law(&finding.law)
+        residual_model(&finding.law)
     };
     let first = finding.places.first();
     let place = first.filter(|_| finding.local);
@@ -35,12 +35,12 @@ pub fn statement(finding: &Finding) -> String {
     let regime = if regime.is_empty() {
         String::new()
     } else {
-        format!("; it shows most at {regime}")
+        format!("; most visible regime: {regime}")
     };
     format!("{what}{place}{regime}")
 }
 
-/// The recording of a place, with its run where that has a name.
+/// The recording of a place, with the label of its run.
 #[must_use]
 pub fn whose(place: &Interval) -> String {
     let run = match &place.label[..] {
@@ -50,11 +50,11 @@ pub fn whose(place: &Interval) -> String {
     format!("{}{run}", place.recording)
 }
 
-/// The words of a law: what it pushes, and with what that grows.
-fn law(terms: &[Term]) -> String {
+/// The terms of an empirical residual model by the component of the wrench that they add to.
+fn residual_model(terms: &[Term]) -> String {
     let each = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw].map(|channel| {
         let own = terms.iter().filter(|term| term.channel == channel);
-        let own: Vec<String> = own.map(told).collect();
+        let own: Vec<String> = own.map(term).collect();
         let (what, unit) = match channel {
             Channel::Yaw => ("a turning moment", "m g B"),
             Channel::Lateral => ("a force across the vehicle", "m g"),
@@ -65,8 +65,8 @@ fn law(terms: &[Term]) -> String {
     each.into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
-/// A term of a law as its parameter is described.
-fn told(term: &Term) -> String {
+/// A term by its parameter's description, with its coefficient.
+fn term(term: &Term) -> String {
     let (effect, name) = term.parameter.split_once('.').unwrap_or_default();
     let effect = CATALOGUE.iter().find(|known| known.name == effect);
     let declared = effect.and_then(|known| known.parameters.iter().find(|p| p.name == name));

@@ -1,4 +1,4 @@
-//! What each segment of a fitted hypothesis says, its start eliminated.
+//! Each segment's likelihood at a fitted hypothesis, its start eliminated.
 
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::optimiser::normals;
@@ -6,14 +6,14 @@ use crate::fit::predictor::Predictor;
 use crate::fit::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use nalgebra::{DMatrix, DVector};
 
-/// A segment's normal equations by a hypothesis' unknowns, its start eliminated.
+/// A segment's normal equations in a hypothesis' unknowns, its start eliminated.
 #[derive(Debug, Clone)]
 pub struct Block {
     /// H of the segment.
     pub matrix: DMatrix<f64>,
     /// g of the segment.
     pub gradient: DVector<f64>,
-    /// Squares that the start does not take up.
+    /// Squared whitened residuals after elimination of the start.
     pub cost: f64,
     /// Log determinants of noise and start.
     pub log_determinant: f64,
@@ -22,21 +22,21 @@ pub struct Block {
 }
 
 impl Block {
-    /// Log density of the segment's samples, but for what they all have in common.
+    /// Log density of the segment's samples up to a common constant.
     #[must_use]
     pub fn log_density(&self) -> f64 {
         -0.5 * (self.cost + self.log_determinant)
     }
 
-    /// The same where other segments tell the unknowns with the precision `told`, at `step` from here:
-    /// integrated over what they leave open. `None` where `told` is not positive definite.
+    /// Log predictive density, the unknowns integrated over their posterior from other segments: this precision, and
+    /// the mean at `step` from here. `None` if the precision is not positive definite.
     #[must_use]
-    pub fn predictive(&self, told: &DMatrix<f64>, step: &DVector<f64>) -> Option<f64> {
+    pub fn predictive(&self, precision: &DMatrix<f64>, step: &DVector<f64>) -> Option<f64> {
         let along = &self.matrix * step;
         let cost = self.cost - (2.0 * &self.gradient - &along).dot(step);
         let gradient = &self.gradient - along;
-        let both = (told + &self.matrix).cholesky()?;
-        let wider = both.ln_determinant() - told.clone().cholesky()?.ln_determinant();
+        let both = (precision + &self.matrix).cholesky()?;
+        let wider = both.ln_determinant() - precision.clone().cholesky()?.ln_determinant();
         let regained = gradient.dot(&both.solve(&gradient));
         Some(-0.5 * (cost - regained + self.log_determinant + wider))
     }
@@ -48,9 +48,9 @@ pub fn blocks<P: Predictor>(
     shooting: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Vec<Block>> {
-    let normals = normals(shooting, tables, point, by);
+    let normals = normals(shooting, tables, point, noise);
     let one = |(index, normal): (usize, &Normal)| {
         let eliminated = Eliminated::new(normal, 0.0)?;
         let segment = &shooting.segments[index];
@@ -65,10 +65,10 @@ pub fn blocks<P: Predictor>(
             block.log_determinant += 2.0 * deviation.ln();
         }
         for (channel, data) in segment.samples.iter().enumerate() {
-            let noise = by.noise[segment.recording][data.signal.group() as usize];
-            let weights = &by.weights[index][channel];
+            let channel_noise = noise.noise[segment.recording][data.signal.group() as usize];
+            let weights = &noise.weights[index][channel];
             block.log_determinant +=
-                noise.whiten(&data.time, weights, 1, &mut vec![0.0; data.time.len()]);
+                channel_noise.whiten(&data.time, weights, 1, &mut vec![0.0; data.time.len()]);
             block.samples += data.time.len();
         }
         Some(block)
@@ -80,7 +80,7 @@ pub fn blocks<P: Predictor>(
 mod tests {
     use super::*;
 
-    /// One segment, one unknown u in units of which a sample errs: the density integrated over what is known of u.
+    /// One segment and one unknown u: the density integrated over the posterior of u.
     #[test]
     fn predictions_integrate_what_the_others_leave_open() {
         let block = Block {
@@ -90,25 +90,26 @@ mod tests {
             log_determinant: 0.4,
             samples: 1,
         };
-        let (told, step) = (2.5_f64, 0.8);
+        let (precision, step) = (2.5_f64, 0.8);
         let density = |u: f64| {
             let cost = block.cost - 2.0 * block.gradient[0] * u + block.matrix[(0, 0)] * u * u;
             (-0.5 * (cost + block.log_determinant)).exp()
         };
         let width = 1e-3;
         let each = (-20_000..20_000).map(|k| f64::from(k) * width).map(|off| {
-            let known = (told / std::f64::consts::TAU).sqrt() * (-0.5 * told * off * off).exp();
+            let known =
+                (precision / std::f64::consts::TAU).sqrt() * (-0.5 * precision * off * off).exp();
             density(step + off) * known * width
         });
         let expected = each.sum::<f64>().ln();
-        let known = |precision| DMatrix::from_element(1, 1, precision);
+        let known = |value| DMatrix::from_element(1, 1, value);
         let at = DVector::from_element(1, step);
-        let predicted = block.predictive(&known(told), &at).unwrap();
+        let predicted = block.predictive(&known(precision), &at).unwrap();
         assert!(
             (predicted - expected).abs() < 1e-9,
             "{predicted} {expected}"
         );
-        // Nothing left open: the density there.
+        // Without uncertainty: the density there.
         let sure = block.predictive(&known(1e12), &at).unwrap();
         assert!((sure - density(step).ln()).abs() < 1e-9, "{sure}");
         assert!(predicted > sure);

@@ -1,7 +1,7 @@
-//! What is asked about: every effect of the catalogue, with the parameters that it may take.
+//! Candidates: every effect of the catalogue with its free parameters.
 //!
-//! A knob is one number of an effect, in a coordinate that is 0 away from "off" where the effect is
-//! off, with a Gaussian prior around it whose width spans what the catalogue finds plausible.
+//! A coefficient is one parameter of an effect, in a coordinate with a Gaussian prior around "off" whose width spans
+//! the values that the catalogue finds plausible.
 
 use super::maps::Maps;
 use crate::diagnosis::Subject;
@@ -13,49 +13,55 @@ use crate::fit::parameter::{self, Scale};
 use crate::fit::sensor::SensorParameter;
 use crate::parameter::ParameterError;
 use crate::vehicle::{GRAVITY, ModelParameter, Specification};
+use std::ops::Index;
 
-/// What a knob turns.
+/// The target of a coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
-    /// A number of the model.
+    /// A parameter of the model.
     Model(ModelParameter),
-    /// A number of each recording's sensors.
+    /// A parameter of each recording's sensors.
     Sensor(SensorParameter),
 }
 
-/// One number of an effect.
+/// One parameter of an effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidateParameter {
     /// The effect, by its place in the catalogue.
     pub effect: usize,
-    /// What it turns.
+    /// Its target.
     pub target: Target,
     /// Name within the effect.
     pub name: &'static str,
     /// Coordinate, prior around "off" and range.
     pub parameter: parameter::FreeParameter,
-    /// A value to compare with where the effect has no derivative while it is off.
+    /// The value for a difference quotient, if the effect has no derivative while it is off.
     pub secant: Option<f64>,
-    /// The coordinate of a value as the catalogue expects it where the effect is on.
+    /// The coordinate of the value that the catalogue expects of an effect that is on.
     pub typical: f64,
-    /// Whether each recording has its own: what is bound to the place of a drive.
+    /// Whether each recording has a separate value, as for effects of the place.
     pub own: bool,
 }
 
-/// Everything that is asked about.
+/// All candidates.
 #[derive(Debug, Clone)]
 pub struct Candidates {
-    /// All knobs, effect by effect.
+    /// All coefficients, effect by effect.
     pub coefficients: Vec<CandidateParameter>,
-    /// The effects that have knobs, in the order of the catalogue; laws for what has no name are
-    /// not among them.
+    /// The effects with coefficients, in the order of the catalogue, without the residual models.
     pub subjects: Vec<Subject>,
 }
 
-/// The effect whose place has to be found before it can be asked about.
+/// The effect whose boundary must be located before it can be fitted.
 pub const TERRAIN_CHANGE: &str = TerrainChange::<f64>::DECLARATION.name;
 
 impl CandidateParameter {
+    /// The coordinate at which its effect is off.
+    #[must_use]
+    pub fn off(&self) -> f64 {
+        self.parameter.prior_coordinate()
+    }
+
     /// Whether it shapes an effect that another parameter switches on and off.
     #[must_use]
     pub fn is_shape(&self) -> bool {
@@ -67,9 +73,8 @@ impl CandidateParameter {
 }
 
 impl Candidates {
-    /// All effects of the catalogue, and the laws' features, where the given model lacks them. What has
-    /// a direction on the map is left out where recordings have no map in common, or their runs where it is each
-    /// recording's own.
+    /// All effects and residual models that are off in the given model. Effects with a direction on the map need a
+    /// map that recordings share, or that runs share if each recording has a separate value.
     #[must_use]
     pub fn new(nominal: &Specification, maps: Maps) -> Self {
         let (mut coefficients, mut subjects) = (Vec::new(), Vec::new());
@@ -83,9 +88,9 @@ impl Candidates {
                 EffectKind::Physics => coefficients.extend(physics(effect, nominal, maps)),
                 EffectKind::Measurement => coefficients.extend(sensors(effect)),
             }
-            // A change of terrain begins at a boundary that has to be found first: see `boundary`.
+            // A change of terrain has a boundary that must be located first.
             let waits = declaration.name == TERRAIN_CHANGE;
-            if coefficients.len() > first && !is_law(effect) && !waits {
+            if coefficients.len() > first && !is_residual_model(effect) && !waits {
                 subjects.push(Subject::Effect(effect));
             }
         }
@@ -95,7 +100,7 @@ impl Candidates {
         }
     }
 
-    /// Places of a subject's knobs; none for what is no effect.
+    /// Indices of a subject's coefficients; none if it is not an effect.
     pub fn of(&self, subject: Subject) -> impl Iterator<Item = usize> + '_ {
         let coefficients = self.coefficients.iter().enumerate();
         let ours = coefficients
@@ -103,25 +108,33 @@ impl Candidates {
         ours.map(|(place, _)| place)
     }
 
-    /// Places of the laws' knobs.
-    pub fn laws(&self) -> impl Iterator<Item = usize> + '_ {
+    /// Indices of the residual models' coefficients.
+    pub fn residual_models(&self) -> impl Iterator<Item = usize> + '_ {
         let coefficients = self.coefficients.iter().enumerate();
         coefficients
-            .filter(|(_, coefficient)| is_law(coefficient.effect))
+            .filter(|(_, coefficient)| is_residual_model(coefficient.effect))
             .map(|(place, _)| place)
     }
 }
 
-/// Whether an effect is a law for what has no name.
+impl Index<usize> for Candidates {
+    type Output = CandidateParameter;
+
+    fn index(&self, coefficient: usize) -> &CandidateParameter {
+        &self.coefficients[coefficient]
+    }
+}
+
+/// Whether an effect is a feature of an empirical residual model.
 #[must_use]
-pub fn is_law(effect: usize) -> bool {
+pub fn is_residual_model(effect: usize) -> bool {
     matches!(CATALOGUE[effect].acts, Acts::Residual(_))
 }
 
-/// Sets every number of an effect as it is among others.
+/// Copies every parameter of an effect from other effects.
 ///
 /// # Errors
-/// None in truth: what others have is within its range.
+/// A value beyond its range; effects never hold one.
 pub fn copy(effects: &mut Effects, effect: usize, from: &Effects) -> Result<(), ParameterError> {
     for place in 0..CATALOGUE[effect].parameters.len() {
         if let Some(name) = ParameterName::at(effect, place) {
@@ -143,7 +156,7 @@ fn physics(effect: usize, nominal: &Specification, maps: Maps) -> Vec<CandidateP
             }
             let off = nominal.effects.get(name);
             let secant = secant(declared, nominal);
-            // A pressure is known to a factor; everything else enters as it is.
+            // A parameter that is off at its upper bound, as a pressure, has a logarithmic scale.
             let scale = if off == declared.high && declared.low > 0.0 {
                 Scale::Log
             } else {
@@ -195,7 +208,7 @@ fn physics(effect: usize, nominal: &Specification, maps: Maps) -> Vec<CandidateP
         .collect()
 }
 
-/// What to compare a parameter with that has no derivative while its effect is off.
+/// The value for the difference quotient of a parameter without a derivative at "off".
 fn secant(declared: &ParameterDeclaration, nominal: &Specification) -> Option<f64> {
     let value = match declared.first_step {
         FirstStep::Derivative => return None,
@@ -231,6 +244,7 @@ fn sensors(effect: usize) -> impl Iterator<Item = CandidateParameter> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::testing::on;
     use crate::terrain::Terrain;
     use crate::vehicle::Vehicle;
 
@@ -249,19 +263,18 @@ mod tests {
 
     #[test]
     fn every_effect_but_a_change_of_terrain_has_knobs_that_are_off() {
-        let nominal =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
+        let nominal = on("dry_sand");
         let candidates = Candidates::new(&nominal, Maps::One);
         for (effect, declaration) in CATALOGUE.iter().enumerate() {
             let subject = Subject::Effect(effect);
             let found = candidates.subjects.contains(&subject);
-            let expected = declaration.name != TERRAIN_CHANGE && !is_law(effect);
+            let expected = declaration.name != TERRAIN_CHANGE && !is_residual_model(effect);
             assert_eq!(found, expected, "{}", declaration.name);
             assert!(candidates.of(subject).next().is_some());
         }
         for coefficient in &candidates.coefficients {
             let (low, high) = coefficient.parameter.bounds();
-            let off = coefficient.parameter.prior_coordinate();
+            let off = coefficient.off();
             assert!(low <= off && off <= high, "{coefficient:?}");
             assert!(
                 coefficient.parameter.prior.deviation > 0.0,
@@ -271,7 +284,10 @@ mod tests {
         for (maps, lost) in [(Maps::OfRecordings, 0), (Maps::OfRuns, 1)] {
             let apart = Candidates::new(&nominal, maps);
             assert_eq!(apart.subjects.len(), candidates.subjects.len() - lost);
-            assert_eq!(apart.laws().count(), candidates.laws().count() - 6);
+            assert_eq!(
+                apart.residual_models().count(),
+                candidates.residual_models().count() - 6
+            );
         }
         let mut sloped = nominal.clone();
         sloped.effects = sloped.effects.with("grade.slope_east", 0.1).unwrap();

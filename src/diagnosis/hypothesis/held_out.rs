@@ -1,40 +1,43 @@
-//! How well a hypothesis predicts what it was not fitted to.
+//! Held-out score of a hypothesis: blocked cross-validation.
 //!
-//! Blocked cross-validation: the segments in some folds, each a stretch of neighbours; a fold is
-//! judged by parameters from the others, its neighbours left out as a guard (H. Racine,
-//! "Consistent cross-validatory model-selection for dependent data", J. Econometrics 99 (2000)).
-//! The parameters without a fold follow from the whole fit by one Newton step (see `cross_validated` for what
-//! is told in the end). The score is the log predictive density of each segment, its start and what the
-//! others leave open of the parameters integrated out: where little is left to learn from, a model with more
-//! to learn is less sure, not wrong.
+//! Segments fall into some folds, each a block of neighbours; a fold is scored with parameters from the others,
+//! without its neighbours as a guard (H. Racine, "Consistent cross-validatory model-selection for dependent data", J.
+//! Econometrics 99 (2000)). For the search the parameters without a fold follow from the whole fit by one Newton step
+//! ([`scores`]). If much is missing from a model, that step may lead far off, so the final comparison fits every fold
+//! ([`cross_validated`]). The score is the log predictive density of each segment, its start and the parameters'
+//! posterior integrated out: with little data, a model with more parameters is less certain, not wrong.
 
 use super::Problem;
 use super::block::{Block, blocks};
-use super::likelihood::FittedHypothesis;
+use super::likelihood::{FittedHypothesis, PARTIAL_FIT};
 use crate::fit::bounded::{room, step_within};
 use crate::fit::exact::ExactPredictor;
-use crate::fit::problem::{NoiseModel, ShootingProblem};
+use crate::fit::normal::START;
+use crate::fit::optimiser::minimise_from;
+use crate::fit::problem::{NoiseModel, Point, ShootingProblem};
+use crate::fit::restart::settled;
 use crate::fit::segment::Segment;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
-/// Folds at most, and segments of each at least.
+/// Maximum number of folds, and minimum of segments in each.
 const FOLDS: usize = 4;
 pub(super) const SMALLEST_FOLD: usize = 2;
-/// Log predictive densities of the segments, each judged by parameters from other folds.
+/// Log predictive densities of the segments, each with parameters from other folds.
 #[derive(Debug, Clone)]
 pub struct Scores {
     /// For each segment.
     pub log_density: Vec<f64>,
     /// Number of samples of each.
     pub samples: Vec<usize>,
-    /// For each segment the parameters that it was judged by.
+    /// For each segment the parameters of its score.
     pub coordinates: Vec<DVector<f64>>,
 }
 
-/// Which fold each segment belongs to. Each recording has stretches in every fold, so that what is its
-/// own (a slope, a latency) is told by the others as well.
+/// The fold of each segment. Each recording has segments in every fold, so that the others determine its separate
+/// parameters (a slope, a latency).
 #[must_use]
-pub(super) fn folds(segments: &[Segment]) -> Vec<usize> {
+fn folds(segments: &[Segment]) -> Vec<usize> {
     let folds = (segments.len() / SMALLEST_FOLD).clamp(1, FOLDS);
     let together = segments.chunk_by(|a, b| a.recording == b.recording);
     let of_recording = |(place, own): (usize, &[Segment])| -> Vec<usize> {
@@ -47,19 +50,19 @@ pub(super) fn folds(segments: &[Segment]) -> Vec<usize> {
 
 /// Whether a segment or a neighbour of it in the same recording is in a fold.
 #[must_use]
-pub(super) fn near(segments: &[Segment], fold: &[usize], out: usize, index: usize) -> bool {
+fn is_near(segments: &[Segment], fold: &[usize], out: usize, index: usize) -> bool {
     let ours = |other: usize| segments.get(other).map(|s| s.recording);
     (index.saturating_sub(1)..=index + 1)
         .any(|other| fold.get(other) == Some(&out) && ours(other) == ours(index))
 }
 
-/// Judges a fitted hypothesis. `None` where there is too little to hold out.
+/// Scores a fitted hypothesis. `None` if there is too little data to hold out.
 #[must_use]
-pub fn scores(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> Option<Scores> {
+pub fn scores(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> Option<Scores> {
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
     let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
-    let blocks = blocks(&shooting, &fit.tables, &point, by)?;
+    let blocks = blocks(&shooting, &fit.tables, &point, noise)?;
     let fold = folds(&problem.segments);
     let count = fold.iter().max()? + 1;
     if count < 2 {
@@ -71,21 +74,21 @@ pub fn scores(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> Opt
         coordinates: vec![point.coordinates.clone(); blocks.len()],
     };
     for out in 0..count {
-        let apart = |index: &usize| !near(&problem.segments, &fold, out, *index);
+        let apart = |index: &usize| !is_near(&problem.segments, &fold, out, *index);
         let kept = (0..blocks.len()).filter(apart).map(|index| &blocks[index]);
-        let (told, gradient) = told(&shooting, &point.coordinates, kept);
+        let (information, gradient) = information(&shooting, &point.coordinates, kept);
         let room = room(&shooting.parameters, &point.coordinates);
-        let step = step_within(&told, &gradient, &room)?;
+        let step = step_within(&information, &gradient, &room)?;
         for (index, block) in blocks.iter().enumerate().filter(|(k, _)| fold[*k] == out) {
-            scores.log_density[index] = block.predictive(&told, &step)?;
+            scores.log_density[index] = block.predictive(&information, &step)?;
             scores.coordinates[index] += &step;
         }
     }
     Some(scores)
 }
 
-/// What the prior and some segments tell of the unknowns: precision and gradient.
-pub(super) fn told<'b>(
+/// Precision and gradient of the unknowns from the prior and some segments.
+fn information<'b>(
     shooting: &ShootingProblem<ExactPredictor>,
     coordinates: &DVector<f64>,
     blocks: impl Iterator<Item = &'b Block>,
@@ -100,7 +103,7 @@ pub(super) fn told<'b>(
 }
 
 impl Scores {
-    /// How much better per sample than another hypothesis, with the standard error.
+    /// Gain per sample over another hypothesis, with the standard error.
     #[must_use]
     pub fn gain_over(&self, other: &Self) -> (f64, f64) {
         let differences: Vec<f64> = self
@@ -123,5 +126,102 @@ impl Scores {
         let samples: usize = self.samples.iter().sum();
         let constant = 0.5 * std::f64::consts::TAU.ln();
         self.log_density.iter().sum::<f64>() / samples.max(1) as f64 - constant
+    }
+}
+
+/// Scores a fitted hypothesis by fits without each fold; a fold without which it cannot be fitted is scored by the
+/// Newton step. `None` if there is too little data to hold out.
+#[must_use]
+pub fn cross_validated(
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    noise: &NoiseModel,
+) -> Option<Scores> {
+    let mut scores = scores(problem, fit, noise)?;
+    let predictor = problem.predictor(&fit.coefficients);
+    let shooting = problem.shooting(&predictor, &fit.coefficients);
+    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
+    let fold = folds(&problem.segments);
+    for out in 0..=*fold.iter().max()? {
+        let within = |index: usize| fold.get(index) == Some(&out);
+        let apart = |index: &usize| !is_near(&problem.segments, &fold, out, *index);
+        let all = 0..fold.len();
+        let mut kept = Fold::new(
+            &shooting,
+            &point,
+            noise,
+            all.clone().filter(apart).collect(),
+        );
+        let tables = kept.indices.iter().map(|k| fit.tables[*k].clone());
+        let tables = tables.collect();
+        let outcome = minimise_from(
+            &kept.shooting,
+            &mut kept.point,
+            tables,
+            &kept.noise,
+            PARTIAL_FIT,
+        );
+        let Some(learnt) = blocks(&kept.shooting, &outcome.tables, &kept.point, &kept.noise) else {
+            continue;
+        };
+        let (information, _) = information(&shooting, &kept.point.coordinates, learnt.iter());
+        let held = all.filter(|index| within(*index)).collect();
+        let mut held = Fold::new(&shooting, &point, noise, held);
+        held.point.coordinates = kept.point.coordinates;
+        let still = DVector::zeros(held.point.coordinates.len());
+        let Some(judged) = held.judged() else {
+            continue;
+        };
+        for (index, block) in held.indices.iter().zip(judged) {
+            if let Some(density) = block.predictive(&information, &still) {
+                scores.log_density[*index] = density;
+            }
+            scores.coordinates[*index].clone_from(&held.point.coordinates);
+        }
+    }
+    Some(scores)
+}
+
+/// Some of a problem's segments.
+struct Fold<'p> {
+    indices: Vec<usize>,
+    shooting: ShootingProblem<'p, ExactPredictor<'p>>,
+    point: Point,
+    noise: NoiseModel,
+}
+
+impl<'p> Fold<'p> {
+    fn new(
+        shooting: &ShootingProblem<'p, ExactPredictor<'p>>,
+        point: &Point,
+        noise: &NoiseModel,
+        indices: Vec<usize>,
+    ) -> Self {
+        let segments = indices.iter().map(|k| shooting.segments[*k].clone());
+        Self {
+            shooting: shooting.with_segments(segments.collect()),
+            point: Point {
+                coordinates: point.coordinates.clone(),
+                starts: indices.iter().map(|k| point.starts[*k]).collect(),
+            },
+            noise: noise.of(&indices),
+            indices,
+        }
+    }
+
+    /// The segments with starts fitted at fixed parameters. `None` if the model cannot follow them.
+    fn judged(&mut self) -> Option<Vec<Block>> {
+        let Point {
+            coordinates,
+            starts,
+        } = &self.point;
+        let own = |(index, start): (usize, &[f64; START])| {
+            let noise = self.noise.of(&[index]);
+            settled(&self.shooting, index, coordinates, *start, &noise)
+        };
+        let starts: Option<Vec<_>> = starts.par_iter().enumerate().map(own).collect();
+        self.point.starts = starts?;
+        let tables = self.shooting.evaluate(&self.point, true).ok()?;
+        blocks(&self.shooting, &tables, &self.point, &self.noise)
     }
 }

@@ -1,9 +1,9 @@
-//! Where a drawbar is hitched that is off.
+//! Prior place of the hitch of a drawbar that is off.
 
 use crate::effects::ParameterName;
 use crate::vehicle::Specification;
 
-/// The model, the hitch of a drawbar that is off at the rear of the vehicle.
+/// The model with the hitch of an absent drawbar at the rear of the vehicle.
 #[must_use]
 pub fn hitched(nominal: &Specification) -> Specification {
     let mut hitched = nominal.clone();
@@ -43,7 +43,7 @@ mod tests {
             (problem.nominal.effects.get(hitch), coefficient)
         };
         assert_eq!(expected(&nominal), (rear, Some((rear, rear))));
-        // A drawbar that is given stays where it is.
+        // A given drawbar stays in its place.
         nominal.effects = nominal.effects.with("drawbar.force", 50.0).unwrap();
         assert_eq!(expected(&nominal), (1.0, None));
     }

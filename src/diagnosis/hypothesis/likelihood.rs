@@ -1,10 +1,9 @@
-//! Step 1: how likely recordings are under a model.
+//! Likelihood and evidence of a hypothesis.
 //!
-//! Multiple shooting: segments with starts of their own, the soil free under its prior, noise per
-//! channel white and AR(1) by restricted maximum likelihood, heavy tails by Student's t (see
-//! [`crate::fit`]). The evidence integrates over soil, starts and effects of the linearised problem
-//! (Laplace; D. MacKay, "Bayesian interpolation", Neural Computation 4 (1992)):
-//! -2 ln E = cost + ln det H - ln det P, with the prior's precision P and H = J^T J + P.
+//! Multiple shooting: segments with free starts, the soil free under its prior, noise per channel white and AR(1) by
+//! restricted maximum likelihood, heavy tails by Student's t (see [`crate::fit`]). The evidence integrates over soil,
+//! starts and effects of the linearised problem (Laplace; D. MacKay, "Bayesian interpolation", Neural Computation 4
+//! (1992)): -2 ln E = cost + ln det H - ln det P, with the prior's precision P and H = J^T J + P.
 
 use super::{Problem, Solution};
 use crate::fit::noise_estimate;
@@ -20,211 +19,194 @@ use nalgebra::DMatrix;
 /// A hypothesis fitted to the recordings.
 #[derive(Debug, Clone)]
 pub struct FittedHypothesis {
-    /// The knobs that were free besides the soil.
+    /// The free coefficients, besides the soil.
     pub coefficients: Vec<usize>,
-    /// Where it ended.
+    /// The solution.
     pub solution: Solution,
-    /// Half the squares that are left, those of the soil's and the knobs' priors not among them.
+    /// Half the squared whitened residuals, without the priors of soil and coefficients.
     pub misfit: f64,
-    /// Minus the log of the evidence.
+    /// Negative log evidence.
     pub negative_log_evidence: f64,
-    /// By how much the next step promises to lower it.
+    /// Reduction that the next step predicts.
     pub predicted_reduction: f64,
-    /// Covariance of the unknowns' coordinates, as the problem numbers them.
+    /// Covariance of the unknowns' coordinates, in the problem's order.
     pub covariance: DMatrix<f64>,
     /// Residuals of each segment and their derivatives.
     pub tables: Vec<Tables>,
 }
 
-/// How much wider intervals are than the fit has them: it does not know of other ways to fit as well, nor that no
-/// model is exact. Set on 100 numbers of the proof's third judged set (see the docs); later sets judged it.
+/// Factor on the standard deviations of the fit, which neglect other modes and model errors. Calibrated on 100
+/// parameters of the proof's third judged set (see the docs); later sets judged it.
 const WIDER: f64 = 1.4;
-/// A fit that is only to show whether it is worth going on with.
+/// Steps that show whether a fit is worth finishing.
 pub const PARTIAL_FIT: Stop = Stop::after(5, 1.0);
-/// The same where the way is long.
+/// The same from a distant initial guess.
 pub const LONG_PARTIAL_FIT: Stop = Stop::after(12, 2.0);
-/// When a fit with the noise held ends: half a unit of the log evidence decides nothing.
+/// The end of a fit under fixed noise: half a unit of log evidence decides nothing.
 pub const HELD: Stop = Stop::after(20, 1.0);
-/// Turns of motion and noise at most, and when they end.
+/// Maximum number of alternations of motion and noise, and the changes at which they end.
 const TURNS: usize = 8;
 const STILL: f64 = 0.5;
 const STILL_NOISE: f64 = 0.1;
 const FIRST: Stop = Stop::after(40, 0.5);
 const NEXT: Stop = Stop::after(8, 0.1);
 
-/// Fits the soil and these knobs, the noise held.
+/// Fits the soil and these coefficients under fixed noise.
 ///
 /// # Errors
-/// A point to begin with that cannot be driven.
+/// An initial solution that the model cannot follow.
 pub fn fit_hypothesis(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &NoiseModel,
+    initial: &Solution,
+    noise: &NoiseModel,
 ) -> Result<FittedHypothesis, PredictionError> {
-    fit_until(problem, coefficients, begin, by, HELD)
+    fit_until(problem, coefficients, initial, noise, HELD)
 }
 
-/// As [`fit_hypothesis`], until so many steps are done.
+/// As [`fit_hypothesis`], until another end.
 ///
 /// # Errors
 /// As [`fit_hypothesis`].
 pub fn fit_until(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &NoiseModel,
+    initial: &Solution,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> Result<FittedHypothesis, PredictionError> {
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, begin);
-    let tables = shooting.evaluate(&point, true)?;
-    Ok(tuned_from(
-        problem,
-        coefficients,
-        begin,
-        &shooting,
-        point,
-        tables,
-        by,
-        stop,
-    ))
+    let start = Start::new(problem, coefficients, initial);
+    problem.at(coefficients, initial, |shooting, point| {
+        let tables = shooting.evaluate(&point, true)?;
+        Ok(start.minimise(shooting, point, tables, noise, stop))
+    })
 }
 
-/// As [`fit_until`], the starts looked for anew first: those to begin with are of a model that is far off.
+/// As [`fit_until`], with new starts first: the given ones are of a distant model.
 ///
 /// # Errors
 /// As [`fit_hypothesis`].
-pub fn tune_from_afar(
+pub fn fit_with_new_starts(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &NoiseModel,
+    initial: &Solution,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> Result<FittedHypothesis, PredictionError> {
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let mut begin = begin.clone();
-    let point = problem.point(&shooting, coefficients, &begin);
-    if let Some(starts) = restarted(&shooting, &point, by) {
-        begin.starts = starts;
+    let starts = problem.at(coefficients, initial, |shooting, point| {
+        restarted(shooting, &point, noise)
+    });
+    let mut initial = initial.clone();
+    if let Some(starts) = starts {
+        initial.starts = starts;
     }
-    fit_until(problem, coefficients, &begin, by, stop)
+    fit_until(problem, coefficients, &initial, noise, stop)
 }
 
-/// Goes on with a fit, the noise another one perhaps.
+/// Continues a fit, perhaps under another noise.
 #[must_use]
-pub fn fit_on(
+pub fn continue_fit(
     problem: &Problem,
     fitted: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> FittedHypothesis {
-    let (coefficients, begin) = (&fitted.coefficients, &fitted.solution);
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, begin);
-    let tables = fitted.tables.clone();
-    tuned_from(
-        problem,
-        coefficients,
-        begin,
-        &shooting,
-        point,
-        tables,
-        by,
-        stop,
-    )
+    let (coefficients, initial) = (&fitted.coefficients, &fitted.solution);
+    let start = Start::new(problem, coefficients, initial);
+    problem.at(coefficients, initial, |shooting, point| {
+        start.minimise(shooting, point, fitted.tables.clone(), noise, stop)
+    })
 }
 
-/// Goes on with a fit to its end, its starts looked for anew first (see [`crate::fit::restart`]). The noise may be another
-/// one than it was fitted under.
+/// Finishes a fit from new starts (see [`crate::fit::restart`]), perhaps under another noise.
 #[must_use]
 pub fn fit_restarted(
     problem: &Problem,
     fitted: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> FittedHypothesis {
-    let coefficients = &fitted.coefficients;
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, &fitted.solution);
-    let starts = restarted(&shooting, &point, by);
-    let anew = starts.and_then(|starts| moved(&shooting, &point, &fitted.tables, starts));
-    let begin = &fitted.solution;
-    let anew = anew.map(|(point, tables)| {
-        tuned_from(
-            problem,
-            coefficients,
-            begin,
-            &shooting,
-            point,
-            tables,
-            by,
-            HELD,
-        )
+    let (coefficients, initial) = (&fitted.coefficients, &fitted.solution);
+    let start = Start::new(problem, coefficients, initial);
+    let restarted = problem.at(coefficients, initial, |shooting, point| {
+        let starts = restarted(shooting, &point, noise)?;
+        let (moved, tables) = moved(shooting, &point, &fitted.tables, starts)?;
+        let fit = start.minimise(shooting, moved, tables, noise, HELD);
+        let (before, _) = evidence(shooting, &fitted.tables, &point, noise);
+        (fit.negative_log_evidence < before).then_some(fit)
     });
-    let (negative_log_evidence, _) = evidence(&shooting, &fitted.tables, &point, by);
-    anew.filter(|fit| fit.negative_log_evidence < negative_log_evidence)
-        .unwrap_or_else(|| fit_on(problem, fitted, by, HELD))
+    restarted.unwrap_or_else(|| continue_fit(problem, fitted, noise, HELD))
 }
 
-#[allow(
-    clippy::too_many_arguments,
-    reason = "a hypothesis, where it stands, and how it is judged"
-)]
-fn tuned_from<P: Predictor>(
-    problem: &Problem,
-    coefficients: &[usize],
-    begin: &Solution,
-    shooting: &ShootingProblem<P>,
-    mut point: Point,
-    tables: Vec<Tables>,
-    by: &NoiseModel,
-    stop: Stop,
-) -> FittedHypothesis {
-    let outcome = minimise_from(shooting, &mut point, tables, by, stop);
-    let (negative_log_evidence, covariance) = evidence(shooting, &outcome.tables, &point, by);
-    FittedHypothesis {
-        coefficients: coefficients.to_vec(),
-        solution: problem.solution(shooting, coefficients, &point, begin),
-        misfit: 0.5 * (outcome.cost - shooting.prior_cost(&point.coordinates)),
-        negative_log_evidence,
-        predicted_reduction: 0.5 * outcome.predicted_reduction,
-        covariance,
-        tables: outcome.tables,
+/// A hypothesis before its fit.
+struct Start<'s, 'p> {
+    problem: &'s Problem<'p>,
+    coefficients: &'s [usize],
+    initial: &'s Solution,
+}
+
+impl<'s, 'p> Start<'s, 'p> {
+    fn new(problem: &'s Problem<'p>, coefficients: &'s [usize], initial: &'s Solution) -> Self {
+        Self {
+            problem,
+            coefficients,
+            initial,
+        }
+    }
+
+    /// Minimises the cost from a point with these tables.
+    fn minimise<P: Predictor>(
+        &self,
+        shooting: &ShootingProblem<P>,
+        mut point: Point,
+        tables: Vec<Tables>,
+        noise: &NoiseModel,
+        stop: Stop,
+    ) -> FittedHypothesis {
+        let outcome = minimise_from(shooting, &mut point, tables, noise, stop);
+        let (negative_log_evidence, covariance) =
+            evidence(shooting, &outcome.tables, &point, noise);
+        let solution = self
+            .problem
+            .solution(shooting, self.coefficients, &point, self.initial);
+        FittedHypothesis {
+            coefficients: self.coefficients.to_vec(),
+            solution,
+            misfit: 0.5 * (outcome.cost - shooting.prior_cost(&point.coordinates)),
+            negative_log_evidence,
+            predicted_reduction: 0.5 * outcome.predicted_reduction,
+            covariance,
+            tables: outcome.tables,
+        }
     }
 }
 
-/// Half the cost of a hypothesis as it stands, infinite where it cannot be driven.
+/// Half the cost of a hypothesis at a solution; infinite if the model cannot follow it.
 #[must_use]
-pub fn cost(problem: &Problem, coefficients: &[usize], at: &Solution, by: &NoiseModel) -> f64 {
-    let predictor = problem.predictor(coefficients);
-    let shooting = problem.shooting(&predictor, coefficients);
-    let point = problem.point(&shooting, coefficients, at);
-    let residuals = shooting.evaluate_unless_one_fails(&point, false);
-    residuals.map_or(f64::INFINITY, |r| 0.5 * shooting.cost(&r, &point, by))
+pub fn cost(problem: &Problem, coefficients: &[usize], at: &Solution, noise: &NoiseModel) -> f64 {
+    problem.at(coefficients, at, |shooting, point| {
+        let residuals = shooting.evaluate_unless_one_fails(&point, false);
+        residuals.map_or(f64::INFINITY, |r| 0.5 * shooting.cost(&r, &point, noise))
+    })
 }
 
-/// Fits the soil and these knobs with noise and weights in turns; the weighing moves along.
+/// Fits the soil and these coefficients in turns with noise and weights.
 ///
 /// # Errors
-/// A point to begin with that cannot be driven.
+/// As [`fit_hypothesis`].
 pub fn fit_with_noise(
     problem: &Problem,
     coefficients: &[usize],
-    begin: &Solution,
-    by: &mut NoiseModel,
+    initial: &Solution,
+    noise: &mut NoiseModel,
 ) -> Result<FittedHypothesis, PredictionError> {
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
-    let mut point = problem.point(&shooting, coefficients, begin);
+    let mut point = problem.point(&shooting, coefficients, initial);
     let mut tables = shooting.evaluate(&point, true)?;
     let mut stop = FIRST;
     for _ in 0..TURNS {
-        let outcome = minimise_from(&shooting, &mut point, tables, by, stop);
-        let change = follow(&shooting, &point, &outcome.tables, by);
+        let outcome = minimise_from(&shooting, &mut point, tables, noise, stop);
+        let change = follow(&shooting, &point, &outcome.tables, noise);
         tables = outcome.tables;
         let still = outcome.converged && outcome.gain < STILL && change < STILL_NOISE;
         if still || problem.deadline.is_over() {
@@ -232,60 +214,49 @@ pub fn fit_with_noise(
         }
         stop = NEXT;
     }
-    Ok(tuned_from(
-        problem,
-        coefficients,
-        begin,
-        &shooting,
-        point,
-        tables,
-        by,
-        HELD,
-    ))
+    let start = Start::new(problem, coefficients, initial);
+    Ok(start.minimise(&shooting, point, tables, noise, HELD))
 }
 
-/// Covariance of a hypothesis' unknowns, as the problem numbers them: by what the segments' pulls on them scatter, see
-/// [`uncertainty`], as the noise model has it where that cannot be told, and [`WIDER`].
+/// Covariance of a hypothesis' unknowns from the scatter of the segments' scores (see [`uncertainty`]), else from the
+/// noise model; widened by [`WIDER`].
 #[must_use]
-pub fn scattered(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> DMatrix<f64> {
-    let predictor = problem.predictor(&fit.coefficients);
-    let shooting = problem.shooting(&predictor, &fit.coefficients);
-    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
-    let told = uncertainty(&shooting, &fit.tables, &point, by, true);
-    let told = told.map_or_else(|| fit.covariance.clone(), |told| told.covariance);
-    told * (WIDER * WIDER)
+pub fn scattered(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> DMatrix<f64> {
+    let robust = problem.at(&fit.coefficients, &fit.solution, |shooting, point| {
+        uncertainty(shooting, &fit.tables, &point, noise, true)
+    });
+    let covariance = robust.map_or_else(|| fit.covariance.clone(), |robust| robust.covariance);
+    covariance * (WIDER * WIDER)
 }
 
-/// Noise and weights as a fitted hypothesis leaves them.
+/// Noise and weights of a fitted hypothesis' residuals.
 #[must_use]
-pub fn own_noise(problem: &Problem, fit: &FittedHypothesis, by: &NoiseModel) -> NoiseModel {
-    let predictor = problem.predictor(&fit.coefficients);
-    let shooting = problem.shooting(&predictor, &fit.coefficients);
-    let point = problem.point(&shooting, &fit.coefficients, &fit.solution);
-    let mut own = by.clone();
-    follow(&shooting, &point, &fit.tables, &mut own);
+pub fn own_noise(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> NoiseModel {
+    let mut own = noise.clone();
+    problem.at(&fit.coefficients, &fit.solution, |shooting, point| {
+        follow(shooting, &point, &fit.tables, &mut own)
+    });
     own
 }
 
-/// Noise and weights follow the residuals; tells by how much the noise has changed.
+/// Re-estimates noise and weights from the residuals; returns the change of the noise.
 pub fn follow<P: Predictor>(
     shooting: &ShootingProblem<P>,
     point: &Point,
     tables: &[Tables],
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
 ) -> f64 {
-    let change = noise_estimate::update(&shooting.linearised(point), tables, by);
-    reweigh(shooting, tables, by);
+    let change = noise_estimate::update(&shooting.linearised(point), tables, noise);
+    reweigh(shooting, tables, noise);
     change
 }
 
-/// Minus the log of the evidence, and the covariance of the unknowns. Infinite where the numbers
-/// are not finite.
+/// Negative log evidence, and the covariance of the unknowns. Infinite if numbers are not finite.
 fn evidence<P: Predictor>(
     shooting: &ShootingProblem<P>,
     tables: &[Tables],
     point: &Point,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> (f64, DMatrix<f64>) {
     let count = shooting.parameters.len();
     let mut cost = shooting.prior_cost(&point.coordinates);
@@ -293,7 +264,7 @@ fn evidence<P: Predictor>(
     let prior: f64 = precision.iter().map(|p| p.ln()).sum();
     let mut matrix = DMatrix::from_diagonal(&precision);
     let mut starts = 0.0;
-    for normal in normals(shooting, tables, point, by) {
+    for normal in normals(shooting, tables, point, noise) {
         let Some(one) = Eliminated::new(&normal, 0.0) else {
             return (f64::INFINITY, DMatrix::identity(count, count));
         };
@@ -311,69 +282,64 @@ fn evidence<P: Predictor>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::hypothesis::prepare::prepare;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::diagnosis::{Options, Progress};
-    use crate::fit::restart::outlying_restarted;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
 
-    /// Pivots on clayed soil that is given right, and the soil re-tuned to them.
+    use crate::diagnosis::Options;
+    use crate::diagnosis::testing::{driven, fitted, on};
+    use crate::fit::restart::outlying_restarted;
+
+    /// Pivots on the given clayed soil, and the refitted soil.
     fn with_pivots(check: impl FnOnce(&Problem, &NoiseModel, &FittedHypothesis)) {
-        let soil = Terrain::preset("clayed_soil").unwrap();
-        let truth = Specification::plain(Vehicle::tran2007(), soil);
+        let truth = on("clayed_soil");
         let recordings = [driven(&truth, "pivots")];
-        let mut problem = Problem::new(&truth, &recordings);
-        let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut by) = prepare(&mut problem, &Options::default(), &progress).unwrap();
-        let fit = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
-        check(&problem, &by, &fit);
+        let (problem, fit, noise) = fitted(&truth, &recordings, &Options::default());
+        check(&problem, &noise, &fit);
     }
 
-    /// With a segment that begins driving backwards and sidewards, from somewhat aside: gone within tenths of a second.
-    fn astray(from: &Solution, segment: usize, left: f64) -> Solution {
+    /// A solution in which one segment starts backwards and sideways, beside its place; it recovers within tenths of
+    /// a second.
+    fn with_wrong_start(from: &Solution, segment: usize, left: f64) -> Solution {
         let off = [0.4, -0.2 * left, 0.0, -2.0, left, 0.0];
-        let mut astray = from.clone();
-        for (value, off) in astray.starts[segment].iter_mut().zip(off) {
+        let mut with_wrong_start = from.clone();
+        for (value, off) in with_wrong_start.starts[segment].iter_mut().zip(off) {
             *value += off;
         }
-        astray
+        with_wrong_start
     }
 
     #[test]
     fn a_start_in_the_wrong_basin_is_found_again() {
-        with_pivots(|problem, by, fit| {
-            // As good as can be.
-            let same = fit_restarted(problem, fit, by);
+        with_pivots(|problem, noise, fit| {
+            // Already optimal.
+            let same = fit_restarted(problem, fit, noise);
             assert!((same.negative_log_evidence - fit.negative_log_evidence).abs() < 1.0);
             for (segment, left, alone) in [(3, 3.0, true), (4, 1.0, false)] {
-                let wrong = astray(&fit.solution, segment, left);
+                let wrong = with_wrong_start(&fit.solution, segment, left);
                 let predictor = problem.predictor(&[]);
                 let shooting = problem.shooting(&predictor, &[]);
                 let point = problem.point(&shooting, &[], &wrong);
                 let costs = |costly| (0..6).map(move |k| if k == costly { 9.0 } else { 1.0 });
                 for found in [
-                    restarted(&shooting, &point, by),
-                    outlying_restarted(&shooting, &point, by, costs(segment)),
+                    restarted(&shooting, &point, noise),
+                    outlying_restarted(&shooting, &point, noise, costs(segment)),
                 ] {
                     let speed = [&found.unwrap(), &fit.solution.starts].map(|all| all[segment][3]);
                     assert!((speed[0] - speed[1]).abs() < 0.1, "{speed:?}");
                 }
-                // Only what stands out is looked at.
-                assert!(outlying_restarted(&shooting, &point, by, costs(segment + 1)).is_none());
-                // Left there the soil goes along. Found where the fit would end if it stands out among the others, and
-                // where it is gone on with otherwise.
-                let stuck = fit_hypothesis(problem, &[], &wrong, by).unwrap();
+                // Only outlying segments are restarted.
+                assert!(outlying_restarted(&shooting, &point, noise, costs(segment + 1)).is_none());
+                // From there the soil follows. The fit itself finds the start again if it is an outlier, else the
+                // restart does.
+                let stuck = fit_hypothesis(problem, &[], &wrong, noise).unwrap();
                 assert_eq!(
                     (stuck.negative_log_evidence - fit.negative_log_evidence).abs() < 10.0,
                     alone
                 );
                 assert!(alone || stuck.negative_log_evidence > fit.negative_log_evidence + 100.0);
-                let again = fit_restarted(problem, &stuck, by);
+                let again = fit_restarted(problem, &stuck, noise);
                 let off = again.negative_log_evidence - fit.negative_log_evidence;
                 assert!(off.abs() < 10.0, "{off}");
-                // Also where noise has become less meanwhile, and everything costs more.
-                let mut less = by.clone();
+                // Also under less noise, where everything costs more.
+                let mut less = noise.clone();
                 for noise in less.noise.iter_mut().flatten() {
                     noise.white *= 0.8;
                     noise.coloured *= 0.8;
@@ -387,13 +353,13 @@ mod tests {
 
     #[test]
     fn a_fit_that_cannot_come_to_be_of_use_is_given_up() {
-        with_pivots(|problem, by, fit| {
-            let fitted = |begin: &Solution, stop: Stop| {
-                let one = fit_until(problem, &[], begin, by, stop).unwrap();
+        with_pivots(|problem, noise, fit| {
+            let fitted = |initial: &Solution, stop: Stop| {
+                let one = fit_until(problem, &[], initial, noise, stop).unwrap();
                 one.negative_log_evidence - fit.negative_log_evidence
             };
             let of_use = 2.0 * fit.misfit + 20.0;
-            // Far off, but on its way.
+            // Distant, but converging.
             let mut far = fit.solution.clone();
             for (value, parameter) in far.soil.iter_mut().zip(problem.soil_parameters()) {
                 *value += 0.7 * parameter.prior.deviation;
@@ -401,8 +367,11 @@ mod tests {
             let gone_on = fitted(&far, LONG_PARTIAL_FIT);
             assert!(gone_on < 10.0, "{gone_on}");
             assert_eq!(fitted(&far, LONG_PARTIAL_FIT.unless_above(of_use)), gone_on);
-            // One start that went astray does not make it hopeless, nor keeps it from being so.
-            let (near, far) = (astray(&fit.solution, 3, 3.0), astray(&fit.solution, 4, 1.0));
+            // One wrong start does not stop the fit as hopeless, nor prevent that.
+            let (near, far) = (
+                with_wrong_start(&fit.solution, 3, 3.0),
+                with_wrong_start(&fit.solution, 4, 1.0),
+            );
             let found = fitted(&near, LONG_PARTIAL_FIT.unless_above(of_use));
             assert_eq!(found, fitted(&near, LONG_PARTIAL_FIT));
             let given_up = fitted(&far, LONG_PARTIAL_FIT.unless_above(-1e6));

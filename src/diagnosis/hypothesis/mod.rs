@@ -1,8 +1,7 @@
-//! Models that are compared: the given one, its soil free, with effects; and where each stands.
+//! Hypotheses: the given model with its soil free and candidates on, and their solutions.
 
 pub mod block;
 pub mod candidate;
-pub mod cross_validated;
 pub mod held_out;
 mod hitch;
 pub mod likelihood;
@@ -10,7 +9,6 @@ pub mod maps;
 pub mod prepare;
 pub mod subsample;
 pub mod thin;
-pub mod wheels;
 
 use crate::fit::catalogue::{DEFAULT_FREE, describe, find};
 use crate::fit::deadline::Deadline;
@@ -27,10 +25,9 @@ use candidate::{Candidates, Target};
 use hitch::hitched;
 use maps::Maps;
 use nalgebra::DVector;
-use wheels::Wheels;
 
-/// Errors of the integration in a step, in units of the usual ones, where sensors scatter by these: over a segment they
-/// come to a few tenths of a millimetre and of a milliradian, and a fit takes two thirds of the time.
+/// Integration tolerance, in units of the usual one, for sensors with at least this white noise: errors over a
+/// segment reach a few tenths of a millimetre and a milliradian, and a fit takes two thirds of the time.
 const TOLERANCE: f64 = 4.0;
 const SCATTER: [(Signal, f64); 4] = [
     (Signal::X, 3e-3),
@@ -39,53 +36,62 @@ const SCATTER: [(Signal, f64); 4] = [
     (Signal::YawRate, 1e-3),
 ];
 
-/// The soil's number that carries the vehicle.
+/// The soil parameter that carries the vehicle.
 const STIFFNESS: &str = "frictional_modulus";
 
-/// What is given. A hypothesis that acts somewhere only has a copy with that place in its model.
+/// The given model and recordings. A hypothesis with a region has a copy with that region in its model.
 #[derive(Debug, Clone)]
 pub struct Problem<'a> {
-    /// The model that recordings disagree with; effects that are off may have their place set.
+    /// The given model; effects that are off may have their place set.
     pub nominal: Specification,
     /// The recordings.
     pub recordings: &'a [Recording],
     /// Their names.
     pub names: Vec<String>,
-    /// The soil's numbers that re-tuning may change.
+    /// The free soil parameters.
     pub soil: Vec<ModelParameter>,
-    /// What is asked about.
+    /// The candidates.
     pub candidates: Candidates,
-    /// The recordings in stretches of some seconds, each with a start of its own.
+    /// The recordings in segments of some seconds, each with a free start.
     pub segments: Vec<Segment>,
-    /// By how much pose and wheel speeds of each recording trail as curves compared tell; zero where
-    /// they do not tell.
+    /// Delays of pose and wheel speeds of each recording from cross-correlation; zero if unknown.
     pub late: Vec<SensorValues>,
-    /// Where a place is the same place.
+    /// Which recordings share a map.
     pub maps: Maps,
-    /// The frictional modulus that re-tuning begins with, as a multiple of the given one: more than 1
-    /// where the given soil cannot carry the vehicle.
+    /// Initial factor on the frictional modulus: above 1 if the given soil cannot carry the vehicle.
     pub stiffening: f64,
-    /// What the wheels did between samples; `None` where their speeds are taken as they are.
+    /// Reconstruction of the wheel speeds between samples; `None` for linear interpolation.
     pub wheels: Option<Wheels>,
     /// Errors of the integration in a step, in units of the usual ones.
     pub tolerance: f64,
-    /// When all that is computed with it has to end.
+    /// Deadline of all computations with it.
     pub deadline: Deadline<'a>,
 }
 
-/// Values of everything: a point that every hypothesis can begin from.
+/// Reconstruction of the wheel speeds between two samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheels {
+    /// Whether samples are means over the sampling interval.
+    pub counted: bool,
+    /// Smoothing, see [`crate::recording::Drive::reconstructed`].
+    pub smoothing: f64,
+    /// Gain of log evidence over linear interpolation.
+    pub likelier: f64,
+}
+
+/// Values of all unknowns: a point from which every hypothesis can start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// Coordinates of the soil's numbers.
+    /// Coordinates of the soil parameters.
     pub soil: Vec<f64>,
-    /// Coordinates of all knobs for each recording.
+    /// Coordinates of all coefficients for each recording.
     pub coefficients: Vec<Vec<f64>>,
     /// Start of each segment.
     pub starts: Vec<[f64; 6]>,
 }
 
 impl Solution {
-    /// Takes the values of some knobs from another one.
+    /// Takes the values of some coefficients from another one.
     pub fn take(&mut self, coefficients: &[usize], other: &Self) {
         for (values, others) in self.coefficients.iter_mut().zip(&other.coefficients) {
             for coefficient in coefficients {
@@ -96,7 +102,7 @@ impl Solution {
 }
 
 impl<'a> Problem<'a> {
-    /// Everything at hand, nothing cut yet, and no deadline.
+    /// The problem without segments and deadline.
     #[must_use]
     #[cfg(test)]
     pub fn new(nominal: &Specification, recordings: &'a [Recording]) -> Self {
@@ -111,7 +117,7 @@ impl<'a> Problem<'a> {
         each.fold(0.0, |sum, length| sum + length)
     }
 
-    /// Everything at hand, nothing cut yet.
+    /// The problem without segments.
     #[must_use]
     pub fn until(
         nominal: &Specification,
@@ -137,10 +143,9 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The given model (its soil stiffened where need be), effects off, starts as the sensors show
-    /// them.
+    /// The initial solution: the given model (soil stiffened if needed), effects off, starts as measured.
     #[must_use]
-    pub fn begin(&self) -> Solution {
+    pub fn initial(&self) -> Solution {
         let soil = self.soil_parameters();
         let at = |(free, described): (&ModelParameter, &parameter::FreeParameter)| {
             let mut value = free.get(&self.nominal);
@@ -150,9 +155,7 @@ impl<'a> Problem<'a> {
             described.coordinate(value.clamp(described.low, described.high))
         };
         let off = self.candidates.coefficients.iter();
-        let off: Vec<f64> = off
-            .map(|coefficient| coefficient.parameter.prior_coordinate())
-            .collect();
+        let off: Vec<f64> = off.map(|coefficient| coefficient.off()).collect();
         Solution {
             soil: self.soil.iter().zip(&soil).map(at).collect(),
             coefficients: vec![off; self.recordings.len()],
@@ -160,7 +163,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Recording and run of everything that has segments, each once.
+    /// Recording and run of all segments, each once.
     #[must_use]
     pub fn runs(&self) -> Vec<(usize, usize)> {
         let mut runs: Vec<(usize, usize)> =
@@ -169,8 +172,7 @@ impl<'a> Problem<'a> {
         runs
     }
 
-    /// What a run is called where its recording has several: its label where that tells it from the others, else its
-    /// number from 1.
+    /// Label of a run in a recording of several: unique labels as they are, else the number from 1.
     #[must_use]
     pub fn label_of(&self, recording: usize, run: usize) -> String {
         let runs = &self.recordings[recording].runs;
@@ -183,35 +185,34 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The soil's numbers with their scales and priors.
+    /// The soil parameters with scales and priors.
     #[must_use]
     pub fn soil_parameters(&self) -> Vec<parameter::FreeParameter> {
         let soil = self.soil.iter();
         soil.map(|free| describe(*free, &self.nominal)).collect()
     }
 
-    /// The place of one of the soil's numbers among those that are free.
+    /// Index of a soil parameter among the free ones.
     #[must_use]
     pub fn place_of_soil(&self, name: &str) -> Option<usize> {
         self.soil.iter().position(|free| free.name() == name)
     }
 
-    /// Of these knobs the places of those that turn the model.
+    /// Of these coefficients those of the model.
     #[must_use]
-    pub fn model_knobs(&self, coefficients: &[usize]) -> Vec<usize> {
-        let turns = |place: &&usize| {
-            matches!(
-                self.candidates.coefficients[**place].target,
-                Target::Model(_)
-            )
-        };
+    pub fn model_coefficients(&self, coefficients: &[usize]) -> Vec<usize> {
+        let turns = |place: &&usize| matches!(self.candidates[**place].target, Target::Model(_));
         coefficients.iter().filter(turns).copied().collect()
     }
 
-    /// The sensors' numbers among these knobs that a recording can tell of.
+    /// Of these coefficients those of sensors that a recording can determine.
     #[must_use]
-    pub fn sensor_knobs(&self, recording: usize, coefficients: &[usize]) -> Vec<SensorParameter> {
-        let target = |place: &usize| match self.candidates.coefficients[*place].target {
+    pub fn sensor_coefficients(
+        &self,
+        recording: usize,
+        coefficients: &[usize],
+    ) -> Vec<SensorParameter> {
+        let target = |place: &usize| match self.candidates[*place].target {
             Target::Sensor(sensor) if sensor.is_told_by(&self.recordings[recording]) => {
                 Some(sensor)
             }
@@ -223,7 +224,7 @@ impl<'a> Problem<'a> {
     /// The model of a recording at a solution.
     ///
     /// # Errors
-    /// A knob beyond its range.
+    /// A coefficient beyond its range.
     pub fn specification(
         &self,
         solution: &Solution,
@@ -241,7 +242,7 @@ impl<'a> Problem<'a> {
             .zip(&solution.coefficients[recording]);
         for (coefficient, at) in coefficients {
             if let Target::Model(parameter) = coefficient.target
-                && *at != coefficient.parameter.prior_coordinate()
+                && *at != coefficient.off()
             {
                 parameter.set(&mut specification, coefficient.parameter.value(*at))?;
             }
@@ -249,13 +250,11 @@ impl<'a> Problem<'a> {
         Ok(specification)
     }
 
-    /// The predictor whose free parameters are the soil's and these knobs of the model.
+    /// The predictor with the soil and these model coefficients free.
     #[must_use]
     pub fn predictor(&self, coefficients: &[usize]) -> ExactPredictor<'a> {
-        let model = self.model_knobs(coefficients);
-        let turned = model
-            .iter()
-            .map(|place| self.candidates.coefficients[*place].target);
+        let model = self.model_coefficients(coefficients);
+        let turned = model.iter().map(|place| self.candidates[*place].target);
         let turned = turned.filter_map(|target| match target {
             Target::Model(parameter) => Some(parameter),
             Target::Sensor(_) => None,
@@ -267,38 +266,36 @@ impl<'a> Problem<'a> {
             .with_deadline(self.deadline)
     }
 
-    /// Integrates no more finely than the sensors of all recordings can tell; `by` has their noise.
-    pub fn tolerate(&mut self, by: &NoiseModel) {
-        let mut pairs = self.recordings.iter().zip(&by.noise);
+    /// Sets the tolerance of the integration to what the sensors of all recordings resolve.
+    pub fn tolerate(&mut self, noise: &NoiseModel) {
+        let mut pairs = self.recordings.iter().zip(&noise.noise);
         let is_coarse = pairs.all(|(recording, noise)| {
-            let mut told = SCATTER.iter();
-            told.all(|(signal, least)| {
-                let is_told = recording.has(signal.channel());
-                !is_told || noise[signal.group() as usize].white >= *least
+            let mut limits = SCATTER.iter();
+            limits.all(|(signal, min_noise)| {
+                let is_measured = recording.has(signal.channel());
+                !is_measured || noise[signal.group() as usize].white >= *min_noise
             })
         });
         self.tolerance = if is_coarse { TOLERANCE } else { 1.0 };
     }
 
-    /// The fit's unknowns where these knobs are free besides the soil.
+    /// The shooting problem with the soil and these coefficients free.
     #[must_use]
     pub fn shooting<'p>(
         &self,
         predictor: &'p ExactPredictor<'p>,
         coefficients: &[usize],
     ) -> ShootingProblem<'p, ExactPredictor<'p>> {
-        let model = self.model_knobs(coefficients);
+        let model = self.model_coefficients(coefficients);
         let mut parameters = self.soil_parameters();
         let soil = parameters.len();
-        let described = model
-            .iter()
-            .map(|place| &self.candidates.coefficients[*place]);
+        let described = model.iter().map(|place| &self.candidates[*place]);
         parameters.extend(described.map(|coefficient| coefficient.parameter.clone()));
         let own = model.iter().enumerate();
-        let own = own.filter(|(_, place)| self.candidates.coefficients[**place].own);
+        let own = own.filter(|(_, place)| self.candidates[**place].own);
         let own: Vec<usize> = own.map(|(index, _)| soil + index).collect();
-        let sensors =
-            (0..self.recordings.len()).map(|recording| self.sensor_knobs(recording, coefficients));
+        let sensors = (0..self.recordings.len())
+            .map(|recording| self.sensor_coefficients(recording, coefficients));
         let sensors = sensors.collect();
         let mut shooting =
             ShootingProblem::with_own(predictor, parameters, &own, self.names.clone(), sensors);
@@ -318,8 +315,8 @@ impl<'a> Problem<'a> {
         self.visit(shooting, coefficients, |place, recording, what| {
             let parameter = &shooting.parameters[place];
             let value = match what {
-                What::Soil(index) => solution.soil[index],
-                What::CandidateParameter(coefficient) => {
+                UnknownKind::Soil(index) => solution.soil[index],
+                UnknownKind::CandidateParameter(coefficient) => {
                     solution.coefficients[recording][coefficient]
                 }
             };
@@ -332,7 +329,20 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The solution at a problem's point; other knobs keep their values.
+    /// Works on the shooting problem with these coefficients free, at the point of a solution.
+    pub fn at<T>(
+        &self,
+        coefficients: &[usize],
+        solution: &Solution,
+        work: impl FnOnce(&ShootingProblem<'_, ExactPredictor<'_>>, Point) -> T,
+    ) -> T {
+        let predictor = self.predictor(coefficients);
+        let shooting = self.shooting(&predictor, coefficients);
+        let point = self.point(&shooting, coefficients, solution);
+        work(&shooting, point)
+    }
+
+    /// The solution at a point; other coefficients keep their values.
     #[must_use]
     pub fn solution<P: crate::fit::predictor::Predictor>(
         &self,
@@ -346,8 +356,8 @@ impl<'a> Problem<'a> {
         self.visit(shooting, coefficients, |place, recording, what| {
             let at = point.coordinates[place];
             match what {
-                What::Soil(index) => solution.soil[index] = at,
-                What::CandidateParameter(coefficient) => {
+                UnknownKind::Soil(index) => solution.soil[index] = at,
+                UnknownKind::CandidateParameter(coefficient) => {
                     solution.coefficients[recording][coefficient] = at
                 }
             }
@@ -355,39 +365,47 @@ impl<'a> Problem<'a> {
         solution
     }
 
-    /// For each recording and each of a problem's unknowns that it depends on, what it is.
+    /// Visits the unknowns that each recording depends on.
     pub fn visit<P: crate::fit::predictor::Predictor>(
         &self,
         shooting: &ShootingProblem<P>,
         coefficients: &[usize],
-        mut visit: impl FnMut(usize, usize, What),
+        mut visit: impl FnMut(usize, usize, UnknownKind),
     ) {
-        let model = self.model_knobs(coefficients);
+        let model = self.model_coefficients(coefficients);
         for recording in 0..self.recordings.len() {
             let places = shooting.places(recording);
             for (index, place) in places.iter().take(self.soil.len()).enumerate() {
-                visit(*place, recording, What::Soil(index));
+                visit(*place, recording, UnknownKind::Soil(index));
             }
             let turned = places.iter().skip(self.soil.len());
             for (place, coefficient) in turned.zip(&model) {
-                visit(*place, recording, What::CandidateParameter(*coefficient));
+                visit(
+                    *place,
+                    recording,
+                    UnknownKind::CandidateParameter(*coefficient),
+                );
             }
             for &coefficient in coefficients {
-                if let Target::Sensor(sensor) = self.candidates.coefficients[coefficient].target
+                if let Target::Sensor(sensor) = self.candidates[coefficient].target
                     && let Some(place) = shooting.sensor_place(recording, sensor)
                 {
-                    visit(place, recording, What::CandidateParameter(coefficient));
+                    visit(
+                        place,
+                        recording,
+                        UnknownKind::CandidateParameter(coefficient),
+                    );
                 }
             }
         }
     }
 }
 
-/// What an unknown of a problem is.
+/// The kind of an unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum What {
-    /// One of the soil's numbers.
+pub enum UnknownKind {
+    /// A soil parameter, by its index.
     Soil(usize),
-    /// A knob.
+    /// A coefficient.
     CandidateParameter(usize),
 }

@@ -1,4 +1,4 @@
-//! Recordings cut into segments that the given model can drive.
+//! Cuts recordings into segments that the given model can follow.
 
 use super::Problem;
 use super::held_out::SMALLEST_FOLD;
@@ -11,38 +11,38 @@ use crate::fit::segment::cut;
 use crate::fit::sensor::SensorValues;
 use crate::recording::{Channel, Recording};
 
-/// Less driving than this is not enough to say anything \[s\].
+/// Minimum driving for a diagnosis \[s\].
 const SHORTEST: f64 = 10.0;
-/// Stretches at least where that much was driven: what is held out takes two, and two are left to learn from.
+/// Minimum number of segments: two to hold out, two to fit.
 const FEWEST: usize = 2 * SMALLEST_FOLD;
-/// Longer stretches tell more, but of few the scatter is not known and little can be held out: so many are there, if each
-/// is as long as this \[s\].
+/// Long segments contain more information, but few of them give neither overdispersion nor a held-out score: this
+/// number is made if each is as long as this \[s\].
 const FEW: usize = 3 * SMALLEST_FOLD;
 const LONG_ENOUGH: f64 = 5.0;
-/// A soil that cannot carry the vehicle is stiffened by this factor, up to so many times in all.
+/// Factor by which a soil that cannot carry the vehicle is stiffened, and the maximum in all.
 const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1024.0;
 
-/// What was cut.
+/// What was used.
 #[derive(Debug)]
 pub struct Prepared {
-    /// Seconds left out: at rest, without data, or what the model cannot drive.
+    /// Seconds not used: at rest, without data, or with a motion that the model cannot follow.
     pub left_out: f64,
-    /// Seconds that a time limit allows, and of how many; `None` where it allows all.
+    /// Seconds within the time limit, and in total; `None` if all are used.
     pub part: Option<[f64; 2]>,
 }
 
-/// Cuts, takes what a time limit allows, leaves out what cannot be driven, and weighs all samples alike.
+/// Cuts, subsamples within the time limit, drops what the model cannot follow, and returns the first noise model.
 ///
 /// # Errors
-/// Recordings that tell nothing, no time.
+/// Too little driving, a stop by the caller, or a time limit.
 pub fn prepare(
     problem: &mut Problem,
     options: &Options,
     progress: &Progress,
 ) -> Result<(Prepared, NoiseModel), DiagnosisError> {
-    // Samples go to the segment in which they were true. A pose that is told too early would lie
-    // before its segment's start; one told too late does no harm.
+    // Samples belong to the segment of their true time. One with too early a time stamp would lie before the start of
+    // its segment; too late a stamp does no harm.
     let late = problem
         .late
         .iter()
@@ -52,12 +52,12 @@ pub fn prepare(
     problem.segments = std::mem::take(&mut found.segments);
     let mut driven: f64 = problem.seconds();
     let lengths = [
-        // Shorter stretches tell a little less; of fewer none could be held out, and nothing be told.
+        // Shorter segments contain slightly less information; fewer allow no held-out score.
         (FEW, LONG_ENOUGH),
         (FEWEST, SHORTEST / FEWEST as f64),
     ];
-    for (count, least) in lengths {
-        let length = (driven / count as f64).max(least);
+    for (count, min_length) in lengths {
+        let length = (driven / count as f64).max(min_length);
         if driven >= SHORTEST && problem.segments.len() < count && length < options.segment {
             found = cut(problem.recordings, &late, length);
             problem.segments = std::mem::take(&mut found.segments);
@@ -104,19 +104,19 @@ pub fn prepare(
     }
 }
 
-/// Drives all segments, on a stiffer soil where the given one does not carry the vehicle through all of them: it is but
-/// a rough start, and the vehicle did not sink into it. It is stiffened further while more can be driven so, and until
-/// no more than `most` seconds cannot.
-fn stiffened(problem: &mut Problem, most: f64) -> Vec<Result<Tables, PredictionError>> {
+/// Predicts all segments, on a stiffer soil if the given one does not carry the vehicle through them: it is a rough
+/// initial guess, and the vehicle did not sink into it. The soil is stiffened while more segments succeed, and until
+/// no more than `max_failed` seconds fail.
+fn stiffened(problem: &mut Problem, max_failed: f64) -> Vec<Result<Tables, PredictionError>> {
     let mut best = (drive(problem), problem.stiffening);
-    let mut left = failed(problem, &best.0);
-    while left > 0.0 && problem.stiffening < STIFFEST {
+    let mut remaining = failed(problem, &best.0);
+    while remaining > 0.0 && problem.stiffening < STIFFEST {
         problem.stiffening *= STIFFER;
         let tried = drive(problem);
         let now = failed(problem, &tried);
-        if now < left {
-            (best, left) = ((tried, problem.stiffening), now);
-        } else if left <= most {
+        if now < remaining {
+            (best, remaining) = ((tried, problem.stiffening), now);
+        } else if remaining <= max_failed {
             break;
         }
     }
@@ -124,22 +124,22 @@ fn stiffened(problem: &mut Problem, most: f64) -> Vec<Result<Tables, PredictionE
     best.0
 }
 
-/// Drives all segments as they begin.
+/// Predicts all segments from their measured starts.
 fn drive(problem: &Problem) -> Vec<Result<Tables, PredictionError>> {
     let predictor = problem.predictor(&[]);
     let shooting = problem.shooting(&predictor, &[]);
-    let point = problem.point(&shooting, &[], &problem.begin());
+    let point = problem.point(&shooting, &[], &problem.initial());
     shooting.evaluate_each(&point, true)
 }
 
-/// Seconds of the segments that could not be driven.
+/// Seconds of the segments without a prediction.
 fn failed(problem: &Problem, tried: &[Result<Tables, PredictionError>]) -> f64 {
     let pairs = problem.segments.iter().zip(tried);
     let failed = pairs.filter(|(_, tried)| tried.is_err());
     failed.map(|(s, _)| s.end - s.start).sum()
 }
 
-/// How far the positions of a run reach, east or north \[m\].
+/// Extent of the positions of a run, east or north \[m\].
 fn reach(recordings: &[Recording]) -> f64 {
     let runs = recordings.iter().flat_map(|recording| &recording.runs);
     let series = runs.flat_map(|run| [Channel::X, Channel::Y].map(|channel| run.series(channel)));
@@ -153,39 +153,13 @@ fn reach(recordings: &[Recording]) -> f64 {
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::testing::{driven, first, on};
     use crate::fit::segment::Segment;
     use crate::fit::sensor::SensorParameter;
-    use crate::recording::{Run, Series};
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
-
-    /// The first seconds of a recording.
-    pub fn first(recording: &Recording, seconds: f64) -> Recording {
-        let shortened = |run: &Run| {
-            let mut short = Run::new("");
-            for channel in Channel::ALL {
-                if let Some(series) = run.series(channel) {
-                    let until = series.time.partition_point(|t| *t <= seconds);
-                    let series = Series {
-                        time: series.time[..until].to_vec(),
-                        value: series.value[..until].to_vec(),
-                    };
-                    short = short.with(channel, series);
-                }
-            }
-            short
-        };
-        Recording {
-            runs: recording.runs.iter().map(shortened).collect(),
-            ..recording.clone()
-        }
-    }
 
     #[test]
     fn a_short_drive_is_cut_so_that_some_can_be_held_out() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), soil);
+        let model = on("sandy_loam");
         let whole = driven(&model, "spiral");
         let stretches = |seconds| {
             let recordings = [first(&whole, seconds)];
@@ -194,7 +168,7 @@ pub mod tests {
             prepare(&mut problem, &Options::default(), &progress)?;
             Ok(problem.segments)
         };
-        // Two of 7.5 s would leave nothing to learn from.
+        // Two segments of 7.5 s would leave none to fit.
         let short = stretches(14.0).unwrap();
         assert_eq!(short.len(), FEWEST);
         assert!(short.iter().all(|one| one.end - one.start < 4.0));
@@ -209,7 +183,7 @@ pub mod tests {
 
     #[test]
     fn a_soil_that_carries_the_vehicle_through_a_part_only_is_stiffened() {
-        let sand = Specification::plain(Vehicle::tran2007(), Terrain::preset("dry_sand").unwrap());
+        let sand = on("dry_sand");
         let recordings = [driven(&sand, "pivots")];
         let mut soft = sand.clone();
         soft.terrain.frictional_modulus /= 7.0;

@@ -1,17 +1,17 @@
-//! A part of a long recording.
+//! A subsample of a long recording.
 //!
-//! What acts throughout shows in some minutes of driving as well as in many: some stretches, spread evenly, stand
-//! for all where it is to be seen which way to go; what acts for some seconds changes the cost of those alone.
+//! An effect that acts throughout shows in some minutes of driving as well as in many: evenly spaced segments suffice
+//! for the first steps of its fit. An effect of some seconds changes the cost of those segments alone.
 
 use super::{Problem, Solution};
 use crate::fit::problem::NoiseModel;
 
-/// Stretches of more than this together are many, and of those this is enough \[s\]; but not fewer of them than so many.
+/// A recording longer than the first \[s\] is subsampled to about the second, with at least this number of segments.
 const MANY: f64 = 240.0;
 const ENOUGH: f64 = 160.0;
 const FEWEST: usize = 20;
 
-/// Some stretches of many.
+/// Some segments of a recording.
 #[derive(Debug, Clone)]
 pub struct Subsample {
     places: Vec<usize>,
@@ -19,7 +19,7 @@ pub struct Subsample {
 }
 
 impl Subsample {
-    /// `None` where there are not many.
+    /// `None` for a short recording.
     #[must_use]
     pub fn of(problem: &Problem) -> Option<Self> {
         let count = problem.segments.len();
@@ -32,7 +32,7 @@ impl Subsample {
         })
     }
 
-    /// The stretches of a run that reach into a span of time \[s\]. `None` where there is none or are no others.
+    /// The segments of a run that overlap a time interval \[s\]. `None` if these are none or all.
     #[must_use]
     pub fn within(problem: &Problem, run: (usize, usize), [start, end]: [f64; 2]) -> Option<Self> {
         let count = problem.segments.len();
@@ -44,25 +44,25 @@ impl Subsample {
         Self::some(places, count).filter(|subsample| subsample.places.len() < count)
     }
 
-    /// These stretches of all. `None` where there is none.
+    /// These segments. `None` for none.
     #[must_use]
     pub fn some(places: Vec<usize>, count: usize) -> Option<Self> {
         (!places.is_empty()).then_some(Self { places, count })
     }
 
-    /// The places of its stretches among all.
+    /// Indices of its segments.
     #[must_use]
     pub fn places(&self) -> &[usize] {
         &self.places
     }
 
-    /// All over some.
+    /// Number of all segments over that of the subsample.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.count as f64 / self.places.len() as f64
     }
 
-    /// These stretches alone.
+    /// The problem on these segments alone.
     #[must_use]
     pub fn problem<'a>(&self, whole: &Problem<'a>) -> Problem<'a> {
         let segments = self.places.iter().map(|k| whole.segments[*k].clone());
@@ -72,13 +72,13 @@ impl Subsample {
         }
     }
 
-    /// Noise, and the weights of these stretches.
+    /// The noise model of these segments.
     #[must_use]
     pub fn noise_model(&self, whole: &NoiseModel) -> NoiseModel {
         whole.of(&self.places)
     }
 
-    /// A solution where these stretches begin.
+    /// The solution on these segments.
     #[must_use]
     pub fn solution(&self, whole: &Solution) -> Solution {
         Solution {
@@ -87,13 +87,13 @@ impl Subsample {
         }
     }
 
-    /// What these stretches told of the soil and of some knobs, on all of them; everything else stays as it was.
+    /// A solution for all segments with soil, some coefficients and starts from a fit of the subsample.
     #[must_use]
-    pub fn widened(&self, told: &Solution, coefficients: &[usize], whole: &Solution) -> Solution {
+    pub fn widened(&self, fitted: &Solution, coefficients: &[usize], whole: &Solution) -> Solution {
         let mut widened = whole.clone();
-        widened.soil.clone_from(&told.soil);
-        widened.take(coefficients, told);
-        for (place, start) in self.places.iter().zip(&told.starts) {
+        widened.soil.clone_from(&fitted.soil);
+        widened.take(coefficients, fitted);
+        for (place, start) in self.places.iter().zip(&fitted.starts) {
             widened.starts[*place] = *start;
         }
         widened

@@ -1,32 +1,32 @@
-//! How much of the recordings a time limit allows.
+//! Segments that a time limit allows.
 //!
-//! What a diagnosis costs is counted in passes: predictions of all segments with derivatives by the soil. A few segments
-//! are predicted first, which tells what a pass costs on this machine. Where even a diagnosis that finds nothing has no
-//! time on all segments, as many are taken as an answer has time for, spread evenly.
+//! The cost of a diagnosis is counted in passes: predictions of all segments with derivatives by the soil. A few
+//! segments are predicted first, to measure the cost of a pass on this machine. If even a diagnosis without findings
+//! would exceed the limit on all segments, evenly spaced ones are taken.
 
 use super::Problem;
 use crate::diagnosis::{DiagnosisError, Progress};
 use crate::fit::problem::Point;
 
-/// Segments that are predicted to learn what a pass costs.
+/// Segments predicted for the measurement.
 const PROBED: usize = 4;
-/// Passes that the first look takes, after the first fit of the soil (a drive of 40 s: 13).
+/// Passes of the first screening after the first fit of the soil (a drive of 40 s: 13).
 pub const FIRST_LOOK: u32 = 20;
-/// Passes that the answer takes after the search: models judged on data that they were not fitted to (the same drive, of
-/// which nothing was missing: 12; with what was found twice as many).
+/// Passes of the answer after the search: the held-out comparison (the same drive without findings: 12; with findings
+/// about 24).
 const ANSWER: u32 = 30;
-/// Passes without which hardly any diagnosis ends (the same drive: 364).
-const LEAST: u32 = 200;
-/// Passes with which most diagnoses end.
-const WHOLE: u32 = 400;
-/// Fewer segments than this are no recording to diagnose.
+/// Passes below which hardly any diagnosis finishes (the same drive: 364).
+const MIN_PASSES: u32 = 200;
+/// Passes that suffice for nearly all diagnoses.
+const ENOUGH_PASSES: u32 = 400;
+/// Minimum number of segments.
 const FEWEST: usize = 4;
 
-/// Learns what a pass costs, and takes as many segments as the time limit allows: seconds used, and of how many. `None`
-/// where it allows all.
+/// Measures a pass, and keeps the segments that the limit allows; returns the seconds used, and in total. `None` if
+/// all are kept.
 ///
 /// # Errors
-/// Somebody wants it to end, no time even for that.
+/// A stop by the caller, or a time limit.
 pub fn thin(
     problem: &mut Problem,
     progress: &Progress,
@@ -49,20 +49,20 @@ pub fn thin(
     );
     let point = Point {
         starts: few.measured_starts(),
-        ..problem.point(&shooting, &[], &problem.begin())
+        ..problem.point(&shooting, &[], &problem.initial())
     };
     let before = progress.elapsed();
     let _ = few.evaluate_each(&point, true);
     let took = progress.elapsed().saturating_sub(before);
     progress.in_time(problem.deadline)?;
     let each = took.as_secs_f64() / probed.len() as f64;
-    let left = limit.saturating_sub(progress.elapsed()).as_secs_f64();
-    let allowed = |passes: u32| (left / (each * f64::from(passes))) as usize;
-    let kept = if allowed(LEAST) >= count {
+    let remaining = limit.saturating_sub(progress.elapsed()).as_secs_f64();
+    let allowed = |passes: u32| (remaining / (each * f64::from(passes))) as usize;
+    let kept = if allowed(MIN_PASSES) >= count {
         count
     } else {
-        // Part of the recordings with an answer says more than all of them without.
-        allowed(WHOLE).max(FEWEST.min(count))
+        // A subsample with an answer says more than all of them without.
+        allowed(ENOUGH_PASSES).max(FEWEST.min(count))
     };
     progress.measured(took.mul_f64(kept as f64 / probed.len() as f64));
     progress.reserve(progress.passes(ANSWER));
@@ -74,7 +74,7 @@ pub fn thin(
     Ok(Some([problem.seconds(), all]))
 }
 
-/// So many of a number of places, spread evenly.
+/// Evenly spaced indices.
 fn spread(some: usize, count: usize) -> Vec<usize> {
     (0..some)
         .map(|k| (2 * k + 1) * count / (2 * some))

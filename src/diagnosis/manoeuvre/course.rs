@@ -1,39 +1,38 @@
-//! Manoeuvres worth driving, as wheel speeds: smooth, from rest to rest, about half a minute each.
+//! Manoeuvres as wheel speeds: smooth, from rest to rest, about half a minute each.
 //!
-//! Speeds follow from what the recordings show that the vehicle does; in bends they stay below a
-//! lateral acceleration that every vehicle bears.
+//! Speeds follow those of the recordings; in bends they stay below a lateral acceleration that every vehicle bears.
 
 use crate::recording::{Drive, Recording};
 use crate::vehicle::Vehicle;
 use std::f64::consts::{PI, TAU};
 
-/// Speeds of the wheels' rims \[m/s\] that are reached after some seconds.
+/// Wheel rim speeds \[m/s\] at the end of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Key {
-    /// Seconds that it takes.
+    /// Duration \[s\].
     seconds: f64,
     /// Mean of both sides.
     forward: f64,
-    /// Half the difference, right less left.
+    /// Half the difference, right minus left.
     turn: f64,
 }
 
 /// A manoeuvre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
     keys: Vec<Key>,
-    /// Seconds of its main part.
+    /// Duration of its main section \[s\].
     pub part: f64,
-    /// How often it repeats what it repeats.
+    /// Number of repetitions.
     pub times: usize,
 }
 
-/// What the vehicle can do.
+/// Speed and dimensions that limit manoeuvres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
-    /// Speed of the wheels' rims that the recordings show \[m/s\].
+pub struct DriveLimits {
+    /// Wheel rim speed in the recordings \[m/s\].
     pub speed: f64,
     /// Wheel radius \[m\].
     pub wheel_radius: f64,
@@ -41,29 +40,29 @@ pub struct Reach {
     pub half_track: f64,
 }
 
-/// Seconds between two rows of wheel speeds.
+/// Time step of the wheel speeds \[s\].
 pub const STEP: f64 = 0.2;
-/// Speeds change by no more than this \[m/s^2\].
+/// Maximum acceleration \[m/s^2\].
 const ACCELERATION: f64 = 0.8;
-/// ... and within no less than this \[s\].
+/// Shortest ramp \[s\].
 const SHORTEST_RAMP: f64 = 1.0;
-/// Bends are taken with less lateral acceleration than this \[m/s^2\].
+/// Maximum lateral acceleration in bends \[m/s^2\].
 const LATERAL: f64 = 1.5;
-/// Pivots turn no faster than wheels without slip would at this rate \[rad/s\].
+/// Maximum rate of pivots for wheels without slip \[rad/s\].
 const PIVOT: f64 = 1.5;
-/// Repetitions end after this \[s\].
+/// Repetitions end after this time \[s\].
 const LONG: f64 = 32.0;
-/// This share of all rows has slower wheels than the speed that counts as reached.
+/// Quantile of the recorded wheel speeds that counts as reached.
 const QUANTILE: f64 = 0.9;
-/// Slower wheels stand still \[rad/s\].
+/// Slower wheels stand \[rad/s\].
 const STANDSTILL: f64 = 0.05;
 /// Turns as shares of the speed: of wide circles, tight ones, and a slalom's swing.
 const WIDE: f64 = 0.2;
 const TIGHT: f64 = 0.45;
 const SWING: f64 = 0.35;
 
-impl Reach {
-    /// What recordings show. `None` where the wheels never turn.
+impl DriveLimits {
+    /// The limits from recordings. `None` if the wheels never turn.
     #[must_use]
     pub fn of(recordings: &[Recording], vehicle: &Vehicle) -> Option<Self> {
         let runs = recordings.iter().flat_map(|recording| &recording.runs);
@@ -87,7 +86,7 @@ impl Reach {
         })
     }
 
-    /// Speed in a bend in which the sides differ by a share of it.
+    /// Speed in a bend with this turn as a share of the speed.
     fn bend(&self, turn: f64) -> f64 {
         let bearable = (LATERAL * self.half_track / turn).sqrt();
         bearable.min(self.speed / (1.0 + turn))
@@ -98,10 +97,10 @@ impl Reach {
     }
 }
 
-/// All manoeuvres. `yaw_rate` tells how fast the vehicle turns at a steady forward speed and turn of
-/// the wheels' rims; what needs to know that is left out where there is no answer.
+/// All manoeuvres. `yaw_rate` gives the steady yaw rate at a forward speed and turn of the rims; manoeuvres that need
+/// it are omitted without a value.
 #[must_use]
-pub fn courses(reach: &Reach, yaw_rate: impl Fn(f64, f64) -> Option<f64>) -> Vec<Course> {
+pub fn courses(reach: &DriveLimits, yaw_rate: impl Fn(f64, f64) -> Option<f64>) -> Vec<Course> {
     let (top, pivot) = (reach.speed, reach.pivot());
     let mut all = vec![
         Course::new("straight", 28.0).to(0.6 * top, 0.0, 28.0),
@@ -140,7 +139,7 @@ pub fn courses(reach: &Reach, yaw_rate: impl Fn(f64, f64) -> Option<f64>) -> Vec
     if let Some(rate) = yaw_rate(0.0, pivot) {
         let there = Course::new("there_and_back", 12.0).to(0.6 * top, 0.0, 12.0);
         let turned = there.to(0.0, 0.0, 0.5);
-        // Speeding up and slowing down turn by half of what so long a turn would.
+        // The ramps together turn by half of what as long a steady turn would.
         let held = (PI / rate - ramp(pivot)).clamp(0.0, 15.0);
         let turned = turned.to(0.0, pivot, held).to(0.0, 0.0, 0.5);
         all.push(turned.to(0.6 * top, 0.0, 12.0));
@@ -150,13 +149,13 @@ pub fn courses(reach: &Reach, yaw_rate: impl Fn(f64, f64) -> Option<f64>) -> Vec
         .collect()
 }
 
-/// A steady turn, to find out its yaw rate.
+/// A steady turn, for its yaw rate.
 #[must_use]
 pub fn steady(forward: f64, turn: f64) -> Course {
     Course::new("steady", 4.0).to(forward, turn, 4.0)
 }
 
-/// Seconds that a change of speed takes.
+/// Duration of a change of speed \[s\].
 fn ramp(change: f64) -> f64 {
     // The cubic step is half again as steep in its middle as on average.
     (1.5 * change.abs() / ACCELERATION).max(SHORTEST_RAMP)
@@ -187,7 +186,7 @@ impl Course {
         course
     }
 
-    /// Reaches speeds within so many seconds, or as soon as can be.
+    /// Reaches speeds within this time, or at maximum acceleration.
     fn glide(mut self, forward: f64, turn: f64, seconds: f64) -> Self {
         let last = self.keys[self.keys.len() - 1];
         let change = (forward - last.forward).abs() + (turn - last.turn).abs();
@@ -199,7 +198,7 @@ impl Course {
         self
     }
 
-    /// Something again and again.
+    /// Repeats a section until the course is long enough.
     fn repeat(mut self, each: impl Fn(Self, usize) -> Self) -> Self {
         self.times = 0;
         while self.seconds() < LONG {
@@ -210,24 +209,24 @@ impl Course {
         self
     }
 
-    /// How long it takes \[s\].
+    /// Duration \[s\].
     #[must_use]
     pub fn seconds(&self) -> f64 {
         self.keys.iter().map(|key| key.seconds).sum()
     }
 
-    /// Speeds of both sides' rims at a time \[m/s\].
+    /// Rim speeds of both sides at a time \[m/s\].
     fn sides(&self, time: f64) -> [f64; 2] {
-        let mut begin = 0.0;
+        let mut end = 0.0;
         let pair = self.keys.windows(2).find(|pair| {
-            begin += pair[1].seconds;
-            time < begin
+            end += pair[1].seconds;
+            time < end
         });
         let Some([from, to]) = pair.and_then(|pair| <[Key; 2]>::try_from(pair).ok()) else {
             let last = self.keys[self.keys.len() - 1];
             return [last.forward - last.turn, last.forward + last.turn];
         };
-        let share = 1.0 - (begin - time) / to.seconds;
+        let share = 1.0 - (end - time) / to.seconds;
         let step = share * share * (3.0 - 2.0 * share);
         let at = |from: f64, to: f64| from + step * (to - from);
         let (forward, turn) = (at(from.forward, to.forward), at(from.turn, to.turn));
@@ -258,8 +257,8 @@ mod tests {
     use super::*;
     use crate::recording::{Channel, Run};
 
-    fn reach() -> Reach {
-        Reach {
+    fn reach() -> DriveLimits {
+        DriveLimits {
             speed: 1.2,
             wheel_radius: 0.2,
             half_track: 0.4,
@@ -289,7 +288,7 @@ mod tests {
                 }
             }
         }
-        // Without an answer what depends on it is left out.
+        // Without a yaw rate, manoeuvres that need it are omitted.
         assert_eq!(courses(&reach(), |_, _| None).len(), 8);
     }
 
@@ -304,9 +303,9 @@ mod tests {
             ..Recording::default()
         };
         let vehicle = Vehicle::tran2007();
-        let found = Reach::of(std::slice::from_ref(&recording), &vehicle).unwrap();
+        let found = DriveLimits::of(std::slice::from_ref(&recording), &vehicle).unwrap();
         assert!((found.speed - 3.0 * vehicle.wheel_radius).abs() < 1e-12);
         recording.runs.clear();
-        assert_eq!(Reach::of(&[recording], &vehicle), None);
+        assert_eq!(DriveLimits::of(&[recording], &vehicle), None);
     }
 }

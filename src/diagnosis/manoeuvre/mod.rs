@@ -1,38 +1,34 @@
-//! Step 9: what to drive next.
+//! The next manoeuvre to drive.
 //!
-//! Each manoeuvre is rehearsed on the re-tuned soil (`rehearsal`), and judged by how far apart the two
-//! hypotheses would be with its recording beside those at hand (`separation`): the best finding as
-//! it was estimated, and the first of its set.
+//! Each manoeuvre is rehearsed on the refitted soil (`rehearsal`), and ranked by the separation of two hypotheses by
+//! its recording and those at hand (`separation`): the leading finding as estimated, and the first of its rivals. An
+//! effect of one region is taken to act throughout the manoeuvre, and the recordings at hand then determine the soil
+//! alone.
 //!
-//! What showed in one place or for some seconds is taken to act throughout the manoeuvre, and the
-//! recordings at hand then tell of the soil alone.
-//!
-//! Where the recordings tell too little there is no pair to separate. Then every candidate that
-//! they would not have shown at a plausible size is held against nothing, its leading parameter at
-//! its prior's standard deviation, and the median of their separations is what counts: half of what
-//! these recordings hide would show by so much.
+//! Recordings with too little information have no such pair. Then every candidate that they would not have shown at a
+//! plausible size is compared with "nothing", its leading parameter at its prior's standard deviation, and the median
+//! separation counts: half of the hidden candidates would show by this much.
 
 pub mod course;
 pub mod rehearsal;
 pub mod separation;
 
-use crate::diagnosis::answer::verdict::{Judged, Judgement};
+use crate::diagnosis::answer::verdict::{JudgedFinding, Judgement};
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
-use crate::diagnosis::search::Searched;
+use crate::diagnosis::search::SearchResult;
 use crate::diagnosis::search::proposal::ProposalKind;
 use crate::diagnosis::{Manoeuvre, Options, Subject, Verdict};
 use rehearsal::{AtHand, Rehearsal, Rehearsed, rehearse};
-use separation::Signal;
+use separation::Contrast;
 
-/// Where the model with its soil re-tuned suffices, it takes that many of the candidates to have
-/// been seen at a plausible size to leave it at that.
+/// A "nothing missing" needs no further manoeuvre if this share of the candidates would have shown.
 const ENOUGH: f64 = 0.6;
 
-/// What to drive next: where these recordings leave something open. `hidden` are the candidates
-/// that they would not have shown at a plausible size.
+/// The next manoeuvre, if these recordings do not decide. `hidden` are the candidates that would not have shown at a
+/// plausible size.
 #[must_use]
 pub fn next(
-    searched: &Searched,
+    searched: &SearchResult,
     judgement: &Judgement,
     hidden: &[Subject],
     options: &Options,
@@ -49,77 +45,72 @@ pub fn next(
     let at_hand = AtHand {
         problem: &searched.problem,
         refitted: &searched.refitted.solution,
-        by: &searched.by,
+        noise: &searched.noise,
         system: &searched.first.system,
     };
     question.answer(&at_hand, options.segment)
 }
 
-/// What a manoeuvre has to answer.
+/// The question to a manoeuvre.
 #[derive(Debug)]
 struct Question {
     separates: [Subject; 2],
-    signals: Vec<Signal>,
-    /// Said of where it is to be driven.
+    signals: Vec<Contrast>,
+    /// Suffix of the instruction about the place.
     place: &'static str,
 }
 
 impl Question {
-    /// Which of the first finding's set it is.
-    fn between(searched: &Searched, first: &Judged) -> Option<Self> {
+    /// Which of the finding's rivals is true.
+    fn between(searched: &SearchResult, first: &JudgedFinding) -> Option<Self> {
         let (rival, _) = *first.set.first()?;
-        let accepted_effect = searched.accepted.get(first.accepted_effect?)?;
+        let effect = searched.accepted.get(first.effect?)?;
         let candidates = &searched.problem.candidates;
         let rivals: Vec<usize> = match rival {
-            Subject::Unknown => candidates.laws().collect(),
+            Subject::Unknown => candidates.residual_models().collect(),
             _ => candidates.of(rival).collect(),
         };
         let each = &searched.augmented.solution.coefficients;
-        let coefficients = accepted_effect
-            .proposal
-            .coefficients
-            .iter()
-            .map(|coefficient| {
-                let off = candidates.coefficients[*coefficient]
-                    .parameter
-                    .prior_coordinate();
-                let mut sizes: Vec<f64> = each
-                    .iter()
-                    .map(|coefficients| coefficients[*coefficient] - off)
-                    .collect();
-                // The recording to come is made on the same ground with the same sensors.
-                sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
-                (*coefficient, sizes)
-            });
+        let coefficients = effect.proposal.coefficients.iter().map(|coefficient| {
+            let off = candidates[*coefficient].off();
+            let mut sizes: Vec<f64> = each
+                .iter()
+                .map(|coefficients| coefficients[*coefficient] - off)
+                .collect();
+            // The future recording has the same ground and sensors.
+            sizes.push(sizes.iter().sum::<f64>() / sizes.len() as f64);
+            (*coefficient, sizes)
+        });
         let changes = |subject: Subject| subject.name() == TERRAIN_CHANGE;
-        let local = accepted_effect.proposal.kind() == ProposalKind::Local;
+        let local = effect.proposal.kind() == ProposalKind::Local;
         let bound = local || changes(first.subject);
         Some(Self {
             separates: [first.subject, rival],
-            signals: vec![Signal {
+            signals: vec![Contrast {
                 coefficients: coefficients.collect(),
                 rivals,
-                told: !bound && !changes(rival),
+                seen_at_hand: !bound && !changes(rival),
                 scatter: scatter(searched, first.subject),
             }],
-            place: if bound { ", where it showed" } else { "" },
+            place: if bound {
+                ", where the effect showed"
+            } else {
+                ""
+            },
         })
     }
 
-    /// Whether anything of this is there.
-    fn whether(searched: &Searched, subjects: &[Subject]) -> Self {
+    /// Whether any of these candidates acts.
+    fn whether(searched: &SearchResult, subjects: &[Subject]) -> Self {
         let candidates = &searched.problem.candidates;
         let recordings = searched.problem.recordings.len();
         let one = |subject: Subject| {
             let coefficient = candidates.of(subject).next()?;
-            let deviation = candidates.coefficients[coefficient]
-                .parameter
-                .prior
-                .deviation;
-            Some(Signal {
+            let deviation = candidates[coefficient].parameter.prior.deviation;
+            Some(Contrast {
                 coefficients: vec![(coefficient, vec![deviation; recordings + 1])],
                 rivals: Vec::new(),
-                told: true,
+                seen_at_hand: true,
                 scatter: scatter(searched, subject),
             })
         };
@@ -130,7 +121,7 @@ impl Question {
         }
     }
 
-    /// The manoeuvre that answers best.
+    /// The manoeuvre with the largest separation.
     fn answer(&self, at_hand: &AtHand, length: f64) -> Option<Manoeuvre> {
         let signals = self.signals.iter();
         let mut coefficients: Vec<usize> = signals
@@ -162,8 +153,7 @@ impl Question {
         })
     }
 
-    /// The median separation of the signals with a manoeuvre's recording beside those at hand. `None`
-    /// where the model cannot drive all of it.
+    /// The median separation of the signals. `None` if the model cannot follow the manoeuvre.
     fn separation(&self, at_hand: &AtHand, rehearsed: &Rehearsed, one: usize) -> Option<f64> {
         let each = self.signals.iter();
         let mut all: Vec<f64> = each
@@ -174,13 +164,13 @@ impl Question {
     }
 }
 
-fn scatter(searched: &Searched, subject: Subject) -> f64 {
+fn scatter(searched: &SearchResult, subject: Subject) -> f64 {
     let mut screened = searched.first.screened.iter();
     let found = screened.find(|one| one.subject == subject);
     found.map_or(1.0, |one| one.score.scatter)
 }
 
-/// What to do, with numbers of the motion on the re-tuned soil.
+/// The instruction, with numbers of the motion on the refitted soil.
 fn describe(rehearsal: &Rehearsal) -> String {
     let course = &rehearsal.course;
     let states = rehearsal.states.iter();
@@ -236,12 +226,11 @@ mod tests {
     use crate::diagnosis::manoeuvre::rehearsal::tests::steady_straight;
     use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
     use crate::diagnosis::screening::system::linearise;
+    use crate::diagnosis::testing::on;
     use crate::effects::CATALOGUE;
     use crate::fit::noise_model::first_noise_model;
     use crate::fit::segment::cut;
     use crate::fit::sensor::SensorParameter;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
 
     const LENGTH: f64 = 5.0;
 
@@ -250,40 +239,34 @@ mod tests {
         Subject::Effect(place.unwrap())
     }
 
-    /// Asks after a straight drive in one direction: is it this, so many of its prior's deviations
-    /// large, or that?
+    /// After a straight drive in one direction: is it this, as many prior deviations large, or that?
     fn after_a_straight(a: (&str, &str, f64), b: Option<&str>) -> Manoeuvre {
-        let terrain = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        let model = on("sandy_loam");
         let recordings = [steady_straight(&model)];
         let mut problem = Problem::new(&model, &recordings);
         problem.segments = cut(&recordings, &[[0.0; SensorParameter::ALL.len()]], LENGTH).segments;
         let candidates = &problem.candidates;
         let mut coefficients = candidates.of(effect(a.0));
         let coefficient = coefficients
-            .find(|coefficient| candidates.coefficients[*coefficient].name == a.1)
+            .find(|coefficient| candidates[*coefficient].name == a.1)
             .unwrap();
-        let size = a.2
-            * candidates.coefficients[coefficient]
-                .parameter
-                .prior
-                .deviation;
+        let size = a.2 * candidates[coefficient].parameter.prior.deviation;
         let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(effect(b)).collect());
         let asked: Vec<usize> = std::iter::once(coefficient)
             .chain(rivals.iter().copied())
             .collect();
-        let refitted = problem.begin();
-        let by = first_noise_model(&problem.shooting(&problem.predictor(&[]), &[]));
-        let layout = Layout::ungated(&problem, &asked);
+        let refitted = problem.initial();
+        let noise = first_noise_model(&problem.shooting(&problem.predictor(&[]), &[]));
+        let layout = Layout::single_bin(&problem, &asked);
         let tables = sensitivities(&problem, &layout, &refitted);
         assert!(tables.len() > 4 && tables.iter().all(Option::is_some));
-        let system = linearise(&problem, &layout, &tables, &refitted, &by);
+        let system = linearise(&problem, &layout, &tables, &refitted, &noise);
         let question = Question {
             separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
-            signals: vec![Signal {
+            signals: vec![Contrast {
                 coefficients: vec![(coefficient, vec![size; 2])],
                 rivals,
-                told: true,
+                seen_at_hand: true,
                 scatter: 1.0,
             }],
             place: "",
@@ -291,7 +274,7 @@ mod tests {
         let at_hand = AtHand {
             problem: &problem,
             refitted: &refitted,
-            by: &by,
+            noise: &noise,
             system: &system,
         };
         question.answer(&at_hand, LENGTH).unwrap()
@@ -328,16 +311,15 @@ mod tests {
 
     #[test]
     fn descriptions_name_numbers_of_the_motion() {
-        let terrain = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), terrain);
+        let model = on("sandy_loam");
         for rehearsal in crate::diagnosis::manoeuvre::rehearsal::tests::all(&model) {
-            let told = describe(&rehearsal);
+            let text = describe(&rehearsal);
             let name = rehearsal.course.name;
-            assert!(told.contains(" s"), "{name}: {told}");
-            assert!(told.matches(|c: char| c.is_ascii_digit()).count() > 2);
-            assert!(!told.contains("inf") && !told.contains("NaN"), "{told}");
+            assert!(text.contains(" s"), "{name}: {text}");
+            assert!(text.matches(|c: char| c.is_ascii_digit()).count() > 2);
+            assert!(!text.contains("inf") && !text.contains("NaN"), "{text}");
             let bends = ["slalom", "spiral", "circles", "figure_eight"].contains(&name);
-            assert_eq!(bends, told.contains("radius"), "{name}: {told}");
+            assert_eq!(bends, text.contains("radius"), "{name}: {text}");
         }
     }
 }

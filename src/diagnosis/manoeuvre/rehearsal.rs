@@ -1,7 +1,6 @@
-//! Manoeuvres driven on the re-tuned soil before anyone drives them: what their recordings, with
-//! the sensors at hand, would tell.
+//! Manoeuvres simulated on the refitted soil, and the information of their recordings with the sensors at hand.
 
-use super::course::{Course, Reach, STEP, courses, steady};
+use super::course::{Course, DriveLimits, STEP, courses, steady};
 use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
@@ -19,31 +18,30 @@ use crate::simulation::State;
 use crate::vehicle::{Specification, Vehicle};
 use rayon::prelude::*;
 
-/// What the recordings at hand tell, linearised around the re-tuned model.
+/// The recordings at hand, linearised around the refitted model.
 #[derive(Debug, Clone, Copy)]
 pub struct AtHand<'a> {
     /// The given model and the recordings.
     pub problem: &'a Problem<'a>,
-    /// The re-tuned soil, and starts.
+    /// The refitted soil and starts.
     pub refitted: &'a Solution,
     /// Noise.
-    pub by: &'a NoiseModel,
+    pub noise: &'a NoiseModel,
     /// Normal equations.
     pub system: &'a System,
 }
 
-/// A manoeuvre as the model drives it.
+/// A simulated manoeuvre.
 #[derive(Debug, Clone)]
 pub struct Rehearsal {
-    /// What is driven.
+    /// The course.
     pub course: Course,
     /// Motion every [`STEP`] seconds.
     pub states: Vec<[f64; 6]>,
     drive: Drive,
 }
 
-/// All manoeuvres that the model can drive, and the normal equations of their recordings: the
-/// first manoeuvre is the system's first recording.
+/// All manoeuvres that the model can follow, and the normal equations of their recordings, in this order.
 #[derive(Debug)]
 pub struct Rehearsed {
     /// The manoeuvres.
@@ -52,14 +50,14 @@ pub struct Rehearsed {
     pub system: System,
 }
 
-/// A vehicle that moves by less than this share of what its wheels roll is bogged down.
+/// A vehicle that moves by less than this share of its wheels' travel is bogged down.
 const BOGGED: f64 = 0.1;
-/// A steady turn is looked at over so many last seconds.
+/// Time at the end over which a steady turn is averaged \[s\].
 const STEADY: f64 = 1.0;
-/// Slower turns are none \[rad/s\].
+/// Minimum yaw rate of a turn \[rad/s\].
 const SLOWEST: f64 = 0.05;
 
-/// Rehearses for the knobs that are asked about. `None` where there is nothing to go by.
+/// Rehearses for some coefficients. `None` without a template recording or drive limits.
 #[must_use]
 pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option<Rehearsed> {
     let AtHand {
@@ -67,7 +65,7 @@ pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option
     } = at_hand;
     let template = template(problem)?;
     let model = problem.specification(refitted, template).ok()?;
-    let reach = Reach::of(problem.recordings, &model.vehicle)?;
+    let reach = DriveLimits::of(problem.recordings, &model.vehicle)?;
     let first = problem
         .segments
         .iter()
@@ -104,7 +102,7 @@ pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option
         wheels: None,
         deadline: problem.deadline,
     };
-    let off = problem.begin().coefficients.swap_remove(template);
+    let off = problem.initial().coefficients.swap_remove(template);
     let at = Solution {
         soil: refitted.soil.clone(),
         coefficients: vec![off; recordings.len()],
@@ -114,25 +112,25 @@ pub fn rehearse(at_hand: &AtHand, coefficients: &[usize], length: f64) -> Option
             .map(|segment| rehearsals[segment.recording].at(segment.start))
             .collect(),
     };
-    let by = NoiseModel {
-        noise: vec![at_hand.by.noise[template]; recordings.len()],
+    let noise = NoiseModel {
+        noise: vec![at_hand.noise.noise[template]; recordings.len()],
         weights: rehearsed
             .segments
             .iter()
             .map(|s| weights(s, &sampling))
             .collect(),
     };
-    let layout = Layout::ungated(&rehearsed, coefficients);
+    let layout = Layout::single_bin(&rehearsed, coefficients);
     let tables = sensitivities(&rehearsed, &layout, &at);
-    let system = linearise(&rehearsed, &layout, &tables, &at, &by);
+    let system = linearise(&rehearsed, &layout, &tables, &at, &noise);
     Some(Rehearsed { rehearsals, system })
 }
 
-/// Drives all manoeuvres; those that the model cannot drive are not among them.
+/// Simulates all manoeuvres, without those that the model cannot follow.
 fn drive_all(
     model: &Specification,
     start: State,
-    reach: &Reach,
+    reach: &DriveLimits,
     deadline: Deadline,
 ) -> Vec<Rehearsal> {
     let turn = |forward, turn| {
@@ -151,7 +149,7 @@ fn drive_all(
         .collect()
 }
 
-/// The recording with the most seconds: the next one is made with its sensors.
+/// The longest recording: the next one is made with its sensors.
 fn template(problem: &Problem) -> Option<usize> {
     let seconds = |recording: usize| -> f64 {
         let own = problem.segments.iter().filter(|s| s.recording == recording);
@@ -163,7 +161,7 @@ fn template(problem: &Problem) -> Option<usize> {
         .map(|(recording, _)| recording)
 }
 
-/// The given model; where another soil is asked about, it is under the wheels from the start.
+/// The given model; the other soil of a change of terrain lies under the wheels from the start.
 fn beyond(problem: &Problem) -> Option<Specification> {
     let mut nominal = problem.nominal.clone();
     let mut coefficients = problem.candidates.coefficients.iter();
@@ -180,7 +178,7 @@ struct Sampling {
     signal: Signal,
     /// Seconds between two samples.
     interval: f64,
-    /// What a sample counts, as there are fewer than a recording would have.
+    /// Weight of a sample, as there are fewer than in a recording.
     weight: f64,
 }
 
@@ -291,8 +289,8 @@ pub mod tests {
     use super::*;
     use crate::terrain::Terrain;
 
-    fn reach(model: &Specification) -> Reach {
-        Reach {
+    fn reach(model: &Specification) -> DriveLimits {
+        DriveLimits {
             speed: 1.0,
             wheel_radius: model.vehicle.wheel_radius,
             half_track: model.vehicle.half_track,
@@ -332,7 +330,7 @@ pub mod tests {
         };
         let [x, y, heading, ..] = last("straight");
         assert!(x > 10.0 && y.abs() < 1e-6 && heading.abs() < 1e-9);
-        // Round by half a turn, and back to where it began.
+        // Half a turn, and back to the start.
         let [x, y, heading, ..] = last("there_and_back");
         assert!((heading - std::f64::consts::PI).abs() < 0.3, "{heading}");
         assert!(x.abs() < 1.0 && y.abs() < 4.0, "{x} {y}");

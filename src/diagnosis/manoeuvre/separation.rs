@@ -1,23 +1,20 @@
-//! How well a recording to come would separate two hypotheses.
+//! Separation of two hypotheses by a future recording.
 //!
-//! It would be diagnosed with those at hand, so that the normal equations add up, H = H_at_hand +
-//! H_to_come. The soil and what acts everywhere are shared, a slope or a sensor's fault is each
-//! recording's own. Were a true, the signal J_a d_a would be in the data; b and the soil, X
-//! together, would be re-tuned to mimic it, and what they cannot mimic is
+//! It would be diagnosed with those at hand, so that the normal equations add up, H = H_at_hand + H_to_come. The soil
+//! and effects that act everywhere are shared; a slope or a sensor fault is separate for each recording. If a is
+//! true, the signal J_a d_a is in the data; b and the soil, X together, are refitted to imitate it, and the remainder
+//! is
 //!
 //! ```text
 //! d^2 = min_x |S^1/2 (J_a d_a - J_X x)|^2 + x^T P x
 //!     = d_a^T (H_aa - H_aX (H_XX + P)^-1 H_Xa) d_a
 //! ```
 //!
-//! with the noise's inverse covariance S and the priors' precision P; the starts are eliminated
-//! beforehand. d is the expected separation in standard deviations, the root of the likelihood
-//! ratio's noncentrality. It is the criterion of T-optimal design, the least squares distance
-//! between a model held for true at its estimates and its rival at the best of its parameters (A. C.
-//! Atkinson & V. V. Fedorov, "The design of experiments for discriminating between two rival
-//! models", Biometrika 62 (1975), 57–70), linearised around the re-tuned model, with priors. As in
-//! the screen, d^2 is divided by the scatter phi of the blocks. d_a is what was estimated.
-//! Where b is nothing, X is the soil alone.
+//! with the noise's inverse covariance S and the priors' precision P; the starts are eliminated beforehand. d is the
+//! expected separation in standard deviations, the root of the likelihood ratio's noncentrality. It is the criterion
+//! of T-optimal design (A. C. Atkinson & V. V. Fedorov, "The design of experiments for discriminating between two
+//! rival models", Biometrika 62 (1975), 57–70), linearised around the refitted model, with priors. As in the screen,
+//! d^2 is divided by the segments' overdispersion phi. d_a is the estimate. If b is "nothing", X is the soil alone.
 
 use super::rehearsal::{AtHand, Rehearsed};
 use crate::diagnosis::screening::system::System;
@@ -30,26 +27,25 @@ struct Unknown {
     to_come: Option<usize>,
     /// Precision of its prior.
     precision: f64,
-    /// Its size where it is there.
+    /// Its size, if it belongs to the signal.
     size: f64,
 }
 
-/// Something that would be in the data, and what could mimic it besides the soil.
+/// A signal in the data, and the coefficients that could imitate it besides the soil.
 #[derive(Debug, Clone)]
-pub struct Signal {
-    /// Knobs with their sizes: for each recording at hand, then for the one to come.
+pub struct Contrast {
+    /// Coefficients with their sizes for each recording at hand, then for the one to come.
     pub coefficients: Vec<(usize, Vec<f64>)>,
-    /// Knobs that could mimic it.
+    /// Coefficients that could imitate it.
     pub rivals: Vec<usize>,
-    /// Whether the recordings at hand tell of the knobs.
-    pub told: bool,
-    /// Scatter of the blocks.
+    /// Whether the recordings at hand contain information about the coefficients.
+    pub seen_at_hand: bool,
+    /// Overdispersion of the segments.
     pub scatter: f64,
 }
 
-impl Signal {
-    /// Its separation with a manoeuvre's recording beside those at hand. `None` where numbers are
-    /// not finite.
+impl Contrast {
+    /// Its separation by a manoeuvre's recording and those at hand. `None` if numbers are not finite.
     #[must_use]
     pub fn separation(&self, at_hand: &AtHand, rehearsed: &Rehearsed, one: usize) -> Option<f64> {
         let to_come = &rehearsed.system;
@@ -67,27 +63,29 @@ impl Signal {
         for coefficient in &self.rivals {
             unknowns.extend(self.unknowns(at_hand, to_come, one, *coefficient, &none));
         }
-        let mimics = unknowns.len();
+        let imitators = unknowns.len();
         for (coefficient, sizes) in &self.coefficients {
             unknowns.extend(self.unknowns(at_hand, to_come, one, *coefficient, sizes));
         }
         let mut matrix = sum(at_hand.system, &unknowns, |u| u.at_hand, None);
         matrix += sum(to_come, &unknowns, |u| u.to_come, Some(one));
-        let signals = unknowns.len() - mimics;
-        let mut own = matrix.view((0, 0), (mimics, mimics)).into_owned();
-        for (k, unknown) in unknowns[..mimics].iter().enumerate() {
+        let signals = unknowns.len() - imitators;
+        let mut own = matrix.view((0, 0), (imitators, imitators)).into_owned();
+        for (k, unknown) in unknowns[..imitators].iter().enumerate() {
             own[(k, k)] += unknown.precision;
         }
-        let cross = matrix.view((0, mimics), (mimics, signals)).into_owned();
-        let raw = matrix.view((mimics, mimics), (signals, signals));
-        let left = raw - cross.tr_mul(&own.cholesky()?.solve(&cross));
-        let sizes = unknowns[mimics..].iter().map(|unknown| unknown.size);
+        let cross = matrix
+            .view((0, imitators), (imitators, signals))
+            .into_owned();
+        let raw = matrix.view((imitators, imitators), (signals, signals));
+        let remainder = raw - cross.tr_mul(&own.cholesky()?.solve(&cross));
+        let sizes = unknowns[imitators..].iter().map(|unknown| unknown.size);
         let size = DVector::from_iterator(signals, sizes);
-        let square = size.dot(&(left * &size)) / self.scatter;
+        let square = size.dot(&(remainder * &size)) / self.scatter;
         square.is_finite().then(|| square.max(0.0).sqrt())
     }
 
-    /// The unknowns of a knob: one, or one for each recording that tells of it.
+    /// The unknowns of a coefficient: one, or one for each recording with information.
     fn unknowns(
         &self,
         at_hand: &AtHand,
@@ -96,7 +94,7 @@ impl Signal {
         coefficient: usize,
         sizes: &[f64],
     ) -> Vec<Unknown> {
-        let about = &at_hand.problem.candidates.coefficients[coefficient];
+        let about = &at_hand.problem.candidates[coefficient];
         let column = at_hand.system.layout.soil + coefficient;
         let unknown = |at_hand, to_come, size| Unknown {
             at_hand,
@@ -108,12 +106,12 @@ impl Signal {
         let size = sizes[sizes.len() - 1];
         let places = at_hand.system.places.iter().map(|places| places[column]);
         if !about.own {
-            let same = places.flatten().next().filter(|_| self.told);
+            let same = places.flatten().next().filter(|_| self.seen_at_hand);
             return vec![unknown(same, next, size)];
         }
         let known = places
             .zip(sizes)
-            .filter(|(place, _)| self.told && place.is_some());
+            .filter(|(place, _)| self.seen_at_hand && place.is_some());
         let mut all: Vec<Unknown> = known
             .map(|(place, size)| unknown(place, None, *size))
             .collect();
@@ -122,7 +120,7 @@ impl Signal {
     }
 }
 
-/// A system's equations over these unknowns, of one recording or all; zero where it does not have them.
+/// A system's equations in these unknowns, of one recording or all; zero for those it lacks.
 fn sum(
     system: &System,
     unknowns: &[Unknown],

@@ -1,10 +1,9 @@
-//! Step 5: where something is missing.
+//! Box scan for the region in which an effect is missing.
 //!
-//! A box scan: every candidate, and a push that no effect explains, acting in one set of gates only:
-//! in every interval of a run, in every run, in every disc of the map. With the sums of the gates' equations each
-//! set costs the same; the one with the largest evidence is taken (a generalised likelihood ratio: D.
-//! O. Siegmund, "Sequential Analysis", 1985), less the logarithm of the number of sets
-//! that were looked at.
+//! Every candidate, and an unmodelled force, is confined to one set of time bins: every interval of a run, every run,
+//! every disc of the map. Sums over the bins' equations make each set equally cheap. The set with the largest
+//! evidence is taken (a generalised likelihood ratio: D. O. Siegmund, "Sequential Analysis", 1985), less the
+//! logarithm of the number of sets.
 
 use super::region::Region;
 use super::scan::{BinnedFit, Scan, discs};
@@ -17,33 +16,33 @@ use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
 use crate::effects::CATALOGUE;
 use rayon::prelude::*;
 
-/// The best set of gates for a candidate.
+/// The best region of a candidate.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct LocatedCandidate {
     /// What acts.
     pub subject: Subject,
     /// Where.
     pub extent: Region,
-    /// The knobs that act, in the order of the score's step.
+    /// The coefficients in the order of the score's step.
     pub coefficients: Vec<usize>,
     /// The one-step fit.
     pub score: Score,
-    /// Log Bayes factor, less the logarithm of the number of sets looked at.
+    /// Log Bayes factor, less the logarithm of the number of regions.
     pub evidence: f64,
 }
 
-/// What is scanned: knobs of a subject that act gate by gate.
+/// A candidate resolved in time bins.
 #[derive(Debug, Clone)]
-pub struct Scanned {
+pub struct ScanTarget {
     /// What acts.
     pub subject: Subject,
-    /// Its gated knobs.
+    /// Its binned coefficients.
     pub coefficients: Vec<usize>,
-    /// For each knob the gated column that it acts by, and a factor.
+    /// For each coefficient its binned column, and a factor.
     columns: Vec<(usize, f64)>,
 }
 
-impl Scanned {
+impl ScanTarget {
     fn new(system: &System, subject: Subject, coefficients: &[usize]) -> Option<Self> {
         let binned = |coefficient: &usize| {
             system
@@ -68,8 +67,8 @@ impl Scanned {
         })
     }
 
-    fn found(&self, extent: Region, score: Score, evidence: f64) -> Found {
-        Found {
+    fn found(&self, extent: Region, score: Score, evidence: f64) -> LocatedCandidate {
+        LocatedCandidate {
             subject: self.subject,
             extent,
             coefficients: self.coefficients.clone(),
@@ -78,8 +77,7 @@ impl Scanned {
         }
     }
 
-    /// A change of the soil: its factors act as the soil's numbers do. `None` where the given model has
-    /// one.
+    /// A change of soil: its factors act as the soil's parameters do. `None` if the given model has one.
     fn soil(problem: &Problem, soil: &[f64]) -> Option<Self> {
         let effect = CATALOGUE.iter().position(|e| e.name == TERRAIN_CHANGE)?;
         let angle = soil[problem.place_of_soil("friction_angle")?];
@@ -87,7 +85,7 @@ impl Scanned {
         let by_friction = angle.sin() * angle.cos();
         let (mut coefficients, mut columns) = (Vec::new(), Vec::new());
         for coefficient in problem.candidates.of(Subject::Effect(effect)) {
-            let (number, factor) = match problem.candidates.coefficients[coefficient].name {
+            let (number, factor) = match problem.candidates[coefficient].name {
                 "cohesion_factor" => ("cohesion", 1.0),
                 "friction_factor" => ("friction_angle", by_friction),
                 "stiffness_factor" => ("frictional_modulus", 1.0),
@@ -104,12 +102,12 @@ impl Scanned {
     }
 }
 
-/// Everything that can be scanned at a soil's coordinates: effects with gated knobs that are not on
-/// yet, a change of the soil, and a push.
+/// Everything that can be scanned at a soil's coordinates: off effects with binned coefficients, a change of soil,
+/// and an unmodelled force.
 #[must_use]
-pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -> Vec<Scanned> {
-    // A window confines an effect with all its numbers: what acts throughout would end there as well.
-    let effect = |coefficient: &usize| problem.candidates.coefficients[*coefficient].effect;
+pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -> Vec<ScanTarget> {
+    // A window confines an effect with all its parameters, also those that act throughout.
+    let effect = |coefficient: &usize| problem.candidates[*coefficient].effect;
     let is_off = |coefficient: &usize| on.iter().all(|other| effect(other) != effect(coefficient));
     let off = |coefficients: Vec<usize>| -> Vec<usize> {
         coefficients.into_iter().filter(is_off).collect()
@@ -117,15 +115,15 @@ pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -
     let subjects = problem.candidates.subjects.iter();
     let effects = subjects.filter_map(|subject| {
         let coefficients = off(problem.candidates.of(*subject).collect());
-        Scanned::new(system, *subject, &coefficients)
+        ScanTarget::new(system, *subject, &coefficients)
     });
-    let push = Scanned::new(
+    let push = ScanTarget::new(
         system,
         Subject::Unknown,
-        &off(problem.candidates.laws().collect()),
+        &off(problem.candidates.residual_models().collect()),
     );
     let change =
-        Scanned::soil(problem, soil).filter(|s| !s.coefficients.iter().any(|k| on.contains(k)));
+        ScanTarget::soil(problem, soil).filter(|s| !s.coefficients.iter().any(|k| on.contains(k)));
     effects.chain(push).chain(change).collect()
 }
 
@@ -135,23 +133,19 @@ pub fn locate(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
-) -> Vec<Found> {
+    scanned: &[ScanTarget],
+) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
     let discs = discs(&chains);
-    let best = |one: &Scanned, scan: &Scan| {
+    each(problem, system, projection, scanned, |one, scan| {
         let best = [
             scan.intervals(&chains),
             scan.runs(&chains),
             scan.discs(&chains, &discs),
             scan.boundary(&chains).filter(|_| is_change(one.subject)),
         ];
-        let best = best.into_iter().flatten();
-        best.map(|(extent, score, evidence)| one.found(extent, score, evidence))
-            .collect::<Vec<_>>()
-    };
-    let each = each(problem, system, projection, scanned, best);
-    each.into_iter().flatten().collect()
+        best.into_iter().flatten()
+    })
 }
 
 /// The best interval of each candidate.
@@ -160,50 +154,45 @@ pub fn in_time(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
-) -> Vec<Found> {
+    scanned: &[ScanTarget],
+) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
-    let best = |one: &Scanned, scan: &Scan| {
-        let (extent, score, evidence) = scan.intervals(&chains)?;
-        Some(one.found(extent, score, evidence))
-    };
-    let each = each(problem, system, projection, scanned, best);
-    each.into_iter().flatten().collect()
+    each(problem, system, projection, scanned, |_, scan| {
+        scan.intervals(&chains)
+    })
 }
 
-/// Each candidate at one place or time, where looking has cost so much.
+/// Each candidate in one given region, less the cost of its choice.
 #[must_use]
 pub fn located_at(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
-    (extent, looking): (&Region, f64),
-) -> Vec<Found> {
+    scanned: &[ScanTarget],
+    (extent, price): (&Region, f64),
+) -> Vec<LocatedCandidate> {
     let chains = chains(problem, system);
-    let there = |one: &Scanned, scan: &Scan| {
+    each(problem, system, projection, scanned, |_, scan| {
         let score = scan.within(&chains, extent)?;
-        let evidence = score.evidence - looking;
-        Some(one.found(extent.clone(), score, evidence))
-    };
-    let each = each(problem, system, projection, scanned, there);
-    each.into_iter().flatten().collect()
+        let evidence = score.evidence - price;
+        Some((extent.clone(), score, evidence))
+    })
 }
 
-/// Does something with each candidate's scan.
-fn each<T: Send>(
+/// Scans every candidate in parallel; `best` are its best regions with score and evidence.
+fn each<I: IntoIterator<Item = (Region, Score, f64)>>(
     problem: &Problem,
     system: &System,
     projection: &Projection,
-    scanned: &[Scanned],
-    work: impl Fn(&Scanned, &Scan) -> T + Sync,
-) -> Vec<T> {
+    scanned: &[ScanTarget],
+    best: impl Fn(&ScanTarget, &Scan) -> I + Sync,
+) -> Vec<LocatedCandidate> {
     let (inverse, settled) = projection.inverse();
     let recordings = 0..problem.recordings.len();
     let nuisance: Vec<_> = recordings
         .map(|recording| system.columns(recording, projection.nuisance()))
         .collect();
-    let scan = |one: &Scanned| {
+    let scan = |one: &ScanTarget| {
         let coefficients = one.coefficients.iter();
         let unknowns =
             coefficients.filter_map(|coefficient| system.unknowns(*coefficient).first().copied());
@@ -219,9 +208,12 @@ fn each<T: Send>(
             },
             deadline: problem.deadline,
         };
-        work(one, &scan)
+        let found = best(one, &scan).into_iter();
+        found
+            .map(|(extent, score, evidence)| one.found(extent, score, evidence))
+            .collect::<Vec<_>>()
     };
-    scanned.par_iter().map(scan).collect()
+    scanned.par_iter().flat_map_iter(scan).collect()
 }
 
 fn is_change(subject: Subject) -> bool {
@@ -231,26 +223,17 @@ fn is_change(subject: Subject) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::search::stage::Stage;
-    use crate::diagnosis::search::stage::tests::refitted;
-    use crate::effects::Effects;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
 
     #[test]
     fn the_ends_of_an_interval_lie_within_gates() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         for (start, end) in [(6.7, 12.15), (8.3, 11.9)] {
             let text = format!(
                 r#"{{"drawbar": {{"force": 400}}, "window": {{"effects": ["drawbar"], "time": [{start}, {end}]}}}}"#
             );
-            let effects = Effects::from_json(&text).unwrap();
-            let towing = Specification {
-                effects,
-                ..nominal.clone()
-            };
+            let towing = with_effects(&nominal, &text);
             let recordings = [driven(&towing, "slalom")];
             let (stage, _) = refitted(&nominal, &recordings);
             let Stage { problem, fit, .. } = &stage;

@@ -1,10 +1,10 @@
-//! What the linearised problem shows: which candidates explain what re-tuning the soil cannot, where, and how sure.
+//! Screening of all candidates on the linearised problem: evidence, region and uncertainty.
 
-pub mod law;
 pub mod locate;
 pub mod noise;
 pub mod regime;
 pub mod region;
+pub mod residual_model;
 pub mod scan;
 pub mod screen;
 pub mod sensitivity;

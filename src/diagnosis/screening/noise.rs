@@ -1,17 +1,17 @@
-//! The noise under the richest model: what any candidate can explain is no noise.
+//! The noise under the richest model, so that a missing effect does not count as noise.
 //!
 //! All candidates are integrated out together with soil and starts (restricted likelihood, see
-//! [`crate::fit::noise_estimate`]); otherwise the noise, slow noise above all, would take up what is
-//! missing. So is a push in the interval in which one explains most: a disturbance of some seconds looks
-//! like slow noise. Most candidates point in few directions: those combinations are kept, in units of their
-//! priors, that these recordings tell anything about.
+//! [`crate::fit::noise_estimate`]); otherwise the noise, slow noise above all, would absorb the missing effect. So is
+//! an unmodelled force in the interval in which it explains most: a disturbance of some seconds looks like slow
+//! noise. Candidates point in few directions; those combinations are kept, in units of their priors, of which the
+//! recordings contain information.
 
 use super::locate::{in_time, scanned};
 use super::region::Region;
 use super::screen::Projection;
 use super::sensitivity::SegmentTable;
 use super::system::System;
-use super::wrench::pushes;
+use super::wrench::force_columns;
 use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::fit::linearised::Linearised;
@@ -21,31 +21,31 @@ use crate::fit::problem::{NoiseModel, Tables};
 use crate::fit::segment::Segment;
 use nalgebra::{DMatrix, DVector};
 
-/// A combination is kept from this information on, in units of its prior's precision.
+/// Combinations with less information are dropped, in units of the prior's precision.
 const TOLD: f64 = 0.3;
 
-/// A push that explains less than this, the choice of its interval not counted, is as good as none.
+/// An unmodelled force with less evidence, the choice of its interval not counted, is neglected.
 const FAINT: f64 = 4.0;
 
-/// The interval in which a push explains most.
+/// The interval in which an unmodelled force explains most.
 fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Region, [usize; 3])> {
     let projection = Projection::over_all(system, &[])?;
     let mut candidates = scanned(problem, system, &at.soil, &[]);
     candidates.retain(|one| one.subject == Subject::Unknown);
     let found = in_time(problem, system, &projection, &candidates);
-    let mut told = found
+    let mut found = found
         .into_iter()
         .filter(|found| found.score.evidence > FAINT);
-    Some((told.next()?.extent, pushes(problem, system)?))
+    Some((found.next()?.extent, force_columns(problem, system)?))
 }
 
-/// Estimates the noise anew.
+/// Re-estimates the noise.
 pub fn update(
     problem: &Problem,
     system: &System,
     tables: &[Option<SegmentTable>],
     at: &Solution,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
 ) {
     let push = push(problem, system, at);
     let extra = push.as_ref().map_or(0, |(_, columns)| columns.len());
@@ -78,10 +78,10 @@ pub fn update(
         .filter_map(|k| {
             let recording = problem.segments[*k].recording;
             let table = tables[*k].as_ref()?;
-            let own = push.as_ref().map(|(extent, columns)| UnmodelledForce {
+            let own = push.as_ref().map(|(extent, columns)| WindowedForce {
                 time_bins: open(extent, &problem.segments[*k], &table.edges),
                 columns: *columns,
-                per_gate: system.layout.per_gate(),
+                per_bin: system.layout.per_bin(),
                 table,
             });
             Some(combine(
@@ -92,38 +92,38 @@ pub fn update(
             ))
         })
         .collect();
-    let mut noise_model = by.of(&known);
+    let mut noise_model = noise.of(&known);
     noise_estimate::update(&shooting, &combined, &mut noise_model);
-    by.noise = noise_model.noise;
+    noise.noise = noise_model.noise;
 }
 
-/// A push in some gates of a segment.
-struct UnmodelledForce<'a> {
+/// An unmodelled force in some time bins of a segment.
+struct WindowedForce<'a> {
     time_bins: Vec<usize>,
     columns: [usize; 3],
-    per_gate: usize,
+    per_bin: usize,
     table: &'a SegmentTable,
 }
 
-/// A push of this share of the weight has unit prior.
+/// Unit of an unmodelled force, as a share of the weight: its prior's deviation.
 const SHARE: f64 = 0.05;
 
-impl UnmodelledForce<'_> {
-    /// Derivatives of a sample by the push's components.
+impl WindowedForce<'_> {
+    /// Derivatives of a sample by the unmodelled force's components.
     fn of(&self, channel: usize, row: usize) -> [f64; 3] {
-        let width = self.per_gate * (self.table.edges.len() - 1);
+        let width = self.per_bin * (self.table.edges.len() - 1);
         let binned = &self.table.binned[channel][row * width..(row + 1) * width];
         self.columns.map(|column| {
             let each = self.time_bins.iter();
             SHARE
                 * each
-                    .map(|time_bin| binned[time_bin * self.per_gate + column])
+                    .map(|time_bin| binned[time_bin * self.per_bin + column])
                     .sum::<f64>()
         })
     }
 }
 
-/// The gates of a segment that lie within an interval.
+/// The time bins of a segment that lie within an interval.
 fn open(extent: &Region, segment: &Segment, edges: &[f64]) -> Vec<usize> {
     let Region::Time(at) = *extent else {
         return Vec::new();
@@ -136,12 +136,12 @@ fn open(extent: &Region, segment: &Segment, edges: &[f64]) -> Vec<usize> {
     (0..edges.len() - 1).filter(within).collect()
 }
 
-/// Residual and start as they are, then the combinations, then the push.
+/// Columns of residual and start, then the combinations, then the force.
 fn combine(
     tables: &Tables,
     places: &[Option<usize>],
     basis: &DMatrix<f64>,
-    push: Option<&UnmodelledForce>,
+    push: Option<&WindowedForce>,
 ) -> Tables {
     let channel = |(index, channel): (usize, &Vec<f64>)| {
         let mut combined = Vec::new();

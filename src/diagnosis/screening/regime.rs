@@ -1,7 +1,7 @@
-//! Where, and in what regime, an effect shows: which gates its fit gains from.
+//! The regime in which an effect shows: the time bins from which its fit gains.
 //!
-//! With the effect's step d, the soil following, a gate b gains d^T g_b - d^T (sum over b' of H_bb') d
-//! / 2 of the log likelihood; gains are summed over bins of speed, turning and heading.
+//! With the effect's step d, the soil following, a time bin b gains d^T g_b - d^T (sum over b' of H_bb') d / 2 of the
+//! log likelihood; gains are summed over classes of speed, turning and heading.
 
 use super::screen::Projection;
 use super::system::{SegmentSystem, System};
@@ -11,7 +11,7 @@ use crate::diagnosis::outcome::Channel;
 use nalgebra::DVector;
 use std::f64::consts::PI;
 
-/// A gate's share in what a fit gains.
+/// A time bin's share in what a fit gains.
 #[derive(Debug, Clone, Copy)]
 pub struct BinGain {
     /// Recording and run.
@@ -25,13 +25,13 @@ pub struct BinGain {
 
 /// Turn rates below this are straight on \[rad/s\].
 const STRAIGHT: f64 = 0.15;
-/// A regime is told where it holds so much of the gain, in so much less of the time.
+/// A regime is reported if it holds this share of the gain, at this multiple of the mean gain per time.
 const MOST: f64 = 0.6;
 const DENSER: f64 = 1.5;
 /// Sectors of the heading.
 const SECTORS: usize = 6;
 
-/// Gains of all gates by steps of gated knobs; empty where none of the knobs is gated.
+/// Gains of all time bins by steps of binned coefficients; empty where none of the coefficients is binned.
 #[must_use]
 pub fn gains(
     problem: &Problem,
@@ -57,7 +57,7 @@ pub fn gains(
     let layout = &system.layout;
     let mut all = Vec::new();
     for segment in &system.segments {
-        let mut direction = DVector::zeros(layout.per_gate());
+        let mut direction = DVector::zeros(layout.per_bin());
         direction.rows_mut(0, layout.soil).copy_from(&soil);
         for (column, each) in &known {
             direction[layout.soil + column] += each[segment.recording];
@@ -65,15 +65,15 @@ pub fn gains(
         let count = segment.time_bins();
         let mut whole = DVector::zeros(segment.gradient.len());
         for time_bin in 0..count {
-            let first = layout.whole() + time_bin * layout.per_gate();
+            let first = layout.whole() + time_bin * layout.per_bin();
             whole
-                .rows_mut(first, layout.per_gate())
+                .rows_mut(first, layout.per_bin())
                 .copy_from(&direction);
         }
         let bent = &segment.matrix * &whole;
         for time_bin in 0..count {
-            let first = layout.whole() + time_bin * layout.per_gate();
-            let own = |v: &DVector<f64>| direction.dot(&v.rows(first, layout.per_gate()));
+            let first = layout.whole() + time_bin * layout.per_bin();
+            let own = |v: &DVector<f64>| direction.dot(&v.rows(first, layout.per_bin()));
             let gain = own(&segment.gradient) - 0.5 * own(&bent);
             all.push(describe(problem, segment, time_bin, gain));
         }
@@ -122,10 +122,10 @@ fn describe(problem: &Problem, segment: &SegmentSystem, time_bin: usize, gain: f
     }
 }
 
-/// Whether a gate lies in a regime.
+/// Whether a time bin lies in a regime.
 type Holds = Box<dyn Fn(&BinGain) -> bool>;
 
-/// The regime that holds most of the gain in a part of the time; empty for none.
+/// The regime with the densest gain; empty for none.
 #[must_use]
 pub fn regime(gains: &[BinGain]) -> String {
     let mut speeds: Vec<f64> = gains.iter().map(|g| g.motion[0].abs()).collect();
@@ -185,11 +185,11 @@ pub fn regime(gains: &[BinGain]) -> String {
     best.map_or(String::new(), |(_, name)| name)
 }
 
-/// What residuals a step of gated knobs shows in: the push whose signal is most like its own.
+/// The component of the wrench whose signal is most like that of a step of binned coefficients.
 #[must_use]
 pub fn channel(problem: &Problem, system: &System, steps: &[(usize, Vec<f64>)]) -> Channel {
     const CHANNELS: [Channel; 3] = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw];
-    let Some(pushes) = wrench::pushes(problem, system) else {
+    let Some(force_columns) = wrench::force_columns(problem, system) else {
         return Channel::Longitudinal;
     };
     let mut likeness = [0.0; 3];
@@ -201,8 +201,8 @@ pub fn channel(problem: &Problem, system: &System, steps: &[(usize, Vec<f64>)]) 
         }
         let seen = &segment.matrix * whole;
         for time_bin in 0..segment.time_bins() {
-            let first = layout.whole() + time_bin * layout.per_gate();
-            for (sum, column) in likeness.iter_mut().zip(pushes) {
+            let first = layout.whole() + time_bin * layout.per_bin();
+            for (sum, column) in likeness.iter_mut().zip(force_columns) {
                 let own = segment.matrix[(first + column, first + column)];
                 if own > 0.0 {
                     *sum += seen[first + column].powi(2) / own;

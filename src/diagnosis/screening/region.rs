@@ -1,26 +1,26 @@
-//! Where something acts: a set of time bins.
+//! Regions in which an effect acts.
 
-/// A part of a run.
+/// A time interval of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunInterval {
     /// Recording.
     pub recording: usize,
     /// Run.
     pub run: usize,
-    /// Beginning \[s\], by the run's clock.
+    /// Start \[s\], by the run's clock.
     pub start: f64,
     /// End \[s\].
     pub end: f64,
 }
 
-/// A set of gates: where something acts.
+/// A region.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Region {
-    /// From gate to gate (exclusive) of a run's gates in their order.
+    /// A time interval of a run.
     Time(RunInterval),
-    /// All of a run, of several.
+    /// A whole run, of several.
     Run(RunInterval),
-    /// Where the vehicle is within a disc.
+    /// A disc on the map.
     Place {
         /// Centre, east and north, and radius \[m\].
         disc: [f64; 3],

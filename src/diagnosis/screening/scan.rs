@@ -1,4 +1,4 @@
-//! Sets of gates, and how well a candidate that acts in one of them alone explains what is left.
+//! Regions as sets of time bins, and the score of a candidate that acts in one of them alone.
 
 use super::region::{Region, RunInterval};
 use super::screen::{Projected, Projection, Score};
@@ -8,26 +8,26 @@ use crate::fit::deadline::Deadline;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Shorter intervals are not told from outliers, longer ones from the whole drive \[s\].
+/// Shorter intervals resemble outliers, longer ones the whole drive \[s\].
 const SHORTEST: f64 = 1.9;
 const LONGEST: f64 = 40.0;
 /// Radii of discs \[m\].
 const RADII: [f64; 4] = [1.5, 3.0, 5.0, 8.0];
-/// The best disc is moved and resized by this share of its radius at first, and down to that one, while it gains
-/// more than so much.
+/// The best disc is moved and resized by these shares of its radius, from the first to the last, while the evidence
+/// gains more than this.
 const FIRST_MOVE: f64 = 0.3;
 const LAST_MOVE: f64 = 0.05;
 const WORTH_A_MOVE: f64 = 0.5;
-/// The ends of the best interval are moved by so many seconds at first, and down to that little, on the same terms.
+/// The ends of the best interval are moved by these times \[s\], by the same rule.
 const FIRST_SHIFT: f64 = 0.25;
 const LAST_SHIFT: f64 = 0.06;
 /// Directions of lines, and places of each.
 const DIRECTIONS: usize = 12;
 const POSITIONS: usize = 24;
 
-/// A candidate's equations gate by gate.
+/// A candidate's equations bin by bin.
 pub struct BinnedFit {
-    /// Columns within a gate, each with a factor.
+    /// Columns within a time bin, each with a factor.
     pub columns: Vec<(usize, f64)>,
     /// Its unknowns.
     pub unknowns: Vec<usize>,
@@ -52,7 +52,7 @@ pub fn discs(chains: &[Chain]) -> Vec<[f64; 3]> {
     discs
 }
 
-/// A candidate, and what every set of gates is judged by.
+/// A candidate, and the equations that every region is scored with.
 pub struct Scan<'a> {
     /// The linearised problem.
     pub system: &'a System,
@@ -62,66 +62,66 @@ pub struct Scan<'a> {
     pub nuisance: &'a [Vec<Option<usize>>],
     /// The nuisance's inverse matrix.
     pub inverse: &'a DMatrix<f64>,
-    /// The nuisance's step to where its pulls vanish.
+    /// The nuisance's step to zero gradient.
     pub settled: &'a DVector<f64>,
     /// The candidate.
     pub binned: BinnedFit,
-    /// When the scan has to end; one that was ended finds nothing.
+    /// End of the scan; a scan that is cut short finds nothing.
     pub deadline: Deadline<'a>,
 }
 
-/// The best set so far, and how many were looked at.
+/// The best region so far, and the number of those tried.
 #[derive(Default)]
-struct Best {
+struct BestRegion {
     found: Option<(Region, Score)>,
-    looked_at: u32,
+    count: u32,
 }
 
-impl Best {
+impl BestRegion {
     fn offer(&mut self, extent: Region, score: Score) {
-        self.looked_at += 1;
+        self.count += 1;
         let best = self.found.as_ref();
         if best.is_none_or(|(_, best)| score.evidence > best.evidence) {
             self.found = Some((extent, score));
         }
     }
 
-    /// With the evidence less what looking in so many places costs.
-    fn of_looked_at(self) -> Option<(Region, Score, f64)> {
+    /// With the evidence less the cost of the choice.
+    fn with_price(self) -> Option<(Region, Score, f64)> {
         let (extent, score) = self.found?;
-        let evidence = score.evidence - f64::from(self.looked_at).ln();
+        let evidence = score.evidence - f64::from(self.count).ln();
         Some((extent, score, evidence))
     }
 }
 
-/// Sums over a set of gates.
+/// Sums over a set of time bins.
 #[derive(Debug, Clone)]
-struct Sums {
+struct BinSums {
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
     cross: DMatrix<f64>,
 }
 
 impl Scan<'_> {
-    fn nothing(&self) -> Sums {
+    fn nothing(&self) -> BinSums {
         let (count, nuisance) = (self.binned.columns.len(), self.settled.len());
-        Sums {
+        BinSums {
             matrix: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
             cross: DMatrix::zeros(count, nuisance),
         }
     }
 
-    /// Adds a share of a gate to a set; `before` are the set's gates of the same segment, with theirs.
+    /// Adds a share of a time bin to a set; `before` are the set's bins of the same segment with their shares.
     fn add(
         &self,
-        sums: &mut Sums,
+        sums: &mut BinSums,
         (time_bin, share): (&TimeBin, f64),
         before: impl Iterator<Item = (usize, f64)> + Clone,
     ) {
         let segment = &self.system.segments[time_bin.segment];
         let layout = &self.system.layout;
-        let first = |time_bin: usize| layout.whole() + time_bin * layout.per_gate();
+        let first = |time_bin: usize| layout.whole() + time_bin * layout.per_bin();
         let nuisance = &self.nuisance[segment.recording];
         for (i, (a, factor)) in self.binned.columns.iter().enumerate() {
             let row = first(time_bin.time_bin) + a;
@@ -145,7 +145,7 @@ impl Scan<'_> {
     }
 
     /// The one-step fit of a set.
-    fn score(&self, sums: &Sums) -> Score {
+    fn score(&self, sums: &BinSums) -> Score {
         let projected = Projected {
             unknowns: self.binned.unknowns.clone(),
             matrix: &sums.matrix - &sums.cross * self.inverse * sums.cross.transpose(),
@@ -155,8 +155,8 @@ impl Scan<'_> {
         self.projection.score_with(&projected, 1.0)
     }
 
-    /// Sums over the shares of gates that lie somewhere, and the seconds that they last.
-    fn sum(&self, chains: &[Chain], inside: impl Fn(&TimeBin) -> f64) -> (Sums, f64) {
+    /// Sums over the shares of time bins that lie somewhere, and the seconds that they last.
+    fn sum(&self, chains: &[Chain], inside: impl Fn(&TimeBin) -> f64) -> (BinSums, f64) {
         let mut sums = self.nothing();
         let mut seconds = 0.0;
         for chain in chains {
@@ -176,8 +176,7 @@ impl Scan<'_> {
         (sums, seconds)
     }
 
-    /// The one-step fit where it acts in one place or for some time only. `None` where that is none of the gates, or a
-    /// line on the map.
+    /// The one-step fit in one region. `None` for a region without time bins, and for a line on the map.
     #[must_use]
     pub fn within(&self, chains: &[Chain], extent: &Region) -> Option<Score> {
         let of_run = |at: &RunInterval| {
@@ -198,18 +197,18 @@ impl Scan<'_> {
         (seconds > 0.0).then(|| self.score(&sums))
     }
 
-    /// The best interval of any run, its ends moved until that gains nothing more.
+    /// The best interval of all runs, its ends refined.
     #[must_use]
     pub fn intervals(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for chain in chains {
-            for (from, begin) in chain.time_bins.iter().enumerate() {
+            for (from, first) in chain.time_bins.iter().enumerate() {
                 if self.deadline.is_over() {
                     return None;
                 }
                 let mut sums = self.nothing();
                 for (to, time_bin) in chain.time_bins.iter().enumerate().skip(from) {
-                    let length = time_bin.end - begin.start;
+                    let length = time_bin.end - first.start;
                     if length > LONGEST {
                         break;
                     }
@@ -226,7 +225,7 @@ impl Scan<'_> {
                     let extent = Region::Time(RunInterval {
                         recording: chain.recording,
                         run: chain.run,
-                        start: begin.start,
+                        start: first.start,
                         end: time_bin.end,
                     });
                     best.offer(extent, self.score(&sums));
@@ -248,11 +247,11 @@ impl Scan<'_> {
                 shift *= 0.5;
             }
         }
-        best.of_looked_at()
+        best.with_price()
     }
 
-    /// An interval whose ends lie within gates, of which it counts that share; within one chain.
-    fn offer_interval(&self, best: &mut Best, chains: &[Chain], at: RunInterval) {
+    /// Offers an interval within one chain; a time bin counts by its share inside.
+    fn offer_interval(&self, best: &mut BestRegion, chains: &[Chain], at: RunInterval) {
         let middle = 0.5 * (at.start + at.end);
         let covers = |chain: &&Chain| {
             let ends = chain.time_bins.first().zip(chain.time_bins.last());
@@ -265,14 +264,14 @@ impl Scan<'_> {
         let (sums, seconds) = self.sum(std::slice::from_ref(chain), |time_bin| {
             time_bin.between(at.start, at.end)
         });
-        // Beyond the chain's end nothing is told.
+        // An interval beyond the end of the chain is cut short.
         let inside = (seconds - (at.end - at.start)).abs() < 1e-6;
         if inside && (SHORTEST..=LONGEST).contains(&seconds) {
             best.offer(Region::Time(at), self.score(&sums));
         }
     }
 
-    /// The best run, of several, from its beginning to its end.
+    /// The best of several runs.
     #[must_use]
     pub fn runs(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
         let runs: Vec<&[Chain]> = chains
@@ -281,7 +280,7 @@ impl Scan<'_> {
         if runs.len() < 2 {
             return None;
         }
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for run in runs {
             let mut time_bins = run.iter().flat_map(|chain| &chain.time_bins);
             let (Some(first), Some(last)) = (time_bins.next(), time_bins.next_back()) else {
@@ -295,13 +294,13 @@ impl Scan<'_> {
             });
             best.offer(extent, self.score(&self.sum(run, |_| 1.0).0));
         }
-        best.of_looked_at()
+        best.with_price()
     }
 
-    /// The best disc, moved and resized until that gains nothing more.
+    /// The best disc, refined.
     #[must_use]
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Region, Score, f64)> {
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for disc in discs {
             if self.deadline.is_over() {
                 return None;
@@ -328,10 +327,10 @@ impl Scan<'_> {
                 share *= 0.5;
             }
         }
-        best.of_looked_at()
+        best.with_price()
     }
 
-    fn offer_disc(&self, best: &mut Best, chains: &[Chain], disc: [f64; 3]) {
+    fn offer_disc(&self, best: &mut BestRegion, chains: &[Chain], disc: [f64; 3]) {
         let (sums, seconds) = self.sum(chains, |time_bin| time_bin.within(inside(disc)));
         if seconds >= SHORTEST {
             best.offer(Region::Place { disc }, self.score(&sums));
@@ -341,7 +340,7 @@ impl Scan<'_> {
     /// The best line across the map.
     #[must_use]
     pub fn boundary(&self, chains: &[Chain]) -> Option<(Region, Score, f64)> {
-        let mut best = Best::default();
+        let mut best = BestRegion::default();
         for direction in (0..DIRECTIONS).map(|k| PI * k as f64 / DIRECTIONS as f64) {
             let (sin, cos) = direction.sin_cos();
             let along = |[x, y]: [f64; 2]| x * cos + y * sin;
@@ -364,7 +363,7 @@ impl Scan<'_> {
                 best.offer(extent, self.score(&sums));
             }
         }
-        best.of_looked_at()
+        best.with_price()
     }
 }
 

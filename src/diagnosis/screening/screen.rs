@@ -1,15 +1,13 @@
-//! Step 3: which candidates explain what re-tuning cannot.
+//! Score test of every candidate on the linearised problem.
 //!
-//! With the normal equations (H, g) of soil N and a candidate C, what re-tuning explains is projected
-//! out: H~ = H_CC - H_CN (H_NN + P_N)^-1 H_NC, g~ = g_C - H_CN (H_NN + P_N)^-1 (g_N + pull_N). The
-//! score statistic is Q = g~^T (H~ + P_C)^-1 g~, the one-step estimate (H~ + P_C)^-1 g~, the
-//! share absorbed 1 - H~/H. Its log Bayes factor against the re-tuned model is
-//! Q / (2 phi) - ln det(1 + P_C^-1 H~ / phi) / 2.
+//! With the normal equations (H, g) of soil N and a candidate C, the soil is projected out: H~ = H_CC - H_CN (H_NN +
+//! P_N)^-1 H_NC, g~ = g_C - H_CN (H_NN + P_N)^-1 (g_N + pull_N). The score statistic is Q = g~^T (H~ + P_C)^-1 g~,
+//! the one-step estimate (H~ + P_C)^-1 g~, the absorbed share 1 - H~/H. The log Bayes factor against the refitted
+//! model is Q / (2 phi) - ln det(1 + P_C^-1 H~ / phi) / 2.
 //!
-//! phi, at least 1, is how many times larger the blocks' pulls scatter around the estimate than the
-//! noise explains (blocks are segments, longer than the noise's memory; neighbours counted together
-//! as by W. K. Newey & K. D. West, Econometrica 55 (1987)): with it a single stretch that fits
-//! badly cannot carry a verdict.
+//! The overdispersion phi >= 1 is the scatter of the segments' scores around the estimate, in units of what the noise
+//! explains, with the covariance of adjacent segments (W. K. Newey & K. D. West, Econometrica 55 (1987)). So a single
+//! badly fitting segment cannot carry a verdict.
 
 use super::system::System;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -56,11 +54,11 @@ pub struct Score {
     pub absorbed: f64,
 }
 
-/// Scatter counts for as much as so many blocks that are as expected.
+/// The prior of the overdispersion, 1, counts as much as this number of segments.
 const EXPECTED_BLOCKS: f64 = 8.0;
-/// Keeps correlations of look-alikes positive definite.
+/// Keeps the correlation matrix of similar candidates positive definite.
 const RIDGE: f64 = 1e-6;
-/// Tails that are smaller are not told apart any more.
+/// Smaller tail probabilities are not converted.
 const SMALLEST_TAIL: f64 = 1e-280;
 
 impl<'a> Projection<'a> {
@@ -199,13 +197,12 @@ impl<'a> Projection<'a> {
             chi_square: quadratic / scatter,
             scatter,
             evidence: 0.5 * (quadratic / scatter - log_determinant),
-            absorbed: gone(signal, whole).unwrap_or_else(|| candidate.absorbed(0)),
+            absorbed: absorbed_share(signal, whole).unwrap_or_else(|| candidate.absorbed(0)),
             step,
         }
     }
 
-    /// The unknowns that a step may move: those that it would push beyond their range, out of an
-    /// effect that is off, stay.
+    /// The unknowns that a step may move: those that it would carry beyond the bound at "off" stay.
     fn inside(&self, candidate: &Projected, precision: &[f64], pull: &[f64]) -> Vec<usize> {
         let mut free: Vec<usize> = (0..precision.len()).collect();
         loop {
@@ -217,14 +214,14 @@ impl<'a> Projection<'a> {
                 let near = 1e-9 * (high - low);
                 (off <= low + near && step[*k] < 0.0) || (off >= high - near && step[*k] > 0.0)
             };
-            let Some(gone) = free.iter().position(outward) else {
+            let Some(held) = free.iter().position(outward) else {
                 return free;
             };
-            free.remove(gone);
+            free.remove(held);
         }
     }
 
-    /// How many times larger the blocks' pulls along a step scatter than the noise explains.
+    /// Overdispersion of the segments' scores along a step.
     fn scatter(&self, candidate: &Projected, step: &DVector<f64>) -> f64 {
         let norm = (step.transpose() * &candidate.matrix * step)[0];
         if norm <= 0.0 {
@@ -277,14 +274,14 @@ impl Projected {
     /// Share that the nuisance absorbs of one unknown's signal.
     #[must_use]
     pub fn absorbed(&self, place: usize) -> f64 {
-        let (left, raw) = (self.matrix[(place, place)], self.raw[(place, place)]);
-        gone(left, raw).unwrap_or(1.0)
+        let (remainder, raw) = (self.matrix[(place, place)], self.raw[(place, place)]);
+        absorbed_share(remainder, raw).unwrap_or(1.0)
     }
 }
 
-/// Share of a signal that is gone; `None` where there was none.
-fn gone(left: f64, raw: f64) -> Option<f64> {
-    (raw > 0.0).then(|| (1.0 - left / raw).clamp(0.0, 1.0))
+/// Absorbed share of a signal; `None` if there was none.
+fn absorbed_share(remainder: f64, raw: f64) -> Option<f64> {
+    (raw > 0.0).then(|| (1.0 - remainder / raw).clamp(0.0, 1.0))
 }
 
 /// The step of the free unknowns and the cost that it saves.
@@ -311,8 +308,8 @@ fn solve(
     (step, gradient.dot(&solved))
 }
 
-/// What chance alone makes of the largest statistic of all candidates, as chi-squares with one
-/// degree of freedom: the quantile at `share` of simulated nulls.
+/// Quantile at `share` of the largest statistic of all candidates under simulated nulls, as chi-square with one
+/// degree of freedom.
 #[must_use]
 pub fn chance(
     projection: &Projection,
@@ -326,7 +323,7 @@ pub fn chance(
         .flat_map(|c| c.unknowns.iter().copied())
         .collect();
     let joint = projection.of(&all);
-    // In units of each unknown's own information; those that say nothing have no variance.
+    // In units of each unknown's information; those without information have no variance.
     let variance = joint.matrix.diagonal();
     let unit: Vec<f64> = variance.iter().map(|v| v.max(0.0).sqrt()).collect();
     let correlation = DMatrix::from_fn(all.len(), all.len(), |i, j| {

@@ -1,11 +1,10 @@
-//! Step 2: how every prediction changes with the soil, the starts and every candidate, in one pass.
+//! Sensitivities of every prediction to soil, starts and all candidates, in one pass.
 //!
-//! Forward dual numbers carry the derivatives of the motion by the soil and by every effect while it
-//! acts within short gates of time; their sum is the effect that acts throughout. Sensors' effects
-//! follow from the motion. The few effects without a derivative while they are off are compared
-//! with a drive in which they are on.
+//! Forward dual numbers carry the derivatives of the motion by the soil and by every effect that acts within short
+//! time bins; their sum is the effect that acts throughout. Sensor faults follow from the motion. Effects without a
+//! derivative while they are off are differenced with a drive in which they are on.
 
-use crate::diagnosis::hypothesis::candidate::{CandidateParameter, Target, is_law};
+use crate::diagnosis::hypothesis::candidate::{CandidateParameter, Target, is_residual_model};
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::fit::deadline::Deadline;
 use crate::fit::exact::ExactPredictor;
@@ -18,35 +17,35 @@ use crate::simulation::State;
 use crate::vehicle::{ModelParameter, Specification};
 use rayon::prelude::*;
 
-/// Length of a gate \[s\], about.
+/// Length of a time bin \[s\], about.
 const GATE: f64 = 0.5;
 
-/// Which columns there are, the same for all segments: soil and knobs; and, gate by gate, the gated
-/// ones: the soil, and of the knobs those with a derivative.
+/// The columns, equal for all segments: soil and coefficients; and, for each time bin, the soil and the coefficients
+/// that have a derivative.
 #[derive(Debug, Clone)]
 pub struct Layout {
     /// Number of the soil's columns.
     pub soil: usize,
-    /// Number of knobs.
+    /// Number of coefficients.
     pub coefficients: usize,
-    /// The knobs that are gated.
+    /// The coefficients that are binned.
     pub binned: Vec<usize>,
-    /// Knobs of the model that act throughout only: laws, and effects that are on and remember.
+    /// Coefficients without bins: features of residual models, and effects that are on and have memory.
     throughout: Vec<usize>,
-    /// Knobs that are compared with a drive in which they are on.
+    /// Coefficients that are differenced with a drive in which they are on.
     secants: Vec<usize>,
-    /// Length of a gate \[s\], about.
+    /// Length of a time bin \[s\], about.
     time_bin: f64,
 }
 
 /// Residuals of a segment with derivatives by everything.
 #[derive(Debug, Clone)]
 pub struct SegmentTable {
-    /// Rows of the residual, and derivatives by the start, the soil and the knobs, by channel.
+    /// Residuals, and derivatives by the start, the soil and the coefficients, by channel.
     pub whole: Tables,
-    /// Derivatives by the gated columns, gate by gate, for the same rows.
+    /// Derivatives by the binned columns, bin by bin, for the same rows.
     pub binned: Vec<Vec<f64>>,
-    /// Where gates begin and end \[s\], one more than there are gates.
+    /// Edges of the time bins \[s\].
     pub edges: Vec<f64>,
 }
 
@@ -54,7 +53,7 @@ const START: usize = State::COUNT;
 const SENSORS: usize = SensorParameter::ALL.len();
 
 impl Layout {
-    /// The columns where these knobs are on.
+    /// The columns if these coefficients are on.
     #[must_use]
     pub fn new(problem: &Problem, on: &[usize]) -> Self {
         let coefficients = &problem.candidates.coefficients;
@@ -70,7 +69,7 @@ impl Layout {
             if !matches!(coefficient.target, Target::Model(_)) {
                 continue;
             }
-            if is_law(coefficient.effect) && coefficient.name != "constant" {
+            if is_residual_model(coefficient.effect) && coefficient.name != "constant" {
                 layout.throughout.push(place);
             } else if coefficient.secant.is_none() {
                 layout.binned.push(place);
@@ -83,10 +82,10 @@ impl Layout {
         layout
     }
 
-    /// The columns of some knobs that are off, a single gate in each segment: what acts throughout,
-    /// at a fraction of the cost. Other knobs' columns, but for the sensors', are zero.
+    /// The columns of some coefficients that are off, with a single bin in each segment: effects that act throughout,
+    /// at a fraction of the cost. Columns of other coefficients, except the sensors', are zero.
     #[must_use]
-    pub fn ungated(problem: &Problem, coefficients: &[usize]) -> Self {
+    pub fn single_bin(problem: &Problem, coefficients: &[usize]) -> Self {
         let mut layout = Self::new(problem, &[]);
         let lists = [
             &mut layout.binned,
@@ -106,14 +105,14 @@ impl Layout {
         self.soil + self.coefficients
     }
 
-    /// Number of gated columns of one gate.
+    /// Number of binned columns of one time bin.
     #[must_use]
-    pub fn per_gate(&self) -> usize {
+    pub fn per_bin(&self) -> usize {
         self.soil + self.binned.len()
     }
 }
 
-/// All segments, computed side by side; `None` where the model cannot drive.
+/// All segments in parallel; `None` for a segment that the model cannot follow.
 #[must_use]
 pub fn sensitivities(
     problem: &Problem,
@@ -140,12 +139,12 @@ struct RecordingModel<'a> {
     predictor: ExactPredictor<'a>,
     secants: Vec<Option<Secant<'a>>>,
     sensors: SensorValues,
-    /// Derivatives of values by coordinates: soil, then knobs.
+    /// Derivatives of values by coordinates: soil, then coefficients.
     slopes: Vec<f64>,
     throughout: Vec<f64>,
 }
 
-/// A model in which an effect is on, and how far that is in its coordinate.
+/// A model with an effect on, and the step of its coordinate.
 struct Secant<'a> {
     coefficient: usize,
     predictor: ExactPredictor<'a>,
@@ -160,7 +159,7 @@ impl<'a> RecordingModel<'a> {
         recording: usize,
     ) -> Result<Self, crate::parameter::ParameterError> {
         let here = problem.specification(at, recording)?;
-        let parameter = |place: &usize| match problem.candidates.coefficients[*place].target {
+        let parameter = |place: &usize| match problem.candidates[*place].target {
             Target::Model(parameter) => Some(parameter),
             Target::Sensor(_) => None,
         };
@@ -170,7 +169,7 @@ impl<'a> RecordingModel<'a> {
         let binned = problem.soil.iter().copied().chain(binned).collect();
         let coordinates = &at.coefficients[recording];
         let secant = |place: &usize| {
-            let coefficient = &problem.candidates.coefficients[*place];
+            let coefficient = &problem.candidates[*place];
             secant(
                 coefficient,
                 *place,
@@ -249,7 +248,7 @@ impl<'a> RecordingModel<'a> {
                         .iter()
                         .flatten()
                         .find(|(s, _)| s.coefficient == coefficient);
-                    // A prediction that grows takes from the residual.
+                    // The residual falls as the prediction grows.
                     found.map_or(0.0, |(secant, on)| {
                         (residuals.residual[row] - on[channel].residual[row]) / secant.step
                     })
@@ -260,7 +259,7 @@ impl<'a> RecordingModel<'a> {
         Ok(table)
     }
 
-    /// Turns values into coordinates and puts columns in their places.
+    /// Converts derivatives to coordinates, and sorts the columns.
     fn channel(
         &self,
         problem: &Problem,
@@ -269,22 +268,22 @@ impl<'a> RecordingModel<'a> {
         time_bins: usize,
         secant: impl Fn(usize, usize) -> f64,
     ) -> (Vec<f64>, Vec<f64>) {
-        let (throughout, per_gate) = (layout.throughout.len(), layout.per_gate());
-        let width = START + throughout + per_gate * time_bins + SENSORS;
+        let (throughout, per_bin) = (layout.throughout.len(), layout.per_bin());
+        let width = START + throughout + per_bin * time_bins + SENSORS;
         let (mut whole, mut binned) = (Vec::new(), Vec::new());
         for (index, row) in residuals.rows.chunks_exact(width).enumerate() {
             let (start, rest) = row.split_at(START);
             let (model, sensors) = rest.split_at(width - START - SENSORS);
-            let (model, by_gate) = model.split_at(throughout);
+            let (model, by_bin) = model.split_at(throughout);
             let first = binned.len();
-            for time_bin in by_gate.chunks_exact(per_gate) {
+            for time_bin in by_bin.chunks_exact(per_bin) {
                 let (soil, coefficients) = time_bin.split_at(layout.soil);
                 binned.extend(soil.iter().zip(&self.slopes).map(|(s, slope)| s * slope));
                 let coefficients = coefficients.iter().zip(&layout.binned);
                 binned.extend(coefficients.map(|(k, place)| k * self.slopes[layout.soil + place]));
             }
             let own = &binned[first..];
-            let sum = |column: usize| own.iter().skip(column).step_by(per_gate).sum::<f64>();
+            let sum = |column: usize| own.iter().skip(column).step_by(per_bin).sum::<f64>();
             whole.push(residuals.residual[index]);
             whole.extend(start);
             whole.extend((0..layout.soil).map(sum));

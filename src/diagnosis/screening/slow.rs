@@ -1,11 +1,10 @@
 //! A constant error of a sensor, or slow noise?
 //!
-//! Noise is independent from segment to segment in the likelihood, and its correlation time is told by what changes within
-//! them. An error that outlasts segments, as that of a compass does, is then seen in each of them anew, and as surely as if
-//! they were independent witnesses of something constant. How long the coloured part of the noise lasts is not known, so
-//! "nothing missing" allows for a constant error of its size. With an estimate x of deviation s and a coloured part of
-//! deviation c, that is likelier than no error at all by the log Bayes factor
-//! x^2 / (2 s^2) c^2 / (s^2 + c^2) - ln(1 + c^2 / s^2) / 2, which a heading or a gyro that is off has to pay.
+//! The likelihood takes noise as independent from segment to segment, with a correlation time from within them. An
+//! error that outlasts segments, as a compass has, then looks as certain as many independent measurements of a
+//! constant. Its duration is unknown, so "nothing missing" allows for a constant error of the size of the coloured
+//! noise. Take an estimate x of deviation s and coloured noise of deviation c. This alternative has against none the
+//! log Bayes factor x^2 / (2 s^2) c^2 / (s^2 + c^2) - ln(1 + c^2 / s^2) / 2, which an offset of heading or gyro pays.
 
 use super::screen::Projected;
 use super::system::System;
@@ -15,25 +14,30 @@ use crate::fit::problem::NoiseModel;
 use crate::fit::sensor::SensorParameter;
 use crate::fit::signal::NoiseGroup;
 
-/// Nothing pays more: against other names it would be too much, for slow noise explains a part of what they do as well.
+/// Upper limit of the price: slow noise also explains a part of what other candidates do.
 const MOST: f64 = 8.0;
 
-/// What a candidate pays for what slow noise explains of it.
+/// The price of a candidate for what slow noise explains of it.
 #[must_use]
-pub fn price(problem: &Problem, system: &System, candidate: &Projected, by: &NoiseModel) -> f64 {
+pub fn price(problem: &Problem, system: &System, candidate: &Projected, noise: &NoiseModel) -> f64 {
     let each = candidate.unknowns.iter().enumerate();
     let paid = each.filter_map(|(place, unknown)| {
-        let slow = slow_noise(problem, system, *unknown, by)?;
+        let slow = slow_noise(problem, system, *unknown, noise)?;
         let (gradient, precision) = (candidate.gradient[place], candidate.matrix[(place, place)]);
         Some(explained(gradient, precision, slow))
     });
     paid.sum::<f64>().min(MOST)
 }
 
-/// Deviation of the slow noise that an unknown may be as well, if it is a constant error of heading or gyro.
-fn slow_noise(problem: &Problem, system: &System, unknown: usize, by: &NoiseModel) -> Option<f64> {
+/// Deviation of the slow noise that may imitate an unknown, if it is a constant error of heading or gyro.
+fn slow_noise(
+    problem: &Problem,
+    system: &System,
+    unknown: usize,
+    noise: &NoiseModel,
+) -> Option<f64> {
     let place = |places: &Vec<Option<usize>>| places.iter().position(|one| *one == Some(unknown));
-    let mut recordings = system.places.iter().zip(&by.noise);
+    let mut recordings = system.places.iter().zip(&noise.noise);
     let (column, noise) = recordings.find_map(|(places, noise)| Some((place(places)?, noise)))?;
     let coefficient = column.checked_sub(system.layout.soil)?;
     let group = match problem.candidates.coefficients.get(coefficient)?.target {
@@ -69,7 +73,7 @@ mod tests {
         let found = explained(estimate * precision, precision, slow);
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         assert!(found > 6.0);
-        // An error that slow noise makes no likelier costs nothing, nor does one without noise.
+        // An error that slow noise makes no likelier has no price, nor has one without noise.
         assert_eq!(explained(0.0, precision, slow), 0.0);
         assert_eq!(explained(estimate * precision, precision, 0.0), 0.0);
         assert_eq!(explained(0.0, 0.0, slow), 0.0);

@@ -1,8 +1,8 @@
 //! The linearised problem: normal equations of every segment, its start eliminated, by the soil and
-//! every candidate, whole and gate by gate.
+//! every candidate, whole and bin by bin.
 
 use super::sensitivity::{Layout, SegmentTable};
-use crate::diagnosis::hypothesis::{Problem, Solution, What};
+use crate::diagnosis::hypothesis::{Problem, Solution, UnknownKind};
 use crate::fit::noise_model::reweigh;
 use crate::fit::normal::START;
 use crate::fit::parameter::FreeParameter;
@@ -15,10 +15,9 @@ use std::ops::Range;
 /// Normal equations of all segments.
 #[derive(Debug, Clone)]
 pub struct System {
-    /// All unknowns: the soil, the knobs (one per recording where each has its own).
+    /// All unknowns: the soil, the coefficients (one per recording where each has its own).
     pub parameters: Vec<FreeParameter>,
-    /// For each recording the unknown of each whole column: soil, then knobs; `None` where the
-    /// recording does not tell.
+    /// For each recording the unknown of each whole column: soil, then coefficients; `None` without information.
     pub places: Vec<Vec<Option<usize>>>,
     /// Precision of the priors.
     pub precision: DVector<f64>,
@@ -30,10 +29,10 @@ pub struct System {
     pub layout: Layout,
 }
 
-/// A segment's normal equations by its own columns: whole ones, then the gated ones gate by gate.
+/// A segment's normal equations by its own columns: whole ones, then the binned ones bin by bin.
 #[derive(Debug, Clone)]
 pub struct SegmentSystem {
-    /// Place among the given segments.
+    /// Index among the problem's segments.
     pub index: usize,
     /// Which recording.
     pub recording: usize,
@@ -41,9 +40,9 @@ pub struct SegmentSystem {
     pub matrix: DMatrix<f64>,
     /// Pull, J^T S r with the start eliminated.
     pub gradient: DVector<f64>,
-    /// Squares of the whitened residuals that the start does not take up.
+    /// Squared whitened residuals after elimination of the start.
     pub cost: f64,
-    /// Where gates begin and end \[s\].
+    /// Where time bins start and end \[s\].
     pub edges: Vec<f64>,
 }
 
@@ -54,7 +53,7 @@ pub fn linearise(
     layout: &Layout,
     tables: &[Option<SegmentTable>],
     at: &Solution,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> System {
     let coefficients: Vec<usize> = (0..problem.candidates.coefficients.len()).collect();
     let predictor = problem.predictor(&coefficients);
@@ -62,15 +61,15 @@ pub fn linearise(
     let mut places = vec![vec![None; layout.whole()]; problem.recordings.len()];
     problem.visit(&shooting, &coefficients, |place, recording, what| {
         let column = match what {
-            What::Soil(index) => index,
-            What::CandidateParameter(coefficient) => layout.soil + coefficient,
+            UnknownKind::Soil(index) => index,
+            UnknownKind::CandidateParameter(coefficient) => layout.soil + coefficient,
         };
         places[recording][column] = Some(place);
     });
     let point = problem.point(&shooting, &coefficients, at);
     let one = |(index, table): (usize, &Option<SegmentTable>)| {
         let table = table.as_ref().filter(|_| !problem.deadline.is_over())?;
-        segment(problem, layout, index, table, &at.starts[index], by)
+        segment(problem, layout, index, table, &at.starts[index], noise)
     };
     let segments: Vec<Option<SegmentSystem>> = tables.par_iter().enumerate().map(one).collect();
     let (precision, pull) = shooting.prior(&point.coordinates);
@@ -85,10 +84,10 @@ pub fn linearise(
 }
 
 /// Weights at the residuals of a fitted hypothesis.
-pub fn weigh(problem: &Problem, coefficients: &[usize], tables: &[Tables], by: &mut NoiseModel) {
+pub fn weigh(problem: &Problem, coefficients: &[usize], tables: &[Tables], noise: &mut NoiseModel) {
     let predictor = problem.predictor(coefficients);
     let shooting = problem.shooting(&predictor, coefficients);
-    reweigh(&shooting, tables, by);
+    reweigh(&shooting, tables, noise);
 }
 
 fn segment(
@@ -97,10 +96,10 @@ fn segment(
     index: usize,
     table: &SegmentTable,
     start: &[f64; START],
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<SegmentSystem> {
     let segment = &problem.segments[index];
-    let binned = layout.per_gate() * (table.edges.len() - 1);
+    let binned = layout.per_bin() * (table.edges.len() - 1);
     let width = table.whole.columns + binned;
     let local = width - 1 - START;
     let mut normal = DMatrix::<f64>::zeros(width, width);
@@ -112,8 +111,13 @@ fn segment(
             cells.extend(whole);
             cells.extend(&table.binned[channel][row * binned..(row + 1) * binned]);
         }
-        let noise = by.noise[segment.recording][data.signal.group() as usize];
-        noise.whiten(&data.time, &by.weights[index][channel], width, &mut cells);
+        let channel_noise = noise.noise[segment.recording][data.signal.group() as usize];
+        channel_noise.whiten(
+            &data.time,
+            &noise.weights[index][channel],
+            width,
+            &mut cells,
+        );
         let rows = DMatrix::from_vec(width, rows, cells);
         normal.gemm(1.0, &rows, &rows.transpose(), 1.0);
     }
@@ -150,22 +154,22 @@ fn segment(
 }
 
 impl SegmentSystem {
-    /// Number of gates.
+    /// Number of time bins.
     #[must_use]
     pub fn time_bins(&self) -> usize {
         self.edges.len() - 1
     }
 
-    /// Whether the other begins where it ends.
+    /// Whether the other starts at its end.
     #[must_use]
     pub fn joins(&self, next: &Self) -> bool {
         let apart = self.edges.last().zip(next.edges.first());
-        apart.is_some_and(|(end, begin)| (begin - end).abs() < SAME_TIME)
+        apart.is_some_and(|(end, start)| (start - end).abs() < SAME_TIME)
     }
 }
 
 impl System {
-    /// Unknowns of a knob: one, or one for each recording.
+    /// Unknowns of a coefficient: one, or one for each recording.
     #[must_use]
     pub fn unknowns(&self, coefficient: usize) -> Vec<usize> {
         let column = self.layout.soil + coefficient;
@@ -176,20 +180,20 @@ impl System {
         found
     }
 
-    /// A step of these unknowns from steps of knobs, each told by knob and recording.
+    /// A step of these unknowns from the steps of coefficients by recording.
     #[must_use]
     pub fn step(
         &self,
         unknowns: &[usize],
         coefficients: &[usize],
-        told: impl Fn(usize, usize) -> f64,
+        value: impl Fn(usize, usize) -> f64,
     ) -> DVector<f64> {
         let mut step = DVector::zeros(unknowns.len());
         for (recording, places) in self.places.iter().enumerate() {
             for coefficient in coefficients {
                 let unknown = places[self.layout.soil + coefficient];
                 if let Some(place) = unknowns.iter().position(|u| Some(*u) == unknown) {
-                    step[place] = told(*coefficient, recording);
+                    step[place] = value(*coefficient, recording);
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Gates: the short times in which each effect's signal is resolved, with where the vehicle was.
+//! Time bins, in which each effect's signal is resolved, and the vehicle's places in them.
 
 use super::system::System;
 use crate::diagnosis::hypothesis::Problem;
@@ -6,17 +6,17 @@ use crate::diagnosis::hypothesis::maps::Maps;
 use crate::fit::segment::SAME_TIME;
 use crate::recording::Channel;
 
-/// Places within a gate.
+/// Places within a time bin.
 const POINTS: usize = 5;
 
-/// One gate.
+/// A time bin.
 #[derive(Debug, Clone, Copy)]
 pub struct TimeBin {
-    /// Place among the system's segments.
+    /// Index among the system's segments.
     pub segment: usize,
-    /// Place within the segment.
+    /// Index within the segment.
     pub time_bin: usize,
-    /// Beginning \[s\], by the run's clock.
+    /// Start \[s\], by the run's clock.
     pub start: f64,
     /// End \[s\].
     pub end: f64,
@@ -30,7 +30,7 @@ impl TimeBin {
         self.end - self.start
     }
 
-    /// The place in the middle, where it is known and the same place means the same ground.
+    /// The place in the middle, if it is known and all recordings share a map.
     #[must_use]
     pub fn place(&self) -> Option<[f64; 2]> {
         self.places[POINTS / 2]
@@ -52,17 +52,17 @@ impl TimeBin {
     }
 }
 
-/// Gates of a run that follow one another without a gap.
+/// Time bins of a run that follow one another without a gap.
 pub struct Chain {
     /// Recording.
     pub recording: usize,
     /// Run.
     pub run: usize,
-    /// The gates in their order.
+    /// The time bins in their order.
     pub time_bins: Vec<TimeBin>,
 }
 
-/// Gates in their order, run by run.
+/// Time bins in their order, run by run.
 #[must_use]
 pub fn chains(problem: &Problem, system: &System) -> Vec<Chain> {
     let mut chains: Vec<Chain> = Vec::new();

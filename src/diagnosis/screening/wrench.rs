@@ -1,10 +1,10 @@
-//! The wrench that the model lacks, over time.
+//! The unmodelled wrench over time.
 //!
-//! A latent dF_X, dF_Y, dM_Z in every gate, with an Ornstein–Uhlenbeck process as its prior (of
-//! correlation time [`MEMORY`], its size by maximum likelihood), seen through the motion that it
-//! causes: no position is ever differentiated. The posterior, that of a Kalman filter and a
-//! Rauch–Tung–Striebel smoother (A. Gelb, "Applied Optimal Estimation", 1974), is computed segment
-//! by segment together with both neighbours: what lies beyond those is forgotten.
+//! A latent dF_X, dF_Y, dM_Z in every time bin, with an Ornstein–Uhlenbeck process as its prior (correlation time
+//! [`MEMORY`], size by maximum likelihood), observed through the motion that it causes: no position is
+//! differentiated. The posterior, that of a Kalman filter and a Rauch–Tung–Striebel smoother (A. Gelb, "Applied
+//! Optimal Estimation", 1974), is computed segment by segment together with both neighbours; farther segments are
+//! neglected.
 
 use super::system::{SegmentSystem, System};
 use crate::diagnosis::hypothesis::Problem;
@@ -19,7 +19,7 @@ const SIZES: [f64; 7] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3];
 /// Components of the wrench.
 const COUNT: usize = 3;
 
-/// A wrench that comes and goes.
+/// A latent wrench.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LatentWrench {
     /// Standard deviation of each component, as a share of the weight (times the half track).
@@ -28,28 +28,31 @@ pub struct LatentWrench {
     pub evidence: f64,
 }
 
-/// Gated columns of the three pushes within a gate.
+/// Binned columns of the three components within a time bin.
 #[must_use]
-pub fn pushes(problem: &Problem, system: &System) -> Option<[usize; COUNT]> {
-    let mut found = problem.candidates.laws().filter_map(|coefficient| {
-        let binned = system
-            .layout
-            .binned
-            .iter()
-            .position(|other| *other == coefficient)?;
-        Some(system.layout.soil + binned)
-    });
+pub fn force_columns(problem: &Problem, system: &System) -> Option<[usize; COUNT]> {
+    let mut found = problem
+        .candidates
+        .residual_models()
+        .filter_map(|coefficient| {
+            let binned = system
+                .layout
+                .binned
+                .iter()
+                .position(|other| *other == coefficient)?;
+            Some(system.layout.soil + binned)
+        });
     Some([found.next()?, found.next()?, found.next()?])
 }
 
-/// A segment's equations by the wrench in its gates, at held soil.
+/// A segment's equations by the wrench in its time bins, at held soil.
 fn equations(
     system: &System,
     segment: &SegmentSystem,
     columns: [usize; COUNT],
 ) -> (DMatrix<f64>, DVector<f64>) {
     let layout = &system.layout;
-    let place = |k: usize| layout.whole() + (k / COUNT) * layout.per_gate() + columns[k % COUNT];
+    let place = |k: usize| layout.whole() + (k / COUNT) * layout.per_bin() + columns[k % COUNT];
     let size = COUNT * segment.time_bins();
     (
         DMatrix::from_fn(size, size, |i, j| segment.matrix[(place(i), place(j))]),
@@ -57,7 +60,7 @@ fn equations(
     )
 }
 
-/// Precision of the process over so many gates of a length.
+/// Precision of the process over so many time bins of a length.
 fn process(size: [f64; COUNT], time_bins: usize, step: f64) -> DMatrix<f64> {
     let decay = (-step / MEMORY).exp();
     let fresh = 1.0 - decay * decay;
@@ -77,10 +80,10 @@ fn process(size: [f64; COUNT], time_bins: usize, step: f64) -> DMatrix<f64> {
     })
 }
 
-/// How large a wrench that comes and goes explains what is left over, and how well.
+/// The size of the latent wrench with the largest evidence, and that evidence.
 #[must_use]
 pub fn latent_wrench(problem: &Problem, system: &System) -> Option<LatentWrench> {
-    let columns = pushes(problem, system)?;
+    let columns = force_columns(problem, system)?;
     let each: Vec<_> = system
         .segments
         .iter()
@@ -122,7 +125,7 @@ pub fn latent_wrench(problem: &Problem, system: &System) -> Option<LatentWrench>
     })
 }
 
-/// The wrench left over in one run, between its gates' middles. `None` without gates.
+/// The posterior wrench of one run at the middles of its time bins. `None` without time bins.
 #[must_use]
 pub fn smooth(
     problem: &Problem,
@@ -131,7 +134,7 @@ pub fn smooth(
     run: usize,
     size: [f64; COUNT],
 ) -> Option<WrenchTrace> {
-    let columns = pushes(problem, system)?;
+    let columns = force_columns(problem, system)?;
     let own = |segment: &&SegmentSystem| {
         let data = &problem.segments[segment.index];
         (data.recording, data.run) == (recording, run)

@@ -1,15 +1,15 @@
-//! Something that was found, with what else may stand in its place.
+//! An accepted effect with its rivals.
 
 use super::proposal::Proposal;
 use super::rerank::close_to;
 use crate::diagnosis::Subject;
 
-/// Log odds that something must have over nothing more, its prior counted.
+/// Margin of log odds over "nothing more" for acceptance, prior included.
 pub const TAKE: f64 = 0.5;
-/// Logarithm of the prior of nothing (more) over that of one effect of the catalogue.
+/// Log prior of "nothing more" relative to one effect of the catalogue.
 pub const NOTHING: f64 = 4.5;
 
-/// Something that was found.
+/// An accepted effect.
 #[derive(Debug, Clone)]
 pub struct AcceptedEffect {
     /// What was proposed.
@@ -41,7 +41,7 @@ impl AcceptedEffect {
         once
     }
 
-    /// Takes the odds of a later fit of it and of some others. The rest stays as far behind it as before.
+    /// Takes over the odds of later fits. The other rivals keep their distance.
     pub fn stand_anew(&mut self, fitted: &[(Subject, f64)]) {
         let subject = self.proposal.subject;
         let anew = |subject: Subject| {
@@ -56,7 +56,7 @@ impl AcceptedEffect {
         }
     }
 
-    /// Its own odds are less by so much than when it was found; the rest stays as likely as it was.
+    /// Lowers its own odds; those of its rivals stay.
     pub fn lose(&mut self, odds: f64) {
         for (other, own) in &mut self.rivals {
             if *other == self.proposal.subject {
@@ -65,8 +65,8 @@ impl AcceptedEffect {
         }
     }
 
-    /// A law that was ahead of a name has turned out to be behind by so much.
-    pub fn outdo_law(&mut self, advantage: f64) {
+    /// A residual model that was ahead of a name is now behind by this much.
+    pub fn outdo_residual_model(&mut self, advantage: f64) {
         let subject = self.proposal.subject;
         if subject == Subject::Unknown {
             return;
@@ -83,23 +83,11 @@ impl AcceptedEffect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DVector;
 
-    fn accepted_effect(rivals: &[(usize, f64)]) -> AcceptedEffect {
+    fn effect(rivals: &[(usize, f64)]) -> AcceptedEffect {
         let subject = |(effect, odds): &(usize, f64)| (Subject::Effect(*effect), *odds);
         AcceptedEffect {
-            proposal: Proposal {
-                subject: Subject::Effect(0),
-                coefficients: Vec::new(),
-                extent: None,
-                steps: Vec::new(),
-                evidence: 0.0,
-                price: 0.0,
-                stability: Vec::new(),
-                soil: DVector::zeros(0),
-                hidden: false,
-                anew: false,
-            },
+            proposal: Proposal::new(Subject::Effect(0), Vec::new()),
             gain: rivals[0].1,
             rivals: rivals.iter().map(subject).collect(),
         }
@@ -107,20 +95,20 @@ mod tests {
 
     #[test]
     fn what_came_close_is_asked_for_again() {
-        let one = accepted_effect(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
+        let one = effect(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
         assert_eq!(one.close(), [Subject::Effect(0), Subject::Effect(1)]);
-        assert_eq!(accepted_effect(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
-        // The same name, for some seconds and throughout, is one.
-        assert_eq!(accepted_effect(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
+        assert_eq!(effect(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
+        // The same subject, for some seconds and throughout, counts once.
+        assert_eq!(effect(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
     }
 
     #[test]
     fn odds_of_a_later_fit_count_and_the_rest_stays_as_far_behind() {
-        let mut one = accepted_effect(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
+        let mut one = effect(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
         one.stand_anew(&[(Subject::Effect(1), 900.0), (Subject::Effect(0), 1000.0)]);
         let odds: Vec<f64> = one.rivals.iter().map(|(_, odds)| *odds).collect();
         assert_eq!(odds, [1000.0, 900.0, 960.0]);
-        // What was not fitted again says nothing new.
+        // A rival that was not fitted again has no new odds.
         one.stand_anew(&[(Subject::Effect(1), 5.0)]);
         assert_eq!(one.rivals[1].1, 900.0);
     }

@@ -1,4 +1,4 @@
-//! Which of the things that were fitted is taken next.
+//! The choice of the next effect.
 
 use super::accepted::{NOTHING, TAKE};
 use super::naming::FittedCandidate;
@@ -6,43 +6,43 @@ use super::proposal::ProposalKind;
 use super::stage::Stage;
 use super::trial::GOOD_PART;
 
-/// What is taken first where several things are worth it.
+/// The preference among several acceptable candidates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prefer {
     /// The likeliest.
     Nothing,
-    /// What has a name, the likeliest first: a law may be two effects at once.
+    /// Effects of the catalogue first: a residual model may be two effects at once.
     Names,
 }
 
-/// How much better it predicts what it was not fitted to, with the standard error.
-pub fn held_out_gain(named: &FittedCandidate, stage: &Stage) -> Option<(f64, f64)> {
-    let pair = named.scores.as_ref().zip(stage.scores.as_ref());
+/// Held-out gain, with the standard error.
+pub fn held_out_gain(candidate: &FittedCandidate, stage: &Stage) -> Option<(f64, f64)> {
+    let pair = candidate.scores.as_ref().zip(stage.scores.as_ref());
     pair.map(|(with, without)| with.gain_over(without))
 }
 
-/// Log odds; what predicts worse what it was not fitted to is no likelier than nothing.
-pub fn sound_odds(named: &FittedCandidate, stage: &Stage) -> f64 {
-    let sound = held_out_gain(named, stage).is_none_or(|(mean, error)| mean > -error);
+/// Log odds; a candidate that predicts held-out data worse is no likelier than "nothing".
+pub fn sound_odds(candidate: &FittedCandidate, stage: &Stage) -> f64 {
+    let sound = held_out_gain(candidate, stage).is_none_or(|(mean, error)| mean > -error);
     if sound {
-        named.odds()
+        candidate.odds()
     } else {
-        named.odds().min(0.0)
+        candidate.odds().min(0.0)
     }
 }
 
-/// What outweighs chance and does not predict worse.
+/// Candidates above the threshold that do not predict worse.
 fn worth_it<'n, 'a>(
     fitted: &'n [FittedCandidate<'a>],
     stage: &Stage,
 ) -> impl Iterator<Item = &'n FittedCandidate<'a>> {
-    fitted.iter().filter(move |named| {
-        let told = held_out_gain(named, stage).is_some();
-        told && sound_odds(named, stage) > NOTHING + TAKE
+    fitted.iter().filter(move |candidate| {
+        let tested = held_out_gain(candidate, stage).is_some();
+        tested && sound_odds(candidate, stage) > NOTHING + TAKE
     })
 }
 
-/// What is taken next. `None` where nothing is worth it.
+/// The next effect. `None` if no candidate is acceptable.
 pub fn choose<'n, 'a>(
     fitted: &'n [FittedCandidate<'a>],
     stage: &Stage,
@@ -50,20 +50,20 @@ pub fn choose<'n, 'a>(
 ) -> Option<&'n FittedCandidate<'a>> {
     let best = |names: bool| {
         worth_it(fitted, stage)
-            .filter(|named| !names || named.proposal.kind() != ProposalKind::Law)
+            .filter(|candidate| !names || candidate.proposal.kind() != ProposalKind::ResidualModel)
             .max_by(|a, b| a.odds().total_cmp(&b.odds()))
     };
-    let named = (prefer == Prefer::Names).then(|| best(true)).flatten();
-    named.or_else(|| best(false))
+    let candidate = (prefer == Prefer::Names).then(|| best(true)).flatten();
+    candidate.or_else(|| best(false))
 }
 
-/// Whether a law is the likeliest, and something with a name explains a good part of the same.
+/// Whether a residual model is likeliest, and an effect explains a good share of the same.
 pub fn worth_two_ways(fitted: &[FittedCandidate], stage: &Stage) -> bool {
     let first = |prefer| choose(fitted, stage, prefer);
     let pair = first(Prefer::Nothing).zip(first(Prefer::Names));
-    pair.is_some_and(|(best, named)| {
-        best.proposal.kind() == ProposalKind::Law
-            && named.proposal.kind() != ProposalKind::Law
-            && named.odds() > GOOD_PART * best.odds()
+    pair.is_some_and(|(best, candidate)| {
+        best.proposal.kind() == ProposalKind::ResidualModel
+            && candidate.proposal.kind() != ProposalKind::ResidualModel
+            && candidate.odds() > GOOD_PART * best.odds()
     })
 }

@@ -1,8 +1,8 @@
-//! What else may act where the likeliest does.
+//! Colocated candidates: what else may act in the region of the likeliest.
 //!
-//! The box scan finds each candidate's best place through the linearised problem. Where something acts hard, that is far
-//! off: a slope that all but stops a vehicle promises less than half of what it comes to, at another time than it acts, and
-//! would never be fitted. So whatever the scan promises elsewhere, everything is begun where the likeliest acts as well.
+//! The box scan finds each candidate's best region on the linearised problem. A strong effect is far from linear: a
+//! slope that nearly stops a vehicle predicts less than half of its final gain, at another time, and would never be
+//! fitted. So every candidate is also fitted in the region of the likeliest.
 
 use super::initial_guess::cheapest;
 use super::naming::{FittedCandidate, PartialFit, finish, partial_fit, placed};
@@ -10,18 +10,20 @@ use super::proposal::{BEHIND, FAR_BEHIND, Proposal, ProposalKind, placed_locally
 use super::rerank::AT_STAKE;
 use super::stage::Stage;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, PARTIAL_FIT, fit_until};
-use crate::diagnosis::screening::locate::{Found, Scanned, locate, located_at, scanned};
+use crate::diagnosis::screening::locate::{
+    LocatedCandidate, ScanTarget, locate, located_at, scanned,
+};
 use crate::diagnosis::screening::region::Region;
 use crate::diagnosis::screening::screen::Projection;
 use crate::fit::problem::NoiseModel;
 use nalgebra::DVector;
 
-/// Two times or places that differ by less than this \[s, m\] are one.
+/// Two regions that differ by less than this \[s, m\] are the same.
 const SAME: f64 = 0.3;
-/// At most so many are finished where the likeliest acts.
+/// Maximum number of finished fits in the region of the likeliest.
 const MOST: usize = 4;
 
-/// What is proposed where the likeliest acts, if that is a place or a time, and has not been fitted there.
+/// Proposals in the region of the likeliest that have not been fitted there.
 #[must_use]
 pub fn beside_the_likeliest(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Proposal> {
     let Some((best, extent)) = likeliest(fitted) else {
@@ -37,26 +39,26 @@ pub fn beside_the_likeliest(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Pr
             at,
         )
     });
-    let most = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
+    let largest = there.iter().map(|one| one.evidence).fold(0.0, f64::max);
     there.retain(|one| {
-        let known = |named: &FittedCandidate| {
-            named.proposal.subject == one.subject
-                && are_alike(named.proposal.extent.as_ref(), extent)
+        let known = |candidate: &FittedCandidate| {
+            candidate.proposal.subject == one.subject
+                && are_alike(candidate.proposal.extent.as_ref(), extent)
         };
-        one.evidence > BEHIND[0] * most - FAR_BEHIND && !fitted.iter().any(known)
+        one.evidence > BEHIND[0] * largest - FAR_BEHIND && !fitted.iter().any(known)
     });
     there
 }
 
-/// The likeliest in a place where it acts for some time, and for some time where it acts in a place.
+/// The likeliest in a disc if it acts in a time interval, and the reverse.
 #[must_use]
 pub fn otherwise_confined(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Proposal> {
     let Some((best, extent)) = likeliest(fitted) else {
         return Vec::new();
     };
     let mut there = found(stage, |projection, asked| {
-        let same = |one: &&Scanned| one.subject == best.proposal.subject;
-        let asked: Vec<Scanned> = asked.iter().filter(same).cloned().collect();
+        let same = |one: &&ScanTarget| one.subject == best.proposal.subject;
+        let asked: Vec<ScanTarget> = asked.iter().filter(same).cloned().collect();
         locate(&stage.problem, &stage.screening.system, projection, &asked)
     });
     let is_place = |extent: &Region| matches!(extent, Region::Place { .. });
@@ -68,7 +70,7 @@ pub fn otherwise_confined(stage: &Stage, fitted: &[FittedCandidate]) -> Vec<Prop
     there
 }
 
-/// The likeliest where it acts somewhere only and something is at stake.
+/// The likeliest, if it is local and its odds are high.
 pub fn likeliest<'n, 'a>(
     fitted: &'n [FittedCandidate<'a>],
 ) -> Option<(&'n FittedCandidate<'a>, &'n Region)> {
@@ -77,62 +79,63 @@ pub fn likeliest<'n, 'a>(
     Some((best, best.proposal.extent.as_ref().filter(|_| local)?))
 }
 
-/// What is proposed where the likeliest acts, the most promising fitted in full where they may come to so much.
+/// Fits the most promising of these proposals in full, if they may exceed `min_odds`.
 #[must_use]
 pub fn fitted_there<'a>(
     stage: &Stage<'a>,
     proposals: &[Proposal],
     likeliest: &FittedCandidate,
-    least: f64,
-    by: &NoiseModel,
+    min_odds: f64,
+    noise: &NoiseModel,
 ) -> Vec<FittedCandidate<'a>> {
     let before = &stage.fit;
-    let begun = proposals.iter();
-    let begun = begun.filter_map(|proposal| begun_there(stage, proposal, likeliest, least, by));
-    let mut begun: Vec<PartialFit> = begun
-        .filter(|partial_fit| partial_fit.promise() > least)
+    let started = proposals.iter();
+    let started =
+        started.filter_map(|proposal| first_fit_there(stage, proposal, likeliest, min_odds, noise));
+    let mut started: Vec<PartialFit> = started
+        .filter(|partial_fit| partial_fit.promise() > min_odds)
         .collect();
-    begun.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
-    begun.truncate(MOST);
-    let finished = begun.into_iter();
+    started.sort_by(|a, b| b.promise().total_cmp(&a.promise()));
+    started.truncate(MOST);
+    let finished = started.into_iter();
     finished
-        .filter_map(|partial_fit| finish(partial_fit, before, by))
+        .filter_map(|partial_fit| finish(partial_fit, before, noise))
         .map(|one| on_a_par(one, likeliest, before))
         .collect()
 }
 
-/// The first steps of what is proposed where the likeliest acts. They begin on the soil and the starts that the likeliest
-/// came to: elsewhere both are right already, while re-tuning has gone far to imitate what acts there.
-fn begun_there<'a>(
+/// First steps of a proposal in the region of the likeliest, from that one's soil and starts: elsewhere both are
+/// right already, while the refit of the soil went far to imitate the effect.
+fn first_fit_there<'a>(
     stage: &Stage<'a>,
     proposal: &Proposal,
     likeliest: &FittedCandidate,
-    least: f64,
-    by: &NoiseModel,
+    min_odds: f64,
+    noise: &NoiseModel,
 ) -> Option<PartialFit<'a>> {
     let Stage { problem, fit, .. } = stage;
     let placed = placed(problem, proposal)?;
     let mut coefficients = fit.coefficients.clone();
     coefficients.extend(&proposal.coefficients);
-    let mut begin = likeliest.fit.solution.clone();
+    let mut initial = likeliest.fit.solution.clone();
     if proposal.coefficients != likeliest.proposal.coefficients {
-        begin.take(&likeliest.proposal.coefficients, &fit.solution);
-        let knobs_alone = Proposal {
+        initial.take(&likeliest.proposal.coefficients, &fit.solution);
+        let coefficients_alone = Proposal {
             soil: DVector::zeros(0),
             ..proposal.clone()
         };
-        begin = cheapest(&placed, &knobs_alone, &coefficients, &begin, by)?;
+        initial = cheapest(&placed, &coefficients_alone, &coefficients, &initial, noise)?;
     }
-    match fit_until(&placed, &coefficients, &begin, by, PARTIAL_FIT) {
-        Ok(begun) if begun.negative_log_evidence.is_finite() => {
-            Some(PartialFit::new(proposal, &placed, begun, fit))
+    match fit_until(&placed, &coefficients, &initial, noise, PARTIAL_FIT) {
+        Ok(started) if started.negative_log_evidence.is_finite() => {
+            Some(PartialFit::new(proposal, &placed, started, fit))
         }
-        _ => partial_fit(problem, proposal, fit, by, 1.0, least),
+        _ => partial_fit(problem, proposal, fit, noise, 1.0, min_odds),
     }
 }
 
-/// The same measured against the hypothesis without it where the likeliest is: that one's soil may have turned out better
-/// than the re-tuned one without what is proposed, which is nobody's merit.
+/// Its gain relative to the hypothesis without it at the likeliest's soil: that soil may be better than the refitted
+/// one, which is no merit of the candidate.
 fn on_a_par<'a>(
     one: FittedCandidate<'a>,
     likeliest: &FittedCandidate,
@@ -145,8 +148,11 @@ fn on_a_par<'a>(
     }
 }
 
-/// What a scan finds, as proposals.
-fn found(stage: &Stage, scan: impl Fn(&Projection, &[Scanned]) -> Vec<Found>) -> Vec<Proposal> {
+/// The results of a scan as proposals.
+fn found(
+    stage: &Stage,
+    scan: impl Fn(&Projection, &[ScanTarget]) -> Vec<LocatedCandidate>,
+) -> Vec<Proposal> {
     let Stage { problem, fit, .. } = stage;
     let system = &stage.screening.system;
     let on = fit
@@ -160,7 +166,7 @@ fn found(stage: &Stage, scan: impl Fn(&Projection, &[Scanned]) -> Vec<Found>) ->
     placed_locally(problem, scan(&projection, &asked))
 }
 
-/// Whether two places or times are the same for what acts there.
+/// Whether two regions are the same for their effect.
 fn are_alike(one: Option<&Region>, other: &Region) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() < SAME;
     match (one, other) {
@@ -176,7 +182,7 @@ fn are_alike(one: Option<&Region>, other: &Region) -> bool {
     }
 }
 
-/// Takes what was fitted where the likeliest acts; of each candidate the likelier place stays.
+/// Adds the colocated fits; each candidate keeps its likelier region.
 pub fn join<'a>(fitted: &mut Vec<FittedCandidate<'a>>, there: Vec<FittedCandidate<'a>>) {
     for one in there {
         let same = |other: &FittedCandidate| {
@@ -194,16 +200,19 @@ pub fn join<'a>(fitted: &mut Vec<FittedCandidate<'a>>, there: Vec<FittedCandidat
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Subject;
+    use crate::diagnosis::hypothesis::Problem;
     use crate::diagnosis::screening::region::RunInterval;
     use crate::diagnosis::search::edges::tests::{drag, slowed};
     use crate::diagnosis::search::naming::ANY;
-    use crate::diagnosis::search::stage::tests::refitted;
+    use crate::diagnosis::testing::{on, refitted};
+    use nalgebra::DMatrix;
 
     #[test]
     fn everything_is_proposed_where_the_likeliest_acts() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let fitted = [drag(&stage, &by)];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let fitted = [drag(&stage, &noise)];
         let there = beside_the_likeliest(&stage, &fitted);
         let extent = &fitted[0].proposal.extent;
         assert!(
@@ -217,7 +226,7 @@ mod tests {
             "{names:?}"
         );
         assert!(!names.contains(&"drag"));
-        // Slowed for some seconds, it may as well have been somewhere.
+        // An interval may as well be a disc.
         let elsewhere = otherwise_confined(&stage, &fitted);
         assert!(elsewhere.iter().all(|one| {
             one.subject.name() == "drag" && matches!(one.extent, Some(Region::Place { .. }))
@@ -229,12 +238,12 @@ mod tests {
     #[ignore = "nightly: fits every candidate twice"]
     fn first_steps_there_lead_as_far_as_from_the_re_tuned_soil() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let fitted = [drag(&stage, &by)];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let fitted = [drag(&stage, &noise)];
         let mut compared = 0;
         for proposal in beside_the_likeliest(&stage, &fitted) {
-            let there = begun_there(&stage, &proposal, &fitted[0], ANY, &by).unwrap();
-            let Some(before) = partial_fit(&stage.problem, &proposal, &stage.fit, &by, 1.0, ANY)
+            let there = first_fit_there(&stage, &proposal, &fitted[0], ANY, &noise).unwrap();
+            let Some(before) = partial_fit(&stage.problem, &proposal, &stage.fit, &noise, 1.0, ANY)
             else {
                 continue;
             };
@@ -246,34 +255,50 @@ mod tests {
         assert!(compared > 3);
     }
 
-    #[test]
-    fn a_soil_that_turned_out_better_is_nobodys_merit() {
-        let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let one = drag(&stage, &by);
-        // Measured against the re-tuned model, and 30 better than that without anything.
-        let before = &stage.fit;
-        let gain =
-            before.negative_log_evidence - one.fit.negative_log_evidence - one.proposal.price;
-        let with = |gain: f64| FittedCandidate {
+    /// A local candidate with this gain, as if it were fitted.
+    fn with_gain<'a>(problem: &Problem<'a>, gain: f64) -> FittedCandidate<'a> {
+        let disc = [0.0, 0.0, 1.0];
+        FittedCandidate {
+            proposal: Proposal {
+                extent: Some(Region::Place { disc }),
+                price: 7.0,
+                ..Proposal::new(Subject::Effect(0), Vec::new())
+            },
+            problem: problem.clone(),
+            fit: FittedHypothesis {
+                coefficients: Vec::new(),
+                solution: problem.initial(),
+                misfit: 0.0,
+                negative_log_evidence: 900.0,
+                predicted_reduction: 0.0,
+                covariance: DMatrix::zeros(0, 0),
+                tables: Vec::new(),
+            },
+            scores: None,
             gain,
-            ..one.clone()
+        }
+    }
+
+    #[test]
+    fn a_better_soil_is_no_candidates_merit() {
+        let problem = Problem::new(&on("sandy_loam"), &[]);
+        // Relative to the refitted soil, and 30 better than that without any effect.
+        let before = FittedHypothesis {
+            negative_log_evidence: 1000.0,
+            ..with_gain(&problem, 0.0).fit
         };
-        let same = on_a_par(with(gain), &with(gain), before);
+        let gain = before.negative_log_evidence - 900.0 - 7.0;
+        let with = |gain| with_gain(&problem, gain);
+        let same = on_a_par(with(gain), &with(gain), &before);
         assert!((same.gain - gain).abs() < 1e-6);
-        let less = on_a_par(with(gain), &with(gain - 30.0), before);
+        let less = on_a_par(with(gain), &with(gain - 30.0), &before);
         assert!((less.gain - gain + 30.0).abs() < 1e-6);
     }
 
     #[test]
     fn of_each_candidate_the_likelier_place_stays() {
-        let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let one = drag(&stage, &by);
-        let with = |gain: f64| FittedCandidate {
-            gain,
-            ..one.clone()
-        };
+        let problem = Problem::new(&on("sandy_loam"), &[]);
+        let with = |gain| with_gain(&problem, gain);
         let mut fitted = vec![with(30.0)];
         join(&mut fitted, vec![with(20.0), with(40.0)]);
         assert_eq!(fitted.len(), 1);

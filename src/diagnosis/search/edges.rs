@@ -1,9 +1,9 @@
-//! Where and when exactly something acts.
+//! Exact edges of regions.
 //!
-//! The box scan sees places and times through the linearised problem, gate by gate. What acts there hard on and off is felt
-//! to a few hundredths of a second, and an edge that is off by a tenth costs all names alike more than what they differ
-//! by. So the edges of what came close to the likeliest are moved in the full fit: they are unknowns of a Gauss–Newton step
-//! beside all others, their derivatives by differences, for the other unknowns have theirs at hand; then the others follow.
+//! The box scan resolves regions by time bins on the linearised problem. A strong effect determines its edges to some
+//! hundredths of a second, and an error of a tenth costs all candidates more than what they differ by. So the edges
+//! of the candidates close to the likeliest are refined in the full fit: they are unknowns of a Gauss–Newton step
+//! beside all others, with derivatives by differences; then the others follow.
 
 use super::naming::{FittedCandidate, placed};
 use super::proposal::{Proposal, ProposalKind};
@@ -11,95 +11,94 @@ use super::rerank::{AT_STAKE, close_to};
 use crate::diagnosis::hypothesis::Solution;
 use crate::diagnosis::hypothesis::held_out::scores;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, PARTIAL_FIT, cost, fit_on, fit_until, own_noise,
+    FittedHypothesis, PARTIAL_FIT, continue_fit, cost, fit_until, own_noise,
 };
 use crate::diagnosis::screening::region::Region;
 use crate::fit::normal::{Eliminated, Normal};
 use crate::fit::problem::{NoiseModel, Tables};
 use nalgebra::{DMatrix, DVector};
 
-/// Edges are counted in shares of the disc's radius or of two seconds. Derivatives are differences over this share ...
+/// Unit of edges: the disc's radius, or two seconds. Derivatives are differences over this share ...
 const DIFFERENCE: f64 = 0.02;
 const SECONDS: f64 = 2.0;
-/// ... what is known of them before is this share (one standard deviation), and a step goes no further than that one.
+/// ... their prior's standard deviation, and the limit of a step.
 const PRIOR: f64 = 1.0;
 const REACH: f64 = 0.25;
-/// A step that loses is damped by so much of the diagonal (Marquardt 1963): beside an edge that is off soil and effect lead
-/// far along what they hardly tell apart, where nothing is linear any more.
+/// Damping of steps that lose, as a share of the diagonal (Marquardt 1963): beside a wrong edge, soil and effect move
+/// far along poorly determined directions, where the problem is not linear.
 const DAMPINGS: [f64; 4] = [0.0, 1e-3, 1e-2, 0.1];
-/// Steps at most, while one gains more than so much of the log evidence; one that gains less than so much is none, for fits
-/// end half a unit from where they lead.
+/// Maximum number of steps, gain of log evidence to continue, and to accept: fits end half a unit from their optimum.
 const STEPS: usize = 10;
-const WORTH: f64 = 1.0;
-const LEAST: f64 = 0.5;
-/// A disc has a place, two numbers, and a radius; an interval two ends.
+const CONTINUE_GAIN: f64 = 1.0;
+const MIN_GAIN: f64 = 0.5;
+/// A disc has a centre (two numbers) and a radius; an interval two ends.
 const EDGES: usize = 3;
-/// An interval stays as long as this \[s\].
+/// Shortest interval \[s\].
 const SHORTEST: f64 = 0.1;
 
-/// Moves the edges of what acts at some time or place and came close to the likeliest, whose log odds are `best`.
-pub fn settle_edges(fitted: &mut [FittedCandidate], best: f64, by: &NoiseModel) {
+/// Refines the edges of the local candidates close to the likeliest, whose log odds are `best`.
+pub fn refine_edges(fitted: &mut [FittedCandidate], best: f64, noise: &NoiseModel) {
     if best < AT_STAKE {
         return;
     }
-    let close = |named: &&mut FittedCandidate| {
-        named.proposal.kind() == ProposalKind::Local && named.odds() > close_to(best)
+    let close = |candidate: &&mut FittedCandidate| {
+        candidate.proposal.kind() == ProposalKind::Local && candidate.odds() > close_to(best)
     };
-    for named in fitted.iter_mut().filter(close) {
-        let before = named.fit.negative_log_evidence;
-        settle(named, by);
-        if named.fit.negative_log_evidence < before {
-            named.scores = scores(&named.problem, &named.fit, by);
+    for candidate in fitted.iter_mut().filter(close) {
+        let before = candidate.fit.negative_log_evidence;
+        refine(candidate, noise);
+        if candidate.fit.negative_log_evidence < before {
+            candidate.scores = scores(&candidate.problem, &candidate.fit, noise);
         }
     }
 }
 
-/// The edges of what is taken under the noise that it leaves: that of the model without it holds a part of what its edges
-/// are told by. It keeps its odds and scores.
-pub fn settle_under_own_noise(named: &mut FittedCandidate, by: &NoiseModel) {
-    if named.proposal.kind() != ProposalKind::Local || named.odds() < AT_STAKE {
+/// Refines the edges of the accepted candidate under the noise of its own residuals: that of the model without it
+/// hides information about the edges. It keeps its odds and scores.
+pub fn refine_under_own_noise(candidate: &mut FittedCandidate, noise: &NoiseModel) {
+    if candidate.proposal.kind() != ProposalKind::Local || candidate.odds() < AT_STAKE {
         return;
     }
-    let gain = named.gain;
-    let own = own_noise(&named.problem, &named.fit, by);
-    named.fit = fit_on(&named.problem, &named.fit, &own, PARTIAL_FIT);
-    settle(named, &own);
-    named.gain = gain;
+    let gain = candidate.gain;
+    let own = own_noise(&candidate.problem, &candidate.fit, noise);
+    candidate.fit = continue_fit(&candidate.problem, &candidate.fit, &own, PARTIAL_FIT);
+    refine(candidate, &own);
+    candidate.gain = gain;
 }
 
-fn settle(named: &mut FittedCandidate, by: &NoiseModel) {
+fn refine(candidate: &mut FittedCandidate, noise: &NoiseModel) {
     for _ in 0..STEPS {
-        if stepped(named, by).is_none_or(|gain| gain < WORTH) {
+        if stepped(candidate, noise).is_none_or(|gain| gain < CONTINUE_GAIN) {
             break;
         }
     }
 }
 
-/// One step of the edges and everything else; what it gained. `None` where there is nothing to gain.
-fn stepped(named: &mut FittedCandidate, by: &NoiseModel) -> Option<f64> {
-    let coefficients = &named.fit.coefficients;
-    let way = Way::of(named, by)?;
-    let (proposal, problem, begin) = DAMPINGS.into_iter().find_map(|damping| {
+/// One step of the edges and everything else; returns its gain. `None` without a gain.
+fn stepped(candidate: &mut FittedCandidate, noise: &NoiseModel) -> Option<f64> {
+    let coefficients = &candidate.fit.coefficients;
+    let way = EdgeSystem::of(candidate, noise)?;
+    let (proposal, problem, initial) = DAMPINGS.into_iter().find_map(|damping| {
         let step = way.step(damping)?;
-        let proposal = moved(&named.proposal, &way.edges(&step))?;
-        let problem = placed(&named.problem, &proposal)?;
-        let begin = way.solution(named, &step);
-        let lower = cost(&problem, coefficients, &begin, by) < way.cost;
-        lower.then_some((proposal, problem, begin))
+        let proposal = moved(&candidate.proposal, &way.edges(&step))?;
+        let problem = placed(&candidate.problem, &proposal)?;
+        let initial = way.solution(candidate, &step);
+        let lower = cost(&problem, coefficients, &initial, noise) < way.cost;
+        lower.then_some((proposal, problem, initial))
     })?;
-    let fit = fit_until(&problem, coefficients, &begin, by, PARTIAL_FIT).ok()?;
-    let gain = named.fit.negative_log_evidence - fit.negative_log_evidence;
-    if gain.is_nan() || gain < LEAST {
+    let fit = fit_until(&problem, coefficients, &initial, noise, PARTIAL_FIT).ok()?;
+    let gain = candidate.fit.negative_log_evidence - fit.negative_log_evidence;
+    if gain.is_nan() || gain < MIN_GAIN {
         return None;
     }
-    named.gain += gain;
-    (named.proposal, named.problem, named.fit) = (proposal, problem, fit);
+    candidate.gain += gain;
+    (candidate.proposal, candidate.problem, candidate.fit) = (proposal, problem, fit);
     Some(gain)
 }
 
-/// Where the linearised problem leads with the edges among its unknowns.
-struct Way {
-    /// How many unknowns there are before the edges.
+/// The normal equations with the edges among the unknowns.
+struct EdgeSystem {
+    /// Number of unknowns before the edges.
     others: usize,
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
@@ -108,22 +107,22 @@ struct Way {
     cost: f64,
 }
 
-impl Way {
-    fn of(named: &FittedCandidate, by: &NoiseModel) -> Option<Self> {
+impl EdgeSystem {
+    fn of(candidate: &FittedCandidate, noise: &NoiseModel) -> Option<Self> {
         let FittedHypothesis {
             coefficients,
             solution,
             tables,
             ..
-        } = &named.fit;
-        let predictor = named.problem.predictor(coefficients);
-        let shooting = named.problem.shooting(&predictor, coefficients);
-        let point = named.problem.point(&shooting, coefficients, solution);
+        } = &candidate.fit;
+        let predictor = candidate.problem.predictor(coefficients);
+        let shooting = candidate.problem.shooting(&predictor, coefficients);
+        let point = candidate.problem.point(&shooting, coefficients, solution);
         let here = shooting.evaluate_unless_one_fails(&point, false)?;
         let after = (0..EDGES).map_while(|edge| {
             let mut step = DVector::zeros(EDGES);
             step[edge] = DIFFERENCE;
-            let problem = placed(&named.problem, &moved(&named.proposal, &step)?)?;
+            let problem = placed(&candidate.problem, &moved(&candidate.proposal, &step)?)?;
             let predictor = problem.predictor(coefficients);
             let shooting = problem.shooting(&predictor, coefficients);
             shooting.evaluate_unless_one_fails(&point, false)
@@ -137,8 +136,8 @@ impl Way {
         let mut each = Vec::new();
         for (index, segment) in tables.iter().enumerate() {
             let after: Vec<&Tables> = after.iter().map(|all| &all[index]).collect();
-            let felt = with_differences(segment, &here[index], &after);
-            let normal = linearised.normal(index, &felt, by);
+            let table = with_differences(segment, &here[index], &after);
+            let normal = linearised.normal(index, &table, noise);
             let eliminated = Eliminated::new(&normal, 0.0)?;
             matrix += &eliminated.matrix;
             gradient += &eliminated.gradient;
@@ -151,7 +150,7 @@ impl Way {
         let still = matrix.view((0, 0), (others, others)).into_owned();
         let without = gain(still, gradient.rows(0, others).into_owned())?;
         let with = gain(matrix.clone(), gradient.clone())?;
-        if (with - without).is_nan() || with - without < LEAST {
+        if (with - without).is_nan() || with - without < MIN_GAIN {
             return None;
         }
         Some(Self {
@@ -159,11 +158,11 @@ impl Way {
             matrix,
             gradient,
             segments: each,
-            cost: 0.5 * shooting.cost(&here, &point, by),
+            cost: 0.5 * shooting.cost(&here, &point, noise),
         })
     }
 
-    /// The step of all unknowns, damped; edges move no further than their reach.
+    /// The damped step of all unknowns, cut to the limit of the edges.
     fn step(&self, damping: f64) -> Option<DVector<f64>> {
         let mut damped = self.matrix.clone();
         for k in 0..damped.nrows() {
@@ -179,9 +178,9 @@ impl Way {
         step.rows(self.others, count).into_owned()
     }
 
-    /// The solution a step from where a fit stands.
-    fn solution(&self, named: &FittedCandidate, step: &DVector<f64>) -> Solution {
-        let FittedCandidate { problem, fit, .. } = named;
+    /// The solution after a step.
+    fn solution(&self, candidate: &FittedCandidate, step: &DVector<f64>) -> Solution {
+        let FittedCandidate { problem, fit, .. } = candidate;
         let predictor = problem.predictor(&fit.coefficients);
         let shooting = problem.shooting(&predictor, &fit.coefficients);
         let mut point = problem.point(&shooting, &fit.coefficients, &fit.solution);
@@ -199,7 +198,7 @@ impl Way {
     }
 }
 
-/// A segment's table with derivatives by the edges after the others: `after` are its residuals with each of them moved.
+/// A segment's table with derivatives by the edges as last columns: `after` are its residuals with each edge moved.
 fn with_differences(segment: &Tables, here: &Tables, after: &[&Tables]) -> Tables {
     let columns = segment.columns + after.len();
     let channels = segment.channels.iter().enumerate();
@@ -219,28 +218,28 @@ fn with_differences(segment: &Tables, here: &Tables, after: &[&Tables]) -> Table
     }
 }
 
-/// A proposal with its edges moved by shares of its size; `None` where it has none or would be no more.
-fn moved(proposal: &Proposal, by: &DVector<f64>) -> Option<Proposal> {
+/// A proposal with its edges moved; `None` without edges, or for an empty region.
+fn moved(proposal: &Proposal, shares: &DVector<f64>) -> Option<Proposal> {
     Some(Proposal {
-        extent: Some(nudged(proposal.extent.as_ref()?, by)?),
+        extent: Some(nudged(proposal.extent.as_ref()?, shares)?),
         ..proposal.clone()
     })
 }
 
-fn nudged(extent: &Region, by: &DVector<f64>) -> Option<Region> {
-    let by = |edge: usize| by.get(edge).copied().unwrap_or(0.0);
+fn nudged(extent: &Region, shares: &DVector<f64>) -> Option<Region> {
+    let shares = |edge: usize| shares.get(edge).copied().unwrap_or(0.0);
     match extent {
         Region::Place { disc } => {
             let radius = disc[2];
-            let at = |edge: usize| disc[edge] + by(edge) * radius;
+            let at = |edge: usize| disc[edge] + shares(edge) * radius;
             Some(Region::Place {
                 disc: [at(0), at(1), at(2)],
             })
         }
-        Region::Time(at) if by(2) == 0.0 => {
+        Region::Time(at) if shares(2) == 0.0 => {
             let mut at = *at;
-            at.start += SECONDS * by(0);
-            at.end += SECONDS * by(1);
+            at.start += SECONDS * shares(0);
+            at.end += SECONDS * shares(1);
             (at.end - at.start > SHORTEST).then_some(Region::Time(at))
         }
         Region::Time(_) | Region::Run(_) | Region::Beyond { .. } => None,
@@ -251,37 +250,31 @@ fn nudged(extent: &Region, by: &DVector<f64>) -> Option<Region> {
 pub mod tests {
     use super::*;
     use crate::diagnosis::Subject;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
     use crate::diagnosis::screening::region::RunInterval;
     use crate::diagnosis::search::naming::ANY;
     use crate::diagnosis::search::naming::{finish, partial_fit};
     use crate::diagnosis::search::stage::Stage;
-    use crate::diagnosis::search::stage::tests::refitted;
-    use crate::effects::{CATALOGUE, Effects};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::effects::CATALOGUE;
     use crate::recording::Recording;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+
+    use crate::vehicle::Specification;
 
     /// A vehicle and its recording, on which it was slowed from 6.7 s to 12.15 s.
     pub fn slowed() -> (Specification, [Recording; 1]) {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         let text = r#"{"drag": {"coefficient": 150}, "window": {"effects": ["drag"], "time": [6.7, 12.15]}}"#;
-        let slowed = Specification {
-            effects: Effects::from_json(text).unwrap(),
-            ..nominal.clone()
-        };
+        let slowed = with_effects(&nominal, text);
         let recording = driven(&slowed, "slalom");
         (nominal, [recording])
     }
 
     /// Drag from 6.9 s to 12.4 s, fitted.
-    pub fn drag<'a>(stage: &Stage<'a>, by: &NoiseModel) -> FittedCandidate<'a> {
+    pub fn drag<'a>(stage: &Stage<'a>, noise: &NoiseModel) -> FittedCandidate<'a> {
         let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
         let subject = Subject::Effect(drag);
         let coefficients: Vec<usize> = stage.problem.candidates.of(subject).collect();
         let proposal = Proposal {
-            subject,
             extent: Some(Region::Time(RunInterval {
                 recording: 0,
                 run: 0,
@@ -289,25 +282,21 @@ pub mod tests {
                 end: 12.4,
             })),
             steps: vec![(coefficients[0], DVector::repeat(1, 100.0))],
-            evidence: 0.0,
             price: 7.0,
-            stability: Vec::new(),
             soil: DVector::zeros(stage.problem.soil.len()),
-            hidden: false,
-            anew: false,
-            coefficients,
+            ..Proposal::new(subject, coefficients)
         };
-        let begun = partial_fit(&stage.problem, &proposal, &stage.fit, by, 1.0, ANY).unwrap();
-        finish(begun, &stage.fit, by).unwrap()
+        let started = partial_fit(&stage.problem, &proposal, &stage.fit, noise, 1.0, ANY).unwrap();
+        finish(started, &stage.fit, noise).unwrap()
     }
 
     #[test]
     fn edges_move_to_where_something_acts() {
         let (nominal, recordings) = slowed();
-        let (stage, by) = refitted(&nominal, &recordings);
-        let mut fitted = [drag(&stage, &by)];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let mut fitted = [drag(&stage, &noise)];
         let before = fitted[0].gain;
-        settle_edges(&mut fitted, before, &by);
+        refine_edges(&mut fitted, before, &noise);
         let Some(Region::Time(at)) = fitted[0].proposal.extent else {
             unreachable!()
         };
@@ -323,12 +312,12 @@ pub mod tests {
         let disc = Region::Place {
             disc: [1.0, 2.0, 4.0],
         };
-        let by = |edge: usize| {
-            let mut by = DVector::zeros(EDGES);
-            by[edge] = 0.1;
-            by
+        let shares = |edge: usize| {
+            let mut shares = DVector::zeros(EDGES);
+            shares[edge] = 0.1;
+            shares
         };
-        let moved = |edge| match nudged(&disc, &by(edge)) {
+        let moved = |edge| match nudged(&disc, &shares(edge)) {
             Some(Region::Place { disc }) => disc,
             _ => unreachable!(),
         };
@@ -343,9 +332,9 @@ pub mod tests {
                 end,
             })
         };
-        assert_eq!(nudged(&interval(3.0), &by(1)), Some(interval(3.2)));
-        // An interval has two ends, and stays one.
-        assert_eq!(nudged(&interval(3.0), &by(2)), None);
-        assert_eq!(nudged(&interval(1.2), &by(0)), None);
+        assert_eq!(nudged(&interval(3.0), &shares(1)), Some(interval(3.2)));
+        // An interval has two ends, and does not vanish.
+        assert_eq!(nudged(&interval(3.0), &shares(2)), None);
+        assert_eq!(nudged(&interval(1.2), &shares(0)), None);
     }
 }

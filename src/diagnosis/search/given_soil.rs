@@ -1,33 +1,33 @@
-//! What is seen from the soil that was given, where re-tuning has gone far from it.
+//! Screening from the given soil, if the refitted one is far from it.
 //!
-//! What is missing is imitated by soil as far as that goes, which may be to sand without friction. What the linearised
-//! problem shows there is of another vehicle on another soil: the right name may not be among the proposals, its place
-//! not where it is, and no way may lead back. So all is looked at once more from the given soil.
+//! Soil imitates a missing effect as far as it can, down to sand without friction. The linearised problem there
+//! describes another vehicle on another soil: the right effect may be absent from the proposals or misplaced, without
+//! a way back. So everything is screened once more from the given soil.
 
-use super::initial_guess::{begin, on_given_soil};
+use super::initial_guess::{after_steps, on_given_soil};
 use super::naming::PartialFit;
 use super::proposal::{Proposal, ProposalKind, proposals, screened, shortlist};
 use super::view::View;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, LONG_PARTIAL_FIT, cost, tune_from_afar,
+    FittedHypothesis, LONG_PARTIAL_FIT, cost, fit_with_new_starts,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::system::linearise;
 use crate::fit::problem::NoiseModel;
 
-/// A soil is far from the given one where one of its numbers is so many standard deviations of its prior away.
+/// Distance of a soil parameter, in standard deviations of its prior, that counts as far.
 const FAR: f64 = 1.5;
-/// At most so many that act throughout, and so many that act at some time or place, are proposed besides.
+/// Maximum number of additional proposals that act throughout, and in a region.
 const THROUGHOUT: usize = 3;
 const LOCAL: usize = 3;
 
-/// What is seen beside the given soil alone where the re-tuned one is far from it.
+/// Proposals from the given soil, if the refitted one is far from it.
 #[must_use]
 pub fn seen_from_given_soil(
     problem: &Problem,
     fit: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     known: &[Proposal],
     seed: u64,
 ) -> Vec<Proposal> {
@@ -38,9 +38,9 @@ pub fn seen_from_given_soil(
     let on = &fit.coefficients;
     let layout = Layout::new(problem, on);
     let tables = sensitivities(problem, &layout, &at);
-    let system = linearise(problem, &layout, &tables, &at, by);
+    let system = linearise(problem, &layout, &tables, &at, noise);
     drop(tables);
-    let Some(view) = View::new(problem, &system, on, by) else {
+    let Some(view) = View::new(problem, &system, on, noise) else {
         return Vec::new();
     };
     let screened = screened(&view);
@@ -50,9 +50,9 @@ pub fn seen_from_given_soil(
         one.kind() == ProposalKind::Throughout && known.iter().any(same)
     };
     let list: Vec<&Proposal> = shortlist(&all);
-    let of_kind = |kind, most| {
+    let of_kind = |kind, count| {
         let those = list.iter().filter(move |one| one.kind() == kind);
-        those.filter(|one| !is_known(one)).take(most)
+        those.filter(|one| !is_known(one)).take(count)
     };
     of_kind(ProposalKind::Throughout, THROUGHOUT)
         .chain(of_kind(ProposalKind::Local, LOCAL))
@@ -63,29 +63,39 @@ pub fn seen_from_given_soil(
         .collect()
 }
 
-/// Begins a fit anew on the given soil where the re-tuned one is far from it. The likelier one stays.
+/// Repeats a fit from the given soil if the refitted one is far from it. The likelier fit stays.
 #[must_use]
 pub fn from_given_soil<'a>(
     partial_fit: PartialFit<'a>,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> PartialFit<'a> {
     let (problem, fitted) = (&partial_fit.problem, &partial_fit.fit);
     let base = on_given_soil(problem, before);
     if partial_fit.proposal.anew || !is_far(problem, &base.soil, &before.solution.soil) {
         return partial_fit;
     }
-    let as_seen = begin(problem, &partial_fit.proposal, &before.solution, 1.0);
-    let initial_guess = [&before.solution, &as_seen, &fitted.solution].map(|with| {
-        let begin = Solution {
+    let as_seen = after_steps(problem, &partial_fit.proposal, &before.solution, 1.0);
+    let initials = [&before.solution, &as_seen, &fitted.solution].map(|with| {
+        let initial = Solution {
             coefficients: with.coefficients.clone(),
             ..base.clone()
         };
-        (cost(problem, &fitted.coefficients, &begin, by), begin)
+        (
+            cost(problem, &fitted.coefficients, &initial, noise),
+            initial,
+        )
     });
-    let cheapest = initial_guess.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    let again = cheapest.and_then(|(_, begin)| {
-        tune_from_afar(problem, &fitted.coefficients, &begin, by, LONG_PARTIAL_FIT).ok()
+    let cheapest = initials.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let again = cheapest.and_then(|(_, initial)| {
+        fit_with_new_starts(
+            problem,
+            &fitted.coefficients,
+            &initial,
+            noise,
+            LONG_PARTIAL_FIT,
+        )
+        .ok()
     });
     match again.filter(|again| again.negative_log_evidence < fitted.negative_log_evidence) {
         Some(again) => PartialFit {
@@ -101,7 +111,7 @@ pub fn from_given_soil<'a>(
     }
 }
 
-/// Whether one of the soil's numbers lies far from another.
+/// Whether a soil parameter is far from another solution.
 fn is_far(problem: &Problem, from: &[f64], to: &[f64]) -> bool {
     let parameters = problem.soil_parameters();
     let mut pairs = from.iter().zip(to).zip(&parameters);
@@ -111,19 +121,15 @@ fn is_far(problem: &Problem, from: &[f64], to: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::naming::{ANY, partial_fit};
-    use super::super::stage::tests::refitted_with;
     use super::*;
     use crate::diagnosis::Options;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::testing::{driven, on, refitted_with};
     use crate::effects::ParameterName;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
 
     #[test]
     #[ignore = "nightly: fits two recordings from two soils"]
     fn a_name_is_seen_from_the_given_soil_where_re_tuning_has_gone_far() {
-        let mut nominal =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let mut nominal = on("sandy_loam");
         let mut truth = nominal.clone();
         for (name, value) in [("ahead", -0.25), ("left", 0.1)] {
             let parameter = ParameterName::find(&format!("com_shift.{name}")).unwrap();
@@ -132,29 +138,29 @@ mod tests {
         nominal.terrain.cohesion *= 1.5;
         nominal.terrain.frictional_modulus /= 1.5;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        // In longer stretches it is seen from the re-tuned soil as well.
+        // In longer segments the effect also shows from the refitted soil.
         let options = Options {
             segment: 5.0,
             ..Options::default()
         };
-        let (stage, by) = refitted_with(&nominal, &recordings, &options);
+        let (stage, noise) = refitted_with(&nominal, &recordings, &options);
         let (problem, fit) = (&stage.problem, &stage.fit);
-        let begin = problem.begin();
-        assert!(is_far(problem, &begin.soil, &fit.solution.soil));
-        assert!(!is_far(problem, &begin.soil, &begin.soil));
-        // From the soil that imitates it the shift is not seen whole.
+        let initial = problem.initial();
+        assert!(is_far(problem, &initial.soil, &fit.solution.soil));
+        assert!(!is_far(problem, &initial.soil, &initial.soil));
+        // From the imitating soil the shift does not show fully.
         let shifted = |one: &&Proposal| one.subject.name() == "com_shift";
         let proposal = stage.proposals.iter().find(shifted).unwrap();
         assert!(proposal.anew);
-        let found = partial_fit(problem, proposal, fit, &by, 1.0, ANY).unwrap();
+        let found = partial_fit(problem, proposal, fit, &noise, 1.0, ANY).unwrap();
         assert!(found.fit.negative_log_evidence < 0.5 * fit.negative_log_evidence);
         let stuck = Proposal {
             anew: false,
             ..proposal.clone()
         };
-        let stuck = partial_fit(problem, &stuck, fit, &by, 1.0, ANY).unwrap();
+        let stuck = partial_fit(problem, &stuck, fit, &noise, 1.0, ANY).unwrap();
         let odds = stuck.odds();
-        let again = from_given_soil(stuck, fit, &by);
+        let again = from_given_soil(stuck, fit, &noise);
         assert!(again.odds() > odds + 100.0, "{} {odds}", again.odds());
     }
 }

@@ -1,7 +1,7 @@
-//! Where the fits of a proposal begin.
+//! Initial guesses of a proposal's fit.
 //!
-//! As seen by the linearised problem, as large as the catalogue expects it, as comparing the curves tells, or at the
-//! end of a walk from off: fits from a place too far away end elsewhere.
+//! The step of the linearised problem, the size that the catalogue expects, delays from cross-correlation, or the end
+//! of a continuation from "off": fits from a distant guess end in other optima.
 
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::candidate::Target;
@@ -12,40 +12,38 @@ use crate::diagnosis::screening::region::Region;
 use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
 
-/// A fit that is so much worse than without the proposal, whose price for more numbers is less, has
-/// lost its way.
+/// A fit that is this much worse than without the proposal, whose price is less, has failed.
 pub const LOST: f64 = 5.0;
-/// A hidden effect that begins so much worse, in units of the log likelihood, leads nowhere.
-const HOPELESS: f64 = 1000.0;
-/// Shares of a proposal's steps that its fit may begin with: the cheapest is taken.
+/// An initial guess of a hidden effect this much worse, in log likelihood, is useless.
+const MAX_EXCESS: f64 = 1000.0;
+/// Shares of a proposal's step that are tried as initial guess; the cheapest is used.
 const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
-/// Wheel speeds may be so much later or earlier than what they move \[s\], and so may be what acts with them.
+/// Margin around a time interval for delays of wheel speeds \[s\].
 const REACH: f64 = 1.5;
-/// Steps on the way from off to the typical size, and how far the soil follows at each.
-const WALK: u32 = 5;
-const STROLL: Stop = Stop::after(3, 1.0).without_renewals();
+/// Steps of the continuation from "off", and the end of the soil's fit at each.
+const CONTINUATION_STEPS: u32 = 5;
+const CONTINUATION_FIT: Stop = Stop::after(3, 1.0).without_renewals();
 
-/// Where a proposal's fit begins: the cheapest of some shares of its steps. `None` where a hidden effect
-/// leads nowhere.
+/// The cheapest of some shares of a proposal's step. `None` if a hidden effect has no useful one.
 #[must_use]
 pub fn cheapest(
     problem: &Problem,
     proposal: &Proposal,
     coefficients: &[usize],
     before: &Solution,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Solution> {
     let touched = touched(problem, proposal);
     let some = touched
         .as_ref()
-        .map(|part| (part, part.problem(problem), part.noise_model(by)));
+        .map(|part| (part, part.problem(problem), part.noise_model(noise)));
     let cost = |at: &Solution| match &some {
-        Some((part, problem, by)) => cost(problem, coefficients, &part.solution(at), by),
-        None => cost(problem, coefficients, at, by),
+        Some((part, problem, noise)) => cost(problem, coefficients, &part.solution(at), noise),
+        None => cost(problem, coefficients, at, noise),
     };
     let at = |share: f64| {
-        let begin = begin(problem, proposal, before, share);
-        (cost(&begin), begin)
+        let initial = after_steps(problem, proposal, before, share);
+        (cost(&initial), initial)
     };
     let cheaper = |a: &(f64, Solution), b: &(f64, Solution)| a.0.total_cmp(&b.0);
     if !proposal.hidden {
@@ -55,23 +53,23 @@ pub fn cheapest(
             .min_by(cheaper)
             .map(|best| best.1);
     }
-    // What is hidden tells its sign no more than its size. Small steps come first: where those lead
-    // nowhere, larger ones are hardly to be driven, which takes long.
-    let cost_ceiling = cost(before) + HOPELESS;
+    // A hidden effect's sign is as uncertain as its size. Small steps come first: after useless ones, larger steps
+    // hardly succeed and take long.
+    let cost_ceiling = cost(before) + MAX_EXCESS;
     let mut found = Vec::new();
     for sign in [1.0, -1.0] {
         for share in SHARES.iter().rev() {
-            let begin = at(sign * share);
-            if begin.0 > cost_ceiling {
+            let initial = at(sign * share);
+            if initial.0 > cost_ceiling {
                 break;
             }
-            found.push(begin);
+            found.push(initial);
         }
     }
     found.into_iter().min_by(cheaper).map(|best| best.1)
 }
 
-/// The stretches that what acts for some seconds reaches, where nothing else of the proposal changes the others.
+/// The segments that a time interval reaches, if the proposal changes no others.
 fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
     let (Some(Region::Time(at) | Region::Run(at)), true) = (
         &proposal.extent,
@@ -83,19 +81,24 @@ fn touched(problem: &Problem, proposal: &Proposal) -> Option<Subsample> {
     Subsample::within(problem, (at.recording, at.run), span)
 }
 
-/// A share of a proposal's steps away from what was before.
+/// A solution after a share of a proposal's step.
 #[must_use]
-pub fn begin(problem: &Problem, proposal: &Proposal, before: &Solution, share: f64) -> Solution {
-    let mut begin = before.clone();
-    let soil = begin.soil.iter_mut().zip(problem.soil_parameters());
+pub fn after_steps(
+    problem: &Problem,
+    proposal: &Proposal,
+    before: &Solution,
+    share: f64,
+) -> Solution {
+    let mut initial = before.clone();
+    let soil = initial.soil.iter_mut().zip(problem.soil_parameters());
     for ((value, parameter), step) in soil.zip(proposal.soil.iter()) {
         let (low, high) = parameter.bounds();
         *value = (*value + share * step).clamp(low, high);
     }
     for (coefficient, steps) in &proposal.steps {
-        let parameter = &problem.candidates.coefficients[*coefficient].parameter;
+        let parameter = &problem.candidates[*coefficient].parameter;
         let (low, high) = parameter.bounds();
-        for (recording, coefficients) in begin.coefficients.iter_mut().enumerate() {
+        for (recording, coefficients) in initial.coefficients.iter_mut().enumerate() {
             let step = steps
                 .get(recording)
                 .or(steps.get(0))
@@ -105,49 +108,48 @@ pub fn begin(problem: &Problem, proposal: &Proposal, before: &Solution, share: f
                 (coefficients[*coefficient] + share * step).clamp(low, high);
         }
     }
-    begin
+    initial
 }
 
-/// Where effects are proposed that have no derivative while they are off, as large as the catalogue expects
-/// them, and what one run of several has, as large as it was seen: the soil fitted beside that from the given one.
-/// The soil that re-tuning ended with imitates them; beside it, or freed at once, they would be turned off and stay
-/// there.
+/// Initial guess for effects without a derivative at "off" at the expected size, and for effects of one run at their
+/// screened size: the soil is fitted beside them from the given one. Beside the refitted soil, which imitates them,
+/// or freed at once, they would return to "off".
 #[must_use]
 pub fn settled(
     problem: &Problem,
     proposal: &Proposal,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Solution> {
     let of_a_run = matches!(proposal.extent, Some(Region::Run(_)));
     if !of_a_run && !is_unseen(problem, proposal) {
         return None;
     }
-    let begin = Solution {
-        coefficients: begin(problem, proposal, &before.solution, 1.0).coefficients,
-        ..problem.begin()
+    let initial = Solution {
+        coefficients: after_steps(problem, proposal, &before.solution, 1.0).coefficients,
+        ..problem.initial()
     };
     let stop = PARTIAL_FIT.without_renewals();
-    Some(beside(problem, proposal, begin, before, by, stop)?.solution)
+    Some(beside(problem, proposal, initial, before, noise, stop)?.solution)
 }
 
-/// Where effects are proposed that have no derivative while they are off: the likeliest place on the way from off
-/// to as large as the catalogue expects them, the soil following a little at each step. Re-tuning may have gone far to
-/// imitate them (a rigid wheel on soil of three times the stiffness for a tyre): then one step is too long, and so is
-/// the way from the given soil. `None` where the way leads up.
+/// Initial guess for effects without a derivative at "off" by continuation: the likeliest point between "off" and the
+/// expected size, the soil following at each step. The refit of the soil may have gone far to imitate them (a rigid
+/// wheel on soil of three times the stiffness for a tyre). Then one step is too long, and so is the way from the
+/// given soil. `None` if no step gains.
 #[must_use]
-pub fn walked(
+pub fn continued(
     problem: &Problem,
     proposal: &Proposal,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<Solution> {
     let mut at = before.solution.clone();
     let mut best: Option<FittedHypothesis> = None;
-    for step in 1..=WALK {
-        let share = f64::from(step) / f64::from(WALK);
-        at.coefficients = begin(problem, proposal, &before.solution, share).coefficients;
-        let Some(here) = beside(problem, proposal, at, before, by, STROLL) else {
+    for step in 1..=CONTINUATION_STEPS {
+        let share = f64::from(step) / f64::from(CONTINUATION_STEPS);
+        at.coefficients = after_steps(problem, proposal, &before.solution, share).coefficients;
+        let Some(here) = beside(problem, proposal, at, before, noise, CONTINUATION_FIT) else {
             break;
         };
         if here.negative_log_evidence - here.predicted_reduction
@@ -166,26 +168,20 @@ pub fn walked(
     best.map(|best| best.solution)
 }
 
-/// Whether it is hidden and has no derivative while it is off.
+/// Whether it is hidden and has no derivative at "off".
 #[must_use]
 pub fn is_unseen(problem: &Problem, proposal: &Proposal) -> bool {
     let mut own = proposal.coefficients.iter();
-    proposal.hidden
-        && own.any(|coefficient| {
-            problem.candidates.coefficients[*coefficient]
-                .secant
-                .is_some()
-        })
+    proposal.hidden && own.any(|coefficient| problem.candidates[*coefficient].secant.is_some())
 }
 
-/// The fit of everything else beside a proposal whose knobs are held where they begin. `None` where that cannot be
-/// driven.
+/// The fit of everything else beside held coefficients of a proposal. `None` if the model cannot follow it.
 fn beside(
     problem: &Problem,
     proposal: &Proposal,
-    begin: Solution,
+    initial: Solution,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     stop: Stop,
 ) -> Option<FittedHypothesis> {
     let coefficients = &problem.candidates.coefficients;
@@ -194,43 +190,43 @@ fn beside(
         if let Target::Model(parameter) = coefficients[*coefficient].target {
             let value = coefficients[*coefficient]
                 .parameter
-                .value(begin.coefficients[0][*coefficient]);
+                .value(initial.coefficients[0][*coefficient]);
             parameter.set(&mut held.nominal, value).ok()?;
         }
     }
-    let fitted = fit_until(&held, &before.coefficients, &begin, by, stop);
+    let fitted = fit_until(&held, &before.coefficients, &initial, noise, stop);
     fitted
         .ok()
         .filter(|fitted| fitted.negative_log_evidence.is_finite())
 }
 
-/// Where latencies are proposed: they are what comparing the curves tells. A search from zero may
-/// end where motions are matched with their neighbours.
+/// Initial guess for latencies: delays from cross-correlation. A search from zero may match motions with their
+/// neighbours.
 #[must_use]
 pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Option<Solution> {
-    let mut begin = before.clone();
-    let mut told = false;
+    let mut initial = before.clone();
+    let mut changed = false;
     for coefficient in &proposal.coefficients {
-        let Target::Sensor(sensor) = problem.candidates.coefficients[*coefficient].target else {
+        let Target::Sensor(sensor) = problem.candidates[*coefficient].target else {
             continue;
         };
-        let each = begin.coefficients.iter_mut().zip(&problem.late);
+        let each = initial.coefficients.iter_mut().zip(&problem.late);
         for ((values, late), recording) in each.zip(problem.recordings) {
             if !sensor.is_told_by(recording) {
                 continue;
             }
             values[*coefficient] += late[sensor.index()];
-            told |= late[sensor.index()] != 0.0;
+            changed |= late[sensor.index()] != 0.0;
         }
     }
-    told.then_some(begin)
+    changed.then_some(initial)
 }
 
-/// A hypothesis with the given soil in place of its own.
+/// A solution with the given soil.
 #[must_use]
 pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
     Solution {
-        soil: problem.begin().soil,
+        soil: problem.initial().soil,
         ..fit.solution.clone()
     }
 }
@@ -239,25 +235,20 @@ pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
 mod tests {
     use super::super::naming::{ANY, partial_fit, placed};
     use super::super::stage::Stage;
-    use super::super::stage::tests::refitted;
     use super::*;
     use crate::diagnosis::hypothesis::likelihood::LONG_PARTIAL_FIT;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::effects::{Effects, ParameterName};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::effects::ParameterName;
     use crate::terrain::Terrain;
     use crate::vehicle::{Specification, Vehicle};
 
     #[test]
     fn what_acts_for_some_seconds_changes_the_cost_of_the_stretches_there_alone() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let nominal = Specification::plain(Vehicle::tran2007(), soil);
+        let nominal = on("sandy_loam");
         let text = r#"{"drawbar": {"force": 400}, "window": {"effects": ["drawbar"], "time": [8.3, 11.9]}}"#;
-        let towing = Specification {
-            effects: Effects::from_json(text).unwrap(),
-            ..nominal.clone()
-        };
+        let towing = with_effects(&nominal, text);
         let recordings = [driven(&towing, "slalom")];
-        let (stage, by) = refitted(&nominal, &recordings);
+        let (stage, noise) = refitted(&nominal, &recordings);
         let for_some_seconds = |one: &&Proposal| matches!(one.extent, Some(Region::Time(_)));
         let proposal = stage.proposals.iter().find(for_some_seconds).unwrap();
         let problem = placed(&stage.problem, proposal).unwrap();
@@ -265,24 +256,24 @@ mod tests {
         assert!(part.places().len() < problem.segments.len());
         let (some, own, coefficients) = (
             part.problem(&problem),
-            part.noise_model(&by),
+            part.noise_model(&noise),
             &proposal.coefficients,
         );
         let elsewhere = SHARES.map(|share| {
-            let at = begin(&problem, proposal, &stage.fit.solution, share);
-            cost(&problem, coefficients, &at, &by)
+            let at = after_steps(&problem, proposal, &stage.fit.solution, share);
+            cost(&problem, coefficients, &at, &noise)
                 - cost(&some, coefficients, &part.solution(&at), &own)
         });
         let differs = |one: &f64| (one - elsewhere[0]).abs() > 1e-6 * elsewhere[0].abs();
         assert!(!elsewhere.iter().any(differs), "{elsewhere:?}");
     }
 
-    /// Share of what the best way gains.
+    /// Minimum share of the best gain.
     const MOST: f64 = 0.9;
 
     #[test]
     fn tyres_are_walked_to_where_re_tuning_went_far_to_imitate_them() {
-        // A light vehicle on hard clay: re-tuned, rigid wheels stand on soil of several times the stiffness.
+        // A light vehicle on hard clay: refitted, rigid wheels need soil of several times the stiffness.
         let vehicle = Vehicle {
             mass: 75.0,
             yaw_inertia: 6.9,
@@ -302,22 +293,22 @@ mod tests {
         truth.terrain.frictional_modulus /= 0.7;
         truth.terrain.shear_modulus *= 0.7;
         let recordings = ["slalom", "spiral"].map(|name| driven(&truth, name));
-        let (stage, by) = refitted(&nominal, &recordings);
+        let (stage, noise) = refitted(&nominal, &recordings);
         let tyres = |one: &&Proposal| one.hidden && one.subject.name() == "tyre_compliance";
         let proposal = stage.proposals.iter().find(tyres).unwrap();
         let Stage { problem, fit, .. } = &stage;
-        let found = partial_fit(problem, proposal, fit, &by, 1.0, ANY).unwrap();
+        let found = partial_fit(problem, proposal, fit, &noise, 1.0, ANY).unwrap();
         assert!(found.fit.negative_log_evidence < fit.negative_log_evidence - 1000.0);
-        let begin = walked(problem, proposal, fit, &by).unwrap();
-        let walked = fit_until(
+        let initial = continued(problem, proposal, fit, &noise).unwrap();
+        let continued = fit_until(
             problem,
             &proposal.coefficients,
-            &begin,
-            &by,
+            &initial,
+            &noise,
             LONG_PARTIAL_FIT,
         )
         .unwrap();
-        let gained = (fit.negative_log_evidence - walked.negative_log_evidence)
+        let gained = (fit.negative_log_evidence - continued.negative_log_evidence)
             / (fit.negative_log_evidence - found.fit.negative_log_evidence);
         assert!(gained > MOST, "{gained}");
     }

@@ -1,7 +1,7 @@
-//! One thing after another: what is missing, and what else.
+//! The search: accepts missing effects one by one.
 //!
-//! Each round looks at everything with what was found so far inside (step 7: what is left over after
-//! the winner decides whether the winner is adequate), and ends when nothing more is worth it.
+//! Each round screens everything beside the effects accepted so far, and the search ends when no further effect is
+//! worth it.
 
 pub mod accepted;
 pub mod choice;
@@ -21,8 +21,8 @@ pub mod view;
 pub mod wheels;
 
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, LONG_PARTIAL_FIT, fit_hypothesis, fit_on, fit_until, fit_with_noise,
-    own_noise,
+    FittedHypothesis, HELD, LONG_PARTIAL_FIT, continue_fit, fit_hypothesis, fit_until,
+    fit_with_noise, own_noise,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
@@ -38,124 +38,124 @@ use std::sync::Arc;
 use trial::try_all;
 use wheels::reconstructed;
 
-/// Where the search ended.
+/// The result of a search.
 #[derive(Debug)]
-pub struct Searched<'a> {
+pub struct SearchResult<'a> {
     /// The given model.
     pub problem: Problem<'a>,
     /// Noise and weights.
-    pub by: NoiseModel,
-    /// The re-tuned model under the same noise.
+    pub noise: NoiseModel,
+    /// The refitted model under the final noise.
     pub refitted: FittedHypothesis,
-    /// The model with everything found.
+    /// The augmented model.
     pub augmented: FittedHypothesis,
-    /// The given model with the places of what was found.
+    /// The given model with the regions of the accepted effects.
     pub placed: Problem<'a>,
-    /// What was found.
+    /// The accepted effects.
     pub accepted: Vec<AcceptedEffect>,
-    /// What was fitted and not taken in the last round, with log Bayes factors and priors.
+    /// Log odds of the candidates rejected in the last round.
     pub refused: Vec<(Subject, f64)>,
-    /// Held-out gains of what was fitted first, by subject.
+    /// Held-out gains of the candidates of the first round.
     pub gains: Vec<(Subject, (f64, f64))>,
-    /// Whether there is enough to hold some of it out; without that nothing is named.
+    /// Whether there is a held-out score; without it nothing is accepted.
     pub tested: bool,
-    /// Whether there was time to fit everything that may be missing.
+    /// Whether all candidates were fitted within the time limit.
     pub tried: bool,
-    /// Under the re-tuned model.
+    /// The screening of the refitted model.
     pub first: Arc<Screening>,
-    /// With everything found.
+    /// The screening of the augmented model.
     pub last: Arc<Screening>,
 }
 
-impl Searched<'_> {
-    /// Back to the re-tuned model: what was found predicts worse what it was not fitted to, so it is
-    /// no likelier than nothing.
+impl SearchResult<'_> {
+    /// Returns to the refitted model: the accepted effects predict held-out data worse, so they are no likelier than
+    /// "nothing".
     pub fn withdraw(&mut self) {
-        for accepted_effect in self.accepted.drain(..) {
-            self.refused.extend(accepted_effect.rivals);
+        for effect in self.accepted.drain(..) {
+            self.refused.extend(effect.rivals);
         }
         for (_, odds) in &mut self.refused {
             *odds = odds.min(0.0);
         }
-        self.by = own_noise(&self.problem, &self.refitted, &self.by);
-        // Its intervals are those of the noise that is told.
-        self.refitted = fit_on(&self.problem, &self.refitted, &self.by, HELD);
+        self.noise = own_noise(&self.problem, &self.refitted, &self.noise);
+        // The reported intervals belong to this noise.
+        self.refitted = continue_fit(&self.problem, &self.refitted, &self.noise, HELD);
         self.augmented = self.refitted.clone();
         self.placed = self.problem.clone();
         self.last = Arc::clone(&self.first);
     }
 }
 
-/// The fit of the soil is repeated where that gains so much \[log odds\], so many times at most.
+/// The fit of the soil is repeated if that gains this much \[log odds\], and at most this often.
 const STUCK: f64 = 5.0;
 const AGAIN: usize = 2;
 
-/// Searches. From the first look on there is an answer: where the search has to end, it ends with what was found.
+/// Searches for missing effects. From the first screening on there is an answer: at the deadline the search returns it.
 ///
 /// # Errors
-/// A model that cannot even begin, numbers that are not finite, no time for a first look.
+/// A model that cannot follow the recordings, numbers that are not finite, a stop, or no time for a first screening.
 pub fn search<'a>(
     problem: &Problem<'a>,
-    mut by: NoiseModel,
+    mut noise: NoiseModel,
     options: &Options,
     progress: &'a Progress,
-) -> Result<Searched<'a>, DiagnosisError> {
-    progress.step("re-tuning the soil")?;
-    let begin = problem.begin();
+) -> Result<SearchResult<'a>, DiagnosisError> {
+    progress.step("refitting the soil")?;
+    let initial = problem.initial();
     let undrivable = |error| progress.failure(error);
-    let refitted = fit_with_noise(problem, &[], &begin, &mut by).map_err(undrivable)?;
+    let refitted = fit_with_noise(problem, &[], &initial, &mut noise).map_err(undrivable)?;
     progress.in_time(problem.deadline)?;
-    let (mut problem, refitted) = reconstructed(problem, refitted, &mut by, progress);
+    let (mut problem, refitted) = reconstructed(problem, refitted, &mut noise, progress);
     progress.in_time(problem.deadline)?;
-    problem.tolerate(&by);
-    let mut stage = screen(problem.clone(), refitted, &mut by, options, progress)?;
+    problem.tolerate(&noise);
+    let mut stage = screen(problem.clone(), refitted, &mut noise, options, progress)?;
     stage.problem.deadline = progress.search_deadline();
-    // To fall back on where there is no time to fit it under the noise at the end.
+    // The fallback if no time remains to fit it under the final noise.
     let known = progress.limit().map(|_| stage.fit.clone());
-    progress.step("naming")?;
-    let mut fitted = try_all(&stage, &by, progress)?;
+    progress.step("fitting candidates")?;
+    let mut fitted = try_all(&stage, &noise, progress)?;
     for _ in 0..AGAIN {
         if progress.is_late() {
             break;
         }
-        let Some(better) = unstuck(&stage, &fitted, &by) else {
+        let Some(better) = unstuck(&stage, &fitted, &noise) else {
             break;
         };
-        match screen(stage.problem.clone(), better, &mut by, options, progress) {
+        match screen(stage.problem.clone(), better, &mut noise, options, progress) {
             Err(DiagnosisError::OutOfTime) => break,
             screening => stage = screening?,
         }
-        progress.step("naming")?;
-        fitted = try_all(&stage, &by, progress)?;
+        progress.step("fitting candidates")?;
+        fitted = try_all(&stage, &noise, progress)?;
     }
     let first = Arc::clone(&stage.screening);
     let tested = stage.scores.is_some();
     let baseline = stage.fit.solution.clone();
     let gain = |n: &FittedCandidate| Some((n.proposal.subject, held_out_gain(n, &stage)?));
     let gains = fitted.iter().filter_map(gain).collect();
-    let path = Path::new(stage, by).explored(fitted, options, progress)?;
+    let path = Path::new(stage, noise).explored(fitted, options, progress)?;
     let Path {
         mut stage,
-        by,
+        noise,
         accepted,
         refused,
         ..
     } = path;
     let tried = !progress.was_late();
     stage.problem.deadline = problem.deadline;
-    let again = tune_again(&problem, &baseline, &stage.fit.solution, &by);
+    let again = refit_soil(&problem, &baseline, &stage.fit.solution, &noise);
     let refitted = match (again, known) {
-        (Err(PredictionError::OutOfTime), Some(known)) => fit_on(
+        (Err(PredictionError::OutOfTime), Some(known)) => continue_fit(
             &problem,
             &known,
-            &by,
+            &noise,
             Stop::after(0, 0.0).without_renewals(),
         ),
         (again, _) => again.map_err(undrivable)?,
     };
-    Ok(Searched {
+    Ok(SearchResult {
         problem,
-        by,
+        noise,
         refitted,
         placed: stage.problem,
         augmented: stage.fit,
@@ -169,31 +169,43 @@ pub fn search<'a>(
     })
 }
 
-/// The re-tuned model from where the likeliest of what was fitted beside it ended, without that: re-tuning may
-/// have stuck on the way there. `None` where it is no better.
-fn unstuck(stage: &Stage, fitted: &[FittedCandidate], by: &NoiseModel) -> Option<FittedHypothesis> {
+/// The soil refitted from where the likeliest candidate's fit ended, without the candidate: the first fit may be in a
+/// local optimum. `None` if it is no better.
+fn unstuck(
+    stage: &Stage,
+    fitted: &[FittedCandidate],
+    noise: &NoiseModel,
+) -> Option<FittedHypothesis> {
     let best = fitted.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
     if best.gain < STUCK {
         return None;
     }
-    let mut begin = best.fit.solution.clone();
-    begin.take(&best.proposal.coefficients, &stage.fit.solution);
+    let mut initial = best.fit.solution.clone();
+    initial.take(&best.proposal.coefficients, &stage.fit.solution);
     let coefficients = &stage.fit.coefficients;
-    let again = fit_until(&stage.problem, coefficients, &begin, by, LONG_PARTIAL_FIT).ok()?;
+    let again = fit_until(
+        &stage.problem,
+        coefficients,
+        &initial,
+        noise,
+        LONG_PARTIAL_FIT,
+    )
+    .ok()?;
     (again.negative_log_evidence < stage.fit.negative_log_evidence - STUCK).then_some(again)
 }
 
-/// The re-tuned model under the noise and weights at the end, its starts as they have become. On
-/// some soils not every start can be driven: then those that it had.
-fn tune_again(
+/// The refitted model under the final noise and weights, from the final starts, or from the earlier ones if the model
+/// cannot follow those.
+fn refit_soil(
     problem: &Problem,
     baseline: &Solution,
     last: &Solution,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Result<FittedHypothesis, PredictionError> {
-    let mut begin = back(problem, last);
-    begin.soil.clone_from(&baseline.soil);
-    fit_hypothesis(problem, &[], &begin, by).or_else(|_| fit_hypothesis(problem, &[], baseline, by))
+    let mut initial = back(problem, last);
+    initial.soil.clone_from(&baseline.soil);
+    fit_hypothesis(problem, &[], &initial, noise)
+        .or_else(|_| fit_hypothesis(problem, &[], baseline, noise))
 }
 
 /// A solution with every effect off.
@@ -201,7 +213,7 @@ fn back(problem: &Problem, solution: &Solution) -> Solution {
     let mut back = solution.clone();
     for recording in &mut back.coefficients {
         for (value, coefficient) in recording.iter_mut().zip(&problem.candidates.coefficients) {
-            *value = coefficient.parameter.prior_coordinate();
+            *value = coefficient.off();
         }
     }
     back
@@ -209,19 +221,14 @@ fn back(problem: &Problem, solution: &Solution) -> Solution {
 
 #[cfg(test)]
 mod tests {
-    use super::stage::tests::refitted;
     use super::*;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
+    use crate::diagnosis::testing::{driven, on, refitted};
 
     #[test]
     fn re_tuning_begins_again_where_another_way_led_further() {
-        let on =
-            |soil: &str| Specification::plain(Vehicle::tran2007(), Terrain::preset(soil).unwrap());
         let recordings = [driven(&on("sandy_loam"), "spiral")];
         let nominal = on("dry_sand");
-        let (mut stage, by) = refitted(&nominal, &recordings);
+        let (mut stage, noise) = refitted(&nominal, &recordings);
         let problem = stage.problem.clone();
         let proposal = stage.proposals.first().cloned().unwrap();
         let gain = 10.0 * STUCK;
@@ -232,15 +239,15 @@ mod tests {
             proposal,
             gain,
         };
-        // As well as it can be: nothing to begin again for.
-        assert!(unstuck(&stage, std::slice::from_ref(&beside), &by).is_none());
-        // Stuck where it began.
+        // Already optimal: no reason to repeat.
+        assert!(unstuck(&stage, std::slice::from_ref(&beside), &noise).is_none());
+        // Not moved from the initial guess.
         let still = Stop::after(0, 0.0);
-        stage.fit = fit_until(&problem, &[], &problem.begin(), &by, still).unwrap();
+        stage.fit = fit_until(&problem, &[], &problem.initial(), &noise, still).unwrap();
         assert!(stage.fit.negative_log_evidence > beside.fit.negative_log_evidence + STUCK);
-        let found = unstuck(&stage, std::slice::from_ref(&beside), &by).unwrap();
+        let found = unstuck(&stage, std::slice::from_ref(&beside), &noise).unwrap();
         assert!((found.negative_log_evidence - beside.fit.negative_log_evidence).abs() < 1.0);
-        // What gains nothing does not tell of another way.
+        // A candidate without gain is no better way.
         assert!(
             unstuck(
                 &stage,
@@ -248,7 +255,7 @@ mod tests {
                     gain: 0.0,
                     ..beside
                 }],
-                &by
+                &noise
             )
             .is_none()
         );

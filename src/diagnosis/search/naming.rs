@@ -1,12 +1,11 @@
-//! Step 6: what it is called.
+//! Full fits of proposals.
 //!
-//! The best few candidates of the screen, of the box scan and of the laws are fitted in full, each
-//! beside what was found before; the one with the largest evidence is taken where that outweighs
-//! chance and predicts better what it was not fitted to (blocked cross-validation, see
-//! `held_out`). Then everything is looked at anew with it inside (step 7, `search`).
+//! The best few candidates of the screen, of the box scan and of the residual models are fitted in full beside the
+//! accepted effects. The one with the largest log odds is accepted if it exceeds the threshold and predicts held-out
+//! data no worse (blocked cross-validation, see `held_out`). Then everything is screened again beside it.
 
 use super::initial_guess::{
-    LOST, begin, cheapest, compared, is_unseen, on_given_soil, settled, walked,
+    LOST, after_steps, cheapest, compared, continued, is_unseen, on_given_soil, settled,
 };
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
@@ -20,18 +19,18 @@ use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
 use crate::fit::segment::CLOCK;
 
-/// Two fits of the same thing that are so close have come to one place.
+/// Two fits of one proposal this close are at one optimum.
 const TWINS: f64 = 1.0;
-/// A fit that comes to less than this share of what the linearised problem promises has lost its way as well.
+/// A fit with less than this share of the predicted gain has failed as well.
 const SHORT: f64 = 0.5;
 
-/// Log odds that every fit is of use for.
+/// A threshold of log odds that every fit exceeds.
 #[cfg(test)]
 pub const ANY: f64 = f64::NEG_INFINITY;
-/// What priors and determinants may differ by between two hypotheses, in units of the log evidence.
+/// Difference of priors and determinants between two hypotheses, in log evidence.
 const UNSURE: f64 = 15.0;
 
-/// A proposal fitted in full beside what was found before.
+/// A proposal fitted in full beside the accepted effects.
 #[derive(Debug, Clone)]
 pub struct FittedCandidate<'a> {
     /// What was proposed.
@@ -53,7 +52,7 @@ impl FittedCandidate<'_> {
         self.gain + self.proposal.log_prior()
     }
 
-    /// One that was not finished: nothing can be named by it, and it is no likelier than the likeliest that was.
+    /// An unfinished candidate: it cannot be accepted, and is no likelier than the likeliest finished one.
     #[must_use]
     pub fn behind(self, likeliest: f64) -> Self {
         Self {
@@ -64,7 +63,7 @@ impl FittedCandidate<'_> {
     }
 }
 
-/// A proposal whose fit beside what is on has begun.
+/// A proposal after the first steps of its fit.
 #[derive(Debug)]
 pub struct PartialFit<'a> {
     /// What was proposed.
@@ -75,11 +74,11 @@ pub struct PartialFit<'a> {
     pub(super) fit: FittedHypothesis,
     /// Log Bayes factor against the hypothesis without it, as far as it has come.
     pub(super) gain: f64,
-    /// By how much it was scaled up, where the fit is to a part of the recording.
+    /// Factor of the gain, if the fit is to a subsample.
     pub(super) scale: f64,
 }
 
-/// When the first steps of a proposal's fit end.
+/// The end of a proposal's first steps.
 pub fn first_steps(proposal: &Proposal) -> Stop {
     if proposal.hidden || proposal.anew {
         LONG_PARTIAL_FIT
@@ -89,7 +88,7 @@ pub fn first_steps(proposal: &Proposal) -> Stop {
 }
 
 impl<'a> PartialFit<'a> {
-    /// A fit that has begun beside what was found before.
+    /// A partial fit beside the accepted effects.
     pub fn new(
         proposal: &Proposal,
         problem: &Problem<'a>,
@@ -111,7 +110,7 @@ impl<'a> PartialFit<'a> {
         self.gain + self.proposal.log_prior()
     }
 
-    /// Whether it is the same thing as another, fitted as far.
+    /// Whether it is the same proposal at the same optimum.
     #[must_use]
     pub fn is_twin_of(&self, other: &Self) -> bool {
         (self.proposal.subject, &self.proposal.extent)
@@ -119,13 +118,13 @@ impl<'a> PartialFit<'a> {
             && (self.odds() - other.odds()).abs() < TWINS * self.scale
     }
 
-    /// The same with what the next step promises: so far it may come.
+    /// Log odds after the predicted gain of the next step.
     #[must_use]
     pub fn promise(&self) -> f64 {
         self.odds() + self.fit.predicted_reduction
     }
 
-    /// As it stands, as likely as it promises.
+    /// The unfinished candidate with its predicted odds.
     pub fn unfinished(self) -> FittedCandidate<'a> {
         FittedCandidate {
             gain: self.promise() - self.proposal.log_prior(),
@@ -137,19 +136,19 @@ impl<'a> PartialFit<'a> {
     }
 }
 
-/// Takes the first steps of fitting a proposal to this share of the recordings, as far as it is likely to come to the
-/// least log odds there that are of use. `None` where the model cannot drive with it.
+/// First steps of a proposal's fit to this share of the recordings, as long as it may reach `min_odds` there. `None`
+/// if the model cannot follow it.
 #[must_use]
 pub fn partial_fit<'a>(
     problem: &Problem<'a>,
     proposal: &Proposal,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
     share: f64,
-    least: f64,
+    min_odds: f64,
 ) -> Option<PartialFit<'a>> {
-    // A knob costs evidence besides what it gains.
-    let useful = before.misfit - (least + proposal.price - proposal.log_prior());
+    // Coefficients cost evidence besides their gain.
+    let useful = before.misfit - (min_odds + proposal.price - proposal.log_prior());
     let useful = 2.0 * (useful + UNSURE);
     let problem = placed(problem, proposal)?;
     let mut coefficients = before.coefficients.clone();
@@ -160,19 +159,19 @@ pub fn partial_fit<'a>(
             proposal,
             &coefficients,
             &on_given_soil(&problem, before),
-            by,
+            noise,
         )
     } else {
-        cheapest(&problem, proposal, &coefficients, &before.solution, by)
+        cheapest(&problem, proposal, &coefficients, &before.solution, noise)
     };
     let stop = first_steps(proposal).unless_above(useful);
-    // What comparing curves tells costs much before the starts have followed: it has a fit of its own.
-    let initial_guess = cheapest
+    // Delays from cross-correlation cost much until the starts follow: they have a separate fit.
+    let initials = cheapest
         .into_iter()
         .chain(compared(&problem, proposal, &before.solution))
-        .chain(settled(&problem, proposal, before, by));
-    let each = initial_guess.filter_map(|begin| {
-        let fit = fit_until(&problem, &coefficients, &begin, by, stop);
+        .chain(settled(&problem, proposal, before, noise));
+    let each = initials.filter_map(|initial| {
+        let fit = fit_until(&problem, &coefficients, &initial, noise, stop);
         fit.ok().filter(|fit| fit.negative_log_evidence.is_finite())
     });
     let likelier = |a: &FittedHypothesis, b: &FittedHypothesis| {
@@ -186,32 +185,32 @@ pub fn partial_fit<'a>(
         before.negative_log_evidence - fit.negative_log_evidence + fit.predicted_reduction
             < predicted_reduction - LOST
     };
-    let also = |fit: Option<FittedHypothesis>, begin: &Solution| {
+    let also = |fit: Option<FittedHypothesis>, initial: &Solution| {
         let other = fit_until(
             &problem,
             &coefficients,
-            begin,
-            by,
+            initial,
+            noise,
             LONG_PARTIAL_FIT.unless_above(useful),
         )
         .ok();
         fit.into_iter().chain(other).min_by(likelier)
     };
-    // Where no way led, in small steps from off.
+    // After failures: continuation from "off".
     if is_unseen(&problem, proposal)
         && fit.as_ref().is_none_or(lost)
-        && let Some(begin) = walked(&problem, proposal, before, by)
+        && let Some(initial) = continued(&problem, proposal, before, noise)
     {
-        fit = also(fit, &begin);
+        fit = also(fit, &initial);
     }
     if !proposal.hidden && fit.as_ref().is_none_or(lost) {
-        // Without it things were better: from there, then.
+        // Without the proposal the cost was lower: from there.
         fit = also(fit, &before.solution);
     }
     if !proposal.hidden && fit.as_ref().is_none_or(short) {
-        // A small step may cost less before the starts have followed, and lead elsewhere, and soil that follows
-        // may be more than the vehicle can drive on.
-        let coefficients = begin(&problem, proposal, &before.solution, 1.0).coefficients;
+        // A small step may cost less until the starts follow, and lead elsewhere; and the vehicle may not move on the
+        // following soil.
+        let coefficients = after_steps(&problem, proposal, &before.solution, 1.0).coefficients;
         let rest = before.solution.clone();
         fit = also(
             fit,
@@ -230,42 +229,48 @@ pub fn partial_fit<'a>(
 pub fn finish<'a>(
     partial_fit: PartialFit<'a>,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> Option<FittedCandidate<'a>> {
     let PartialFit {
         proposal, problem, ..
     } = partial_fit;
-    let fit = fit_restarted(&problem, &partial_fit.fit, by);
-    let without = negative_log_evidence_without(&problem, &proposal, &fit, before, by);
+    let fit = fit_restarted(&problem, &partial_fit.fit, noise);
+    let without = negative_log_evidence_without(&problem, &proposal, &fit, before, noise);
     Some(FittedCandidate {
         gain: without - fit.negative_log_evidence - proposal.price,
-        scores: scores(&problem, &fit, by),
+        scores: scores(&problem, &fit, noise),
         proposal,
         problem,
         fit,
     })
 }
 
-/// Minus the log evidence without a proposal. One that began far off may have come to a better soil, which
-/// is not its merit: then also from where it ended.
+/// Negative log evidence without a proposal. A fit from afar may have reached a better soil, which is not the
+/// proposal's merit: then also from where it ended.
 fn negative_log_evidence_without(
     problem: &Problem,
     proposal: &Proposal,
     fit: &FittedHypothesis,
     before: &FittedHypothesis,
-    by: &NoiseModel,
+    noise: &NoiseModel,
 ) -> f64 {
     if !proposal.hidden && !proposal.anew {
         return before.negative_log_evidence;
     }
-    let mut begin = fit.solution.clone();
-    begin.take(&proposal.coefficients, &before.solution);
-    let without = fit_until(problem, &before.coefficients, &begin, by, LONG_PARTIAL_FIT);
+    let mut initial = fit.solution.clone();
+    initial.take(&proposal.coefficients, &before.solution);
+    let without = fit_until(
+        problem,
+        &before.coefficients,
+        &initial,
+        noise,
+        LONG_PARTIAL_FIT,
+    );
     let negative_log_evidence = without.map_or(f64::INFINITY, |fit| fit.negative_log_evidence);
     before.negative_log_evidence.min(negative_log_evidence)
 }
 
-/// The given model with the place where a proposal acts. `None` where it cannot act there.
+/// The given model with a proposal's region. `None` if it cannot act there.
 #[must_use]
 pub fn placed<'a>(problem: &Problem<'a>, proposal: &Proposal) -> Option<Problem<'a>> {
     let mut problem = problem.clone();
@@ -275,7 +280,7 @@ pub fn placed<'a>(problem: &Problem<'a>, proposal: &Proposal) -> Option<Problem<
     let mut effects: Vec<usize> = proposal
         .coefficients
         .iter()
-        .map(|coefficient| problem.candidates.coefficients[*coefficient].effect)
+        .map(|coefficient| problem.candidates[*coefficient].effect)
         .collect();
     effects.sort_unstable();
     effects.dedup();

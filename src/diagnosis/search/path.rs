@@ -1,12 +1,11 @@
-//! The way from the re-tuned model to one with everything in it that is missing: one thing after another.
+//! The path from the refitted model to the augmented one, one effect after another.
 //!
-//! Of a long recording, what else is missing besides the first thing is sought on a part, unless the first thing
-//! acts at some time or place only. Then everything is looked at once more on all of it, which
-//! decides what is left out again and what else there is.
+//! In a long recording, further effects are searched on a subsample, unless the first one is local. Then everything
+//! is screened once more on the whole recording, which decides what is removed and what else is accepted.
 
 use super::accepted::{AcceptedEffect, NOTHING};
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
-use super::edges::settle_under_own_noise;
+use super::edges::refine_under_own_noise;
 use super::naming::FittedCandidate;
 use super::proposal::{Proposal, ProposalKind};
 use super::prune::{prune, without};
@@ -14,58 +13,58 @@ use super::stage::{Stage, screen_again};
 use super::trial::try_all;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, fit_hypothesis, fit_on, fit_with_noise,
+    FittedHypothesis, HELD, continue_fit, fit_hypothesis, fit_with_noise,
 };
 use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::problem::NoiseModel;
 
-/// Rounds at most.
+/// Maximum number of rounds.
 const ROUNDS: usize = 4;
 
-/// A hypothesis with what was found on the way to it.
+/// A hypothesis with the effects accepted on the way to it.
 #[derive(Debug, Clone)]
 pub struct Path<'a> {
     /// The hypothesis.
     pub stage: Stage<'a>,
     /// Noise and weights.
-    pub by: NoiseModel,
-    /// What was found.
+    pub noise: NoiseModel,
+    /// The accepted effects.
     pub accepted: Vec<AcceptedEffect>,
-    /// What was fitted and not taken in the last round, with log Bayes factors and priors.
+    /// Log odds of the candidates rejected in the last round.
     pub refused: Vec<(Subject, f64)>,
-    reach: Reach<'a>,
+    scope: Scope<'a>,
 }
 
-/// How much of the recordings the next steps take.
+/// The segments that the next steps use.
 #[derive(Debug, Clone)]
-enum Reach<'a> {
+enum Scope<'a> {
     /// All.
     Whole,
-    /// After the next finding a part.
+    /// A subsample after the next accepted effect.
     Narrowing(Subsample),
-    /// A part; what was found first on all.
+    /// A subsample; with the first effect's fit to all segments.
     Narrowed(Subsample, Box<(Problem<'a>, FittedHypothesis, NoiseModel)>),
 }
 
 impl<'a> Path<'a> {
-    /// Nothing found yet.
+    /// A path without accepted effects.
     #[must_use]
-    pub fn new(stage: Stage<'a>, by: NoiseModel) -> Self {
+    pub fn new(stage: Stage<'a>, noise: NoiseModel) -> Self {
         Self {
             stage,
-            by,
+            noise,
             accepted: Vec::new(),
             refused: Vec::new(),
-            reach: Reach::Whole,
+            scope: Scope::Whole,
         }
     }
 
-    /// Goes to the end, by names and by what is likeliest first where both may lead on. `fitted` is what was
-    /// fitted beside the start.
+    /// Follows the path to its end, by effects of the catalogue and by the likeliest first if both may lead on. `fitted`
+    /// are the fits beside the start.
     ///
     /// # Errors
-    /// Numbers that are not finite, a hypothesis that cannot be driven again.
+    /// Numbers that are not finite, a hypothesis that the model cannot follow again.
     pub fn explored(
         mut self,
         fitted: Vec<FittedCandidate<'a>>,
@@ -73,35 +72,35 @@ impl<'a> Path<'a> {
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
         let firsts = [Prefer::Nothing, Prefer::Names].map(|p| choose(&fitted, &self.stage, p));
-        let throughout = |named: &&FittedCandidate| named.proposal.kind() != ProposalKind::Local;
+        let throughout =
+            |candidate: &&FittedCandidate| candidate.proposal.kind() != ProposalKind::Local;
         if firsts.iter().flatten().all(throughout)
             && let Some(part) = Subsample::of(&self.stage.problem)
         {
-            self.reach = Reach::Narrowing(part);
+            self.scope = Scope::Narrowing(part);
         }
         let walk = |start: Self, fitted, first| start.walk(fitted, first, options, progress);
         let mut path = if worth_two_ways(&fitted, &self.stage) && !progress.is_late() {
-            let named = walk(self.clone(), fitted.clone(), Prefer::Names)?;
-            walk(self, fitted, Prefer::Nothing)?.or(named)
+            let candidate = walk(self.clone(), fitted.clone(), Prefer::Names)?;
+            walk(self, fitted, Prefer::Nothing)?.or(candidate)
         } else {
             walk(self, fitted, Prefer::Nothing)?
         };
-        let law =
-            |accepted_effect: &AcceptedEffect| accepted_effect.proposal.kind() == ProposalKind::Law;
-        if let Some(law) = path.accepted.iter().position(law)
+        let residual_model =
+            |effect: &AcceptedEffect| effect.proposal.kind() == ProposalKind::ResidualModel;
+        if let Some(residual_model) = path.accepted.iter().position(residual_model)
             && path.accepted.len() > 1
             && !progress.is_late()
-            && let Some(renamed) = path.renamed(law, options, progress)?
+            && let Some(renamed) = path.renamed(residual_model, options, progress)?
         {
             path = path.or(renamed);
         }
         path.widened(options, progress)?
-            .settled(options, progress)?
+            .rescreened_under_final_noise(options, progress)?
             .exchanged(options, progress)
     }
 
-    /// Takes one thing after another, what was fitted beside the start first, and leaves out what
-    /// is not needed in the end.
+    /// Accepts one effect after another, from the given fits first, and removes redundant ones in the end.
     fn walk(
         mut self,
         mut fitted: Vec<FittedCandidate<'a>>,
@@ -114,36 +113,34 @@ impl<'a> Path<'a> {
                 self.refused = self.rivals(&fitted);
                 break;
             };
-            settle_under_own_noise(&mut best, &self.by);
+            refine_under_own_noise(&mut best, &self.noise);
             self.accepted.push(AcceptedEffect {
                 proposal: best.proposal,
-                gain: self.on_all(best.gain),
+                gain: self.on_whole(best.gain),
                 rivals: self.rivals(&fitted),
             });
             let (placed, fit) = self.narrowed(best.problem, best.fit);
-            self.stage = self.looked_at(placed, fit, options, progress)?;
-            fitted = self.what_else(progress)?;
+            self.stage = self.rescreened(placed, fit, options, progress)?;
+            fitted = self.further_candidates(progress)?;
         }
-        progress.step("what can be left out again")?;
-        let ratio = self.on_all(1.0);
+        progress.step("removing redundant effects")?;
+        let ratio = self.on_whole(1.0);
         let (before, coefficients) = (self.accepted.clone(), self.stage.fit.coefficients.clone());
-        prune(&mut self.stage, &mut self.accepted, &self.by, ratio);
+        prune(&mut self.stage, &mut self.accepted, &self.noise, ratio);
         if self.accepted.is_empty() {
-            let rivals = before
-                .into_iter()
-                .flat_map(|accepted_effect| accepted_effect.rivals);
+            let rivals = before.into_iter().flat_map(|effect| effect.rivals);
             let refused = rivals.map(|(subject, odds)| (subject, odds.min(0.0)));
             self.refused.extend(refused);
         }
         if self.stage.fit.coefficients != coefficients {
             let Stage { problem, fit, .. } = self.stage.clone();
-            self.stage = self.looked_at(problem, fit, options, progress)?;
+            self.stage = self.rescreened(problem, fit, options, progress)?;
         }
         Ok(self)
     }
 
-    /// A hypothesis with what is seen beside it.
-    fn looked_at(
+    /// A hypothesis, screened again.
+    fn rescreened(
         &mut self,
         problem: Problem<'a>,
         fit: FittedHypothesis,
@@ -151,97 +148,96 @@ impl<'a> Path<'a> {
         progress: &Progress,
     ) -> Result<Stage<'a>, DiagnosisError> {
         let before = &self.stage.screening;
-        screen_again(before, problem, fit, &mut self.by, options, progress)
+        screen_again(before, problem, fit, &mut self.noise, options, progress)
     }
 
-    /// How many things may be found. Of what is found on a part, all of it has a word as well.
+    /// Maximum number of effects. Those from a subsample leave one for the whole recording.
     fn rounds(&self) -> usize {
-        match self.reach {
-            Reach::Whole | Reach::Narrowing(_) => ROUNDS,
-            Reach::Narrowed(..) => ROUNDS - 1,
+        match self.scope {
+            Scope::Whole | Scope::Narrowing(_) => ROUNDS,
+            Scope::Narrowed(..) => ROUNDS - 1,
         }
     }
 
-    /// What was fitted, with log odds.
+    /// Log odds of fitted candidates.
     fn rivals(&self, fitted: &[FittedCandidate]) -> Vec<(Subject, f64)> {
-        let odds = |named: &FittedCandidate| self.on_all(sound_odds(named, &self.stage));
+        let odds = |candidate: &FittedCandidate| self.on_whole(sound_odds(candidate, &self.stage));
         let rivals = fitted.iter();
         rivals
-            .map(|named| (named.proposal.subject, odds(named)))
+            .map(|candidate| (candidate.proposal.subject, odds(candidate)))
             .collect()
     }
 
-    /// Log odds on a part as all tells them.
-    fn on_all(&self, odds: f64) -> f64 {
-        match &self.reach {
-            Reach::Narrowed(part, _) => odds * part.ratio(),
-            Reach::Whole | Reach::Narrowing(_) => odds,
+    /// Log odds of a subsample, scaled to all segments.
+    fn on_whole(&self, odds: f64) -> f64 {
+        match &self.scope {
+            Scope::Narrowed(part, _) => odds * part.ratio(),
+            Scope::Whole | Scope::Narrowing(_) => odds,
         }
     }
 
-    /// Fits what may be missing beside what was found; nothing where no more may be found, or time is up.
-    fn what_else(
+    /// Fits further candidates; none at the limit of rounds or time.
+    fn further_candidates(
         &mut self,
         progress: &'a Progress,
     ) -> Result<Vec<FittedCandidate<'a>>, DiagnosisError> {
         if self.accepted.len() >= self.rounds() || progress.is_late() {
             return Ok(Vec::new());
         }
-        progress.step("what else")?;
-        if let Reach::Narrowed(..) = self.reach {
-            // What acts for some seconds only may lie between the stretches.
+        progress.step("fitting further candidates")?;
+        if let Scope::Narrowed(..) = self.scope {
+            // Effects of some seconds may lie between the segments.
             let proposals = &mut self.stage.proposals;
             proposals.retain(|proposal| proposal.kind() != ProposalKind::Local);
         }
-        try_all(&self.stage, &self.by, progress)
+        try_all(&self.stage, &self.noise, progress)
     }
 
-    /// What was found first, on a part where that is to be gone on with; noise and weights move along.
+    /// The first accepted effect on the subsample, with its noise and weights.
     fn narrowed(
         &mut self,
         problem: Problem<'a>,
         fit: FittedHypothesis,
     ) -> (Problem<'a>, FittedHypothesis) {
-        let Reach::Narrowing(part) = &self.reach else {
+        let Scope::Narrowing(part) = &self.scope else {
             return (problem, fit);
         };
         if problem.deadline.is_over() {
-            self.reach = Reach::Whole;
+            self.scope = Scope::Whole;
             return (problem, fit);
         }
-        let (some, by) = (part.problem(&problem), part.noise_model(&self.by));
-        let begin = part.solution(&fit.solution);
-        let Ok(narrow) = fit_hypothesis(&some, &fit.coefficients, &begin, &by) else {
-            self.reach = Reach::Whole;
+        let (some, noise) = (part.problem(&problem), part.noise_model(&self.noise));
+        let initial = part.solution(&fit.solution);
+        let Ok(narrow) = fit_hypothesis(&some, &fit.coefficients, &initial, &noise) else {
+            self.scope = Scope::Whole;
             return (problem, fit);
         };
-        let whole = std::mem::replace(&mut self.by, by);
-        self.reach = Reach::Narrowed(part.clone(), Box::new((problem, fit, whole)));
+        let whole = std::mem::replace(&mut self.noise, noise);
+        self.scope = Scope::Narrowed(part.clone(), Box::new((problem, fit, whole)));
         (some, narrow)
     }
 
-    /// Goes on with all of the recordings where it was on a part of them. What they cannot be driven with is
-    /// dropped, but for what was found on all.
+    /// Continues on the whole recording. Effects that the model cannot follow there are dropped, except the first.
     fn widened(
         mut self,
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
-        let Reach::Narrowed(part, whole) = std::mem::replace(&mut self.reach, Reach::Whole) else {
+        let Scope::Narrowed(part, whole) = std::mem::replace(&mut self.scope, Scope::Whole) else {
             return Ok(self);
         };
-        let (first, fit, by) = *whole;
-        progress.step("what else")?;
-        self.by.weights = by.weights;
+        let (first, fit, noise) = *whole;
+        progress.step("fitting further candidates")?;
+        self.noise.weights = noise.weights;
         let problem = Problem {
             segments: first.segments.clone(),
             ..self.stage.problem.clone()
         };
         let coefficients = &self.stage.fit.coefficients;
-        // What was found first may be off by now.
+        // The first effect may have changed.
         let all: Vec<usize> = (0..problem.candidates.coefficients.len()).collect();
-        let begin = part.widened(&self.stage.fit.solution, &all, &fit.solution);
-        let (problem, fit) = match fit_hypothesis(&problem, coefficients, &begin, &self.by) {
+        let initial = part.widened(&self.stage.fit.solution, &all, &fit.solution);
+        let (problem, fit) = match fit_hypothesis(&problem, coefficients, &initial, &self.noise) {
             Ok(widened) => (problem, widened),
             Err(_) => {
                 self.accepted.retain(|m| {
@@ -250,18 +246,18 @@ impl<'a> Path<'a> {
                         .iter()
                         .all(|k| fit.coefficients.contains(k))
                 });
-                self.by.noise = by.noise;
+                self.noise.noise = noise.noise;
                 (first, fit)
             }
         };
-        self.stage = self.looked_at(problem, fit, options, progress)?;
-        let fitted = self.what_else(progress)?;
+        self.stage = self.rescreened(problem, fit, options, progress)?;
+        let fitted = self.further_candidates(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
-    /// The noise that the last finding was judged by was that of the model without it: everything is looked at once
-    /// more under what is left now, which tells what else there is and what can be left out.
-    fn settled(
+    /// The last effect was judged under the noise of the model without it: everything is screened once more under the
+    /// final noise, which decides what else is accepted and what is removed.
+    fn rescreened_under_final_noise(
         mut self,
         options: &Options,
         progress: &'a Progress,
@@ -269,27 +265,27 @@ impl<'a> Path<'a> {
         if self.accepted.is_empty() || progress.is_late() {
             return Ok(self);
         }
-        progress.step("noise")?;
+        progress.step("estimating the noise")?;
         let Stage { problem, fit, .. } = self.stage.clone();
-        let mut own = self.by.clone();
+        let mut own = self.noise.clone();
         let settled = fit_with_noise(&problem, &fit.coefficients, &fit.solution, &mut own);
         if progress.is_late() {
             return Ok(self);
         }
         let fit = match settled {
             Ok(settled) => {
-                self.by = own;
+                self.noise = own;
                 settled
             }
             Err(_) => fit,
         };
-        self.stage = self.looked_at(problem, fit, options, progress)?;
-        let fitted = self.what_else(progress)?;
+        self.stage = self.rescreened(problem, fit, options, progress)?;
+        let fitted = self.further_candidates(progress)?;
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
-    /// What was found first was named while the rest was missing. Where something else came close to it, both are
-    /// fitted once more with the rest inside: how far they are apart then counts, and what is ahead then is taken.
+    /// Early effects were accepted while others were missing. Close rivals are fitted once more beside the rest:
+    /// their distance then counts, and the likelier one is accepted.
     fn exchanged(
         mut self,
         options: &Options,
@@ -298,7 +294,7 @@ impl<'a> Path<'a> {
         let all = self.accepted.iter().map(|m| &m.proposal);
         let all: Vec<_> = all.map(|p| (p.subject, p.coefficients.clone())).collect();
         for (subject, coefficients) in all {
-            // Two may be without a name, one of them with fewer terms than when it was found.
+            // Two may be residual models, one of them with fewer terms than at first.
             let has = |proposal: &Proposal| {
                 coefficients
                     .iter()
@@ -308,7 +304,7 @@ impl<'a> Path<'a> {
                 proposal.subject == subject && (subject != Subject::Unknown || has(proposal))
             };
             let mut accepted = self.accepted.iter();
-            let place = accepted.position(|accepted_effect| is(&accepted_effect.proposal));
+            let place = accepted.position(|effect| is(&effect.proposal));
             let Some(index) = place.filter(|_| self.accepted.len() > 1) else {
                 continue;
             };
@@ -316,13 +312,13 @@ impl<'a> Path<'a> {
             if close.len() < 2 || progress.is_late() {
                 continue;
             }
-            progress.step("what came close")?;
-            let Some(mut path) = self.opened(index, options, progress)? else {
+            progress.step("refitting close rivals")?;
+            let Some(mut path) = self.without_effect(index, options, progress)? else {
                 continue;
             };
             let proposals = &mut path.stage.proposals;
             proposals.retain(|proposal| close.contains(&proposal.subject));
-            let fitted = try_all(&path.stage, &path.by, progress)?;
+            let fitted = try_all(&path.stage, &path.noise, progress)?;
             if progress.is_late() {
                 break;
             }
@@ -344,19 +340,19 @@ impl<'a> Path<'a> {
         Ok(self)
     }
 
-    /// What was found besides a law may have hidden the names of what it stands for: the path
-    /// without it, with names in its place. `None` where nothing can be driven or named.
+    /// Other effects may have hidden the names behind a residual model: the path without it, with names in its place.
+    /// `None` if the model cannot follow it or no name is acceptable.
     fn renamed(
         &self,
-        law: usize,
+        residual_model: usize,
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
-        let Some(mut path) = self.opened(law, options, progress)? else {
+        let Some(mut path) = self.without_effect(residual_model, options, progress)? else {
             return Ok(None);
         };
-        let mut fitted = path.what_else(progress)?;
-        fitted.retain(|named| named.proposal.kind() != ProposalKind::Law);
+        let mut fitted = path.further_candidates(progress)?;
+        fitted.retain(|candidate| candidate.proposal.kind() != ProposalKind::ResidualModel);
         if choose(&fitted, &path.stage, Prefer::Names).is_none() {
             return Ok(None);
         }
@@ -364,50 +360,50 @@ impl<'a> Path<'a> {
             .map(Some)
     }
 
-    /// The path without one of its findings, looked at anew. `None` where it cannot be driven so.
-    fn opened(
+    /// The path without one of its effects, screened again. `None` if the model cannot follow it.
+    fn without_effect(
         &self,
         index: usize,
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Option<Self>, DiagnosisError> {
         let mut path = self.clone();
-        let gone = path.accepted.remove(index).proposal;
-        let (problem, fit) = without(&path.stage, &gone, &path.by);
+        let removed = path.accepted.remove(index).proposal;
+        let (problem, fit) = without(&path.stage, &removed, &path.noise);
         let Ok(fit) = fit else { return Ok(None) };
-        path.stage = path.looked_at(problem, fit, options, progress)?;
+        path.stage = path.rescreened(problem, fit, options, progress)?;
         Ok(Some(path))
     }
 
-    /// The better of two paths by the evidence, the other one with names in the place of a law.
-    fn or(self, mut named: Self) -> Self {
-        let advantage = named.advantage(&self);
-        let advantage = named.on_all(advantage);
-        // Fits that were ended early do not compare.
+    /// The better of two paths by the evidence; the other one has names in place of a residual model.
+    fn or(self, mut candidate: Self) -> Self {
+        let advantage = candidate.advantage(&self);
+        let advantage = candidate.on_whole(advantage);
+        // Fits that were cut short do not compare.
         if advantage < 0.0 || self.stage.problem.deadline.is_over() {
             return self;
         }
-        for accepted_effect in &mut named.accepted {
-            accepted_effect.outdo_law(advantage);
+        for effect in &mut candidate.accepted {
+            effect.outdo_residual_model(advantage);
         }
-        named
+        candidate
     }
 
     /// Log odds of this path over another, under the noise of both on average.
     fn advantage(&self, other: &Self) -> f64 {
         let price = |path: &Self| -> f64 {
-            let accepted = path
-                .accepted
-                .iter()
-                .map(|accepted_effect| &accepted_effect.proposal);
+            let accepted = path.accepted.iter().map(|effect| &effect.proposal);
             accepted.map(|m| NOTHING - m.log_prior() + m.price).sum()
         };
-        let negative_log_evidence = |path: &Self, by: &NoiseModel| -> f64 {
+        let negative_log_evidence = |path: &Self, noise: &NoiseModel| -> f64 {
             let stage = &path.stage;
-            fit_on(&stage.problem, &stage.fit, by, HELD).negative_log_evidence + price(path)
+            continue_fit(&stage.problem, &stage.fit, noise, HELD).negative_log_evidence
+                + price(path)
         };
-        [&self.by, &other.by]
-            .map(|by| 0.5 * (negative_log_evidence(other, by) - negative_log_evidence(self, by)))
+        [&self.noise, &other.noise]
+            .map(|noise| {
+                0.5 * (negative_log_evidence(other, noise) - negative_log_evidence(self, noise))
+            })
             .iter()
             .sum()
     }

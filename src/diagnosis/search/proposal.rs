@@ -1,44 +1,44 @@
-//! What may be missing: what screen, box scan and laws propose, the most likely first.
+//! Proposals of missing effects from screen, box scan and residual models, the likeliest first.
 
 use super::view::View;
 use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::Problem;
-use crate::diagnosis::screening::law::{Law, law};
-use crate::diagnosis::screening::locate::{Found, locate, scanned};
+use crate::diagnosis::screening::locate::{LocatedCandidate, locate, scanned};
 use crate::diagnosis::screening::region::Region;
+use crate::diagnosis::screening::residual_model::{ResidualModel, residual_model};
 use crate::diagnosis::screening::screen::{Projected, Projection, Score};
 use crate::diagnosis::screening::slow;
 use crate::diagnosis::screening::system::System;
 use nalgebra::DVector;
 
-/// Something that may be missing, before it is fitted in full.
+/// A proposed effect before its full fit.
 #[derive(Debug, Clone)]
 pub struct Proposal {
     /// What.
     pub subject: Subject,
-    /// The knobs that it turns.
+    /// Its coefficients.
     pub coefficients: Vec<usize>,
-    /// Where it acts, if not everywhere.
+    /// Its region, if it is local.
     pub extent: Option<Region>,
-    /// Steps of its knobs by the linearised problem.
+    /// Steps of its coefficients by the linearised problem.
     pub steps: Vec<(usize, DVector<f64>)>,
     /// Log Bayes factor by the linearised problem, less its price.
     pub evidence: f64,
-    /// What looking in many places costs, or what slow noise of the sensor explains.
+    /// Price of the choice of its region, or what slow noise explains of it.
     pub price: f64,
-    /// Stability of a law's terms.
+    /// Stability of a residual model's terms.
     pub stability: Vec<f64>,
-    /// Step of the soil that goes with those of its knobs.
+    /// Step of the soil that goes with those of its coefficients.
     pub soil: DVector<f64>,
-    /// Whether it is proposed although the linearised problem does not see it.
+    /// Whether it is proposed without evidence on the linearised problem.
     pub hidden: bool,
-    /// Whether its fit begins on the given soil, far from the re-tuned one.
+    /// Whether its fit starts on the given soil, far from the refitted one.
     pub anew: bool,
 }
 
 /// A screened candidate.
 #[derive(Debug, Clone)]
-pub struct Screened {
+pub struct ScreenedCandidate {
     /// What.
     pub subject: Subject,
     /// Its projected equations.
@@ -49,25 +49,25 @@ pub struct Screened {
     pub price: f64,
 }
 
-/// Proposals that are further behind this share of the best of their kind are not worth a full fit:
-/// throughout, where the linearised problem may be far off, and in one place.
+/// Proposals are fitted in full down to this share of the best of their kind, less this difference: throughout, where
+/// the linearised problem may be far off, and local.
 pub const BEHIND: [f64; 2] = [0.2, 0.6];
 pub const FAR_BEHIND: f64 = 8.0;
-/// Share that re-tuning takes up of an effect that may be hidden.
+/// Absorbed share from which an effect may be hidden.
 const HIDDEN: f64 = 0.9;
-/// Less evidence than this is not worth a fit.
+/// Minimum evidence for a fit.
 const FAINT: f64 = 0.5;
-/// Local proposals of one subject are fitted only where they beat it acting throughout by this.
+/// Local proposals must exceed their subject's evidence throughout by this.
 const BETTER_LOCAL: f64 = 3.0;
 
 /// Screens every candidate that is not on.
 #[must_use]
-pub fn screened(view: &View) -> Vec<Screened> {
+pub fn screened(view: &View) -> Vec<ScreenedCandidate> {
     let View {
         problem,
         system,
         projection,
-        by,
+        noise,
         on,
     } = view;
     let subjects = problem.candidates.subjects.iter();
@@ -86,9 +86,9 @@ pub fn screened(view: &View) -> Vec<Screened> {
             }
             let projected = projection.of(&unknowns);
             let score = projection.score(&projected);
-            Some(Screened {
+            Some(ScreenedCandidate {
                 subject: *subject,
-                price: slow::price(problem, system, &projected, by),
+                price: slow::price(problem, system, &projected, noise),
                 projected,
                 score,
             })
@@ -96,9 +96,14 @@ pub fn screened(view: &View) -> Vec<Screened> {
         .collect()
 }
 
-/// Everything that may be missing, the most likely first.
+/// All proposals, the likeliest first.
 #[must_use]
-pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) -> Vec<Proposal> {
+pub fn proposals(
+    view: &View,
+    screened: &[ScreenedCandidate],
+    soil: &[f64],
+    seed: u64,
+) -> Vec<Proposal> {
     let View {
         problem,
         system,
@@ -109,9 +114,6 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
     let mut all: Vec<Proposal> = screened
         .iter()
         .map(|one| Proposal {
-            subject: one.subject,
-            coefficients: problem.candidates.of(one.subject).collect(),
-            extent: None,
             steps: steps(problem, system, one),
             soil: soil_after(
                 problem,
@@ -119,12 +121,10 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
                 &one.projected.unknowns,
                 &one.score.step,
             ),
-            hidden: false,
-            anew: false,
-            // What a scatter of its own says is for the reader: laws and local effects have none.
+            // The overdispersion is for the reader: residual models and local effects have none.
             evidence: projection.score_with(&one.projected, 1.0).evidence - one.price,
             price: one.price,
-            stability: Vec::new(),
+            ..Proposal::new(one.subject, problem.candidates.of(one.subject).collect())
         })
         .collect();
     place_load(problem, &mut all);
@@ -144,27 +144,26 @@ pub fn proposals(view: &View, screened: &[Screened], soil: &[f64], seed: u64) ->
         found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
         all.extend(found);
     }
-    if let Some(law) = law(problem, system, projection.nuisance(), seed) {
-        all.push(unnamed(view, law));
+    if let Some(residual_model) = residual_model(problem, system, projection.nuisance(), seed) {
+        all.push(unnamed(view, residual_model));
     }
     all.retain(|proposal| proposal.evidence > FAINT);
     all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     all
 }
 
-/// Effects of which re-tuning takes up so much, of all or of one number's, that the linearised problem
-/// may not see them: the soil has gone far to imitate them. So has it for those that have no derivative while they
-/// are off. They are proposed as large as the catalogue expects them, with the soil moved back by what
-/// would imitate that.
+/// Proposals of effects that the linearised problem may not see: the refit of the soil absorbs nearly all of them or
+/// of one coefficient, so the soil has gone far to imitate them; or they have no derivative while they are off. They
+/// are proposed at the expected size, with the soil moved back by its imitation.
 #[must_use]
-pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
+pub fn hidden(view: &View, screened: &[ScreenedCandidate]) -> Vec<Proposal> {
     let View {
         problem,
         system,
         projection,
         ..
     } = view;
-    let propose = |one: &Screened| {
+    let propose = |one: &ScreenedCandidate| {
         let coefficients: Vec<usize> = problem.candidates.of(one.subject).collect();
         let unknowns = &one.projected.unknowns;
         let takes_up = |coefficient: &usize| {
@@ -176,7 +175,7 @@ pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
         let whole = one.score.absorbed > HIDDEN;
         let seen = steps(problem, system, one);
         let step = |(coefficient, seen): &(usize, DVector<f64>)| {
-            let about = &problem.candidates.coefficients[*coefficient];
+            let about = &problem.candidates[*coefficient];
             let parameter = &about.parameter;
             let off = parameter.prior_coordinate();
             let away = if !whole && !takes_up(coefficient) && about.secant.is_none() {
@@ -192,16 +191,11 @@ pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
             own.map_or(0.0, |(_, step)| step[recording])
         });
         Proposal {
-            subject: one.subject,
-            coefficients,
-            extent: None,
             steps,
-            evidence: 0.0,
             price: one.price,
-            stability: Vec::new(),
             soil: soil_after(problem, projection, unknowns, &moved),
             hidden: true,
-            anew: false,
+            ..Proposal::new(one.subject, coefficients)
         }
     };
     let all = screened.iter().map(propose);
@@ -209,7 +203,7 @@ pub fn hidden(view: &View, screened: &[Screened]) -> Vec<Proposal> {
         .collect()
 }
 
-/// A step of the typical size from off, to the side on which the linearised problem sees it where the range has two.
+/// A step of the typical size from "off", to the side of the linearised step if the range has two.
 fn away(typical: f64, seen: f64, off: f64, (low, high): (f64, f64)) -> f64 {
     let two_sides = low < off - typical && off - typical < high;
     if seen < 0.0 && two_sides {
@@ -219,7 +213,7 @@ fn away(typical: f64, seen: f64, off: f64, (low, high): (f64, f64)) -> f64 {
     }
 }
 
-/// How the soil follows a step of some unknowns.
+/// Step of the soil that follows a step of some unknowns.
 fn soil_after(
     problem: &Problem,
     projection: &Projection,
@@ -230,8 +224,12 @@ fn soil_after(
     follows.rows(0, problem.soil.len()).into_owned()
 }
 
-/// The unknowns of a screened candidate as steps of knobs.
-fn steps(problem: &Problem, system: &System, one: &Screened) -> Vec<(usize, DVector<f64>)> {
+/// A screened candidate's step by coefficient and recording.
+fn steps(
+    problem: &Problem,
+    system: &System,
+    one: &ScreenedCandidate,
+) -> Vec<(usize, DVector<f64>)> {
     let at = |unknown: usize| {
         let place = one.projected.unknowns.iter().position(|u| *u == unknown);
         place.map_or(0.0, |place| one.score.step[place])
@@ -249,71 +247,55 @@ fn steps(problem: &Problem, system: &System, one: &Screened) -> Vec<(usize, DVec
         .collect()
 }
 
-/// What was found in one place or for some time, as proposals.
+/// Located candidates as proposals.
 #[must_use]
-pub fn placed_locally(problem: &Problem, found: Vec<Found>) -> Vec<Proposal> {
+pub fn placed_locally(problem: &Problem, found: Vec<LocatedCandidate>) -> Vec<Proposal> {
     let each = found.into_iter();
     let mut all: Vec<Proposal> = each.map(|one| local(one, problem.soil.len())).collect();
     place_load(problem, &mut all);
     all
 }
 
-fn local(found: Found, soil: usize) -> Proposal {
+fn local(found: LocatedCandidate, soil: usize) -> Proposal {
     let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
+    let pairs = found.coefficients.iter().zip(found.score.step.iter());
     Proposal {
-        subject: found.subject,
-        steps: found
-            .coefficients
-            .iter()
-            .zip(found.score.step.iter())
-            .map(each)
-            .collect(),
-        coefficients: found.coefficients,
+        steps: pairs.map(each).collect(),
         price: found.score.evidence - found.evidence,
         evidence: found.evidence,
         extent: Some(found.extent),
-        stability: Vec::new(),
-        // It changes little of what the rest of the drive tells of the soil.
+        // The rest of the drive determines the soil.
         soil: DVector::zeros(soil),
-        hidden: false,
-        anew: false,
+        ..Proposal::new(found.subject, found.coefficients)
     }
 }
 
-fn unnamed(view: &View, law: Law) -> Proposal {
+fn unnamed(view: &View, residual_model: ResidualModel) -> Proposal {
     let View {
         problem,
         system,
         projection,
         ..
     } = view;
-    let unknowns: Vec<usize> = law
-        .coefficients
+    let coefficients = residual_model.coefficients;
+    let unknowns: Vec<usize> = coefficients
         .iter()
         .flat_map(|k| system.unknowns(*k))
         .collect();
     let score = projection.score_with(&projection.of(&unknowns), 1.0);
     let each = |(coefficient, step): (&usize, &f64)| (*coefficient, DVector::repeat(1, *step));
+    let pairs = coefficients.iter().zip(score.step.iter());
     Proposal {
-        subject: Subject::Unknown,
-        steps: law
-            .coefficients
-            .iter()
-            .zip(score.step.iter())
-            .map(each)
-            .collect(),
-        coefficients: law.coefficients,
-        extent: None,
-        price: score.evidence - law.evidence,
-        evidence: law.evidence,
-        stability: law.stability,
+        steps: pairs.map(each).collect(),
+        price: score.evidence - residual_model.evidence,
+        evidence: residual_model.evidence,
+        stability: residual_model.stability,
         soil: soil_after(problem, projection, &unknowns, &score.step),
-        hidden: false,
-        anew: false,
+        ..Proposal::new(Subject::Unknown, coefficients)
     }
 }
 
-/// Of the proposals those that are fitted in full: the best few of each kind.
+/// The best few proposals of each kind.
 #[must_use]
 pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     let mut list: Vec<&Proposal> = Vec::new();
@@ -321,7 +303,7 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     for (kind, most, behind) in [
         (ProposalKind::Throughout, 6, far),
         (ProposalKind::Local, 8, near),
-        (ProposalKind::Law, 1, near),
+        (ProposalKind::ResidualModel, 1, near),
     ] {
         let of_kind = proposals.iter().filter(|p| p.kind() == kind);
         let best = of_kind.clone().map(|p| p.evidence).fold(0.0, f64::max);
@@ -337,65 +319,82 @@ pub fn shortlist(proposals: &[Proposal]) -> Vec<&Proposal> {
     list
 }
 
-/// What sort of proposal.
+/// The kind of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProposalKind {
     /// An effect that acts throughout.
     Throughout,
-    /// Something that acts in one place or for some time.
+    /// An effect of a disc or time interval.
     Local,
-    /// A law without a name.
-    Law,
+    /// An empirical residual model.
+    ResidualModel,
 }
 
-/// What each term of a law costs besides the choice: it can be bent to look like many an effect.
+/// Prior cost of each term of a residual model: it can imitate many effects.
 const TERM: f64 = 2.0;
-/// What acting somewhere only costs besides the choice of the place.
+/// Prior cost of a local effect besides the choice of its region.
 const LOCAL: f64 = 1.0;
 
 impl Proposal {
-    /// What sort it is.
+    /// A proposal that acts throughout, with neither steps nor evidence.
+    #[must_use]
+    pub fn new(subject: Subject, coefficients: Vec<usize>) -> Self {
+        Self {
+            subject,
+            coefficients,
+            extent: None,
+            steps: Vec::new(),
+            evidence: 0.0,
+            price: 0.0,
+            stability: Vec::new(),
+            soil: DVector::zeros(0),
+            hidden: false,
+            anew: false,
+        }
+    }
+
+    /// Its kind.
     #[must_use]
     pub fn kind(&self) -> ProposalKind {
         match (&self.extent, self.subject) {
             // A boundary on the map is a change of terrain's own place.
             (Some(Region::Beyond { .. }), _) => ProposalKind::Throughout,
             (Some(_), _) => ProposalKind::Local,
-            (None, Subject::Unknown) => ProposalKind::Law,
+            (None, Subject::Unknown) => ProposalKind::ResidualModel,
             (None, _) => ProposalKind::Throughout,
         }
     }
 
-    /// Takes a term out of a law.
+    /// Removes a term from a residual model.
     pub fn without_term(&mut self, place: usize) {
         let coefficient = self.coefficients.remove(place);
         self.stability.remove(place);
         self.steps.retain(|(other, _)| *other != coefficient);
     }
 
-    /// Logarithm of its prior beside that of an effect of the catalogue.
+    /// Log prior relative to an effect of the catalogue.
     #[must_use]
     pub fn log_prior(&self) -> f64 {
         match self.kind() {
             ProposalKind::Throughout => 0.0,
             ProposalKind::Local if self.subject == Subject::Unknown => -LOCAL - TERM,
             ProposalKind::Local => -LOCAL,
-            ProposalKind::Law => -TERM * self.coefficients.len() as f64,
+            ProposalKind::ResidualModel => -TERM * self.coefficients.len() as f64,
         }
     }
 }
 
 const MASS: &str = "payload.mass";
-/// The place of a load, and the shift of the centre of mass in that direction.
+/// The place of a load, and the equivalent shift of the centre of mass.
 const SHIFTS: [(&str, &str); 2] = [
     ("payload.ahead", "com_shift.ahead"),
     ("payload.left", "com_shift.left"),
 ];
-/// A load is tried with no more than this share of the vehicle's mass.
+/// Maximum initial load as a share of the vehicle's mass.
 const HEAVIEST: f64 = 0.2;
 
-/// Where a shifted centre of mass is likelier, the load begins where it shifts it as much: of what acts
-/// throughout, and of what acts in one run alone. A load that is on is not proposed again.
+/// If a shifted centre of mass is likelier, the load starts where it causes the same shift: throughout, and in single
+/// runs. A load that is on is not proposed again.
 pub fn place_load(problem: &Problem, proposals: &mut Vec<Proposal>) {
     let shifts = proposals.iter().filter(|one| {
         let whole = matches!(one.extent, None | Some(Region::Run(_)));
@@ -412,7 +411,7 @@ fn coefficient(problem: &Problem, name: &str) -> Option<usize> {
     coefficients.position(|coefficient| coefficient.parameter.name == name)
 }
 
-/// A proposal's step of a knob.
+/// A proposal's step of a coefficient.
 fn step(problem: &Problem, proposal: &Proposal, name: &str) -> Option<f64> {
     let coefficient = coefficient(problem, name)?;
     let (_, step) = proposal
@@ -422,12 +421,12 @@ fn step(problem: &Problem, proposal: &Proposal, name: &str) -> Option<f64> {
     step.get(0).copied()
 }
 
-/// The load that shifts the centre of mass as this proposal does, where that does.
+/// The load with the same shift of the centre of mass as a proposal.
 fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Proposal) {
     let Some(mass) = coefficient(problem, MASS) else {
         return;
     };
-    let subject = Subject::Effect(problem.candidates.coefficients[mass].effect);
+    let subject = Subject::Effect(problem.candidates[mass].effect);
     if !proposals.iter().any(|one| one.subject == subject) {
         return;
     }
@@ -437,7 +436,7 @@ fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Propos
         return;
     }
     let vehicle = &problem.nominal.vehicle;
-    let typical = problem.candidates.coefficients[mass].typical;
+    let typical = problem.candidates[mass].typical;
     let loaded = typical.min(HEAVIEST * vehicle.mass);
     let lever = (vehicle.mass + loaded) / loaded;
     let place = |(own, other): &(&str, &str), vehicles: f64| {
@@ -495,18 +494,16 @@ mod tests {
             let effect = CATALOGUE.iter().position(|e| e.name == name).unwrap();
             let subject = Subject::Effect(effect);
             let coefficients: Vec<usize> = problem.candidates.of(subject).collect();
-            let steps = coefficients.iter().zip(steps);
+            let steps: Vec<_> = coefficients
+                .iter()
+                .zip(steps)
+                .map(|(k, s)| (*k, DVector::repeat(1, *s)))
+                .collect();
             Proposal {
-                subject,
-                extent: None,
-                steps: steps.map(|(k, s)| (*k, DVector::repeat(1, *s))).collect(),
+                steps,
                 evidence,
-                price: 0.0,
-                stability: Vec::new(),
                 soil: DVector::zeros(problem.soil.len()),
-                hidden: false,
-                anew: false,
-                coefficients,
+                ..Proposal::new(subject, coefficients)
             }
         };
         let [ahead, left] = [-0.012, 0.037];
@@ -517,7 +514,7 @@ mod tests {
         place_load(&problem, &mut all);
         let value = |name: &str| {
             let found = all[0].steps.iter().find(|(k, _)| {
-                problem.candidates.coefficients[*k].target
+                problem.candidates[*k].target
                     == crate::diagnosis::hypothesis::candidate::Target::Model(
                         ModelParameter::find(name).unwrap(),
                     )

@@ -1,44 +1,49 @@
-//! What can be left out again.
+//! Removal of redundant effects.
 
 use super::accepted::{AcceptedEffect, NOTHING};
 use super::proposal::{Proposal, ProposalKind};
 use super::stage::Stage;
 use super::trial::CLOSE;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, scattered};
-use crate::diagnosis::hypothesis::{Problem, What};
+use crate::diagnosis::hypothesis::{Problem, UnknownKind};
 use crate::diagnosis::screening::screen::Projection;
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::NoiseModel;
 
-/// What would cost so many times its price by the linearised problem stays without a further look.
+/// Linearised loss, as a multiple of the price, above which an effect stays without a fit.
 const SURELY: f64 = 3.0;
-/// A term of a law stays that is so many standard errors from none.
+/// Minimum size of a residual model's term in standard errors.
 const SURE_TERM: f64 = 2.0;
 
-/// Leaves out what the rest explains without it, or what gained by leading to a better soil, and puts what remains in
-/// the order of what it explains beside the rest. All recordings are so many times what the stage was fitted to. Where time
-/// is up, what was not yet looked at stays.
-pub fn prune(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseModel, ratio: f64) {
+/// Removes effects that the others explain, or that only led to a better soil, and sorts the others by what they
+/// explain beside the rest. `ratio` is the number of all segments over those of the stage. At the deadline the
+/// remaining effects stay.
+pub fn prune(
+    stage: &mut Stage,
+    accepted: &mut Vec<AcceptedEffect>,
+    noise: &NoiseModel,
+    ratio: f64,
+) {
     if stage.problem.deadline.is_over() {
         return;
     }
     let mut index = 0;
     while index < accepted.len() {
-        let gone = &accepted[index].proposal;
-        let price = NOTHING - gone.log_prior() + gone.price;
-        let loss = linear_loss(stage, &gone.coefficients);
+        let removed = &accepted[index].proposal;
+        let price = NOTHING - removed.log_prior() + removed.price;
+        let loss = linear_loss(stage, &removed.coefficients);
         if loss > SURELY * price + CLOSE {
             if accepted.len() > 1 {
-                // What was found since may explain most of what it was taken for.
-                let gain = ratio * loss - gone.price;
+                // Later effects may explain most of it.
+                let gain = ratio * loss - removed.price;
                 accepted[index].gain = accepted[index].gain.min(gain);
             }
             index += 1;
             continue;
         }
-        let (problem, without) = without(stage, gone, by);
+        let (problem, without) = without(stage, removed, noise);
         if problem.deadline.is_over() {
-            // A fit that was ended early understates what the rest explains.
+            // A fit that was cut short understates what the rest explains.
             break;
         }
         match without {
@@ -52,35 +57,35 @@ pub fn prune(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseMo
             }
             Ok(without) => {
                 let lost = without.negative_log_evidence - stage.fit.negative_log_evidence;
-                accepted[index].gain = ratio * lost - gone.price;
+                accepted[index].gain = ratio * lost - removed.price;
                 index += 1;
             }
             Err(_) => index += 1,
         }
     }
-    // A part tells less of how sure they are.
+    // A subsample has larger standard errors.
     if ratio == 1.0 {
-        trim_laws(stage, accepted, by);
+        trim_residual_models(stage, accepted, noise);
     }
     accepted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
 }
 
-/// Takes terms out of laws that are less than so many standard errors from none. The likelihood takes segments for
-/// independent; what pulls some of them one way and others the other is worth less than it says.
-fn trim_laws(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseModel) {
+/// Removes small terms of residual models, in standard errors from the scatter of the segments: the likelihood takes
+/// segments as independent, which overstates terms with opposite effects in different segments.
+fn trim_residual_models(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, noise: &NoiseModel) {
     let mut index = 0;
     while index < accepted.len() {
-        let law = &accepted[index].proposal;
-        let doubtful = doubtful_term(&stage.problem, &stage.fit, law, by);
+        let residual_model = &accepted[index].proposal;
+        let doubtful = doubtful_term(&stage.problem, &stage.fit, residual_model, noise);
         let Some(place) = doubtful else {
             index += 1;
             continue;
         };
         let term = Proposal {
-            coefficients: vec![law.coefficients[place]],
-            ..law.clone()
+            coefficients: vec![residual_model.coefficients[place]],
+            ..residual_model.clone()
         };
-        let (problem, Ok(without)) = without(stage, &term, by) else {
+        let (problem, Ok(without)) = without(stage, &term, noise) else {
             index += 1;
             continue;
         };
@@ -88,16 +93,16 @@ fn trim_laws(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseMo
             break;
         }
         let lost = without.negative_log_evidence - stage.fit.negative_log_evidence;
-        // So it is where the way without it gets lost.
+        // Also if the fit without it failed.
         if lost.is_nan() || lost >= SURELY * (NOTHING - term.log_prior()) {
             index += 1;
             continue;
         }
-        let accepted_effect = &mut accepted[index];
-        accepted_effect.lose(lost + term.log_prior());
-        accepted_effect.gain -= lost;
-        accepted_effect.proposal.without_term(place);
-        if accepted_effect.proposal.coefficients.is_empty() {
+        let effect = &mut accepted[index];
+        effect.lose(lost + term.log_prior());
+        effect.gain -= lost;
+        effect.proposal.without_term(place);
+        if effect.proposal.coefficients.is_empty() {
             accepted.remove(index);
         }
         stage.problem = problem;
@@ -105,69 +110,65 @@ fn trim_laws(stage: &mut Stage, accepted: &mut Vec<AcceptedEffect>, by: &NoiseMo
     }
 }
 
-/// Place of a law's term that is least sure, if it is not sure.
+/// Index of a residual model's least certain term, if it is below the limit.
 fn doubtful_term(
     problem: &Problem,
     fit: &FittedHypothesis,
-    law: &Proposal,
-    by: &NoiseModel,
+    residual_model: &Proposal,
+    noise: &NoiseModel,
 ) -> Option<usize> {
-    if law.kind() != ProposalKind::Law {
+    if residual_model.kind() != ProposalKind::ResidualModel {
         return None;
     }
-    let covariance = scattered(problem, fit, by);
+    let covariance = scattered(problem, fit, noise);
     let predictor = problem.predictor(&fit.coefficients);
     let shooting = problem.shooting(&predictor, &fit.coefficients);
-    let mut sure = vec![0.0_f64; law.coefficients.len()];
+    let mut sure = vec![0.0_f64; residual_model.coefficients.len()];
     problem.visit(&shooting, &fit.coefficients, |unknown, recording, what| {
-        let What::CandidateParameter(coefficient) = what else {
+        let UnknownKind::CandidateParameter(coefficient) = what else {
             return;
         };
-        let Some(place) = law
+        let Some(place) = residual_model
             .coefficients
             .iter()
             .position(|other| *other == coefficient)
         else {
             return;
         };
-        let off = problem.candidates.coefficients[coefficient]
-            .parameter
-            .prior_coordinate();
+        let off = problem.candidates[coefficient].off();
         let size = (fit.solution.coefficients[recording][coefficient] - off).abs();
         let errors = size / covariance[(unknown, unknown)].max(0.0).sqrt();
         sure[place] = sure[place].max(errors);
     });
-    let least = (0..sure.len()).min_by(|a, b| sure[*a].total_cmp(&sure[*b]))?;
-    (sure[least] < SURE_TERM).then_some(least)
+    let smallest = (0..sure.len()).min_by(|a, b| sure[*a].total_cmp(&sure[*b]))?;
+    (sure[smallest] < SURE_TERM).then_some(smallest)
 }
 
-/// The hypothesis without something that was found, and the given model without its place.
+/// The hypothesis without an effect, and the given model without its region.
 pub fn without<'a>(
     stage: &Stage<'a>,
-    gone: &Proposal,
-    by: &NoiseModel,
+    removed: &Proposal,
+    noise: &NoiseModel,
 ) -> (Problem<'a>, Result<FittedHypothesis, PredictionError>) {
     let coefficients = stage.fit.coefficients.iter().copied();
     let coefficients: Vec<usize> = coefficients
-        .filter(|k| !gone.coefficients.contains(k))
+        .filter(|k| !removed.coefficients.contains(k))
         .collect();
     let mut problem = stage.problem.clone();
-    if gone.kind() == ProposalKind::Local {
+    if removed.kind() == ProposalKind::Local {
         problem.nominal.effects.window = None;
     }
-    let mut begin = stage.fit.solution.clone();
-    for recording in &mut begin.coefficients {
-        for coefficient in &gone.coefficients {
-            recording[*coefficient] = problem.candidates.coefficients[*coefficient]
-                .parameter
-                .prior_coordinate();
+    let mut initial = stage.fit.solution.clone();
+    for recording in &mut initial.coefficients {
+        for coefficient in &removed.coefficients {
+            recording[*coefficient] = problem.candidates[*coefficient].off();
         }
     }
-    let fit = fit_hypothesis(&problem, &coefficients, &begin, by);
+    let fit = fit_hypothesis(&problem, &coefficients, &initial, noise);
     (problem, fit)
 }
 
-/// What switching some knobs off costs of the log likelihood by the linearised problem.
+/// Linearised loss of log likelihood when some coefficients are switched off.
 fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
     let system = &stage.screening.system;
     let others: Vec<usize> = stage
@@ -180,7 +181,7 @@ fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
     let Some(projection) = Projection::over_all(system, &others) else {
         return 0.0;
     };
-    // Along a line a product of a size and a shape would be taken away twice.
+    // A product of a size and a shape would count twice on the linearised problem.
     let all = &stage.problem.candidates.coefficients;
     let sizes = coefficients
         .iter()
@@ -189,9 +190,7 @@ fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
     let sizes: Vec<usize> = sizes.collect();
     let unknowns: Vec<usize> = sizes.iter().flat_map(|k| system.unknowns(*k)).collect();
     let step = system.step(&unknowns, &sizes, |coefficient, recording| {
-        let off = stage.problem.candidates.coefficients[coefficient]
-            .parameter
-            .prior_coordinate();
+        let off = stage.problem.candidates[coefficient].off();
         stage.fit.solution.coefficients[recording][coefficient] - off
     });
     let matrix = projection.of(&unknowns).matrix;
@@ -200,26 +199,24 @@ fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::tests::refitted;
     use super::*;
     use crate::diagnosis::Subject;
     use crate::diagnosis::hypothesis::candidate::CandidateParameter;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+    use crate::diagnosis::testing::{driven, on, refitted};
     use crate::effects::{CATALOGUE, ParameterName};
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
-    use nalgebra::DVector;
 
-    /// What stays of a finding of these numbers and so much gain on a drive of this model, and the numbers that are on.
-    fn left(
+    use crate::vehicle::Specification;
+
+    /// What remains of an effect with these parameters and gain on a drive of this model, and the coefficients that
+    /// are on.
+    fn remaining(
         truth: &Specification,
         names: &[&str],
         gain: f64,
     ) -> (Vec<AcceptedEffect>, Vec<String>) {
-        let nominal =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let nominal = on("sandy_loam");
         let recordings = [driven(truth, "spiral")];
-        let (mut stage, by) = refitted(&nominal, &recordings);
+        let (mut stage, noise) = refitted(&nominal, &recordings);
         let all = stage.problem.candidates.coefficients.clone();
         let whole = |coefficient: &CandidateParameter| {
             format!(
@@ -233,25 +230,18 @@ mod tests {
                 .unwrap()
         };
         let coefficients: Vec<usize> = names.iter().map(named).collect();
-        let law = names[0].starts_with("residual_");
-        let subject = if law {
+        let is_residual = names[0].starts_with("residual_");
+        let subject = if is_residual {
             Subject::Unknown
         } else {
             Subject::Effect(all[coefficients[0]].effect)
         };
         stage.fit =
-            fit_hypothesis(&stage.problem, &coefficients, &stage.fit.solution, &by).unwrap();
+            fit_hypothesis(&stage.problem, &coefficients, &stage.fit.solution, &noise).unwrap();
         let proposal = Proposal {
-            subject,
-            stability: vec![1.0; if law { coefficients.len() } else { 0 }],
-            coefficients,
-            extent: None,
-            steps: Vec::new(),
+            stability: vec![1.0; if is_residual { coefficients.len() } else { 0 }],
             evidence: gain,
-            price: 0.0,
-            soil: DVector::zeros(0),
-            hidden: false,
-            anew: false,
+            ..Proposal::new(subject, coefficients)
         };
         let rivals = vec![(subject, gain)];
         let mut accepted = vec![AcceptedEffect {
@@ -259,7 +249,7 @@ mod tests {
             gain,
             rivals,
         }];
-        prune(&mut stage, &mut accepted, &by, 1.0);
+        prune(&mut stage, &mut accepted, &noise, 1.0);
         let on = stage
             .fit
             .coefficients
@@ -270,32 +260,30 @@ mod tests {
 
     #[test]
     fn what_gained_by_another_soil_alone_is_left_out() {
-        let plain =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let plain = on("sandy_loam");
         let ratio = "left_right_soil.ratio";
-        let (accepted, coefficients) = left(&plain, &[ratio], 26.0);
+        let (accepted, coefficients) = remaining(&plain, &[ratio], 26.0);
         assert!(accepted.is_empty() && coefficients.is_empty());
         let mut truth = plain;
         let name = ParameterName::find(ratio).unwrap();
         truth.effects.set(name, 0.6).unwrap();
         let gain = 1e6;
-        let (accepted, coefficients) = left(&truth, &[ratio], gain);
+        let (accepted, coefficients) = remaining(&truth, &[ratio], gain);
         assert!(accepted.len() == 1 && !coefficients.is_empty());
-        // Nothing was found since that may explain a part of it.
+        // No later effect may explain a part of it.
         assert_eq!(accepted[0].gain, gain);
     }
 
     #[test]
     fn terms_of_a_law_that_are_not_sure_are_left_out() {
-        let mut truth =
-            Specification::plain(Vehicle::tran2007(), Terrain::preset("sandy_loam").unwrap());
+        let mut truth = on("sandy_loam");
         let terms = [
             "residual_longitudinal.constant",
             "residual_yaw.speed_squared",
         ];
         let pull = ParameterName::find(terms[0]).unwrap();
         truth.effects.set(pull, 0.03).unwrap();
-        let (accepted, coefficients) = left(&truth, &terms, 1e6);
+        let (accepted, coefficients) = remaining(&truth, &terms, 1e6);
         assert_eq!(coefficients, terms[..1]);
         assert_eq!(accepted[0].proposal.coefficients.len(), 1);
         assert_eq!(accepted[0].proposal.stability.len(), 1);

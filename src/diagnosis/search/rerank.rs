@@ -1,31 +1,30 @@
-//! Names that are close to each other contend under the noise that each of them leaves.
+//! Close candidates are ranked under the noise of each of them.
 //!
-//! All are fitted under one noise, which holds a part of what is missing wherever the linearised
-//! problem does not see all of it: what the right name explains and the others do not is then taken for
-//! slow noise, and hardly counts. So noise and weights are estimated anew with each of them inside, each is
-//! fitted under everyone's, and the mean of the log evidence over these decides. The winner keeps its
-//! gain; the others stand behind it by so much.
+//! All are fitted under one noise, which contains a part of the missing effect where the linearised problem does not
+//! capture it: what only the right candidate explains then passes for slow noise and hardly counts. So noise and
+//! weights are re-estimated with each candidate on, each candidate is fitted under every noise, and the mean log
+//! evidence decides. The winner keeps its gain; the others follow at their distance.
 
 use super::naming::FittedCandidate;
-use crate::diagnosis::hypothesis::likelihood::{PARTIAL_FIT, fit_on, own_noise};
+use crate::diagnosis::hypothesis::likelihood::{PARTIAL_FIT, continue_fit, own_noise};
 use crate::fit::problem::NoiseModel;
 
-/// They are close within so much and this share of the largest log odds ...
+/// Candidates are close within this difference and share of the largest log odds ...
 const CLOSE: f64 = 4.5;
 const CLOSE_SHARE: f64 = 0.045;
-/// ... and where so much is at stake that noise may hold a part of it \[log odds\].
+/// ... if the log odds are large enough for noise to contain a part.
 pub const AT_STAKE: f64 = 20.0;
-/// At most so many contend.
+/// Maximum number of compared candidates.
 const MOST: usize = 3;
 
-/// Log odds from which on something is close to what has these.
+/// Lower limit of log odds that are close to the best.
 #[must_use]
 pub fn close_to(best: f64) -> f64 {
     best - CLOSE - CLOSE_SHARE * best
 }
 
-/// Settles which of some fits is the likeliest where several are close.
-pub fn rerank(fitted: &mut [FittedCandidate], by: &NoiseModel) {
+/// Ranks close candidates.
+pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
     fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
     let Some(best) = fitted.first().map(FittedCandidate::odds) else {
         return;
@@ -33,21 +32,22 @@ pub fn rerank(fitted: &mut [FittedCandidate], by: &NoiseModel) {
     if best < AT_STAKE {
         return;
     }
-    let near = |named: &&FittedCandidate| named.odds() > close_to(best);
+    let near = |candidate: &&FittedCandidate| candidate.odds() > close_to(best);
     let count = fitted.iter().take(MOST).take_while(near).count();
     let close = &mut fitted[..count];
     if count < 2 {
         return;
     }
-    let own = |named: &FittedCandidate| own_noise(&named.problem, &named.fit, by);
+    let own = |candidate: &FittedCandidate| own_noise(&candidate.problem, &candidate.fit, noise);
     let noises: Vec<NoiseModel> = close.iter().map(own).collect();
     let total = |place: usize| {
-        let named = &close[place];
+        let candidate = &close[place];
         let under = |noise: &NoiseModel| {
-            fit_on(&named.problem, &named.fit, noise, PARTIAL_FIT).negative_log_evidence
+            continue_fit(&candidate.problem, &candidate.fit, noise, PARTIAL_FIT)
+                .negative_log_evidence
         };
         let sum: f64 = noises.iter().map(under).sum();
-        sum / noises.len() as f64 + named.proposal.price - named.proposal.log_prior()
+        sum / noises.len() as f64 + candidate.proposal.price - candidate.proposal.log_prior()
     };
     let totals: Vec<f64> = (0..count).map(total).collect();
     let places = (0..count).filter(|place| totals[*place].is_finite());
@@ -55,12 +55,12 @@ pub fn rerank(fitted: &mut [FittedCandidate], by: &NoiseModel) {
         return;
     };
     if close[winner].problem.deadline.is_over() {
-        // Fits that were ended early do not compare.
+        // Fits that were cut short do not compare.
         return;
     }
     let odds = close[winner].odds();
-    for (place, named) in close.iter_mut().enumerate() {
+    for (place, candidate) in close.iter_mut().enumerate() {
         let behind = totals[place] - totals[winner];
-        named.gain = odds - behind.min(odds) - named.proposal.log_prior();
+        candidate.gain = odds - behind.min(odds) - candidate.proposal.log_prior();
     }
 }

@@ -1,8 +1,7 @@
-//! A hypothesis with everything that is known around it: what it leaves over, what may be missing,
-//! how it predicts.
+//! A hypothesis with its screening, its proposals and its held-out score.
 
 use super::given_soil::seen_from_given_soil;
-use super::proposal::{Proposal, Screened, hidden, proposals, screened, shortlist};
+use super::proposal::{Proposal, ScreenedCandidate, hidden, proposals, screened, shortlist};
 use super::view::View;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_restarted};
@@ -18,83 +17,82 @@ use crate::fit::problem::NoiseModel;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What a candidate looked like under the re-tuned model.
+/// The screening beside a hypothesis.
 #[derive(Debug, Clone)]
 pub struct Screening {
-    /// What the screen saw.
-    pub screened: Vec<Screened>,
-    /// The largest chi-square that chance alone gives.
+    /// The screened candidates.
+    pub screened: Vec<ScreenedCandidate>,
+    /// Threshold of chi-square, from simulated nulls.
     pub threshold: f64,
     /// The linearised problem.
     pub system: Arc<System>,
-    /// A wrench that comes and goes; `None` also where there was no time to look for it.
+    /// A latent wrench; `None` also without time for it.
     pub latent_wrench: Option<LatentWrench>,
-    /// How long it took.
+    /// Duration.
     pub took: Duration,
 }
 
-/// Draws of simulated nulls, and the share of them below the threshold.
+/// Number of simulated nulls, and the quantile of the threshold.
 const NULLS: usize = 500;
 const SHARE: f64 = 0.95;
-/// A soil that moves by more than this share of its prior's deviation is looked at anew.
+/// Sensitivities are repeated if the soil moves by this share of its prior's deviation.
 const MOVED: f64 = 0.02;
-/// A start that moves by more than this is looked at anew: pose \[m, m, rad\], then velocities.
-const ASTRAY: [f64; 6] = [0.2, 0.2, 0.05, 0.1, 0.1, 0.1];
+/// Sensitivities of a segment are repeated if its start moves by this: pose \[m, m, rad\], then velocities.
+const MOVED_START: [f64; 6] = [0.2, 0.2, 0.05, 0.1, 0.1, 0.1];
 
-/// A hypothesis and everything that is known with it inside.
+/// A hypothesis and its screening.
 #[derive(Debug, Clone)]
 pub struct Stage<'a> {
-    /// The given model with the places of what is on.
+    /// The given model with the regions of accepted effects.
     pub problem: Problem<'a>,
     /// The hypothesis, fitted.
     pub fit: FittedHypothesis,
-    /// What everything else looks like beside it.
+    /// The screening beside it.
     pub screening: Arc<Screening>,
-    /// What may be missing.
+    /// Proposals of missing effects.
     pub proposals: Vec<Proposal>,
-    /// How it predicts what it was not fitted to.
+    /// Its held-out score.
     pub scores: Option<Scores>,
 }
 
-/// Looks at everything around a hypothesis; noise and weights move along. Beside nothing yet, effects that
-/// re-tuning may hide are among the proposals.
+/// Screens beside a hypothesis, and updates noise and weights. Without accepted effects the proposals include those that
+/// the refit of the soil may hide.
 ///
 /// # Errors
-/// Somebody wants it to end, the hypothesis' deadline has passed (noise and weights are then as before), numbers that are
-/// not finite.
+/// A stop by the caller, the hypothesis' deadline (noise and weights are then as before), or numbers that are not finite.
 pub fn screen<'a>(
     problem: Problem<'a>,
     fit: FittedHypothesis,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
     options: &Options,
     progress: &Progress,
 ) -> Result<Stage<'a>, DiagnosisError> {
     progress.step("sensitivities to every candidate")?;
-    let begin = progress.elapsed();
+    let began = progress.elapsed();
     let in_time = || progress.in_time(problem.deadline);
-    let mut own = by.clone();
+    let mut own = noise.clone();
     let on = fit.coefficients.clone();
     let layout = Layout::new(&problem, &on);
     let mut tables = sensitivities(&problem, &layout, &fit.solution);
     in_time()?;
     weigh(&problem, &on, &fit.tables, &mut own);
-    progress.step("noise")?;
+    progress.step("estimating the noise")?;
     let system = linearise(&problem, &layout, &tables, &fit.solution, &own);
     in_time()?;
     noise::update(&problem, &system, &tables, &fit.solution, &mut own);
     drop(system);
     in_time()?;
-    progress.step("re-tuning the soil")?;
+    progress.step("refitting the soil")?;
     let again = fit_restarted(&problem, &fit, &own);
     in_time()?;
     progress.step("sensitivities to every candidate")?;
     let mut at = fit.solution.clone();
     if moved(&problem, &at, &again.solution) > MOVED {
         at = again.solution.clone();
-        // Both at once would be most of what a diagnosis needs of memory.
+        // Both tables at once would need most of the memory of a diagnosis.
         drop(tables);
         tables = sensitivities(&problem, &layout, &at);
-    } else if let Some(part) = strayed(&at, &again.solution) {
+    } else if let Some(part) = moved_starts(&at, &again.solution) {
         for place in part.places() {
             at.starts[*place] = again.solution.starts[*place];
         }
@@ -108,7 +106,7 @@ pub fn screen<'a>(
     drop(tables);
     in_time()?;
     let view = View::new(&problem, &system, &on, &own).ok_or(DiagnosisError::NotFinite)?;
-    progress.step("screening and locating")?;
+    progress.step("screening and scanning for regions")?;
     let screened = screened(&view);
     let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
     let threshold = chance(&view.projection, &equations, SHARE, NULLS, options.seed);
@@ -118,7 +116,7 @@ pub fn screen<'a>(
     in_time()?;
     let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
     let latent_wrench = latent_wrench(&problem, &system);
-    let took = progress.elapsed().saturating_sub(begin);
+    let took = progress.elapsed().saturating_sub(began);
     if on.is_empty() {
         proposals.extend(hidden(&view, &screened));
         if !progress.lacks(took) {
@@ -128,7 +126,7 @@ pub fn screen<'a>(
         }
     }
     let scores = scores(&problem, &again, &own);
-    *by = own;
+    *noise = own;
     Ok(Stage {
         screening: Arc::new(Screening {
             screened,
@@ -144,24 +142,23 @@ pub fn screen<'a>(
     })
 }
 
-/// As [`screen`] after another look. Where time is up, the hypothesis stands as it was fitted, and nothing is known of what
-/// is left over beside it.
+/// As [`screen`] after an earlier screening. At the deadline the hypothesis stays as it was fitted, without proposals.
 ///
 /// # Errors
-/// Somebody wants it to end, numbers that are not finite.
+/// The caller wants it to end, numbers that are not finite.
 pub fn screen_again<'a>(
     before: &Arc<Screening>,
     problem: Problem<'a>,
     fit: FittedHypothesis,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
     options: &Options,
     progress: &Progress,
 ) -> Result<Stage<'a>, DiagnosisError> {
     if progress.limit().is_none() {
-        return screen(problem, fit, by, options, progress);
+        return screen(problem, fit, noise, options, progress);
     }
     if !progress.lacks(before.took) {
-        match screen(problem.clone(), fit.clone(), by, options, progress) {
+        match screen(problem.clone(), fit.clone(), noise, options, progress) {
             Err(DiagnosisError::OutOfTime) => {}
             screening => return screening,
         }
@@ -178,7 +175,7 @@ pub fn screen_again<'a>(
     })
 }
 
-/// How far the soil moved, in standard deviations of its prior.
+/// Movement of the soil, in standard deviations of its prior.
 fn moved(problem: &Problem, from: &Solution, to: &Solution) -> f64 {
     let scales = problem.soil_parameters();
     let pairs = from.soil.iter().zip(&to.soil).zip(&scales);
@@ -186,46 +183,20 @@ fn moved(problem: &Problem, from: &Solution, to: &Solution) -> f64 {
     each.fold(0.0, f64::max)
 }
 
-/// The stretches whose start was found elsewhere: what it leaves over there is another thing.
-fn strayed(from: &Solution, to: &Solution) -> Option<Subsample> {
+/// The segments whose start has moved: their residuals differ.
+fn moved_starts(from: &Solution, to: &Solution) -> Option<Subsample> {
     let pairs = from.starts.iter().zip(&to.starts).enumerate();
-    let strayed = pairs.filter(|(_, (a, b))| {
-        let mut each = a.iter().zip(b.iter()).zip(ASTRAY);
+    let moved_starts = pairs.filter(|(_, (a, b))| {
+        let mut each = a.iter().zip(b.iter()).zip(MOVED_START);
         each.any(|((a, b), limit)| (a - b).abs() > limit)
     });
-    let places = strayed.map(|(place, _)| place).collect();
+    let places = moved_starts.map(|(place, _)| place).collect();
     Subsample::some(places, from.starts.len())
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
-    use crate::diagnosis::hypothesis::likelihood::fit_with_noise;
-    use crate::diagnosis::hypothesis::prepare::prepare;
-    use crate::recording::Recording;
-    use crate::vehicle::Specification;
-
-    /// The re-tuned model of recordings, looked at, and the noise that it leaves.
-    pub fn refitted<'a>(
-        nominal: &Specification,
-        recordings: &'a [Recording],
-    ) -> (Stage<'a>, NoiseModel) {
-        refitted_with(nominal, recordings, &Options::default())
-    }
-
-    /// The same with other options.
-    pub fn refitted_with<'a>(
-        nominal: &Specification,
-        recordings: &'a [Recording],
-        options: &Options,
-    ) -> (Stage<'a>, NoiseModel) {
-        let mut problem = Problem::new(nominal, recordings);
-        let progress = Progress::new(&|_: &'static str| {});
-        let (_, mut by) = prepare(&mut problem, options, &progress).unwrap();
-        let fitted = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
-        let stage = screen(problem, fitted, &mut by, options, &progress).unwrap();
-        (stage, by)
-    }
 
     #[test]
     fn stretches_whose_start_was_found_elsewhere_are_looked_at_anew() {
@@ -234,10 +205,10 @@ pub mod tests {
             coefficients: Vec::new(),
             starts: vec![[0.0; 6]; 3],
         };
-        assert!(strayed(&before, &before).is_none());
+        assert!(moved_starts(&before, &before).is_none());
         let mut after = before.clone();
         after.starts[0][0] = 0.1;
         after.starts[1][4] = -0.3;
-        assert_eq!(strayed(&before, &after).unwrap().places(), [1]);
+        assert_eq!(moved_starts(&before, &after).unwrap().places(), [1]);
     }
 }

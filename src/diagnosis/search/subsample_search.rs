@@ -1,54 +1,65 @@
-//! Most of the way of fits on a part of a long recording.
+//! Fits of proposals on a subsample of a long recording.
 //!
-//! What acts throughout is fitted to some stretches first, and only what keeps its promise there goes on with
-//! all of them. What acts at some time or place only is fitted to all at once.
+//! Effects that act throughout are fitted to some segments first, and only those with good odds there continue on all
+//! of them. Local effects are fitted to all segments at once.
 
 use super::initial_guess::LOST;
 use super::naming::{PartialFit, first_steps, partial_fit};
 use super::proposal::Proposal;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, PARTIAL_FIT, fit_on, fit_until,
+    FittedHypothesis, HELD, PARTIAL_FIT, continue_fit, fit_until,
 };
 use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::fit::problem::NoiseModel;
 
-/// Some stretches, and the hypothesis fitted to them.
+/// A subsample, and the hypothesis fitted to it.
 pub struct SubsampleSearch<'a> {
     part: Subsample,
     problem: Problem<'a>,
     before: FittedHypothesis,
-    by: NoiseModel,
+    noise: NoiseModel,
 }
 
 impl<'a> SubsampleSearch<'a> {
-    /// `None` where there are not many.
+    /// `None` for a short recording.
     #[must_use]
-    pub fn new(problem: &Problem<'a>, before: &FittedHypothesis, by: &NoiseModel) -> Option<Self> {
+    pub fn new(
+        problem: &Problem<'a>,
+        before: &FittedHypothesis,
+        noise: &NoiseModel,
+    ) -> Option<Self> {
         let part = Subsample::of(problem)?;
-        let (problem, by) = (part.problem(problem), part.noise_model(by));
-        let begin = part.solution(&before.solution);
+        let (problem, noise) = (part.problem(problem), part.noise_model(noise));
+        let initial = part.solution(&before.solution);
         Some(Self {
-            before: fit_until(&problem, &before.coefficients, &begin, &by, PARTIAL_FIT).ok()?,
+            before: fit_until(
+                &problem,
+                &before.coefficients,
+                &initial,
+                &noise,
+                PARTIAL_FIT,
+            )
+            .ok()?,
             part,
             problem,
-            by,
+            noise,
         })
     }
 
-    /// As [`partial_fit`], what is gained told as if it were of all stretches.
+    /// As [`partial_fit`], with the gain scaled to all segments.
     #[must_use]
-    pub fn partial_fit(&self, proposal: &Proposal, least: f64) -> Option<PartialFit<'a>> {
+    pub fn partial_fit(&self, proposal: &Proposal, min_odds: f64) -> Option<PartialFit<'a>> {
         let share = 1.0 / self.part.ratio();
-        let (problem, before, by) = (&self.problem, &self.before, &self.by);
-        let partial_fit = partial_fit(problem, proposal, before, by, share, share * least)?;
+        let (problem, before, noise) = (&self.problem, &self.before, &self.noise);
+        let partial_fit = partial_fit(problem, proposal, before, noise, share, share * min_odds)?;
         Some(self.scaled(partial_fit))
     }
 
-    /// Goes on with the part.
+    /// Continues on the subsample.
     #[must_use]
     pub fn further(&self, partial_fit: &PartialFit<'a>) -> PartialFit<'a> {
-        let fit = fit_on(&partial_fit.problem, &partial_fit.fit, &self.by, HELD);
+        let fit = continue_fit(&partial_fit.problem, &partial_fit.fit, &self.noise, HELD);
         let further = PartialFit::new(
             &partial_fit.proposal,
             &partial_fit.problem,
@@ -67,26 +78,26 @@ impl<'a> SubsampleSearch<'a> {
         partial_fit
     }
 
-    /// Goes on with all stretches; from the beginning where they cannot be driven as it stands, or the way is
-    /// lost. `None` where that cannot be driven either.
+    /// Continues on all segments; from a new initial guess if the model cannot follow, or the fit has failed. `None`
+    /// if that fails as well.
     #[must_use]
     pub fn widened(
         &self,
-        scouted: &PartialFit<'a>,
+        subsampled: &PartialFit<'a>,
         problem: &Problem<'a>,
         before: &FittedHypothesis,
-        by: &NoiseModel,
-        least: f64,
+        noise: &NoiseModel,
+        min_odds: f64,
     ) -> Option<PartialFit<'a>> {
-        let PartialFit { proposal, fit, .. } = scouted;
-        // What else is on may not show on the part.
-        let (told, own) = (&fit.solution, &proposal.coefficients);
-        let begin = self.part.widened(told, own, &before.solution);
+        let PartialFit { proposal, fit, .. } = subsampled;
+        // Other coefficients may be undetermined on the subsample.
+        let (fitted, own) = (&fit.solution, &proposal.coefficients);
+        let initial = self.part.widened(fitted, own, &before.solution);
         let widened = fit_until(
             problem,
             &fit.coefficients,
-            &begin,
-            by,
+            &initial,
+            noise,
             first_steps(proposal),
         )
         .ok();
@@ -94,7 +105,7 @@ impl<'a> SubsampleSearch<'a> {
             widened.filter(|fit| fit.negative_log_evidence <= before.negative_log_evidence + LOST);
         match kept {
             Some(fit) => Some(PartialFit::new(proposal, problem, fit, before)),
-            None => partial_fit(problem, proposal, before, by, 1.0, least),
+            None => partial_fit(problem, proposal, before, noise, 1.0, min_odds),
         }
     }
 }

@@ -1,11 +1,11 @@
-//! What a search looks at: the linearised problem beside what is on.
+//! The linearised problem beside the accepted effects.
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::screening::system::System;
 use crate::fit::problem::NoiseModel;
 
-/// The linearised problem beside what is on.
+/// The linearised problem beside the coefficients that are on.
 #[derive(Debug)]
 pub struct View<'a, 'g> {
     /// The given model.
@@ -15,19 +15,19 @@ pub struct View<'a, 'g> {
     /// Soil and what is on, projected out.
     pub projection: Projection<'a>,
     /// The noise.
-    pub by: &'a NoiseModel,
-    /// Knobs that are on.
+    pub noise: &'a NoiseModel,
+    /// Coefficients that are on.
     pub on: &'a [usize],
 }
 
 impl<'a, 'g> View<'a, 'g> {
-    /// Projects out what is on. `None` where numbers are not finite.
+    /// Projects out soil and the coefficients that are on. `None` if numbers are not finite.
     #[must_use]
     pub fn new(
         problem: &'a Problem<'g>,
         system: &'a System,
         on: &'a [usize],
-        by: &'a NoiseModel,
+        noise: &'a NoiseModel,
     ) -> Option<Self> {
         let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
         let projection = Projection::over_all(system, &further)?;
@@ -35,7 +35,7 @@ impl<'a, 'g> View<'a, 'g> {
             problem,
             system,
             projection,
-            by,
+            noise,
             on,
         })
     }

@@ -1,40 +1,39 @@
-//! What the wheels did between two samples of their speeds.
+//! Reconstruction of the wheel speeds between samples.
 //!
-//! An encoder counts: what it tells is the mean over the time between two samples, and straight lines between such means
-//! cut the corners. At 20 Hz a light vehicle that is steered hard errs by 17 standard deviations of a good gyro
-//! over a minute, which looks like a force for some seconds. Other sensors tell the speed at a time. Both are tried.
+//! An encoder counts: a sample is the mean over its interval, and linear interpolation between such means cuts
+//! corners. At 20 Hz a light vehicle that is steered hard errs by 17 standard deviations of a good gyro over a
+//! minute, which looks like a force for some seconds. Other sensors measure the speed at a time. Both are tried.
 //!
-//! Whole counts are noise as well, and it drives the model: 4096 a turn at 20 Hz are steps of 0.03 rad/s. Wheels that
-//! trail by a part of an interval mix neighbouring samples, which smooths, and would be told as late for that alone.
-//! Both are therefore tried with more and more smoothing, as long as the recordings become likelier.
+//! Whole counts are noise as well, and drive the model: 4096 a turn at 20 Hz are steps of 0.03 rad/s. A delay of a
+//! fraction of an interval mixes neighbouring samples, which smooths, so noise alone would look like a delay. Both
+//! are therefore tried with more and more smoothing, as long as the evidence grows.
 
 use crate::diagnosis::Progress;
 use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::Wheels;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, fit_with_noise};
 use crate::diagnosis::hypothesis::thin::FIRST_LOOK;
-use crate::diagnosis::hypothesis::wheels::Wheels;
 use crate::fit::problem::NoiseModel;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is tried: of values' quickest wave 1/(1 + 16 s) stays, of one of four samples 1/(1 + 4 s).
+/// Smoothing parameters s: the shortest wave keeps the factor 1/(1 + 16 s), one of four samples 1/(1 + 4 s).
 const SMOOTHINGS: [f64; 5] = [0.0, 0.1, 0.4, 1.6, 6.4];
-/// Log odds that smoothing has to outweigh: speeds that nobody counted are as they are told.
+/// Log odds that smoothing must exceed, as recorded speeds are usually exact.
 const UNLIKELY: f64 = 3.0;
 
-/// The re-tuned model with the wheels' speeds between samples such that the recordings are likeliest. Where time is short,
-/// what was tried by then.
+/// The refitted model with the reconstruction of the largest evidence. At the deadline, the best so far.
 #[must_use]
 pub fn reconstructed<'a>(
     problem: &Problem<'a>,
     fit: FittedHypothesis,
-    by: &mut NoiseModel,
+    noise: &mut NoiseModel,
     progress: &Progress,
 ) -> (Problem<'a>, FittedHypothesis) {
     let mut took = Duration::ZERO;
     let mut best: Option<(Problem, FittedHypothesis, f64)> = None;
     for counted in [false, true] {
-        let mut least = f64::INFINITY;
+        let mut smallest = f64::INFINITY;
         for smoothing in SMOOTHINGS {
             let price = if smoothing > 0.0 { UNLIKELY } else { 0.0 };
             let as_it_is = !counted && smoothing == 0.0;
@@ -45,19 +44,22 @@ pub fn reconstructed<'a>(
                     break;
                 }
                 let before = progress.elapsed();
-                let begin = best.as_ref().map_or(&fit, |(_, fit, _)| fit);
+                let initial = best.as_ref().map_or(&fit, |(_, fit, _)| fit);
                 let other = with_wheels(problem, counted, smoothing);
-                let fitted = fit_hypothesis(&other, &fit.coefficients, &begin.solution, by);
+                let fitted = fit_hypothesis(&other, &fit.coefficients, &initial.solution, noise);
                 took = progress.elapsed().saturating_sub(before);
                 (other, fitted)
             };
             let Ok(fitted) = fitted else { continue };
-            if fitted.negative_log_evidence >= least {
+            if fitted.negative_log_evidence >= smallest {
                 break;
             }
-            least = fitted.negative_log_evidence;
-            if best.as_ref().is_none_or(|(.., best)| least + price < *best) {
-                best = Some((other, fitted, least + price));
+            smallest = fitted.negative_log_evidence;
+            if best
+                .as_ref()
+                .is_none_or(|(.., best)| smallest + price < *best)
+            {
+                best = Some((other, fitted, smallest + price));
             }
         }
     }
@@ -68,10 +70,10 @@ pub fn reconstructed<'a>(
         return (problem, fit);
     };
     wheels.likelier = fit.negative_log_evidence - fitted.negative_log_evidence;
-    let mut own = by.clone();
+    let mut own = noise.clone();
     let fitted = match fit_with_noise(&problem, &fitted.coefficients, &fitted.solution, &mut own) {
         Ok(settled) => {
-            *by = own;
+            *noise = own;
             settled
         }
         Err(_) => fitted,
@@ -79,7 +81,7 @@ pub fn reconstructed<'a>(
     (problem, fitted)
 }
 
-/// The same recordings, the speeds of their wheels between samples reconstructed.
+/// The same recordings with reconstructed wheel speeds.
 fn with_wheels<'a>(problem: &Problem<'a>, counted: bool, smoothing: f64) -> Problem<'a> {
     let mut other = problem.clone();
     let mut last = None;
@@ -88,8 +90,8 @@ fn with_wheels<'a>(problem: &Problem<'a>, counted: bool, smoothing: f64) -> Prob
         let drive = match last {
             Some((before, drive)) if before == run => drive,
             _ => {
-                let told = segment.drive.as_ref().clone();
-                Arc::new(told.reconstructed(counted, smoothing))
+                let recorded = segment.drive.as_ref().clone();
+                Arc::new(recorded.reconstructed(counted, smoothing))
             }
         };
         segment.drive = Arc::clone(&drive);
@@ -107,19 +109,17 @@ fn with_wheels<'a>(problem: &Problem<'a>, counted: bool, smoothing: f64) -> Prob
 mod tests {
     use super::*;
     use crate::diagnosis::Options;
-    use crate::diagnosis::hypothesis::prepare::prepare;
-    use crate::diagnosis::manoeuvre::rehearsal::tests::driven;
+
+    use crate::diagnosis::testing::{driven, fitted, on};
     use crate::recording::{Channel, Recording, Series};
-    use crate::terrain::Terrain;
-    use crate::vehicle::{Specification, Vehicle};
 
     /// Seconds between two samples of the encoders.
     const INTERVAL: f64 = 0.3;
 
-    /// The same drive with wheel speeds so many times a second, at that time or as means around it.
-    fn told(recording: &Recording, means: bool) -> Recording {
-        let mut told = recording.clone();
-        for run in &mut told.runs {
+    /// The same drive with wheel speeds at this interval, sampled or as means.
+    fn sampled_coarsely(recording: &Recording, means: bool) -> Recording {
+        let mut coarse = recording.clone();
+        for run in &mut coarse.runs {
             for channel in [Channel::OmegaLeft, Channel::OmegaRight] {
                 let fine = run.series(channel).unwrap().clone();
                 let end = fine.end().unwrap();
@@ -136,38 +136,36 @@ mod tests {
                     .with(channel, times.map(sample).collect::<Series>());
             }
         }
-        told
+        coarse
     }
 
-    /// The same drive with wheel speeds that are off by up to so much, each sample by its own.
-    fn jittered(recording: &Recording, most: f64) -> Recording {
-        let mut told = recording.clone();
+    /// The same drive with uniform errors of the wheel speeds.
+    fn jittered(recording: &Recording, amplitude: f64) -> Recording {
+        let mut coarse = recording.clone();
         let mut random = fastrand::Rng::with_seed(11);
-        for run in &mut told.runs {
+        for run in &mut coarse.runs {
             for channel in [Channel::OmegaLeft, Channel::OmegaRight] {
                 let series = run.series(channel).unwrap().clone();
-                let off =
-                    |(time, value): (f64, f64), off: f64| (time, value + most * (2.0 * off - 1.0));
+                let off = |(time, value): (f64, f64), off: f64| {
+                    (time, value + amplitude * (2.0 * off - 1.0))
+                };
                 let samples = series.samples().map(|sample| off(sample, random.f64()));
                 let samples: Series = samples.collect();
                 *run = run.clone().with(channel, samples);
             }
         }
-        told
+        coarse
     }
 
     #[test]
     fn wheel_speeds_are_means_where_they_were_counted() {
-        let soil = Terrain::preset("sandy_loam").unwrap();
-        let model = Specification::plain(Vehicle::tran2007(), soil);
+        let model = on("sandy_loam");
         let whole = driven(&model, "slalom");
         let likelier = |recording: Recording| {
             let recordings = [recording];
-            let mut problem = Problem::new(&model, &recordings);
-            let progress = Progress::new(&|_: &'static str| {});
-            let (_, mut by) = prepare(&mut problem, &Options::default(), &progress).unwrap();
-            let fit = fit_with_noise(&problem, &[], &problem.begin(), &mut by).unwrap();
-            let (found, again) = reconstructed(&problem, fit.clone(), &mut by, &progress);
+            let (problem, fit, mut noise) = fitted(&model, &recordings, &Options::default());
+            let (found, again) =
+                reconstructed(&problem, fit.clone(), &mut noise, &Progress::new(&|_| ()));
             assert_eq!(
                 found.wheels.is_some(),
                 found.segments[0].drive != problem.segments[0].drive
@@ -176,10 +174,10 @@ mod tests {
         };
         let (as_it_was, _) = likelier(whole.clone());
         assert!(as_it_was.is_none());
-        let (means, misfit) = likelier(told(&whole, true));
+        let (means, misfit) = likelier(sampled_coarsely(&whole, true));
         let means = means.unwrap();
         assert!(means.counted && means.likelier > 20.0);
-        let (sampled, more) = likelier(told(&whole, false));
+        let (sampled, more) = likelier(sampled_coarsely(&whole, false));
         assert!(sampled.is_none() && more > misfit);
         let (jittery, _) = likelier(jittered(&whole, 0.1));
         let jittery = jittery.unwrap();

@@ -1,7 +1,7 @@
 //! Windows, trials, and steps that are refused.
 
 use super::*;
-use crate::declaration::Quantity;
+use crate::declaration::{Quantity, Side};
 use crate::fmu::test_instance::{instance, running, with_effects};
 
 const DRIVING: [f64; State::COUNT] = [0.0, 0.0, 0.3, 1.1, 0.02, 0.1];
@@ -48,7 +48,8 @@ fn a_trial_that_cannot_be_computed_can_be_taken_back() {
     assert!(matches!(failed, Err(Failure::Broken(_))), "{failed:?}");
     assert_eq!(rates(&mut instance), before);
     // There are no forces at such a wheel speed.
-    let left = |instance: &mut Instance, speed| instance.core.set_real(Quantity::Input(0), speed);
+    let left =
+        |instance: &mut Instance, speed| instance.core.set_real(Quantity::Input(Side::Left), speed);
     left(&mut instance, 1e300).unwrap();
     let failed = instance.get_rates(&mut trial);
     assert!(matches!(failed, Err(Failure::Broken(_))), "{failed:?}");
@@ -75,12 +76,12 @@ fn a_late_start_gives_the_same_drive() {
     let drive = |start: f64| {
         let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
         instance.setup_experiment(start, None).unwrap();
-        instance.enter_initialization();
+        instance.enter_initialization().unwrap();
         instance.exit_initialization().unwrap();
         for step in 0..50 {
             // Jumps, which the integrator follows by short steps.
             let speed = if step % 10 < 5 { 8.0 } else { -3.0 };
-            let left = Quantity::Input(0);
+            let left = Quantity::Input(Side::Left);
             instance.core.set_real(left, speed).unwrap();
             let size = 0.02;
             let point = start + f64::from(step) * size;
@@ -123,7 +124,7 @@ fn a_step_that_the_clock_cannot_resolve_is_refused() {
     let start = 1.7e9;
     let mut instance = instance(Interface::CoSimulation, with_effects("{}"));
     instance.setup_experiment(start, None).unwrap();
-    instance.enter_initialization();
+    instance.enter_initialization().unwrap();
     instance.exit_initialization().unwrap();
     // The clock moves in steps of 2.4e-7 s here.
     for size in [1e-9, 1e-6] {

@@ -1,22 +1,22 @@
-//! MCAP, through the format's own crate.
+//! MCAP, by the format's crate.
 
-use super::{BLOCK, Connection, Ending, Input, LONGEST_NAME, ReadProgress, Visit};
-use crate::import::ImportError;
+use super::input::{BLOCK, Connection, Ending, Input, LONGEST_NAME, ReadProgress, Visit};
+use crate::import::error::ImportError;
 use mcap::McapError;
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::HashMap;
 
-/// Log times later than this, of 2116, are damage; differences of times stay within 64 bits \[ns\].
+/// Latest valid log time, of 2116 \[ns\]; differences of times stay within 64 bits.
 const LATEST: u64 = i64::MAX as u64 / 2;
 
-/// Shows every message; the summary at the end is not needed.
+/// Visits every message; the summary at the end is not needed.
 pub(super) fn read(
     mut input: Input,
     progress: &mut ReadProgress,
     visit: &mut Visit,
 ) -> Result<Ending, ImportError> {
-    // A chunk is checked before its messages are shown.
+    // A chunk is checked before its messages are visited.
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
         .with_record_length_limit(input.largest() as usize);
@@ -25,13 +25,13 @@ pub(super) fn read(
     while let Some(event) = reader.next_event() {
         match event {
             Ok(LinearReadEvent::ReadRequest(wanted)) => {
-                // No more than there is: the length of a damaged record may be anything.
-                let wanted = (wanted.max(BLOCK) as u64).min(input.left()) as usize;
+                // Limited by the file: the length of a damaged record is arbitrary.
+                let wanted = (wanted.max(BLOCK) as u64).min(input.remaining()) as usize;
                 let bytes = input.read(reader.insert(wanted))?;
                 reader.notify_read(bytes);
                 progress(input.place, input.length);
             }
-            // What follows are the tables of contents.
+            // Only tables of contents follow.
             Ok(LinearReadEvent::Record {
                 opcode: op::DATA_END,
                 ..
@@ -65,18 +65,18 @@ fn describe(error: &McapError) -> String {
 
 const UNREADABLE: &str = "a record does not parse";
 
-/// What the file has said so far about its topics.
+/// The topics so far.
 #[derive(Default)]
 struct Channels {
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Connection>,
 }
 
-type Shown<'c, 'd> = (&'c Connection, i64, &'d [u8]);
+type Message<'c, 'd> = (&'c Connection, i64, &'d [u8]);
 
 impl Channels {
-    /// Learns from a record, or returns it if it is a message.
-    fn take<'d>(&mut self, opcode: u8, data: &'d [u8]) -> Result<Option<Shown<'_, 'd>>, String> {
+    /// Registers a topic, or returns a message.
+    fn take<'d>(&mut self, opcode: u8, data: &'d [u8]) -> Result<Option<Message<'_, 'd>>, String> {
         self.read(opcode, Fields(data))
             .ok_or_else(|| UNREADABLE.to_owned())?
             .map(|(id, time, data)| {
@@ -87,14 +87,14 @@ impl Channels {
             .transpose()
     }
 
-    /// As [`Channels::take`], with the number of the message's channel; `None` if the record is damaged.
+    /// As [`Channels::take`], with the id of the message's channel; `None` if the record is damaged.
     fn read<'d>(
         &mut self,
         opcode: u8,
         mut fields: Fields<'d>,
     ) -> Option<Option<(u16, u64, &'d [u8])>> {
         match opcode {
-            // No record has this number, but what a crash left unwritten is full of it.
+            // No record has this code, but space that a crash left unwritten has.
             0 => return None,
             op::SCHEMA => {
                 let (id, name) = (fields.u16()?, fields.text()?);
@@ -120,8 +120,8 @@ impl Channels {
     }
 }
 
-/// What is left of a record. The format's crate asks for as much memory as the length of a text
-/// says before it looks whether there is as much text, and a damaged length may say anything.
+/// The unread part of a record. The format's crate allocates the stated length of a text before it checks the length, and
+/// a damaged length is arbitrary.
 struct Fields<'a>(&'a [u8]);
 
 impl Fields<'_> {
@@ -156,7 +156,7 @@ impl Fields<'_> {
 mod tests {
     use super::*;
 
-    /// A schema of number 1, a channel of it of number 2, and a message there.
+    /// A schema with id 1, its channel with id 2, and a message.
     const RECORDS: [(u8, &[u8]); 3] = [
         (op::SCHEMA, b"\x01\0\x04\0\0\0type\0\0\0\0\0\0\0\0"),
         (
@@ -170,7 +170,7 @@ mod tests {
     ];
 
     #[test]
-    fn records_are_understood() {
+    fn records_are_parsed() {
         let mut channels = Channels::default();
         for (opcode, data) in &RECORDS[..2] {
             assert_eq!(channels.take(*opcode, data), Ok(None));
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn records_that_are_cut_off_or_tell_a_wrong_length_take_no_memory() {
+    fn truncated_records_and_wrong_lengths_take_no_memory() {
         for (opcode, data) in RECORDS {
             for length in 0..8 {
                 assert!(refused(opcode, &data[..length]), "{opcode} {length}");

@@ -1,24 +1,27 @@
-//! Files of messages, read once from front to back; memory holds one chunk at a time.
+//! Files of messages, read from front to back with one chunk in memory.
 
+mod input;
 mod mcap;
 mod ros1;
 
-use super::ImportError;
-use std::fs::File;
-use std::io::{BufReader, Read};
+pub(super) use input::{Connection, Visit};
+pub use input::{Ending, ReadProgress};
+
+use super::error::ImportError;
+use input::Input;
 use std::path::Path;
 
-/// What a file of messages is.
+/// Format of a file of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Container {
-    /// MCAP, which ROS 2 writes; holds other encodings as well.
+    /// MCAP, the format of ROS 2; it may contain other encodings.
     Mcap,
     /// The bag of ROS 1, version 2.0.
     Ros1Bag,
 }
 
 impl Container {
-    /// Its name for people.
+    /// Name for the user.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -28,48 +31,7 @@ impl Container {
     }
 }
 
-/// Whether a file could be read to its end.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Ending {
-    /// It could.
-    Whole,
-    /// What comes before could be read.
-    Broken {
-        /// Where the record begins that could not be read, or near it \[bytes\].
-        offset: u64,
-        /// What is wrong with it.
-        reason: String,
-    },
-}
-
-/// The topic of a message.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Connection {
-    pub topic: String,
-    /// Name of the message's type.
-    pub message_type: String,
-    /// "cdr", "ros1", or whatever the file says.
-    pub encoding: String,
-}
-
-/// Is shown every message: its topic, when it was logged \[ns\] since 1970, and its bytes.
-pub(super) type Visit<'v> = dyn FnMut(&Connection, i64, &[u8]) -> Result<(), ImportError> + 'v;
-
-/// Is told how many bytes have been read, and of how many.
-pub type ReadProgress<'p> = dyn FnMut(u64, u64) + 'p;
-
-/// Bytes that are asked of the file at once.
-const BLOCK: usize = 1 << 18;
-
-/// Recorders write chunks of some megabytes, at most some messages' worth \[bytes\]; more is a damaged length.
-const LARGEST_CHUNK: u64 = 1 << 30;
-/// Messages pack to more than this share, and what a small file says of its size is damage or a trap.
-const TIGHTEST: u64 = 32;
-const SMALL: u64 = 64 << 20;
-/// Longer names of topics and types are damage \[bytes\]: those of ROS have 255.
-const LONGEST_NAME: usize = 1024;
-
-/// How other files begin, what they are, and what to do about them.
+/// Magic bytes of other files, their format, and a remedy.
 const OTHERS: [(&[u8], &str, &str); 5] = [
     (
         b"SQLite format 3\0",
@@ -94,81 +56,10 @@ const OTHERS: [(&[u8], &str, &str); 5] = [
     (b"PK\x03\x04", "a zip archive", "unpack it: unzip"),
 ];
 
-/// An open file with the place in it.
-pub(super) struct Input<'a> {
-    path: &'a Path,
-    file: BufReader<File>,
-    place: u64,
-    length: u64,
-}
-
-impl<'a> Input<'a> {
-    fn open(path: &'a Path) -> Result<Self, ImportError> {
-        let failed = |source| ImportError::Read {
-            path: path.into(),
-            source,
-        };
-        let file = File::open(path).map_err(failed)?;
-        let metadata = file.metadata().map_err(failed)?;
-        if metadata.is_dir() {
-            return Err(ImportError::Format {
-                path: path.into(),
-                found: "a folder".into(),
-                remedy: "name the .mcap or .bag file in it".into(),
-            });
-        }
-        Ok(Self {
-            path,
-            file: BufReader::with_capacity(BLOCK, file),
-            place: 0,
-            length: metadata.len(),
-        })
-    }
-
-    /// The largest record or chunk, packed or unpacked, that a file of this length holds \[bytes\].
-    fn largest(&self) -> u64 {
-        (TIGHTEST * self.length).clamp(SMALL, LARGEST_CHUNK)
-    }
-
-    /// Bytes from here to the end.
-    fn left(&self) -> u64 {
-        self.length.saturating_sub(self.place)
-    }
-
-    /// Reads as much as there is, up to the buffer's length.
-    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, ImportError> {
-        let mut done = 0;
-        while done < buffer.len() {
-            match self.file.read(&mut buffer[done..]) {
-                Ok(0) => break,
-                Ok(bytes) => done += bytes,
-                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-                Err(source) => return Err(self.failed(source)),
-            }
-        }
-        self.place += done as u64;
-        Ok(done)
-    }
-
-    fn skip(&mut self, bytes: u32) -> Result<(), ImportError> {
-        let skipped = self.file.seek_relative(i64::from(bytes));
-        skipped.map_err(|source| self.failed(source))?;
-        self.place += u64::from(bytes);
-        Ok(())
-    }
-
-    fn failed(&self, source: std::io::Error) -> ImportError {
-        ImportError::Read {
-            path: self.path.into(),
-            source,
-        }
-    }
-}
-
-/// What a file is, from its first bytes.
+/// The format of a file, from its first bytes.
 ///
 /// # Errors
-/// A file that cannot be read, or is something else.
+/// A file that cannot be read, or has another format.
 pub(super) fn container(path: &Path) -> Result<Container, ImportError> {
     let mut start = [0; 16];
     let mut input = Input::open(path)?;
@@ -192,11 +83,10 @@ pub(super) fn container(path: &Path) -> Result<Container, ImportError> {
     })
 }
 
-/// Shows every message of a file in the file's order.
+/// Visits every message of a file in order.
 ///
 /// # Errors
-/// A file that cannot be read, and whatever the visitor refuses. A file that ends too early or
-/// is damaged is no error: see [`Ending`].
+/// A file that cannot be read, and the errors of the visitor. A truncated or damaged file is no error: see [`Ending`].
 pub(super) fn read(
     path: &Path,
     container: Container,
@@ -212,9 +102,10 @@ pub(super) fn read(
 
 #[cfg(test)]
 mod tests {
+    use super::input::SMALL;
     use super::*;
 
-    /// The ending of a file of these bytes, and the memory that reading takes at most.
+    /// The ending of a file of these bytes, and the maximum memory of reading.
     fn ending(bytes: &[u8]) -> (String, u64) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("drive");
@@ -232,7 +123,7 @@ mod tests {
         [&(bytes.len() as u32).to_le_bytes(), bytes].concat()
     }
 
-    /// A file with one chunk that says it unpacks to so many bytes; it has four.
+    /// A file with a chunk of four bytes whose header claims this size.
     fn mcap_of(size: u64) -> Vec<u8> {
         // A frame of zstd with a raw block.
         let packed = b"\x28\xb5\x2f\xfd\x20\x04\x21\0\0data";

@@ -1,19 +1,17 @@
-//! The bag of ROS 1, version 2.0 (wiki.ros.org/Bags/Format/2.0): records of a header, whose
-//! fields are `name=value`, and data. Chunks hold topics ("connections") and messages; what
-//! stands between and after them are tables of contents.
+//! The bag of ROS 1, version 2.0 (wiki.ros.org/Bags/Format/2.0): records of a header, whose fields are `name=value`, and
+//! data. Chunks contain topics ("connections") and messages; tables of contents stand between and after them.
 //!
-//! The crate `rosbag` maps the file into memory and panics where a bag was cut off or never
-//! closed, which is why it is not used.
+//! The crate `rosbag` maps the file into memory and panics if a bag is truncated or was never closed, so it is not used.
 
-use super::{Connection, Ending, Input, LONGEST_NAME, ReadProgress, Visit};
+use super::input::{Connection, Ending, Input, LONGEST_NAME, ReadProgress, Visit};
 use crate::display::shortened;
-use crate::import::ImportError;
+use crate::import::error::ImportError;
 use std::collections::HashMap;
 use std::io::{self, Read};
 
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 
-/// Kinds of records that are read; the others are tables of contents.
+/// Record types that are read; the others are tables of contents.
 mod op {
     pub const MESSAGE: u8 = 0x02;
     pub const BAG_HEADER: u8 = 0x03;
@@ -24,9 +22,9 @@ mod op {
 
 /// Why reading stops early.
 enum Stop {
-    /// The visitor or the file system refused.
+    /// Refused by the visitor or the file system.
     Refused(ImportError),
-    /// The file is damaged here.
+    /// Damage.
     Broken(String),
 }
 
@@ -40,7 +38,7 @@ fn broken<T>(reason: impl Into<String>) -> Result<T, Stop> {
     Err(Stop::Broken(reason.into()))
 }
 
-/// Shows every message.
+/// Visits every message.
 pub(super) fn read(
     mut input: Input,
     progress: &mut ReadProgress,
@@ -49,7 +47,7 @@ pub(super) fn read(
     input.skip(MAGIC.len() as u32)?;
     let mut bag = Bag::default();
     let mut record = Buffers::default();
-    // Behind the messages are their tables of contents.
+    // Tables of contents follow the messages.
     while bag.index.is_none_or(|index| input.place < index) {
         let offset = input.place;
         match bag.next(&mut input, &mut record, visit) {
@@ -61,7 +59,7 @@ pub(super) fn read(
     Ok(Ending::Whole)
 }
 
-/// Memory that is used again for every record.
+/// Memory that every record reuses.
 #[derive(Default)]
 struct Buffers {
     header: Vec<u8>,
@@ -69,11 +67,11 @@ struct Buffers {
     unpacked: Vec<u8>,
 }
 
-/// What the file has said so far.
+/// The topics so far.
 #[derive(Default)]
 struct Bag {
     channels: HashMap<u32, Connection>,
-    /// Where the tables of contents begin; zero in a bag that was never closed.
+    /// Start of the tables of contents; `u64::MAX` in a bag that was never closed.
     index: Option<u64>,
 }
 
@@ -85,7 +83,7 @@ impl Bag {
         buffers: &mut Buffers,
         visit: &mut Visit,
     ) -> Result<(), Stop> {
-        if input.left() == 0 && self.index == Some(u64::MAX) {
+        if input.remaining() == 0 && self.index == Some(u64::MAX) {
             return broken("the bag was never closed: its table of contents is missing");
         }
         let length = length(input)?;
@@ -121,7 +119,7 @@ impl Bag {
         }
     }
 
-    /// Learns from a topic, or shows a message.
+    /// Registers a topic, or visits a message.
     fn take(&mut self, fields: &Fields, data: &[u8], visit: &mut Visit) -> Result<(), Stop> {
         match fields.op()? {
             op::CONNECTION => {
@@ -156,8 +154,8 @@ fn length(input: &mut Input) -> Result<u32, Stop> {
         return broken(CUT);
     }
     let length = u32::from_le_bytes(bytes);
-    // The length of a damaged record may be anything.
-    if u64::from(length) > input.left() {
+    // The length of a damaged record is arbitrary.
+    if u64::from(length) > input.remaining() {
         return broken(CUT);
     }
     Ok(length)
@@ -171,7 +169,7 @@ fn fill(input: &mut Input, buffer: &mut Vec<u8>, length: u32) -> Result<(), Stop
     Ok(())
 }
 
-/// The next bytes of a chunk, behind their length.
+/// The next bytes of a chunk, after their length.
 fn cut<'a>(rest: &mut &'a [u8]) -> Result<&'a [u8], Stop> {
     let split = rest.split_first_chunk().and_then(|(length, behind)| {
         let length = u32::from_le_bytes(*length) as usize;
@@ -198,7 +196,7 @@ fn unpack<'a>(
         ));
     }
     let compression = fields.text("compression")?;
-    // One byte more shows a chunk that is longer than it says.
+    // One more byte reveals a chunk that is longer than stated.
     let mut all = |from: &mut dyn Read| -> io::Result<usize> {
         unpacked.clear();
         from.take(size + 1).read_to_end(unpacked)
@@ -214,14 +212,12 @@ fn unpack<'a>(
     };
     match done {
         Ok(length) if length as u64 == size => Ok(unpacked),
-        Ok(_) => broken(format!(
-            "a chunk does not unpack to the {size} bytes it tells"
-        )),
+        Ok(_) => broken(format!("a chunk does not unpack to its {size} bytes")),
         Err(error) => broken(format!("a chunk does not unpack: {error}")),
     }
 }
 
-/// The header of a record: each field behind its length, `name=value`.
+/// The header of a record: fields `name=value`, each after its length.
 struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {

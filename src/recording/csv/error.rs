@@ -1,11 +1,12 @@
-//! What can be wrong with a recording's CSV, and where.
+//! Errors of CSV files, with their place.
 
 use crate::display::{listed, shortened};
 use crate::spelling::nearest;
 use std::fmt;
 use std::io;
+use thiserror::Error;
 
-/// Where in a file something is wrong.
+/// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
     /// Name of the file.
@@ -14,17 +15,16 @@ pub struct Cell {
     pub line: usize,
     /// Column among the separated ones, from 1.
     pub column: usize,
-    /// The column's name, where it has one.
+    /// Name of the column, if it has one.
     pub name: Option<String>,
 }
 
 impl fmt::Display for Cell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{}: line {}, column {}",
-            self.file, self.line, self.column
-        )?;
+        let Self {
+            file, line, column, ..
+        } = self;
+        write!(f, "{file}: line {line}, column {column}")?;
         match &self.name {
             Some(name) => write!(f, " ({})", shortened(name)),
             None => Ok(()),
@@ -32,17 +32,21 @@ impl fmt::Display for Cell {
     }
 }
 
-/// Why a text is no recording.
-#[derive(Debug)]
+/// Why a text is no table of the expected kind.
+#[derive(Debug, Error)]
 pub enum CsvError {
     /// The file cannot be read.
+    #[error("cannot read {file}")]
     Read {
         /// Name of the file.
         file: String,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// A line too long for any table.
+    #[error(
+        "{file}: line {line}: found more than 1 MB without a line end, expected a table (is it another kind of file?)"
+    )]
     LongLine {
         /// Name of the file.
         file: String,
@@ -50,72 +54,43 @@ pub enum CsvError {
         line: usize,
     },
     /// The header lacks a column.
+    #[error(
+        "{cell}: found no column `{missing}` among `{}`, expected a header with {}{}",
+        listed(found, "`, `"), required.join(", "), remedy(missing, required, found)
+    )]
     MissingColumn {
-        /// Behind the header's last cell.
+        /// After the header's last cell.
         cell: Cell,
-        /// The column that is missing.
+        /// The missing column.
         missing: &'static str,
-        /// All columns that must be there.
+        /// All required columns.
         required: Box<[&'static str]>,
         /// The header's cells.
         found: Vec<String>,
     },
-    /// Something else stands in a place than should.
+    /// An unexpected cell.
+    #[error("{cell}: found {found}, expected {expected}")]
     Malformed {
         /// The place.
         cell: Cell,
-        /// What stands there.
+        /// What the file has there.
         found: String,
-        /// What should.
+        /// What it should have.
         expected: String,
     },
 }
 
-impl fmt::Display for CsvError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read { file, .. } => write!(f, "cannot read {file}"),
-            Self::LongLine { file, line } => write!(
-                f,
-                "{file}: line {line}: found more than 1 MB without a line end, expected a table (is it another kind of file?)"
-            ),
-            Self::MissingColumn {
-                cell,
-                missing,
-                required,
-                found,
-            } => {
-                write!(
-                    f,
-                    "{cell}: found no column `{missing}` among `{}`",
-                    listed(found, "`, `")
-                )?;
-                write!(f, ", expected a header with {}", required.join(", "))?;
-                match remedy(missing, required, found) {
-                    Some(remedy) => write!(f, " ({remedy})"),
-                    None => Ok(()),
-                }
-            }
-            Self::Malformed {
-                cell,
-                found,
-                expected,
-            } => write!(f, "{cell}: found {found}, expected {expected}"),
-        }
-    }
-}
-
-/// What to do about a header that lacks a column.
-fn remedy(missing: &str, required: &[&str], found: &[String]) -> Option<String> {
+/// How to repair a header that lacks a column, in brackets; empty if unknown.
+fn remedy(missing: &str, required: &[&str], found: &[String]) -> String {
     let has = |signs: &[char]| found.iter().any(|name| name.contains(signs));
     if has(&['\0']) {
-        return Some("save the file as UTF-8".into());
+        return " (save the file as UTF-8)".into();
     }
     if has(&[';', '\t']) {
-        return Some("separate the cells by commas".into());
+        return " (separate the cells by commas)".into();
     }
     if found.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Some("put the header above the first row of numbers".into());
+        return " (put the header above the first row of numbers)".into();
     }
     let others = || {
         let names = found.iter().map(String::as_str);
@@ -123,25 +98,17 @@ fn remedy(missing: &str, required: &[&str], found: &[String]) -> Option<String> 
     };
     if let Some(meant) = others().find(|name| plain(name) == missing) {
         let meant = shortened(meant);
-        return Some(format!("name the column `{missing}` instead of `{meant}`"));
+        return format!(" (name the column `{missing}` instead of `{meant}`)");
     }
-    let near = nearest(missing, others())?;
-    Some(format!("the nearest is `{}`", shortened(near)))
+    nearest(missing, others()).map_or_else(String::new, |near| {
+        format!(" (the nearest is `{}`)", shortened(near))
+    })
 }
 
 /// A column's name in small letters, without a unit in brackets.
 pub fn plain(name: &str) -> String {
     let name = name.split(['[', '(']).next().unwrap_or_default();
     name.trim().to_lowercase().replace([' ', '-'], "_")
-}
-
-impl std::error::Error for CsvError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Read { source, .. } => Some(source),
-            _ => None,
-        }
-    }
 }
 
 pub fn malformed(cell: Cell, found: impl Into<String>, expected: impl Into<String>) -> CsvError {

@@ -1,5 +1,5 @@
-//! Recordings as CSV: one header line, then numbers in SI units; an empty cell of a measured
-//! column is a missing sample. Columns stand in any order, and others may stand among them.
+//! CSV files: one header line, then numbers in SI units. An empty cell of a measured column is a missing sample. Columns
+//! stand in any order, and unknown columns are ignored.
 
 mod drive;
 mod error;
@@ -11,8 +11,5 @@ pub use drive::read_drive;
 pub(super) use error::malformed;
 pub use error::{Cell, CsvError};
 pub use poses::read_poses;
-pub(super) use samples::{RawRun, Sample, Samples, read_samples};
+pub(super) use samples::{Occurrences, RawRun, RawSample, RawSamples, read_samples};
 pub use table::read_bytes;
-
-/// Marks separate drives, each with its own clock.
-const RUN: &str = "run";

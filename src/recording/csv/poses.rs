@@ -1,23 +1,19 @@
-//! Poses from CSV: the course over which a vehicle came to where a drive begins.
+//! Poses from CSV: the path that a vehicle has driven before the start of a drive.
 
 use super::error::CsvError;
-use super::table::{Column, read_bytes, read_table};
+use super::table::{ColumnSpec, read_bytes, read_table};
 use std::io::Read;
 
-const COLUMNS: [Column; 3] = [column("x", "m"), column("y", "m"), column("heading", "rad")];
-
-const fn column(name: &'static str, unit: &'static str) -> Column {
-    Column {
-        name,
-        unit,
-        is_required: true,
-    }
-}
+const COLUMNS: [ColumnSpec; 3] = [
+    ColumnSpec::required("x", "m"),
+    ColumnSpec::required("y", "m"),
+    ColumnSpec::required("heading", "rad"),
+];
 
 /// Reads poses x, y \[m\] and heading \[rad\], a row each. `file` names it in errors.
 ///
 /// # Errors
-/// The first thing that makes the text none, with its line and column; a table without any row.
+/// The first malformed cell with its line and column, and a table without rows.
 pub fn read_poses(file: &str, input: impl Read) -> Result<Vec<[f64; 3]>, CsvError> {
     let bytes = read_bytes(file, input)?;
     let mut poses = Vec::new();

@@ -1,9 +1,10 @@
-//! All channels of a file as they stand there, run by run, each sample with its line.
+//! All channels of a file before any correction, run by run, each sample with its line.
 
-use super::RUN;
 use super::error::{Cell, CsvError, malformed};
-use super::table::{Column, Header, Row, read_table};
-use crate::recording::Channel;
+use super::table::{ColumnSpec, RUN, TableHeader, TableRow, read_table};
+use crate::recording::channel::Channel;
+use crate::recording::note::{Note, NoteKind};
+use crate::recording::series::Series;
 use std::collections::HashMap;
 
 const TIME: usize = 0;
@@ -11,51 +12,61 @@ const CHANNELS: usize = 1;
 const RUN_INDEX: usize = CHANNELS + Channel::ALL.len();
 
 /// Time, every channel, and the run.
-const COLUMNS: [Column; RUN_INDEX + 1] = {
-    let mut columns = [Column {
-        name: "time",
-        unit: "s",
-        is_required: true,
-    }; RUN_INDEX + 1];
+const COLUMNS: [ColumnSpec; RUN_INDEX + 1] = {
+    let mut columns = [ColumnSpec::required("time", "s"); RUN_INDEX + 1];
     let mut index = 0;
     while index < Channel::ALL.len() {
         let channel = Channel::ALL[index];
-        columns[CHANNELS + index] = Column {
+        columns[CHANNELS + index] = ColumnSpec {
             name: channel.name(),
             unit: channel.unit(),
             is_required: channel.is_required(),
         };
         index += 1;
     }
-    columns[RUN_INDEX] = Column {
-        name: RUN,
-        unit: "-",
-        is_required: false,
-    };
+    columns[RUN_INDEX] = RUN;
     columns
 };
 
-/// Words that programs write for a number that they do not have.
+/// Words that programs write for a missing number.
 const MISSING: [&str; 6] = ["nan", "-nan", "null", "none", "na", "n/a"];
 
 /// A measured value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
+pub struct RawSample {
     /// Line of the file, from 1.
     pub line: usize,
     pub time: f64,
     pub value: f64,
 }
 
-/// A clock that goes back under the same label restarts where it lands within this share of
-/// the time since the run's start, which has this many rows at least.
+/// Number of places in a file, and the line of the first.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Occurrences {
+    pub count: usize,
+    pub line: usize,
+}
+
+impl Occurrences {
+    pub fn push(&mut self, line: usize) {
+        self.line = if self.count == 0 {
+            line
+        } else {
+            self.line.min(line)
+        };
+        self.count += 1;
+    }
+}
+
+/// A clock that goes back under the same label has restarted if it lands within this share of the run's time, and the
+/// run has at least this many rows.
 const RESTART: (f64, usize) = (0.1, 10);
 
 /// The samples of a run in the file's order.
 #[derive(Debug, Clone, Default)]
 pub struct RawRun {
     pub label: String,
-    pub channels: [Vec<Sample>; Channel::ALL.len()],
+    pub channels: [Vec<RawSample>; Channel::ALL.len()],
     /// Time of the first row.
     start: f64,
     /// The latest time so far.
@@ -73,7 +84,13 @@ impl RawRun {
         }
     }
 
-    /// Whether a row at this time is the first one of another run.
+    /// The samples of a channel.
+    pub fn series(&self, channel: Channel) -> Series {
+        let samples = self.channels[channel.index()].iter();
+        samples.map(|sample| (sample.time, sample.value)).collect()
+    }
+
+    /// Whether a row at this time is the first of another run.
     fn is_restarted_by(&self, time: f64) -> bool {
         let (share, rows) = RESTART;
         self.rows >= rows && time - self.start < share * (self.latest - self.start)
@@ -82,20 +99,22 @@ impl RawRun {
 
 /// A whole file.
 #[derive(Debug, Clone)]
-pub struct Samples {
+pub struct RawSamples {
     /// The runs in the order of their first rows; at least one.
     pub runs: Vec<RawRun>,
-    /// For each channel, number of cells with a word for "missing", and the first one's line.
-    pub words: [Option<(usize, usize)>; Channel::ALL.len()],
-    /// Columns that were not read, with the channels that they seem to be meant for.
+    /// For each channel, the cells with a word for "missing".
+    pub words: [Occurrences; Channel::ALL.len()],
+    /// Unknown columns, with the channels that they are probably meant for.
     pub misnamed: Vec<(Channel, String)>,
-    /// Number of clocks that restarted under the same label, and the first one's line.
-    pub restarts: Option<(usize, usize)>,
+    /// Clocks that restarted under the same label.
+    pub restarts: Occurrences,
+    /// The corrections so far.
+    pub notes: Vec<Note>,
     /// The header's cells, to name places.
     places: [Cell; CHANNELS + Channel::ALL.len()],
 }
 
-impl Samples {
+impl RawSamples {
     /// The cell of a channel in some line.
     pub fn cell(&self, line: usize, channel: Channel) -> Cell {
         Cell {
@@ -112,8 +131,44 @@ impl Samples {
         }
     }
 
+    /// All samples of a channel, and the line of the first.
+    pub fn all(&self, channel: Channel) -> Occurrences {
+        Occurrences {
+            count: self.of(channel).count(),
+            line: self.of(channel).next().map_or(0, |sample| sample.line),
+        }
+    }
+
+    /// Notes a correction; nothing if it occurred nowhere.
+    pub fn note(
+        &mut self,
+        kind: NoteKind,
+        channel: Option<Channel>,
+        Occurrences { count, line }: Occurrences,
+        text: impl Into<String>,
+    ) {
+        if count > 0 {
+            self.notes.push(Note {
+                kind,
+                channel,
+                count,
+                line,
+                text: text.into(),
+            });
+        }
+    }
+
+    /// Replaces every value of a channel.
+    pub fn map(&mut self, channel: Channel, value: impl Fn(f64) -> f64) {
+        for run in &mut self.runs {
+            for sample in &mut run.channels[channel.index()] {
+                sample.value = value(sample.value);
+            }
+        }
+    }
+
     /// All samples of a channel, run by run.
-    pub fn of(&self, channel: Channel) -> impl Iterator<Item = &Sample> {
+    pub fn of(&self, channel: Channel) -> impl Iterator<Item = &RawSample> {
         self.runs
             .iter()
             .flat_map(move |run| &run.channels[channel.index()])
@@ -123,15 +178,15 @@ impl Samples {
 /// Reads all samples of a file. `file` names it in errors.
 ///
 /// # Errors
-/// The first thing that makes the text no recording, with its line and column.
-pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
+/// The first malformed cell, with its line and column.
+pub fn read_samples(file: &str, bytes: &[u8]) -> Result<RawSamples, CsvError> {
     let mut runs: Vec<RawRun> = Vec::new();
     let mut known: HashMap<Vec<u8>, usize> = HashMap::new();
-    let mut words = [None; Channel::ALL.len()];
-    let mut restarts = None;
+    let mut words = [Occurrences::default(); Channel::ALL.len()];
+    let mut restarts = Occurrences::default();
     let header = read_table(file, bytes, &COLUMNS, |row| {
         let label = row.bytes(RUN_INDEX);
-        let has_runs = row.header().has(RUN);
+        let has_runs = row.header().has(RUN.name);
         if label.is_empty() && has_runs {
             let expected = "the run's number or name";
             return Err(malformed(row.cell(RUN_INDEX), "an empty cell", expected));
@@ -141,7 +196,7 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
             Some(&run) if !(has_runs && runs[run].is_restarted_by(time)) => run,
             before => {
                 if before.is_some() {
-                    restarts.get_or_insert((0, row.line)).0 += 1;
+                    restarts.push(row.line);
                 }
                 runs.push(RawRun::new(label, time));
                 known.insert(label.to_vec(), runs.len() - 1);
@@ -153,11 +208,12 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
     if runs.is_empty() {
         return Err(header.no_rows(TIME));
     }
-    let samples = Samples {
+    let samples = RawSamples {
         runs,
         words,
         misnamed: misnamed(&header),
         restarts,
+        notes: Vec::new(),
         places: std::array::from_fn(|index| header.cell(1, index)),
     };
     for channel in Channel::ALL {
@@ -168,7 +224,7 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<Samples, CsvError> {
     Ok(samples)
 }
 
-fn misnamed(header: &Header) -> Vec<(Channel, String)> {
+fn misnamed(header: &TableHeader) -> Vec<(Channel, String)> {
     let meant = |channel: Channel| {
         let name = header.meant(CHANNELS + channel.index())?;
         Some((channel, name.to_owned()))
@@ -179,8 +235,8 @@ fn misnamed(header: &Header) -> Vec<(Channel, String)> {
 fn push(
     run: &mut RawRun,
     time: f64,
-    words: &mut [Option<(usize, usize)>],
-    row: &Row,
+    words: &mut [Occurrences],
+    row: &TableRow,
 ) -> Result<(), CsvError> {
     let line = row.line;
     run.latest = run.latest.max(time);
@@ -191,9 +247,9 @@ fn push(
                 .eq_ignore_ascii_case(word.as_bytes())
         };
         if MISSING.iter().any(|word| is_word(word)) {
-            words[index].get_or_insert((0, line)).0 += 1;
+            words[index].push(line);
         } else if let Some(value) = row.number(CHANNELS + index)? {
-            samples.push(Sample { line, time, value });
+            samples.push(RawSample { line, time, value });
         }
     }
     Ok(())

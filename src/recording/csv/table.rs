@@ -1,4 +1,4 @@
-//! Rows of cells under a header, with the place of each for messages.
+//! Rows of cells under a header, with the place of each cell for messages.
 
 use super::error::{Cell, CsvError, malformed, plain};
 use crate::display::shortened;
@@ -7,19 +7,36 @@ use std::io::Read;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
+/// The column that separates runs, each with its own clock.
+pub(super) const RUN: ColumnSpec = ColumnSpec {
+    name: "run",
+    unit: "-",
+    is_required: false,
+};
+
 /// A column that is read.
 #[derive(Debug, Clone, Copy)]
-pub struct Column {
+pub struct ColumnSpec {
     pub name: &'static str,
     pub unit: &'static str,
     pub is_required: bool,
 }
 
-/// A table has no longer lines \[bytes\]; what has is another kind of file.
+impl ColumnSpec {
+    pub const fn required(name: &'static str, unit: &'static str) -> Self {
+        Self {
+            name,
+            unit,
+            is_required: true,
+        }
+    }
+}
+
+/// A file with longer lines is no table \[bytes\].
 const LONGEST_LINE: usize = 1 << 20;
 
-/// Reads all of an input, but stops at a line that no table has: another kind of file costs little. `file` names it in
-/// errors.
+/// Reads a whole input, but stops at a line that is too long for a table, so that another kind of file costs little.
+/// `file` names it in errors.
 ///
 /// # Errors
 /// An input that cannot be read, and a megabyte without a line end.
@@ -51,19 +68,18 @@ pub fn read_bytes(file: &str, mut input: impl Read) -> Result<Vec<u8>, CsvError>
     }
 }
 
-/// Reads a text row by row; the header of the table comes back. `file` names it in errors.
+/// Reads a text row by row and returns the table's header. `file` names it in errors.
 ///
 /// # Errors
-/// A header that lacks a column or has one twice, a row of another length, and whatever
-/// `visit` refuses.
+/// A header that lacks a column or has one twice, a row of another length, and the errors of `visit`.
 pub fn read_table<'a>(
     file: &'a str,
     bytes: &'a [u8],
-    columns: &'static [Column],
-    mut visit: impl FnMut(&Row) -> Result<(), CsvError>,
-) -> Result<Header<'a>, CsvError> {
+    columns: &'static [ColumnSpec],
+    mut visit: impl FnMut(&TableRow) -> Result<(), CsvError>,
+) -> Result<TableHeader<'a>, CsvError> {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
-    // The reader counts the cells itself, to say which are too few or too many.
+    // `flexible`: rows of another length are reported with their place below.
     let mut reader = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -77,32 +93,26 @@ pub fn read_table<'a>(
                 source: error.into(),
             })
     };
-    let mut place = Place::default();
+    let mut place = Place { byte: 0, line: 1 };
+    let header_cell = |line, column| Cell {
+        file: file.into(),
+        line,
+        column,
+        name: None,
+    };
     if !next(&mut record)? {
-        let cell = Cell {
-            file: file.into(),
-            line: 1,
-            column: 1,
-            name: None,
-        };
         let expected = format!("a header with {}", required(columns).join(", "));
-        return Err(malformed(cell, "an empty file", expected));
+        return Err(malformed(header_cell(1, 1), "an empty file", expected));
     }
     place.advance(bytes, &record);
     if let Some(index) = swallowing(&record) {
-        let cell = Cell {
-            file: file.into(),
-            line: place.line,
-            column: index + 1,
-            name: None,
-        };
-        return Err(open_quote(cell));
+        return Err(open_quote(header_cell(place.line, index + 1)));
     }
-    let header = Header::new(file, bytes, columns, &record, place.line)?;
+    let header = TableHeader::new(file, bytes, columns, &record, place.line)?;
     while next(&mut record)? {
         place.advance(bytes, &record);
         if !is_blank(&record) {
-            let row = Row {
+            let row = TableRow {
                 header: &header,
                 record: &record,
                 line: place.line,
@@ -117,21 +127,15 @@ pub fn read_table<'a>(
     Ok(header)
 }
 
-/// How far the lines are counted.
+/// The line of a byte.
 struct Place {
     byte: usize,
     line: usize,
 }
 
-impl Default for Place {
-    fn default() -> Self {
-        Self { byte: 0, line: 1 }
-    }
-}
-
 impl Place {
-    /// Goes on to the line that a record begins on. The `csv` crate's own count stops before
-    /// the empty lines that it skips, and before the second half of a CR LF.
+    /// Advances to the first line of a record. The `csv` crate's count stops before the empty lines that it skips, and
+    /// within a CR LF.
     fn advance(&mut self, bytes: &[u8], record: &ByteRecord) {
         let start = record
             .position()
@@ -152,7 +156,7 @@ fn line_ends(bytes: &[u8]) -> usize {
     (0..bytes.len()).filter(ends).count()
 }
 
-/// Which cell has a quote that opens it and is not closed on its line, which swallows what follows.
+/// The cell with an opening quote that is not closed on its line and swallows the following rows.
 fn swallowing(record: &ByteRecord) -> Option<usize> {
     let is_open = |cell: &[u8]| cell.iter().any(|byte| matches!(byte, b'\n' | b'\r'));
     record.iter().position(is_open)
@@ -163,13 +167,13 @@ fn open_quote(cell: Cell) -> CsvError {
     malformed(cell, "a quote that is not closed on its line", expected)
 }
 
-/// A line of spaces, such as some editors leave at the end.
+/// A line of spaces, which some editors append.
 fn is_blank(record: &ByteRecord) -> bool {
     record.len() == 1 && record[0].trim_ascii().is_empty()
 }
 
-/// Names of the columns that must be there.
-fn required(columns: &[Column]) -> Vec<&'static str> {
+/// Names of the required columns.
+fn required(columns: &[ColumnSpec]) -> Vec<&'static str> {
     let names = columns.iter().filter(|column| column.is_required);
     names.map(|column| column.name).collect()
 }
@@ -179,21 +183,21 @@ pub fn quoted(bytes: &[u8]) -> String {
     format!("`{}`", shortened(&String::from_utf8_lossy(bytes)))
 }
 
-/// Where each column stands.
+/// The places of the columns.
 #[derive(Debug)]
-pub struct Header<'a> {
+pub struct TableHeader<'a> {
     file: &'a str,
     bytes: &'a [u8],
-    columns: &'static [Column],
+    columns: &'static [ColumnSpec],
     names: Vec<String>,
     positions: Vec<Option<usize>>,
 }
 
-impl<'a> Header<'a> {
+impl<'a> TableHeader<'a> {
     fn new(
         file: &'a str,
         bytes: &'a [u8],
-        columns: &'static [Column],
+        columns: &'static [ColumnSpec],
         record: &ByteRecord,
         line: usize,
     ) -> Result<Self, CsvError> {
@@ -205,7 +209,7 @@ impl<'a> Header<'a> {
             names: record.iter().map(name).collect(),
             positions: Vec::with_capacity(columns.len()),
         };
-        for Column {
+        for ColumnSpec {
             name, is_required, ..
         } in columns
         {
@@ -228,15 +232,15 @@ impl<'a> Header<'a> {
         Ok(header)
     }
 
-    /// Whether the table has a column of this name, read or not.
+    /// Whether the table has a column of this name, known or not.
     pub fn has(&self, name: &str) -> bool {
         self.names.iter().any(|other| other == name)
     }
 
-    /// Where a column is not there, the name of another one that is meant for it.
+    /// The name of another column that is probably meant for a missing one.
     pub fn meant(&self, index: usize) -> Option<&str> {
         let meant = |name: &&String| {
-            let other = |column: &Column| column.name == **name;
+            let other = |column: &ColumnSpec| column.name == **name;
             plain(name) == self.columns[index].name && !self.columns.iter().any(other)
         };
         match self.positions[index] {
@@ -259,19 +263,19 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// The last line with anything in it.
+    /// The last line that is not empty.
     pub fn last_line(&self) -> usize {
         1 + line_ends(self.bytes.trim_ascii_end())
     }
 
-    /// A table without a single row.
+    /// The error of a table without rows.
     pub fn no_rows(&self, index: usize) -> CsvError {
         let cell = self.cell(self.last_line() + 1, index);
         let expected = "at least one row of numbers";
         malformed(cell, "the end of the file", expected)
     }
 
-    /// A required column without a single number.
+    /// The error of a required column without numbers.
     pub fn no_numbers(&self, index: usize) -> CsvError {
         let expected = format!("at least one number [{}]", self.columns[index].unit);
         let cell = self.cell(self.last_line(), index);
@@ -280,14 +284,14 @@ impl<'a> Header<'a> {
 }
 
 /// A row of cells.
-pub struct Row<'a> {
-    header: &'a Header<'a>,
+pub struct TableRow<'a> {
+    header: &'a TableHeader<'a>,
     record: &'a ByteRecord,
-    /// Its line in the file, from 1.
+    /// Line of the file, from 1.
     pub line: usize,
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     fn check_length(&self) -> Result<(), CsvError> {
         let (cells, wanted) = (self.record.len(), self.header.names.len());
         if cells == wanted {
@@ -303,7 +307,7 @@ impl Row<'_> {
     }
 
     /// The table's header.
-    pub fn header(&self) -> &Header<'_> {
+    pub fn header(&self) -> &TableHeader<'_> {
         self.header
     }
 
@@ -312,15 +316,15 @@ impl Row<'_> {
         self.header.cell(self.line, index)
     }
 
-    /// What stands in a column; nothing where there is no such column.
+    /// The cell of a column; empty without that column.
     pub fn bytes(&self, index: usize) -> &[u8] {
         self.header.positions[index].map_or(&[], |place| self.record[place].trim_ascii())
     }
 
-    /// The number in a column, or nothing where the cell is empty or there is no such column.
+    /// The number in a column; `None` for an empty cell, or without that column.
     ///
     /// # Errors
-    /// Anything but a finite number.
+    /// Anything except a finite number.
     pub fn number(&self, index: usize) -> Result<Option<f64>, CsvError> {
         let bytes = self.bytes(index);
         if bytes.is_empty() {
@@ -343,10 +347,10 @@ impl Row<'_> {
         }
     }
 
-    /// The number in a column that must have one.
+    /// The number in a column that must not be empty.
     ///
     /// # Errors
-    /// An empty cell, and what [`Row::number`] refuses.
+    /// An empty cell, and the errors of [`TableRow::number`].
     pub fn required_number(&self, index: usize) -> Result<f64, CsvError> {
         self.number(index)?.ok_or_else(|| {
             let expected = format!("a number [{}]", self.header.columns[index].unit);

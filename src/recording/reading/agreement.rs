@@ -1,34 +1,38 @@
-//! Whether two sensors tell the same motion.
+//! Whether two sensors measure the same motion.
 
-use super::turns::is_wrapped;
-use crate::recording::csv::{RawRun, Samples};
-use crate::recording::{Channel, Cumulated, Grid, Moments, Series};
+use crate::recording::channel::Channel;
+use crate::recording::csv::{RawRun, RawSamples};
+use crate::recording::cumulated::{Cumulated, TimeGrid};
+use crate::recording::series::Series;
+use crate::recording::statistics::{Moments, range};
 use std::f64::consts::TAU;
 
-/// Rates are means over so many steps, looked at every step, at delays of up to so many steps.
+/// Length of the windows of mean rates, and the largest delay, both in steps of the comparison.
 const WINDOW_STEPS: f64 = 10.0;
-const MOST_STEPS: isize = 10;
+const MAX_STEPS: isize = 10;
 /// Fewer windows, or a weaker correlation, prove nothing.
-const FEWEST_WINDOWS: f64 = 30.0;
+const MIN_WINDOWS: f64 = 30.0;
 const STRONG: f64 = 0.7;
 /// Share of a strong correlation that the opposite sign may reach at another delay.
 const OPPOSITE: f64 = 0.3;
+/// Tolerance for the rounding of written numbers in a wrapped heading \[rad\].
+const ROUNDING: f64 = 2e-3;
 
-/// How one signal goes with another, over all runs and at the delays that sensors have.
+/// Correlation of two signals over all runs, at the delays that sensors have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agreement {
     /// At the delay with the lowest correlation.
     lowest: Moments,
-    /// At the delay with the highest.
+    /// At the delay with the highest correlation.
     highest: Moments,
 }
 
 impl Agreement {
-    /// Compares pairs of signals, one pair per run, in steps of so many seconds.
+    /// Compares pairs of signals, one pair per run, in steps of `step` seconds.
     pub fn of(pairs: &[(Cumulated, Cumulated)], step: f64) -> Option<Self> {
         let window = WINDOW_STEPS * step;
         let rates = |(a, b): &(Cumulated, Cumulated)| {
-            let grid = Grid::over(a, b, step)?;
+            let grid = TimeGrid::over(a, b, step)?;
             Some((a.mean_rates(&grid, window), b.mean_rates(&grid, window)))
         };
         let rates: Vec<_> = pairs.iter().filter_map(rates).collect();
@@ -38,12 +42,12 @@ impl Agreement {
                 .map(|(a, b)| Moments::shifted(a, b, shift, 0..b.len()));
             runs.fold(Moments::default(), Moments::and)
         };
-        let moments: Vec<Moments> = (-MOST_STEPS..=MOST_STEPS).map(at).collect();
+        let moments: Vec<Moments> = (-MAX_STEPS..=MAX_STEPS).map(at).collect();
         let by_correlation =
             |a: &&Moments, b: &&Moments| a.correlation().total_cmp(&b.correlation());
         let lowest = *moments.iter().min_by(by_correlation)?;
         let highest = *moments.iter().max_by(by_correlation)?;
-        let enough = lowest.count.min(highest.count) >= FEWEST_WINDOWS;
+        let enough = lowest.count.min(highest.count) >= MIN_WINDOWS;
         enough.then_some(Self { lowest, highest })
     }
 
@@ -51,27 +55,26 @@ impl Agreement {
         (self.lowest.correlation(), self.highest.correlation())
     }
 
-    /// Whether both go together, and at no delay against each other as clearly.
+    /// Whether both signals have the same sign, and at no delay the opposite sign as clearly.
     pub fn agrees(&self) -> bool {
         let (low, high) = self.extremes();
         high >= STRONG && -low < high
     }
 
-    /// Whether both go against each other, and at no delay together.
+    /// Whether both signals have opposite signs, and at no delay the same sign.
     pub fn contradicts(&self) -> bool {
         let (low, high) = self.extremes();
         -low >= STRONG && high <= OPPOSITE * -low
     }
 
-    /// The strongest correlation of either sign, and how much the first signal changes with the
-    /// second there.
+    /// The strongest correlation of either sign, and the slope of the first signal over the second there.
     pub fn strongest(&self) -> (f64, f64) {
         let moments = self.clearest();
         (moments.correlation(), moments.slope())
     }
 
-    /// How much the first signal is by the second, and how much it changes with it: the same where it is none without it,
-    /// and nothing else changed meanwhile.
+    /// Slopes of the first signal over the second, through the origin and through the mean. They are equal if the signals
+    /// are proportional.
     pub fn ratios(&self) -> [f64; 2] {
         let moments = self.clearest();
         [moments.proportion(), moments.slope()]
@@ -92,14 +95,15 @@ impl Agreement {
     }
 }
 
-fn series(run: &RawRun, channel: Channel) -> Series {
-    let samples = run.channels[channel.index()].iter();
-    samples.map(|sample| (sample.time, sample.value)).collect()
+/// Whether headings \[rad\] stay within a full turn; otherwise they are continuous already.
+pub fn is_wrapped(headings: impl Iterator<Item = f64>) -> bool {
+    let [min, max] = range(headings);
+    max - min <= TAU + ROUNDING
 }
 
-/// A channel's integral, or its values where it is itself one; `None` with too few samples.
+/// A channel's integral, or the channel if it is an integral already; `None` with too few samples.
 pub fn cumulated(run: &RawRun, channel: Channel) -> Option<Cumulated> {
-    let mut series = series(run, channel);
+    let mut series = run.series(channel);
     if channel == Channel::Heading && is_wrapped(series.value.iter().copied()) {
         let mut last = None;
         for value in &mut series.value {
@@ -115,20 +119,35 @@ pub fn cumulated(run: &RawRun, channel: Channel) -> Option<Cumulated> {
     (series.len() > 1).then_some(sum)
 }
 
-/// The integral of a sum of both wheel speeds with these weights.
-pub fn wheels(run: &RawRun, weights: [f64; 2]) -> Option<Cumulated> {
-    let sides = [Channel::OmegaLeft, Channel::OmegaRight].map(|side| series(run, side));
-    let other = &sides[1];
-    let sum = sides[0]
-        .samples()
-        .filter_map(|(time, left)| Some((time, weights[0] * left + weights[1] * other.at(time)?)));
-    let sum: Series = sum.collect();
+/// The heading as an accumulated angle.
+pub fn heading(run: &RawRun) -> Option<Cumulated> {
+    cumulated(run, Channel::Heading)
+}
+
+/// The integrated yaw rate.
+pub fn gyro(run: &RawRun) -> Option<Cumulated> {
+    cumulated(run, Channel::YawRate)
+}
+
+/// The integrated difference of the wheel speeds, right minus left.
+pub fn wheel_difference(run: &RawRun) -> Option<Cumulated> {
+    wheels(run, [-1.0, 1.0])
+}
+
+/// The integrated mean of the wheel speeds.
+pub fn wheel_mean(run: &RawRun) -> Option<Cumulated> {
+    wheels(run, [0.5, 0.5])
+}
+
+fn wheels(run: &RawRun, weights: [f64; 2]) -> Option<Cumulated> {
+    let sides = [Channel::OmegaLeft, Channel::OmegaRight].map(|side| run.series(side));
+    let sum = Series::weighted_sum([&sides[0], &sides[1]], weights);
     (sum.len() > 1).then(|| Cumulated::of_rate(&sum))
 }
 
 /// Compares two signals of each run.
 pub fn compare(
-    samples: &Samples,
+    samples: &RawSamples,
     step: f64,
     a: impl Fn(&RawRun) -> Option<Cumulated>,
     b: impl Fn(&RawRun) -> Option<Cumulated>,

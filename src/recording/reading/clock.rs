@@ -1,10 +1,11 @@
 //! Times that are not in seconds.
 
-use super::agreement::{compare, cumulated};
-use super::note;
+use super::agreement::{compare, gyro, heading};
 use crate::display::number;
-use crate::recording::csv::{Samples, malformed};
-use crate::recording::{Channel, CsvError, Note, NoteKind};
+use crate::recording::channel::Channel;
+use crate::recording::csv::{CsvError, Occurrences, RawSamples, malformed};
+use crate::recording::note::NoteKind;
+use crate::recording::statistics::{range, upper_median};
 
 /// A unit of time, its size \[s\].
 const UNITS: [(&str, f64); 3] = [
@@ -12,38 +13,38 @@ const UNITS: [(&str, f64); 3] = [
     ("microseconds", 1e-6),
     ("nanoseconds", 1e-9),
 ];
-/// Shorter median intervals than this are seconds without a doubt \[s\].
+/// Shorter median intervals than this are certainly seconds \[s\].
 const SHORTEST: f64 = 1.0;
-/// Longer ones cannot be seconds between samples of wheel speeds.
+/// Longer median intervals cannot be seconds.
 const LONGEST: f64 = 5.0;
-/// Rates at which vehicles are recorded \[Hz\]; no two units both give one of them.
+/// Rates at which vehicles are recorded \[Hz\]; only one unit gives a rate in this range.
 const RATES: std::ops::RangeInclusive<f64> = 1.5..=1400.0;
-/// So many wheel speeds at intervals of seconds are odd.
+/// This many wheel speeds at intervals of seconds are suspicious.
 const MANY: usize = 1000;
-/// No drive has a longer hole than this \[s\], and samples beyond one are strays where they are fewer than this share.
+/// Longest hole within a drive \[s\]; samples beyond a longer one are strays if they are fewer than this share.
 const LONGEST_HOLE: f64 = 1e6;
-const MOST_STRAYS: f64 = 0.05;
-/// How far heading and gyro may differ in what they tell of the unit.
+const MAX_STRAYS: f64 = 0.05;
+/// Largest ratio between the turning rates of heading and gyro that shows the unit; minimum correlation.
 const FACTOR: f64 = 2.0;
 const STRONG: f64 = 0.8;
 
-/// Converts times to seconds where they are in another unit: the wheel speeds would otherwise
-/// be sampled too slowly for anything, and heading turns by another angle than the integrated
-/// yaw rate says.
+/// Converts times in another unit to seconds. Evidence for another unit is a sampling rate too low for wheel speeds, and a
+/// heading that turns by another angle than the integrated yaw rate.
 ///
 /// # Errors
-/// Intervals that are too long, but of no unit.
-pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
+/// Intervals that are too long for seconds and fit no other unit.
+pub fn to_seconds(samples: &mut RawSamples) -> Result<(), CsvError> {
     let mut intervals: Vec<f64> = Vec::new();
     for run in &samples.runs {
         let wheels = &run.channels[Channel::OmegaLeft.index()];
         intervals.extend(wheels.windows(2).map(|pair| pair[1].time - pair[0].time));
     }
-    intervals.sort_by(f64::total_cmp);
-    let median = intervals.get(intervals.len() / 2).copied().unwrap_or(0.0);
+    let count = intervals.len();
+    let median = upper_median(intervals).unwrap_or(0.0);
     if median < SHORTEST {
-        return Ok(None);
+        return Ok(());
     }
+    let line = samples.all(Channel::OmegaLeft).line;
     let turning = turning_unit(samples, median);
     let by_rate = || {
         let fits = |unit: &(&str, f64)| RATES.contains(&(1.0 / (median * unit.1)));
@@ -51,7 +52,7 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
     };
     let evidence = format!("the median interval is {}", number(median));
     let (unit, evidence) = match (turning, by_rate()) {
-        (Some(Turning::Seconds), _) => return Ok(None),
+        (Some(Turning::Seconds), _) => return Ok(()),
         (Some(Turning::Unit(name, size)), _) => {
             let heading = "heading turns accordingly less than yaw_rate says";
             ((name, size), format!("{evidence}, and {heading}"))
@@ -63,37 +64,34 @@ pub fn to_seconds(samples: &mut Samples) -> Result<Option<Note>, CsvError> {
         (None, None) if median > LONGEST => {
             let expected =
                 format!("a median interval of at most {LONGEST} s, or one in ms, us or ns");
-            let line = first_line(samples);
             return Err(malformed(samples.time_cell(line), evidence, expected));
         }
-        (None, None) if intervals.len() < MANY => return Ok(None),
+        (None, None) if count < MANY => return Ok(()),
         (None, None) => {
             let text = format!(
                 "{evidence} s, which is slow for wheel speeds; left as it is: milliseconds?"
             );
-            let place = (intervals.len(), first_line(samples));
-            return Ok(note(NoteKind::Suspicion, None, place, text));
+            samples.note(NoteKind::Suspicion, None, Occurrences { count, line }, text);
+            return Ok(());
         }
     };
-    let count = intervals.len();
-    let line = first_line(samples);
     for run in &mut samples.runs {
         for sample in run.channels.iter_mut().flatten() {
             sample.time *= unit.1;
         }
     }
     let text = format!("taken as {} and converted: {evidence}", unit.0);
-    Ok(note(NoteKind::TimeUnit, None, (count, line), text))
+    samples.note(NoteKind::TimeUnit, None, Occurrences { count, line }, text);
+    Ok(())
 }
 
-/// Leaves out the first or last samples of a run that lie years from the others: a clock that was set after the log began.
-pub fn drop_strays(samples: &mut Samples) -> Option<Note> {
-    let (mut count, mut line, mut off) = (0, usize::MAX, 0.0);
+/// Drops the few first or last samples of a run that are very far from the others: the clock was set after the start of
+/// the log.
+pub fn drop_strays(samples: &mut RawSamples) {
+    let (mut strays, mut off) = (Occurrences::default(), 0.0);
     for run in &mut samples.runs {
         let times = || run.channels.iter().flatten().map(|sample| sample.time);
-        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
-        let (first, last) =
-            times().fold(nothing, |(low, high), time| (time.min(low), time.max(high)));
+        let [first, last] = range(times());
         if last - first <= LONGEST_HOLE {
             continue;
         }
@@ -106,40 +104,37 @@ pub fn drop_strays(samples: &mut Samples) -> Option<Note> {
             channel.retain(|sample| {
                 let is_kept = (start..=end).contains(&sample.time);
                 if !is_kept {
-                    (count, line) = (count + 1, line.min(sample.line));
+                    strays.push(sample.line);
                     off = f64::max(start - sample.time, sample.time - end).max(off);
                 }
                 is_kept
             });
         }
     }
-    let text = format!("{count} values are up to {off:.3e} s from all others; left out");
-    note(NoteKind::Outlier, None, (count, line), text)
+    let text = format!(
+        "{} values are up to {off:.3e} s from all others; left out",
+        strays.count
+    );
+    samples.note(NoteKind::Outlier, None, strays, text);
 }
 
-/// First and last time of the stretch between holes that has nearly all samples, where there are such holes.
+/// First and last time of the stretch between holes that has nearly all samples; `None` without holes.
 fn longest_stretch(times: &[f64]) -> Option<(f64, f64)> {
     let stretches = times.chunk_by(|before, after| after - before <= LONGEST_HOLE);
     let longest = stretches.max_by_key(|stretch| stretch.len())?;
     let strays = times.len() - longest.len();
-    let is_clear = strays > 0 && (strays as f64) < MOST_STRAYS * times.len() as f64;
+    let is_clear = strays > 0 && (strays as f64) < MAX_STRAYS * times.len() as f64;
     is_clear.then(|| (longest[0], longest[longest.len() - 1]))
 }
 
-fn first_line(samples: &Samples) -> usize {
-    let first = samples.of(Channel::OmegaLeft).next();
-    first.map_or(2, |sample| sample.line)
-}
-
+/// The time unit that fits heading and gyro.
 enum Turning {
     Seconds,
     Unit(&'static str, f64),
 }
 
-/// The unit by which the heading turns as fast as the gyro says, if one does.
-fn turning_unit(samples: &Samples, interval: f64) -> Option<Turning> {
-    let heading = |run: &_| cumulated(run, Channel::Heading);
-    let gyro = |run: &_| cumulated(run, Channel::YawRate);
+/// The unit in which heading and gyro turn equally fast, if there is one.
+fn turning_unit(samples: &RawSamples, interval: f64) -> Option<Turning> {
     let (correlation, slope) = compare(samples, interval, heading, gyro)?.strongest();
     let near = |size: f64| (slope / size).max(size / slope) < FACTOR;
     if correlation < STRONG {
@@ -158,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strays_are_few_and_beyond_a_hole_that_no_drive_has() {
+    fn strays_are_few_and_beyond_a_long_hole() {
         let drive = |start: f64, count: usize| (0..count).map(move |k| start + 0.1 * k as f64);
         let with = |start: f64, count: usize| drive(start, count).chain(drive(1e9, 100)).collect();
         let found = |times: Vec<f64>| longest_stretch(&times);

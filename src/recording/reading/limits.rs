@@ -1,12 +1,13 @@
-//! Values that cannot be.
+//! Impossible values.
 
-use super::note;
 use crate::display::number;
-use crate::recording::csv::{Sample, Samples, malformed};
-use crate::recording::{Channel, CsvError, Note, NoteKind};
+use crate::recording::channel::Channel;
+use crate::recording::csv::{CsvError, Occurrences, RawSample, RawSamples, malformed};
+use crate::recording::note::NoteKind;
+use crate::recording::statistics::upper_median;
 use std::f64::consts::TAU;
 
-/// Larger magnitudes are none of a ground vehicle's, in the channel's unit.
+/// Maximum magnitude for a ground vehicle, in the channel's unit.
 pub fn limit(channel: Channel) -> f64 {
     match channel {
         Channel::OmegaLeft | Channel::OmegaRight => 200.0,
@@ -18,45 +19,43 @@ pub fn limit(channel: Channel) -> f64 {
     }
 }
 
-/// Values this many times beyond the limit are wrong in every unit that somebody might take.
+/// Values at this multiple of the limit are impossible in any common unit.
 pub const ANY_UNIT: f64 = 60.0;
-/// Larger shares of a channel are no single slips.
-const MOST_OUTLIERS: f64 = 0.01;
+/// Maximum share of outliers in a channel.
+const MAX_OUTLIERS: f64 = 0.01;
 
-/// Headings that leave the ones before by more than this, in degrees or radians, are none: a number that stands for a
-/// missing one, such as -999.
+/// A heading that differs from the one before by more than this, in degrees or radians, stands for a missing number, such
+/// as -999.
 const LEAP: f64 = 400.0;
-/// Full turns, of radians and of degrees, with the rounding of numbers that are written.
+/// Full turns in radians and degrees, with a tolerance for rounding.
 const TURNS: [f64; 2] = [TAU + 2e-3, 360.5];
-/// No vehicle turns by this share of a turn and back within so many seconds from one sample to the next.
+/// No vehicle turns by this share of a turn, and back, between samples less than QUICK apart \[s\].
 const FAR: f64 = 0.25;
 const QUICK: f64 = 1.2;
-/// Fewer headings do not tell which of them is a stray.
-const FEWEST: usize = 20;
-/// Of so many first ones the median is taken for what comes before.
+/// Minimum number of headings for a decision about strays.
+const MIN_HEADINGS: usize = 20;
+/// The median of this many first headings stands for the one before the first.
 const FIRST: usize = 11;
 
-/// Leaves out single values beyond a multiple of the limits.
-pub fn drop_outliers(samples: &mut Samples, factor: f64) -> Vec<Note> {
-    let leave = |channel: Channel| {
+/// Drops single values beyond a multiple of the limits.
+pub fn drop_outliers(samples: &mut RawSamples, factor: f64) {
+    for channel in Channel::ALL {
         let bound = factor * limit(channel);
-        let beyond = |sample: &&Sample| sample.value.abs() > bound;
+        let beyond = |sample: &&RawSample| sample.value.abs() > bound;
         let lines = samples.of(channel).filter(beyond);
-        let lines: Vec<usize> = lines.map(|sample| sample.line).collect();
+        let lines = lines.map(|sample| sample.line).collect();
         let why = format!("are beyond {bound} {}", channel.unit());
-        take_out(samples, channel, lines, &why)
-    };
-    Channel::ALL.into_iter().filter_map(leave).collect()
+        drop_lines(samples, channel, lines, &why);
+    }
 }
 
-/// Leaves out single headings that are far from all others, so that these may be wrapped or in degrees.
-pub fn drop_leaps(samples: &mut Samples) -> Option<Note> {
+/// Drops single headings that are far from all others; the others may be wrapped or in degrees.
+pub fn drop_leaps(samples: &mut RawSamples) {
     let mut lines = Vec::new();
     for run in &samples.runs {
         let headings = &run.channels[Channel::Heading.index()];
-        let mut first: Vec<f64> = headings.iter().take(FIRST).map(|one| one.value).collect();
-        first.sort_by(f64::total_cmp);
-        let Some(mut last) = first.get(first.len() / 2).copied() else {
+        let first = headings.iter().take(FIRST).map(|one| one.value);
+        let Some(mut last) = upper_median(first.collect()) else {
             continue;
         };
         for sample in headings {
@@ -68,23 +67,25 @@ pub fn drop_leaps(samples: &mut Samples) -> Option<Note> {
         }
     }
     let why = format!("are more than {LEAP} from the ones before");
-    take_out(samples, Channel::Heading, lines, &why)
+    drop_lines(samples, Channel::Heading, lines, &why);
 }
 
-/// Leaves out single headings outside of the full turn, of radians or else of degrees, that all others keep to: numbers
-/// that stand for missing ones, such as -1 degree. They would hide that the others are wrapped.
-pub fn drop_strays(samples: &mut Samples) -> Option<Note> {
-    TURNS.into_iter().find_map(|turn| {
+/// Drops single headings outside the full turn, in radians or else in degrees, that holds all others. Such numbers stand
+/// for missing ones, for example -1 degree, and would hide that the others are wrapped.
+pub fn drop_strays(samples: &mut RawSamples) {
+    for turn in TURNS {
         let runs = samples.runs.iter();
         let lines = runs.flat_map(|run| strays(&run.channels[Channel::Heading.index()], turn));
-        let why = format!("are outside of the full turn ({turn:.1}) that all others keep to");
         let lines = lines.collect();
-        take_out(samples, Channel::Heading, lines, &why)
-    })
+        let why = format!("are outside of the full turn ({turn:.1}) that all others keep to");
+        if drop_lines(samples, Channel::Heading, lines, &why) {
+            return;
+        }
+    }
 }
 
-/// Lines of the few samples outside of a turn that holds all others, if each is far from those beside it.
-fn strays(headings: &[Sample], turn: f64) -> Vec<usize> {
+/// Lines of the few samples outside a turn that holds all others, if each is far from its neighbours.
+fn strays(headings: &[RawSample], turn: f64) -> Vec<usize> {
     let mut sorted: Vec<f64> = headings.iter().map(|sample| sample.value).collect();
     sorted.sort_by(f64::total_cmp);
     let held = |low: &f64| sorted.partition_point(|value| value - low <= turn);
@@ -95,8 +96,8 @@ fn strays(headings: &[Sample], turn: f64) -> Vec<usize> {
     let Some((count, low)) = counts.max_by_key(|(count, _)| *count) else {
         return Vec::new();
     };
-    let outside = |sample: &Sample| !(low..=low + turn).contains(&sample.value);
-    let few = 1.0_f64.max(MOST_OUTLIERS * headings.len() as f64);
+    let outside = |sample: &RawSample| !(low..=low + turn).contains(&sample.value);
+    let few = 1.0_f64.max(MAX_OUTLIERS * headings.len() as f64);
     let is_far = |index: usize| {
         let beside = [index.checked_sub(1), Some(index + 1)];
         let beside = beside.into_iter().flatten();
@@ -108,38 +109,44 @@ fn strays(headings: &[Sample], turn: f64) -> Vec<usize> {
     };
     let all = (0..headings.len()).filter(|k| outside(&headings[*k]));
     let all: Vec<usize> = all.collect();
-    let many = headings.len() < FEWEST || (headings.len() - count) as f64 > few;
+    let many = headings.len() < MIN_HEADINGS || (headings.len() - count) as f64 > few;
     if many || !all.iter().all(|index| is_far(*index)) {
         return Vec::new();
     }
     all.into_iter().map(|k| headings[k].line).collect()
 }
 
-/// Leaves out the values of these lines, unless they are too many for slips.
-fn take_out(
-    samples: &mut Samples,
+/// Drops the values of these lines, unless they are too many for outliers. Returns whether any was dropped.
+fn drop_lines(
+    samples: &mut RawSamples,
     channel: Channel,
     mut lines: Vec<usize>,
     why: &str,
-) -> Option<Note> {
+) -> bool {
     let (count, total) = (lines.len(), samples.of(channel).count());
-    if count as f64 > 1.0_f64.max(MOST_OUTLIERS * total as f64) || count == total {
-        return None;
+    if count as f64 > 1.0_f64.max(MAX_OUTLIERS * total as f64) || count == total {
+        return false;
     }
     lines.sort_unstable();
     for run in &mut samples.runs {
         run.channels[channel.index()].retain(|sample| lines.binary_search(&sample.line).is_err());
     }
     let text = format!("{count} of {total} values {why} and taken as missing");
-    let first = lines.first().copied().unwrap_or_default();
-    note(NoteKind::Outlier, Some(channel), (count, first), text)
+    let line = lines.first().copied().unwrap_or_default();
+    samples.note(
+        NoteKind::Outlier,
+        Some(channel),
+        Occurrences { count, line },
+        text,
+    );
+    count > 0
 }
 
-/// Refuses what is beyond the limits.
+/// Checks the limits.
 ///
 /// # Errors
-/// The first such value of a channel, and the units that it may be in.
-pub fn check(samples: &Samples) -> Result<(), CsvError> {
+/// The first value of a channel beyond its limit, with the units that it may be in.
+pub fn check(samples: &RawSamples) -> Result<(), CsvError> {
     for channel in Channel::ALL {
         let bound = limit(channel);
         if let Some(sample) = samples

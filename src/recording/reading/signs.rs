@@ -1,41 +1,44 @@
-//! Columns that are swapped and signs that are turned round: two sensors that agree outvote a
-//! third one that says the opposite.
+//! Swapped columns and inverted signs: two sensors that agree outvote a third one.
 
-use super::agreement::{Agreement, compare, cumulated, wheels};
-use super::{note, place};
-use crate::recording::csv::{RawRun, Samples};
-use crate::recording::{Channel, Cumulated, Grid, Note, NoteKind, Series, way_along};
+use super::agreement::{
+    Agreement, compare, cumulated, gyro, heading, wheel_difference, wheel_mean,
+};
+use crate::recording::channel::Channel;
+use crate::recording::csv::{RawRun, RawSamples};
+use crate::recording::cumulated::{Cumulated, TimeGrid};
+use crate::recording::note::NoteKind;
+use crate::recording::pose_history::distance_along_heading;
+use crate::recording::series::Series;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Step of the comparisons \[s\].
 const STEP: f64 = 0.1;
 /// Slower turning than this is noise \[rad/s\].
 const SLOWEST_TURN: f64 = 0.03;
-/// Directions of travel are those of so many seconds \[s\], the shortest of which there are enough, in which the vehicle
-/// comes this far \[m\].
+/// A direction of travel is taken over one of these durations \[s\], the shortest that gives enough directions, if the
+/// vehicle moves at least this far \[m\].
 const SPANS: [f64; 3] = [1.0, 3.0, 10.0];
 const TRAVEL: f64 = 0.3;
-/// Fewer directions tell nothing.
-const FEWEST: usize = 50;
-/// How well directions must agree with one relation, and how badly with the other: lengths of
-/// the mean of unit vectors.
+/// Minimum number of directions.
+const MIN_DIRECTIONS: usize = 50;
+/// Lengths of the mean of unit vectors: the minimum for the relation that holds, the maximum for the other.
 pub const CLEAR: f64 = 0.9;
 const UNCLEAR: f64 = 0.5;
-/// Largest angle between the relation and what is expected of it \[rad\].
+/// Largest angle between the measured and the expected relation \[rad\].
 pub const NEAR: f64 = 0.3;
 
-/// What two signals say of each other.
+/// The result of comparing two signals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Vote {
     Together,
     Against,
     /// Neither clearly.
     Unclear,
-    /// One of both was not measured, or not for long enough.
+    /// A signal is missing or too short.
     Absent,
 }
 
-/// Two signals' vote with their correlation.
+/// The vote of two signals with their correlation.
 #[derive(Debug, Clone, Copy)]
 struct Comparison {
     vote: Vote,
@@ -58,22 +61,19 @@ impl Comparison {
     }
 }
 
-/// Puts right what is swapped or turned round.
-pub fn settle(samples: &mut Samples) -> Vec<Note> {
+/// Corrects swapped columns and inverted signs.
+pub fn settle(samples: &mut RawSamples) {
     use Vote::{Absent, Against, Together};
-    let difference = |run: &_| wheels(run, [-1.0, 1.0]);
-    let heading = |run: &_| cumulated(run, Channel::Heading);
-    let gyro = |run: &_| cumulated(run, Channel::YawRate);
-    let pose_wheels = Comparison::of(compare(samples, STEP, difference, heading));
-    let gyro_wheels = Comparison::of(compare(samples, STEP, difference, gyro));
+    let pose_wheels = Comparison::of(compare(samples, STEP, wheel_difference, heading));
+    let gyro_wheels = Comparison::of(compare(samples, STEP, wheel_difference, gyro));
     let pose_gyro = Comparison::of(compare(samples, STEP, heading, gyro));
-    let relation = position(samples);
+    let relation = relation(samples);
     let is_mirrored = relation == Some(Relation::Mirrored);
     if let (Against, Against | Absent, Together | Absent, Some(Relation::Clockwise(from)))
     | (Against, Together, Against, Some(Relation::Clockwise(from))) =
         (pose_wheels.vote, gyro_wheels.vote, pose_gyro.vote, relation)
     {
-        return clockwise(samples, from, pose_wheels.r, gyro_wheels.vote == Against);
+        return convert_clockwise(samples, from, pose_wheels.r, gyro_wheels.vote == Against);
     }
     match (pose_wheels.vote, gyro_wheels.vote, pose_gyro.vote) {
         (Against, Against, Together) if is_mirrored => {
@@ -84,52 +84,53 @@ pub fn settle(samples: &mut Samples) -> Vec<Note> {
             );
             let heading = format!("taken as clockwise from north and converted: {text}");
             let gyro = format!("taken as clockwise, its sign turned round: {text}");
-            let mut notes = turn_round(samples, Channel::Heading, FRAC_PI_2, heading);
-            notes.extend(turn_round(samples, Channel::YawRate, 0.0, gyro));
-            notes.extend(sideways(samples));
-            notes
+            invert(samples, Channel::Heading, FRAC_PI_2, heading);
+            invert(samples, Channel::YawRate, 0.0, gyro);
+            note_lateral_axis(samples);
         }
-        (Against, Against, Together) => mend_wheels(samples, "yaw_rate and heading", gyro_wheels.r),
+        (Against, Against, Together) => {
+            correct_wheels(samples, "yaw_rate and heading", gyro_wheels.r)
+        }
         (Absent, Against, _) => settle_gyro(samples, gyro_wheels.r),
-        (Against, Absent, _) if !is_mirrored => mend_wheels(samples, "heading", pose_wheels.r),
+        (Against, Absent, _) if !is_mirrored => correct_wheels(samples, "heading", pose_wheels.r),
         (Together, Against, Against) => {
             let text = format!(
                 "sign turned round: it contradicts heading (correlation {:.2}) and wheels \
                  ({:.2}), which agree",
                 pose_gyro.r, gyro_wheels.r
             );
-            turn_round(samples, Channel::YawRate, 0.0, text)
+            invert(samples, Channel::YawRate, 0.0, text);
         }
         (Against, Together, Against) | (Against, Absent, _) => {
             let text = format!(
                 "it contradicts the wheels (correlation {:.2}) and yaw_rate, if there is one",
                 pose_wheels.r
             );
-            settle_heading(samples, is_mirrored, &text)
+            settle_heading(samples, is_mirrored, &text);
         }
         (Together, ..) | (_, _, Together) if is_mirrored => {
             let text = "x and y taken as swapped, and swapped back: the direction of travel is a \
                         quarter turn less the heading, which agrees with yaw rate or wheels";
             let pair = [Channel::X, Channel::Y];
-            swap(samples, pair, NoteKind::SwappedPosition, text.into())
+            swap(samples, pair, NoteKind::SwappedPosition, text.into());
         }
         _ if is_mirrored => {
             let text = "the direction of travel is a quarter turn less it; left as it is";
-            suspicion(samples, text.into())
+            suspect_heading(samples, text.into());
         }
-        _ => Vec::new(),
+        _ => {}
     }
 }
 
-/// A heading that counts clockwise from this direction, as the course over the ground shows, which goes with the wheels;
-/// and the gyro, where it counts so, too.
-fn clockwise(samples: &mut Samples, from: f64, r: f64, gyro: bool) -> Vec<Note> {
+/// Converts a heading that counts clockwise from this direction, as wheels and course over ground show, and inverts the
+/// gyro if it counts clockwise as well.
+fn convert_clockwise(samples: &mut RawSamples, from: f64, r: f64, gyro: bool) {
     let text = format!(
         "the wheels went the other way (correlation {r:.2}), and so did the course over the ground"
     );
     // The course is the same ahead and in reverse.
     let mut turned = samples.clone();
-    turn_round(&mut turned, Channel::Heading, from, String::new());
+    invert(&mut turned, Channel::Heading, from, String::new());
     let from = if goes_backwards(&turned) {
         from + PI
     } else {
@@ -140,46 +141,41 @@ fn clockwise(samples: &mut Samples, from: f64, r: f64, gyro: bool) -> Vec<Note> 
         "taken as clockwise from {:.0} deg (counter-clockwise from east) and converted: {text}",
         from.to_degrees()
     );
-    let mut notes = turn_round(samples, Channel::Heading, from, heading);
+    invert(samples, Channel::Heading, from, heading);
     if gyro {
         let text = format!("taken as clockwise, its sign turned round: {text}");
-        notes.extend(turn_round(samples, Channel::YawRate, 0.0, text));
-        notes.extend(sideways(samples));
+        invert(samples, Channel::YawRate, 0.0, text);
+        note_lateral_axis(samples);
     }
-    notes
 }
 
-/// Axes in which angles count clockwise mostly point to the right, too.
-fn sideways(samples: &Samples) -> Option<Note> {
-    let told = |channel: &Channel| samples.of(*channel).next().is_some();
-    let channel = [Channel::VY, Channel::AY].into_iter().find(told)?;
-    let text = "left as it is, though heading and yaw_rate count clockwise: where it (v_y, a_y) is positive to the right, \
+/// Frames with clockwise angles usually have a lateral axis to the right.
+fn note_lateral_axis(samples: &mut RawSamples) {
+    let measured = |channel: &Channel| samples.all(*channel).count > 0;
+    let Some(channel) = [Channel::VY, Channel::AY].into_iter().find(measured) else {
+        return;
+    };
+    let text = "unchanged, though heading and yaw_rate count clockwise: where it (v_y, a_y) is positive to the right, \
                 turn its sign round";
-    note(
-        NoteKind::Suspicion,
-        Some(channel),
-        place(samples, channel),
-        text.into(),
-    )
+    let all = samples.all(channel);
+    samples.note(NoteKind::Suspicion, Some(channel), all, text);
 }
 
-/// Whether the vehicle comes the other way than its wheels roll, on the whole.
-fn goes_backwards(samples: &Samples) -> bool {
+/// Whether on the whole the vehicle moves against the rolling direction of its wheels.
+fn goes_backwards(samples: &RawSamples) -> bool {
     let product = |run: &RawRun| {
-        let (way, rims) = (travel(run)?, wheels(run, [0.5, 0.5])?);
-        let grid = Grid::over(&way, &rims, STEP)?;
-        let rates = [way, rims].map(|sum| sum.mean_rates(&grid, SPANS[0]));
+        let (distance, rims) = (travel(run)?, wheel_mean(run)?);
+        let grid = TimeGrid::over(&distance, &rims, STEP)?;
+        let rates = [distance, rims].map(|sum| sum.mean_rates(&grid, SPANS[0]));
         let pairs = rates[0].iter().zip(&rates[1]);
         Some(pairs.filter_map(|(a, b)| Some((*a)? * (*b)?)).sum::<f64>())
     };
     samples.runs.iter().filter_map(product).sum::<f64>() < 0.0
 }
 
-/// Without a heading the course decides between gyro and wheels; without that, too, the wheels are swapped.
-fn settle_gyro(samples: &mut Samples, r: f64) -> Vec<Note> {
-    let difference = |run: &_| wheels(run, [-1.0, 1.0]);
-    let gyro = |run: &_| cumulated(run, Channel::YawRate);
-    let by_wheels = Comparison::of(compare(samples, STEP, difference, course));
+/// Without a heading the course decides between gyro and wheels; without a course the wheels count as swapped.
+fn settle_gyro(samples: &mut RawSamples, r: f64) {
+    let by_wheels = Comparison::of(compare(samples, STEP, wheel_difference, course));
     let by_gyro = Comparison::of(compare(samples, STEP, gyro, course));
     match (by_wheels.vote, by_gyro.vote) {
         (Vote::Together, Vote::Against) => {
@@ -187,14 +183,14 @@ fn settle_gyro(samples: &mut Samples, r: f64) -> Vec<Note> {
                 "sign turned round: it contradicts the course (correlation {:.2}) and wheels ({r:.2}), which agree",
                 by_gyro.r
             );
-            turn_round(samples, Channel::YawRate, 0.0, text)
+            invert(samples, Channel::YawRate, 0.0, text);
         }
         (Vote::Against, Vote::Together) => swap_wheels(samples, "yaw_rate and the course", r),
         _ => swap_wheels(samples, "yaw_rate", r),
     }
 }
 
-/// The course over the ground \[rad\], counted on over whole turns, forward as in reverse.
+/// The course over ground \[rad\], continuous over whole turns, the same in reverse.
 fn course(run: &RawRun) -> Option<Cumulated> {
     let (x, y) = (cumulated(run, Channel::X)?, cumulated(run, Channel::Y)?);
     let mut twice: Option<f64> = None;
@@ -216,11 +212,10 @@ fn course(run: &RawRun) -> Option<Cumulated> {
     (series.len() > 1).then(|| Cumulated::of_position(&series))
 }
 
-/// Wheels that turn the vehicle the other way are swapped, or both count backwards: then the vehicle comes the other way,
-/// too.
-fn mend_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
-    let ahead = |run: &_| wheels(run, [0.5, 0.5]);
-    let found = Comparison::of(compare(samples, STEP, ahead, travel));
+/// Wheels that turn the vehicle the other way are swapped, or both count backwards. In the second case the vehicle also
+/// moves the other way.
+fn correct_wheels(samples: &mut RawSamples, witness: &str, r: f64) {
+    let found = Comparison::of(compare(samples, STEP, wheel_mean, travel));
     let backwards = match found.vote {
         Vote::Against => true,
         // At a steady speed nothing correlates.
@@ -235,87 +230,81 @@ fn mend_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
          did the way along the heading ({:.2})",
         found.r
     );
-    let mut notes = turn_round(samples, Channel::OmegaLeft, 0.0, text.clone());
-    notes.extend(turn_round(samples, Channel::OmegaRight, 0.0, text));
-    notes
+    invert(samples, Channel::OmegaLeft, 0.0, text.clone());
+    invert(samples, Channel::OmegaRight, 0.0, text);
 }
 
-fn swap_wheels(samples: &mut Samples, witness: &str, r: f64) -> Vec<Note> {
+fn swap_wheels(samples: &mut RawSamples, witness: &str, r: f64) {
     let text = format!(
         "left and right wheel speeds taken as swapped, and swapped back: {witness} went the other \
          way (correlation {r:.2}); turns counted clockwise would look the same"
     );
     let pair = [Channel::OmegaLeft, Channel::OmegaRight];
-    swap(samples, pair, NoteKind::SwappedWheels, text)
+    swap(samples, pair, NoteKind::SwappedWheels, text);
 }
 
-/// A heading that turns the wrong way round: clockwise from north, if the positions say so; only
-/// its sign, if there are none; left alone, if they say something else.
-fn settle_heading(samples: &mut Samples, is_mirrored: bool, evidence: &str) -> Vec<Note> {
+/// A heading that turns the wrong way. It counts clockwise from north if the positions agree; without positions only its
+/// sign is inverted; if the positions disagree, it is not changed.
+fn settle_heading(samples: &mut RawSamples, is_mirrored: bool, evidence: &str) {
     if is_mirrored {
         let text = format!(
             "taken as clockwise from north and converted: {evidence}, and the direction of travel \
              is a quarter turn less it"
         );
-        turn_round(samples, Channel::Heading, FRAC_PI_2, text)
-    } else if samples.of(Channel::X).next().is_none() {
+        invert(samples, Channel::Heading, FRAC_PI_2, text);
+    } else if samples.all(Channel::X).count == 0 {
         let text = format!("sign turned round: {evidence}");
-        turn_round(samples, Channel::Heading, 0.0, text)
+        invert(samples, Channel::Heading, 0.0, text);
     } else {
-        suspicion(samples, format!("{evidence}; left as it is"))
+        suspect_heading(samples, format!("{evidence}; left as it is"));
     }
 }
 
-fn swap(samples: &mut Samples, pair: [Channel; 2], kind: NoteKind, text: String) -> Vec<Note> {
-    let place = place(samples, pair[0]);
+fn swap(samples: &mut RawSamples, pair: [Channel; 2], kind: NoteKind, text: String) {
+    samples.note(kind, Some(pair[0]), samples.all(pair[0]), text);
     for run in &mut samples.runs {
         run.channels.swap(pair[0].index(), pair[1].index());
     }
-    note(kind, Some(pair[0]), place, text).into_iter().collect()
 }
 
-/// Takes each value from a constant.
-fn turn_round(samples: &mut Samples, channel: Channel, from: f64, text: String) -> Vec<Note> {
-    let place = place(samples, channel);
-    for run in &mut samples.runs {
-        for sample in &mut run.channels[channel.index()] {
-            sample.value = from - sample.value;
-        }
-    }
-    note(NoteKind::Sign, Some(channel), place, text)
-        .into_iter()
-        .collect()
+/// Subtracts each value from a constant.
+fn invert(samples: &mut RawSamples, channel: Channel, from: f64, text: String) {
+    samples.note(NoteKind::Sign, Some(channel), samples.all(channel), text);
+    samples.map(channel, |value| from - value);
 }
 
-fn suspicion(samples: &Samples, text: String) -> Vec<Note> {
-    let place = place(samples, Channel::Heading);
-    note(NoteKind::Suspicion, Some(Channel::Heading), place, text)
-        .into_iter()
-        .collect()
+fn suspect_heading(samples: &mut RawSamples, text: String) {
+    let heading = Channel::Heading;
+    samples.note(
+        NoteKind::Suspicion,
+        Some(heading),
+        samples.all(heading),
+        text,
+    );
 }
 
-/// How the direction of travel depends on the heading, forward or in reverse.
+/// Relation between direction of travel and heading, forward or in reverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Relation {
-    /// It is the heading, or goes with it at some angle.
+    /// The direction is the heading plus a constant angle.
     Same,
-    /// It is a quarter turn less the heading.
+    /// The direction is a quarter turn less the heading.
     Mirrored,
-    /// It is this, or half a turn more, less the heading \[rad\].
+    /// The direction is this angle, or half a turn more, less the heading \[rad\].
     Clockwise(f64),
 }
 
-/// Directions of travel beside the headings \[rad\], if the positions show enough of them: a slow vehicle takes longer to
-/// come anywhere.
-pub fn directions(samples: &Samples) -> Option<Vec<(f64, f64)>> {
+/// Directions of travel with the headings \[rad\], if the positions show enough of them. A slow vehicle needs a longer
+/// duration for a direction.
+pub fn directions(samples: &RawSamples) -> Option<Vec<(f64, f64)>> {
     let mut over = SPANS
         .into_iter()
         .map(|seconds| directions_over(samples, seconds));
-    over.find(|found| found.len() >= FEWEST)
+    over.find(|found| found.len() >= MIN_DIRECTIONS)
 }
 
-/// The same over so many seconds.
-fn directions_over(samples: &Samples, seconds: f64) -> Vec<(f64, f64)> {
+/// Directions over this duration \[s\].
+fn directions_over(samples: &RawSamples, seconds: f64) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     for run in &samples.runs {
         let (Some(x), Some(y)) = (cumulated(run, Channel::X), cumulated(run, Channel::Y)) else {
@@ -334,8 +323,8 @@ fn directions_over(samples: &Samples, seconds: f64) -> Vec<(f64, f64)> {
     found
 }
 
-/// The relation that the positions show, if they show one.
-fn position(samples: &Samples) -> Option<Relation> {
+/// The relation that the positions show, if any.
+fn relation(samples: &RawSamples) -> Option<Relation> {
     let directions = directions(samples)?;
     // Sums of unit vectors at twice the angles, so that reverse counts as forward.
     let (mut same, mut mirrored) = ([0.0; 2], [0.0; 2]);
@@ -360,12 +349,10 @@ fn position(samples: &Samples) -> Option<Relation> {
     }
 }
 
-/// Way along the heading \[m\].
+/// Distance along the heading \[m\].
 pub fn travel(run: &RawRun) -> Option<Cumulated> {
-    let of = |channel: Channel| -> Series {
-        let samples = run.channels[channel.index()].iter();
-        samples.map(|sample| (sample.time, sample.value)).collect()
-    };
-    let way = way_along(&of(Channel::X), &of(Channel::Y), &of(Channel::Heading));
-    (way.len() > 1).then(|| Cumulated::of_position(&way))
+    let [x, y, heading] =
+        [Channel::X, Channel::Y, Channel::Heading].map(|channel| run.series(channel));
+    let distance = distance_along_heading(&x, &y, &heading);
+    (distance.len() > 1).then(|| Cumulated::of_position(&distance))
 }

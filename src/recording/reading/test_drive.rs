@@ -1,6 +1,7 @@
-//! A drive as text, and what the reader makes of it.
+//! A drive as text, for tests of the reader.
 
 use super::*;
+use crate::recording::note::{Note, NoteKind};
 
 /// Columns after the time, in the order of [`NAMES`].
 pub type Rows = Vec<(f64, [f64; 6])>;
@@ -13,13 +14,8 @@ pub fn drive(seconds: f64, seed: u64) -> Rows {
 
 /// The same with another yaw rate by difference of wheel speeds \[-\].
 pub fn turning(seconds: f64, seed: u64, by_difference: f64) -> Rows {
-    let mut random = seed;
-    let mut noise = |size: f64| {
-        random = random
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        size * ((random >> 33) as f64 / 2f64.powi(31) - 0.5)
-    };
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut noise = |size: f64| size * (random.f64() - 0.5);
     let (mut x, mut y, mut heading) = (3.0, -2.0, 0.4);
     let phase = (seed % 7) as f64;
     let mut late = std::collections::VecDeque::from(vec![[x, y, heading]; 6]);

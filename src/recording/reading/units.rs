@@ -1,94 +1,88 @@
 //! Angles and wheel speeds in other units than radians.
 
-use super::agreement::{Agreement, compare, cumulated, wheels};
+use super::agreement::{
+    Agreement, compare, cumulated, gyro, heading, wheel_difference, wheel_mean,
+};
 use super::limits::limit;
 use super::signs::{self, travel};
-use super::{note, place};
-use crate::recording::csv::{RawRun, Samples};
-use crate::recording::{Channel, Cumulated, Grid, Note, NoteKind};
+use crate::recording::channel::Channel;
+use crate::recording::csv::{RawRun, RawSamples};
+use crate::recording::cumulated::{Cumulated, TimeGrid};
+use crate::recording::note::{Note, NoteKind};
+use crate::recording::statistics::range;
 use crate::vehicle::Vehicle;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
+const SIDES: [Channel; 2] = [Channel::OmegaLeft, Channel::OmegaRight];
 const DEGREES: f64 = 180.0 / PI;
 /// Step of the comparison \[s\].
 const STEP: f64 = 0.1;
-/// How near a ratio must come to that of the units, and how strong the correlation must be.
+/// Maximum factor between a ratio and that of the units; minimum correlation.
 const NEAR: f64 = 1.15;
 const STRONG: f64 = 0.9;
-/// Yaw rate by difference of wheel speeds \[-\]: r / 2B times at most one. No vehicle's wheels
-/// have a radius of more than its track, and degrees make it 57 times as much.
-const MOST_TURN: f64 = 3.0;
-/// Jumps of a wrapped heading in degrees, smaller ones that do not count \[deg\], and the longest
-/// intervals in which no vehicle turns by a full turn, and by as much as lies between \[s\].
+/// Maximum of yaw rate over difference of wheel speeds \[-\]. It is at most r / 2B, and no wheel's radius exceeds the
+/// track; degrees make the ratio 57 times as large.
+const MAX_TURN: f64 = 3.0;
+/// Jumps of a wrapped heading in degrees, and the size from which other jumps count \[deg\]. QUICK are the longest intervals
+/// \[s\] in which no vehicle turns by a full turn, or by a jump of that size.
 const FULL_TURN: RangeInclusive<f64> = 310.0..=360.5;
 const LARGE: f64 = 50.0;
 const QUICK: [f64; 2] = [1.2, 0.35];
-/// Some other jumps may be among them (a course at standstill) where more than half of all values are beyond this,
-/// which is no wrapped heading in radians \[rad\].
+/// A wrapped heading in radians stays below this. If more than half of the values are beyond it, other jumps are allowed
+/// as well, such as those of a course at standstill \[rad\].
 const NO_RADIANS: f64 = 7.0;
-/// The same of rim speeds in metres per second, 1 / 2B at most: no track is narrower than 0.2 m.
-const MOST_TURN_OF_RIMS: f64 = 5.0;
-/// Share of the rim speed at which a vehicle may seem to move, where the unit is right.
+/// As MAX_TURN for rim speeds in m/s: at most 1 / 2B, and no track is narrower than 0.2 m.
+const MAX_TURN_OF_RIMS: f64 = 5.0;
+/// Ratio of vehicle speed to rim speed in the right unit.
 const EFFECTIVE: RangeInclusive<f64> = 0.7..=1.2;
-/// The same where no vehicle is known, whose wheels may have a radius of a metre.
+/// The same for an unknown vehicle, whose wheel radius may be a metre.
 const EFFECTIVE_OF_ANY: RangeInclusive<f64> = 0.85..=1.1;
-/// Share of the way that goes along the heading, at least, where the way tells the unit of wheel speeds.
+/// Minimum share of the distance along the heading, if the distance shows the unit of wheel speeds.
 const AHEAD: f64 = 0.8;
-/// Means for it are over so many seconds \[s\].
+/// Window of the means for that share \[s\].
 const SPAN: f64 = 1.0;
-/// No vehicle moves at more than so many times the speed of its rims, sliding downhill aside.
-const MOST_TRAVEL: f64 = 1.5;
+/// Maximum ratio of vehicle speed to rim speed, except when sliding downhill.
+const MAX_TRAVEL: f64 = 1.5;
 
-/// Converts headings and yaw rates from degrees, and wheel speeds that cannot be.
-pub fn convert(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Vec<Note> {
-    let mut notes = Vec::new();
-    notes.extend(wrapped_degrees(samples));
-    let rims = rim_speeds(samples, vehicle);
-    let is_suspected = |note: &Note| note.kind == NoteKind::Suspicion;
-    let most_turn = if rims.as_ref().is_some_and(is_suspected) {
-        MOST_TURN_OF_RIMS
+/// Converts headings and yaw rates from degrees, and impossible wheel speeds.
+pub fn convert(samples: &mut RawSamples, vehicle: Option<&Vehicle>) {
+    let before = samples.notes.len();
+    wrapped_degrees(samples);
+    let max_turn = if rim_speeds(samples, vehicle) == Some(NoteKind::Suspicion) {
+        MAX_TURN_OF_RIMS
     } else {
-        MOST_TURN
+        MAX_TURN
     };
-    notes.extend(rims);
-    notes.extend(degrees(samples, most_turn));
-    if !notes
-        .iter()
-        .any(|note| note.channel == Some(Channel::Heading))
-    {
-        notes.extend(degrees_by_course(samples));
+    degrees(samples, max_turn);
+    let concerns_heading = |note: &Note| note.channel == Some(Channel::Heading);
+    if !samples.notes[before..].iter().any(concerns_heading) {
+        degrees_by_course(samples);
     }
-    notes.extend(wheel_unit(samples, vehicle));
-    notes
+    wheel_unit(samples, vehicle);
 }
 
-fn scale(samples: &mut Samples, channel: Channel, factor: f64) -> (usize, usize) {
-    for run in &mut samples.runs {
-        for sample in &mut run.channels[channel.index()] {
-            sample.value *= factor;
-        }
-    }
-    place(samples, channel)
-}
-
-fn from_degrees(samples: &mut Samples, channel: Channel, evidence: &str) -> Option<Note> {
-    let place = scale(samples, channel, 1.0 / DEGREES);
+fn from_degrees(samples: &mut RawSamples, channel: Channel, evidence: &str) {
+    samples.map(channel, |value| value * (1.0 / DEGREES));
     let text = format!("taken as degrees and converted: {evidence}");
-    note(NoteKind::Unit, Some(channel), place, text)
+    samples.note(NoteKind::Unit, Some(channel), samples.all(channel), text);
 }
 
-/// Headings that jump by 360 and stay within that.
-fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
+/// Notes on both wheel speeds, whose values change by a factor if it is known.
+fn wheel_note(samples: &mut RawSamples, kind: NoteKind, factor: f64, text: String) {
+    for side in SIDES {
+        samples.map(side, |value| value * factor);
+    }
+    samples.note(kind, Some(SIDES[0]), samples.all(SIDES[0]), text);
+}
+
+/// Headings that jump by 360 and stay within that range.
+fn wrapped_degrees(samples: &mut RawSamples) {
     let heading = Channel::Heading.index();
-    // From where it counts does not matter: 90 less a compass, a compass with declination.
-    let nothing = (f64::INFINITY, f64::NEG_INFINITY);
-    let headings = samples.of(Channel::Heading).map(|sample| sample.value);
-    let (low, high) = headings.fold(nothing, |(low, high), value| {
-        (value.min(low), value.max(high))
-    });
-    if high - low > *FULL_TURN.end() {
-        return None;
+    // Their zero does not matter: it may be 90 less a compass, or a compass with declination.
+    let [min, max] = range(samples.of(Channel::Heading).map(|sample| sample.value));
+    if max - min > *FULL_TURN.end() {
+        return;
     }
     let jumps = |run: &RawRun| {
         let (mut full, mut other) = (0, 0);
@@ -108,81 +102,81 @@ fn wrapped_degrees(samples: &mut Samples) -> Option<Note> {
         .iter()
         .map(jumps)
         .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    let all = samples.of(Channel::Heading).count();
-    let beyond = samples.of(Channel::Heading);
-    let beyond = beyond.filter(|sample| sample.value.abs() > NO_RADIANS);
-    let is_degrees = 2 * beyond.count() > all && other <= full;
-    if full == 0 || (other > 0 && !is_degrees) {
-        return None;
+    if full == 0 || (other > 0 && !(are_beyond_radians(samples) && other <= full)) {
+        return;
     }
     let evidence = format!("it stays within 360 and jumps by that {full} times");
-    from_degrees(samples, Channel::Heading, &evidence)
+    from_degrees(samples, Channel::Heading, &evidence);
 }
 
-/// Way along the heading \[m\] of a run in which the vehicle goes along its heading: one that is measured across, or in
-/// another frame, tells nothing of the wheels' unit.
+/// Whether more than half of the headings are too large for wrapped radians.
+fn are_beyond_radians(samples: &RawSamples) -> bool {
+    let beyond = samples.of(Channel::Heading);
+    let beyond = beyond.filter(|sample| sample.value.abs() > NO_RADIANS);
+    2 * beyond.count() > samples.all(Channel::Heading).count
+}
+
+/// Distance along the heading \[m\] of a run in which the vehicle moves along its heading. A heading across the vehicle, or
+/// in another frame, does not show the wheels' unit.
 fn travel_ahead(run: &RawRun) -> Option<Cumulated> {
-    let way = travel(run)?;
+    let distance = travel(run)?;
     let (x, y) = (cumulated(run, Channel::X)?, cumulated(run, Channel::Y)?);
-    let grid = Grid::over(&x, &way, STEP)?;
+    let grid = TimeGrid::over(&x, &distance, STEP)?;
     let rates = |sum: &Cumulated| sum.mean_rates(&grid, SPAN);
     let (x, y) = (rates(&x), rates(&y));
     let (mut ahead, mut whole) = (0.0, 0.0);
-    for (way, (x, y)) in rates(&way).iter().zip(x.iter().zip(&y)) {
-        if let (Some(way), Some(x), Some(y)) = (way, x, y) {
-            ahead += way.abs();
+    for (along, (x, y)) in rates(&distance).iter().zip(x.iter().zip(&y)) {
+        if let (Some(along), Some(x), Some(y)) = (along, x, y) {
+            ahead += along.abs();
             whole += x.hypot(*y);
         }
     }
-    (ahead >= AHEAD * whole).then_some(way)
+    (ahead >= AHEAD * whole).then_some(distance)
 }
 
-/// Wheel speeds in metres per second: as rad/s the vehicle would leave its rims behind. Without a vehicle they are told.
-fn rim_speeds(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> {
-    let sides = [Channel::OmegaLeft, Channel::OmegaRight];
-    let mean = |run: &_| wheels(run, [0.5, 0.5]);
-    let found = compare(samples, STEP, travel_ahead, mean)?;
+/// Wheel speeds in metres per second: as rad/s the vehicle would be faster than its rims. They are converted for a known
+/// vehicle and otherwise noted. Returns the kind of the note.
+fn rim_speeds(samples: &mut RawSamples, vehicle: Option<&Vehicle>) -> Option<NoteKind> {
+    let found = compare(samples, STEP, travel_ahead, wheel_mean)?;
     let (correlation, slope) = found.strongest();
     if correlation < STRONG {
         return None;
     }
     let Some(radius) = vehicle.map(|vehicle| vehicle.wheel_radius) else {
+        let is_clear = |ratio: &f64| EFFECTIVE_OF_ANY.contains(ratio);
+        if !found.ratios().iter().all(is_clear) {
+            return None;
+        }
         let text = format!(
             "both wheel speeds may be rim speeds in m/s: the vehicle moves at {slope:.2} of them \
              (correlation {correlation:.2}); left as they are, for the wheels' radius is not known"
         );
-        let is_told = found
-            .ratios()
-            .iter()
-            .all(|ratio| EFFECTIVE_OF_ANY.contains(ratio));
-        let place = place(samples, sides[0]);
-        return note(NoteKind::Suspicion, Some(sides[0]), place, text).filter(|_| is_told);
+        wheel_note(samples, NoteKind::Suspicion, 1.0, text);
+        return Some(NoteKind::Suspicion);
     };
-    let fits = |ratio: &f64| EFFECTIVE.contains(ratio) && *ratio >= MOST_TRAVEL * radius;
+    let fits = |ratio: &f64| EFFECTIVE.contains(ratio) && *ratio >= MAX_TRAVEL * radius;
     if !found.ratios().iter().all(fits) {
         return None;
     }
-    let places = sides.map(|side| scale(samples, side, 1.0 / radius));
     let text = format!(
         "both wheel speeds taken as rim speeds in m/s and divided by the wheels' radius of {radius} m: the vehicle \
          moves at {slope:.2} of them (correlation {correlation:.2}), as rad/s at {:.1} of the rims' speed",
         slope / radius
     );
-    note(NoteKind::Unit, Some(sides[0]), places[0], text)
+    wheel_note(samples, NoteKind::Unit, 1.0 / radius, text);
+    Some(NoteKind::Unit)
 }
 
 /// Headings and yaw rates that turn 57 times too fast for each other or for the wheels.
-fn degrees(samples: &mut Samples, most_turn: f64) -> Vec<Note> {
-    let heading = |run: &_| cumulated(run, Channel::Heading);
-    let gyro = |run: &_| cumulated(run, Channel::YawRate);
-    let difference = |run: &_| wheels(run, [-1.0, 1.0]);
+fn degrees(samples: &mut RawSamples, max_turn: f64) {
     let clear = |(correlation, slope): (f64, f64)| {
         (correlation.abs() >= STRONG).then_some((correlation, slope.abs()))
     };
     let of = |agreement: Option<Agreement>| agreement.and_then(|found| clear(found.strongest()));
     let both = of(compare(samples, STEP, heading, gyro));
-    let turn = of(compare(samples, STEP, heading, difference)).filter(|turn| turn.1 > most_turn);
-    let yaw = of(compare(samples, STEP, gyro, difference)).filter(|yaw| yaw.1 > most_turn);
+    let by_wheels = |of_turn: Option<Agreement>| of(of_turn).filter(|turn| turn.1 > max_turn);
+    let turn = by_wheels(compare(samples, STEP, heading, wheel_difference));
+    let yaw = by_wheels(compare(samples, STEP, gyro, wheel_difference));
     let (mut heading_evidence, mut gyro_evidence) = (None, None);
     match both {
         Some((r, ratio)) if near(ratio, DEGREES) => {
@@ -204,40 +198,33 @@ fn degrees(samples: &mut Samples, most_turn: f64) -> Vec<Note> {
                 )
             };
             (heading_evidence, gyro_evidence) = (turn.map(text), yaw.map(text));
-            // Those that turn alike have one unit.
+            // Signals that turn equally fast have the same unit.
             if both.is_some() {
                 heading_evidence = heading_evidence.or_else(|| gyro_evidence.clone());
                 gyro_evidence = gyro_evidence.or_else(|| heading_evidence.clone());
             }
         }
     }
-    let mut notes = Vec::new();
     for (channel, evidence) in [
         (Channel::Heading, heading_evidence),
         (Channel::YawRate, gyro_evidence),
     ] {
-        notes.extend(evidence.and_then(|text| from_degrees(samples, channel, &text)));
+        if let Some(text) = evidence {
+            from_degrees(samples, channel, &text);
+        }
     }
-    notes
 }
 
-/// Headings of a drive with few turns, which the course over the ground agrees with as degrees and not as radians; and
-/// yaw rates that turn alike.
-fn degrees_by_course(samples: &mut Samples) -> Vec<Note> {
-    let headings = samples.of(Channel::Heading);
-    let (count, beyond) = headings.fold((0, 0), |(count, beyond), sample| {
-        (
-            count + 1,
-            beyond + usize::from(sample.value.abs() > NO_RADIANS),
-        )
-    });
-    if 2 * beyond <= count {
-        return Vec::new();
+/// Headings of a drive with few turns that agree with the course over ground as degrees and not as radians, and yaw rates
+/// that turn equally fast.
+fn degrees_by_course(samples: &mut RawSamples) {
+    if !are_beyond_radians(samples) {
+        return;
     }
     let Some(directions) = signs::directions(samples) else {
-        return Vec::new();
+        return;
     };
-    // Length and half the angle of the mean unit vector at twice the angle between, which is the same in reverse.
+    // Length and half the angle of the mean unit vector at twice the angle between both, which is the same in reverse.
     let off = |unit: f64| {
         let angles = directions
             .iter()
@@ -254,56 +241,67 @@ fn degrees_by_course(samples: &mut Samples) -> Vec<Note> {
         |(length, angle): (f64, f64)| length >= signs::CLEAR && angle.abs() <= signs::NEAR;
     let (degrees, radians, clockwise) = (off(DEGREES), off(1.0), off(-1.0));
     if !goes_along(degrees) || goes_along(radians) {
-        return Vec::new();
+        return;
     }
     let evidence = format!(
         "as such it is within {:.0} deg of the direction of travel, on the mean",
         degrees.1.abs().to_degrees().max(1.0)
     );
-    // A steady heading from another zero looks the same, and so can one that counts the other way.
+    // A steady heading with another zero looks the same, and so may one that counts the other way.
     let otherwise = if radians.0 >= signs::CLEAR {
         format!("as radians {:.0} deg off", radians.1.abs().to_degrees())
     } else if clockwise.0 >= signs::CLEAR {
         "as radians it would count the other way round".into()
     } else {
-        let gyro = alike(samples).and_then(|r| {
+        let gyro = equal_turning(samples);
+        from_degrees(samples, Channel::Heading, &evidence);
+        if let Some(r) = gyro {
             let text = format!("heading turns alike (correlation {r:.2}), which is in degrees");
-            from_degrees(samples, Channel::YawRate, &text)
-        });
-        let heading = from_degrees(samples, Channel::Heading, &evidence);
-        return heading.into_iter().chain(gyro).collect();
+            from_degrees(samples, Channel::YawRate, &text);
+        }
+        return;
     };
     let text = format!("may be degrees: {evidence}, {otherwise}; left as it is");
-    let place = place(samples, Channel::Heading);
-    let told = note(NoteKind::Suspicion, Some(Channel::Heading), place, text);
-    told.into_iter().collect()
+    let heading = Channel::Heading;
+    samples.note(
+        NoteKind::Suspicion,
+        Some(heading),
+        samples.all(heading),
+        text,
+    );
 }
 
-/// Correlation of heading and yaw rate, if they turn alike.
-fn alike(samples: &Samples) -> Option<f64> {
-    let heading = |run: &_| cumulated(run, Channel::Heading);
-    let gyro = |run: &_| cumulated(run, Channel::YawRate);
+/// Correlation of heading and yaw rate, if they turn equally fast.
+fn equal_turning(samples: &RawSamples) -> Option<f64> {
     let (r, slope) = compare(samples, STEP, heading, gyro)?.strongest();
     (r.abs() >= STRONG && near(slope.abs(), 1.0)).then_some(r)
 }
 
-/// Whether a ratio is that of units.
+/// Whether a ratio is that of the units.
 fn near(ratio: f64, unit: f64) -> bool {
     (ratio / unit).max(unit / ratio) < NEAR
 }
 
-/// Wheel speeds that in another unit move the vehicle as its pose says: those beyond the limit are converted, others told,
-/// for wheels that slip look the same.
-fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> {
-    let sides = [Channel::OmegaLeft, Channel::OmegaRight];
+/// Wheel speeds that match the motion of the vehicle in another unit. Those beyond the limit are converted; others are
+/// noted, because wheels that slip look the same.
+fn wheel_unit(samples: &mut RawSamples, vehicle: Option<&Vehicle>) {
+    if let Some((kind, factor, text)) = wheel_finding(samples, vehicle) {
+        wheel_note(samples, kind, factor, text);
+    }
+}
+
+/// The kind of note, the factor for the wheel speeds, and the note's text.
+fn wheel_finding(
+    samples: &RawSamples,
+    vehicle: Option<&Vehicle>,
+) -> Option<(NoteKind, f64, String)> {
     let beyond = |side: Channel| {
         samples
             .of(side)
             .any(|sample| sample.value.abs() > limit(side))
     };
     let radius = vehicle?.wheel_radius;
-    let mean = |run: &_| wheels(run, [0.5, 0.5]);
-    let found = compare(samples, STEP, travel_ahead, mean)?;
+    let found = compare(samples, STEP, travel_ahead, wheel_mean)?;
     let (correlation, slope) = found.strongest();
     let units = [("degrees per second", DEGREES), ("rpm", 30.0 / PI)];
     let fits = |unit: &(&str, f64)| {
@@ -318,12 +316,233 @@ fn wheel_unit(samples: &mut Samples, vehicle: Option<&Vehicle>) -> Option<Note> 
         "as rad/s the vehicle would move at {:.3} of the rims' speed (correlation {correlation:.2})",
         slope / radius
     );
-    if !sides.into_iter().any(beyond) {
-        let place = place(samples, sides[0]);
+    if !SIDES.into_iter().any(beyond) {
         let text = format!("both wheel speeds may be {name}: {evidence}; left as they are");
-        return note(NoteKind::Suspicion, Some(sides[0]), place, text);
+        return Some((NoteKind::Suspicion, 1.0, text));
     }
-    let places = sides.map(|side| scale(samples, side, 1.0 / size));
     let text = format!("both wheel speeds taken as {name} and converted: {evidence}");
-    note(NoteKind::Unit, Some(sides[0]), places[0], text)
+    Some((NoteKind::Unit, 1.0 / size, text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::about::About;
+    use crate::recording::reading::parse_recording;
+    use crate::recording::reading::test_drive::{
+        Rows, assert_restored, drive, kinds, read, text, turning, with,
+    };
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    /// 40 s straight on in this direction \[rad\], as its heading wavers by half a degree.
+    fn straight(direction: f64) -> Rows {
+        let row = |index: usize| {
+            let time = 0.05 * index as f64;
+            let heading = direction + 0.5f64.to_radians() * (1.3 * time).sin();
+            let way = 0.9 * time;
+            let values = [
+                4.0,
+                4.0,
+                way * direction.cos(),
+                way * direction.sin(),
+                heading,
+                0.0,
+            ];
+            (time, values)
+        };
+        (0..800).map(row).collect()
+    }
+
+    #[test]
+    fn degrees_of_a_drive_straight_on_are_seen_by_its_course() {
+        let heading = Some(Channel::Heading);
+        for direction in [0.5 * PI, -0.9 * PI] {
+            let good = straight(direction);
+            let degrees = with(&good, |_, v| v[4] = v[4].to_degrees());
+            assert_restored(&good, &degrees, &[(NoteKind::Unit, heading)]);
+            // In reverse as well.
+            let degrees = with(&good, |_, v| {
+                [v[0], v[1]] = [-v[0], -v[1]];
+                v[4] = (v[4] - direction.signum() * PI).to_degrees();
+            });
+            assert_eq!(read(&degrees).unwrap().notes[0].kind, NoteKind::Unit);
+        }
+        // Steadier than a sensor: another zero of a heading in radians might look the same.
+        let steady = with(&straight(0.5 * PI), |_, v| v[4] = 90.0);
+        let notes = read(&steady).unwrap().notes;
+        assert_eq!(
+            (notes[0].kind, notes[0].channel),
+            (NoteKind::Suspicion, heading),
+            "{notes:?}"
+        );
+        assert!(notes[0].text.contains("may be degrees"), "{notes:?}");
+        // A gyro that turns equally fast is in degrees as well; one in radians is not changed.
+        let unit = |channel| (NoteKind::Unit, Some(channel));
+        let good = with_rate(straight(0.5 * PI));
+        let degrees = with(&good, |_, v| {
+            (v[4], v[5]) = (v[4].to_degrees(), v[5].to_degrees())
+        });
+        let both = [unit(Channel::Heading), unit(Channel::YawRate)];
+        assert_restored(&good, &degrees, &both);
+        let degrees = with(&good, |_, v| v[4] = v[4].to_degrees());
+        assert_restored(&good, &degrees, &both[..1]);
+        // Radians beyond a turn, and from another zero.
+        for offset in [3.0 * TAU, 3.0 * TAU + 1.0] {
+            let good = with(&straight(0.5 * PI), |_, v| v[4] += offset);
+            assert!(read(&good).unwrap().notes.is_empty());
+        }
+    }
+
+    /// Rows whose gyro shows how the heading wavers.
+    fn with_rate(rows: Rows) -> Rows {
+        let rate = |time: f64| 0.5f64.to_radians() * 1.3 * (1.3 * time).cos();
+        let row = |(time, v): (f64, [f64; 6])| (time, [v[0], v[1], v[2], v[3], v[4], rate(time)]);
+        rows.into_iter().map(row).collect()
+    }
+
+    #[test]
+    fn radians_that_count_clockwise_are_no_degrees() {
+        // Clockwise from north, beyond a turn; as degrees it would also agree with the course.
+        let (mut x, mut y) = (0.0, 0.0);
+        let row = |index: usize| {
+            let time = 0.05 * index as f64;
+            let heading = 7.72 + 0.3 * (0.3 * time).sin();
+            x += 0.045 * (FRAC_PI_2 - heading).cos();
+            y += 0.045 * (FRAC_PI_2 - heading).sin();
+            let rate = 0.09 * (0.3 * time).cos();
+            (time, [4.0, 4.0, x, y, heading, rate])
+        };
+        let rows: Rows = (0..1600).map(row).collect();
+        let recording = read(&text(&rows)).unwrap();
+        let is_unit = |note: &Note| note.kind == NoteKind::Unit;
+        assert!(
+            !recording.notes.iter().any(is_unit),
+            "{:?}",
+            recording.notes
+        );
+    }
+
+    #[test]
+    fn units_of_angles_are_seen() {
+        let good = drive(60.0, 2);
+        let unit = |channel| (NoteKind::Unit, Some(channel));
+        let bad = with(&good, |_, v| v[4] = v[4].to_degrees());
+        assert_restored(&good, &bad, &[unit(Channel::Heading)]);
+        let bad = with(&good, |_, v| v[5] = v[5].to_degrees());
+        assert_restored(&good, &bad, &[unit(Channel::YawRate)]);
+        let bad = with(&good, |_, v| {
+            [v[4], v[5]] = [v[4].to_degrees(), v[5].to_degrees()]
+        });
+        assert_restored(
+            &good,
+            &bad,
+            &[unit(Channel::Heading), unit(Channel::YawRate)],
+        );
+        let unwrapped = (NoteKind::Unwrapped, Some(Channel::Heading));
+        let bad = with(&good, |_, v| v[4] = (v[4] + PI).rem_euclid(TAU) - PI);
+        assert_restored(&good, &bad, &[unwrapped]);
+        let bad = with(&good, |_, v| v[4] = v[4].to_degrees().rem_euclid(360.0));
+        assert_restored(&good, &bad, &[unit(Channel::Heading), unwrapped]);
+        // A number that stands for a missing one hides neither.
+        let outlier = (NoteKind::Outlier, Some(Channel::Heading));
+        for missing in [-999.0, 9999.0] {
+            let never = |t: f64, value: f64| {
+                if t == 0.0 || t == 30.0 {
+                    missing
+                } else {
+                    value
+                }
+            };
+            let bad = with(&good, |t, v| {
+                v[4] = never(*t, (v[4] + PI).rem_euclid(TAU) - PI)
+            });
+            assert_restored(&good, &bad, &[outlier, unwrapped]);
+            let bad = with(&good, |t, v| {
+                v[4] = never(*t, v[4].to_degrees().rem_euclid(360.0))
+            });
+            assert_restored(&good, &bad, &[outlier, unit(Channel::Heading), unwrapped]);
+        }
+        // Nor does one outside the turn that holds the others.
+        for missing in [-99.0, 10.0, 99.0] {
+            let bad = with(&good, |t, v| {
+                let wrapped = (v[4] + PI).rem_euclid(TAU) - PI;
+                v[4] = if *t == 30.0 { missing } else { wrapped };
+            });
+            assert_restored(&good, &bad, &[outlier, unwrapped]);
+        }
+        let bad = with(&good, |t, v| {
+            let wrapped = v[4].to_degrees().rem_euclid(360.0);
+            v[4] = if *t == 30.0 { -100.0 } else { wrapped };
+        });
+        assert_restored(&good, &bad, &[outlier, unit(Channel::Heading), unwrapped]);
+        // 90 less a compass, and a compass with its declination.
+        let unit_and_more = [unit(Channel::Heading), unwrapped];
+        let bad = with(&good, |_, v| {
+            v[4] = (v[4].to_degrees() + 270.0).rem_euclid(360.0) - 270.0
+        });
+        assert_restored(&good, &bad, &unit_and_more);
+        // Two antennas swapped once.
+        let bad = with(&good, |t, v| {
+            let turned = if *t == 30.0 { 180.0 } else { 0.0 };
+            v[4] = (v[4].to_degrees() + turned).rem_euclid(360.0);
+        });
+        let notes = read(&bad).unwrap().notes;
+        let is_unit = |note: &Note| (note.kind, note.channel) == unit(Channel::Heading);
+        assert!(notes.iter().any(is_unit), "{notes:?}");
+    }
+
+    #[test]
+    fn impossible_wheel_speeds_are_converted_or_refused() {
+        let good = drive(60.0, 3);
+        let bad = with(&good, |_, v| {
+            [v[0], v[1]] = [v[0].to_degrees(), v[1].to_degrees()]
+        });
+        assert_restored(&good, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
+        // Revolutions per minute that might be rad/s are noted.
+        let bad = with(&good, |_, v| {
+            [v[0], v[1]] = [v[0], v[1]].map(|speed| speed * 30.0 / PI)
+        });
+        let notes = read(&bad).unwrap().notes;
+        assert_eq!(kinds(&notes), [NoteKind::Suspicion], "{notes:?}");
+        assert!(notes[0].text.contains("may be rpm"), "{notes:?}");
+        // Rim speeds in metres per second of a narrow vehicle: it turns by 3.3 per metre that the rims differ.
+        let narrow = turning(60.0, 3, 1.0);
+        let bad = with(&narrow, |_, v| [v[0], v[1]] = [0.3 * v[0], 0.3 * v[1]]);
+        assert_restored(&narrow, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
+        let recording =
+            parse_recording("drive.csv", "drive", bad.as_bytes(), About::default(), None);
+        let notes = recording.unwrap().notes;
+        assert_eq!(kinds(&notes), [NoteKind::Suspicion], "{notes:?}");
+        assert!(
+            notes[0].text.contains("may be rim speeds in m/s"),
+            "{notes:?}"
+        );
+        // A vehicle from the caller, not from the metadata.
+        let vehicle = Vehicle {
+            wheel_radius: 0.3,
+            ..Vehicle::tran2007()
+        };
+        let about = About::default();
+        let recording =
+            parse_recording("drive.csv", "drive", bad.as_bytes(), about, Some(&vehicle));
+        assert_eq!(kinds(&recording.unwrap().notes), [NoteKind::Unit]);
+        // A spike is dropped.
+        let bad = with(&good, |t, v| v[1] = if *t == 20.0 { 400.0 } else { v[1] });
+        assert_restored(
+            &good,
+            &bad,
+            &[(NoteKind::Outlier, Some(Channel::OmegaRight))],
+        );
+        let bad = with(&good, |_, v| [v[0], v[1]] = [40.0 * v[0], 40.0 * v[1]]);
+        let error = read(&bad).unwrap_err().to_string();
+        assert!(
+            error.contains("(omega_") && error.contains("rpm or degrees per second"),
+            "{error}"
+        );
+        let bad = with(&good, |t, v| v[1] = if *t > 20.0 { 400.0 } else { v[1] });
+        let error = read(&bad).unwrap_err().to_string();
+        let expected =
+            "line 403, column 3 (omega_right): found 400, expected a value within 200 rad/s";
+        assert!(error.contains(expected), "{error}");
+    }
 }

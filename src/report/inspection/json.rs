@@ -1,7 +1,8 @@
 //! As JSON (format `ugv-inspection/1`), in SI units and radians.
 
 use super::words::quality;
-use crate::inspection::{ChannelReport, Delay, Inspection, Interval, Motion, Noise, Timing};
+use crate::inspection::{ChannelReport, Delay, Inspection, MotionSummary, Noise, Timing};
+use crate::recording::IntervalEstimate;
 use crate::recording::{Note, Recording};
 use serde_json::{Value, json as object};
 
@@ -40,7 +41,7 @@ fn note(note: &Note) -> Value {
     })
 }
 
-fn motion(motion: Motion) -> Value {
+fn motion(motion: MotionSummary) -> Value {
     object!({
         "duration": motion.duration,
         "distance": motion.distance,
@@ -77,7 +78,7 @@ fn channel(report: &ChannelReport) -> Value {
     value
 }
 
-fn interval(interval: Interval) -> Value {
+fn interval(interval: IntervalEstimate) -> Value {
     object!({ "value": interval.value, "low": interval.low, "high": interval.high })
 }
 

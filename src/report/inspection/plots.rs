@@ -1,7 +1,7 @@
 //! The plots of an inspection.
 
 use super::words::title;
-use crate::inspection::{Inspection, Signal, heading_rate, wheel_mean};
+use crate::inspection::{Inspection, MotionSignal, heading_rate, wheel_mean};
 use crate::recording::{Channel, Recording, Run, Series};
 use crate::report::chart::{Chart, Line, Stroke};
 
@@ -97,7 +97,7 @@ fn scaled(series: &Series, factor: f64) -> Option<Series> {
 }
 
 fn speed(run: &Run) -> Option<Series> {
-    let way = Signal::Way.of(run)?;
+    let way = MotionSignal::Distance.of(run)?;
     let times = &run.series(Channel::X)?.time;
     let speeds = times
         .iter()

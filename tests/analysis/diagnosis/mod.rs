@@ -64,7 +64,7 @@ fn cases_are_recordings_as_they_stand() {
     }
 }
 
-/// One of what tests/diagnosis/suite.rs has a hundred of.
+/// One of what the suite has a hundred of.
 #[test]
 fn a_steep_slope_is_named_and_measured() {
     let folder = tempfile::tempdir().unwrap();
@@ -72,7 +72,14 @@ fn a_steep_slope_is_named_and_measured() {
     write(&case, folder.path(), "a").unwrap();
     assert_cmd::Command::new(env!("CARGO_BIN_EXE_ugv"))
         .current_dir(folder.path().join("a"))
-        .args(["diagnose", "drive.csv", "--out", "out"])
+        .args([
+            "diagnose",
+            "drive.csv",
+            "--out",
+            "out",
+            "--within",
+            "100000",
+        ])
         .assert()
         .success()
         .stdout(predicates::str::contains("grade"));
@@ -81,6 +88,8 @@ fn a_steep_slope_is_named_and_measured() {
     };
     let (said, truth) = (read("a/out/diagnosis.json"), read("a.truth.json"));
     assert_eq!(said["verdict"], "missing_physics");
+    // A limit that is not met leaves no trace.
+    assert!(!said.to_string().contains("ime was up"));
     let finding = &said["findings"][0];
     assert_eq!(finding["effect"], "grade");
     // The mended model has what was found and nothing else.
@@ -133,12 +142,6 @@ fn without_time_there_is_no_verdict() {
         assert_eq!(verdict, "insufficient_data", "{names:?}");
         assert!(names.is_empty() && is_told);
     }
-}
-
-#[test]
-fn where_time_is_not_up_nothing_is_left_out() {
-    let (_, names, is_told) = within(Family::Single, "100000");
-    assert!(!is_told && names == ["grade"], "{names:?}");
 }
 
 #[test]

@@ -311,7 +311,7 @@ fn cautions_stand_beside_the_verdict() {
     let top = words(text.split("\nprobability").next().unwrap());
     let verdict = page.split("</section>").next().unwrap();
     for words in [
-        "Time was up before everything had been tried",
+        "Time was up before all candidates were fitted",
         "72 s of 600 s",
         "490 kg on 8 wheels",
     ] {

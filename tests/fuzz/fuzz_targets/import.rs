@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use std::fs;
-use ugv_terrain::import::{Clock, Heading, Options, Pose, import, survey};
+use ugv_terrain::import::{Clock, HeadingChoice, ImportOptions, PoseChoice, import, survey};
 use ugv_terrain::recording::read_recording;
 use ugv_terrain_fuzz::scratch;
 
@@ -18,18 +18,22 @@ fuzz_target!(|data: &[u8]| {
         return;
     };
     let bit = |place: u8| wishes & (1 << place) != 0;
-    let options = Options {
+    let options = ImportOptions {
         partial: bit(0),
         clock: if bit(1) { Clock::Log } else { Clock::default() },
         imu_z_down: bit(2),
         invert: [bit(3), bit(4)],
-        pose: bit(5).then_some(if bit(6) { Pose::Fix } else { Pose::Odometry }),
-        heading: bit(7).then_some(if bit(6) {
-            Heading::Imu
+        pose: bit(5).then_some(if bit(6) {
+            PoseChoice::Fix
         } else {
-            Heading::Without
+            PoseChoice::Odometry
         }),
-        ..Options::default()
+        heading: bit(7).then_some(if bit(6) {
+            HeadingChoice::Imu
+        } else {
+            HeadingChoice::Without
+        }),
+        ..ImportOptions::default()
     };
     let Ok(imported) = import(&path, &surveyed, &options, &mut |_, _| {}) else {
         return;
@@ -38,7 +42,7 @@ fuzz_target!(|data: &[u8]| {
         assert!(
             column.samples.iter().all(|(_, value)| value.is_finite()),
             "{}",
-            column.name
+            column.channel
         );
     }
     let mut csv = Vec::new();

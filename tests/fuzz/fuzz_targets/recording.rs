@@ -11,12 +11,12 @@ use ugv_terrain_fuzz::scratch;
 /// Between the CSV and the JSON beside it; neither has it.
 const BETWEEN: u8 = 0;
 
-/// An inspection takes its time: of so many runs at most.
+/// Maximum number of runs for an inspection, which is slow.
 const RUNS: usize = 3;
 
 fuzz_target!(|data: &[u8]| {
-    let mut parts = data.splitn(2, |byte| *byte == BETWEEN);
-    let (csv, json) = (parts.next().unwrap_or_default(), parts.next());
+    let mut files = data.splitn(2, |byte| *byte == BETWEEN);
+    let (csv, json) = (files.next().unwrap_or_default(), files.next());
     let (path, beside) = (scratch("csv"), scratch("json"));
     fs::write(&path, csv).unwrap();
     match json {

@@ -2,7 +2,9 @@
 
 use super::generated::assert_current;
 use std::fmt::Write as _;
-use ugv_terrain::declaration::{Causality, Configuration, Kind, Variable, enumerations, variables};
+use ugv_terrain::declaration::{
+    Causality, Configuration, Kind, TERRAIN_TYPE, TERRAINS, Variable, variables,
+};
 
 const PAGE: &str = "docs/reference/fmu_variables.md";
 const COMMAND: &str = "cargo test --test model page";
@@ -75,12 +77,10 @@ fn the_page_of_the_fmu_variables_is_current() {
             .unwrap();
         }
     }
-    for enumeration in enumerations() {
-        writeln!(page, "\n## Enumeration {}\n", enumeration.name).unwrap();
-        writeln!(page, "| value | name | meaning |\n|---|---|---|").unwrap();
-        for (name, value, meaning) in enumeration.items {
-            writeln!(page, "| {value} | `{name}` | {meaning} |").unwrap();
-        }
+    writeln!(page, "\n## Enumeration {}\n", TERRAIN_TYPE.0).unwrap();
+    writeln!(page, "| value | name | meaning |\n|---|---|---|").unwrap();
+    for (place, (name, meaning)) in TERRAINS.iter().enumerate() {
+        writeln!(page, "| {} | `{name}` | {meaning} |", place + 1).unwrap();
     }
     assert_current(PAGE, COMMAND, &page);
 }
