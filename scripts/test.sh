@@ -5,10 +5,9 @@
 #   (default)  these; recordings, fits, diagnoses and reports on drives of known truth; the FMU from C and through
 #              fmpy; the Python scripts (8 minutes once built, 18 from a fresh clone, on two idle cores)
 #   --all      for every night, several hours: also what is marked nightly, which is
-#              - more than a hundred diagnoses of drives of known truth (tests/analysis/diagnosis/suite.rs), and the
-#                fits and searches that take minutes
+#              - the fits and searches that take minutes
 #              - 2000 random drives of each kind (tests/model/drivable)
-#              - sealed cases of the independent generator through scripts/prove.sh
+#              - 24 sealed cases of the independent generator through scripts/prove.sh
 #              - the FMU for old glibc, for win64 under wine and for aarch64-linux under qemu, built twice
 #              - eleven importers; a soak of ten million steps; a fuzzing campaign, if cargo-fuzz is there
 #

@@ -33,58 +33,61 @@
 //! is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Equations of the paper
+//! Files are in `src/`. `contact/altered.rs` evaluates (3) to (6) and (11) to (18) once more, for wheels with effects.
+//!
 //! | equation | where it is evaluated |
 //! |---|---|
-//! | (1) pressure and sinkage | [`terrain::Terrain::sinkage_modulus`] |
-//! | (2) sinkage of a rim point | `contact::patch`, [`vehicle::WheelOutputs::sinkage`] |
-//! | (3), (4), (5) normal stress in front and behind | `contact::patch`; (4) in full in `contact::altered` |
-//! | (6) shear stress | `contact::patch` |
+//! | (1) pressure and sinkage | k in [`terrain::Terrain::sinkage_modulus`]; k z^n in `contact/patch.rs`, `column` |
+//! | (2) sinkage of a rim point | `contact/patch.rs`, `column`; of the lowest one `vehicle/wrench.rs`, `set_contact` |
+//! | (3), (5) normal stress in front and behind | `contact/patch.rs`, `column` |
+//! | (4) normal stress behind, exit angle not 0 | `contact/altered.rs` |
+//! | (6) shear stress | `contact/patch.rs`: strength in `column`, mobilised share in `accumulate` |
 //! | (7) wheel centres | [`vehicle::Vehicle::wheel_centre`] |
-//! | (8) place of a rim point | [`contact::WheelForces::arc_moment`] |
-//! | (9) motion of the vehicle | [`vehicle::Motion`] |
-//! | (10) velocity of a wheel centre | [`contact::WheelMotion`] |
-//! | (11), (12) velocity of a rim point, slip velocity | `contact::patch` |
-//! | (13) slips | [`vehicle::WheelOutputs::longitudinal_slip`] |
-//! | (14), (15) shear displacement | `contact::patch` |
-//! | (16), (17) components of the stresses | `contact::patch` |
-//! | (18) forces of a wheel | [`contact::WheelForces`] |
-//! | (19), (20) accelerations | [`vehicle::Wrench::a_x`], [`vehicle::Wrench::a_y`] |
-//! | (21) rolling resistance | [`vehicle::Wrench::rolling_resistance`] |
-//! | (22) load balance of a wheel | [`vehicle::Balance`] |
-//! | (23), (26) rolling moments | [`vehicle::LoadPlane`] |
-//! | (24), (25) yaw acceleration, turning moments | [`vehicle::Wrench`] |
-//! | (27), (28) loads | [`vehicle::LoadPlane`] |
+//! | (8) place of a rim point | `contact/patch.rs`, `column`; lever in [`contact::WheelForces::arc_moment`] |
+//! | (9) motion of the vehicle | a definition: [`vehicle::Motion`] |
+//! | (10) velocity of a wheel centre | `vehicle/model.rs`, `wheel_motion` |
+//! | (11), (12) velocity of a rim point, slip velocity | `contact/patch.rs`, `accumulate` |
+//! | (13) slips | `vehicle/model.rs`, `set_slips` |
+//! | (14), (15) shear displacement | `contact/patch.rs`, `accumulate` |
+//! | (16), (17) components of the stresses | `contact/patch.rs`, `accumulate` and `integrate` |
+//! | (18) forces of a wheel | `contact/wheel.rs`, `forces` of the sums over the patch |
+//! | (19), (20), (21), (24), (25) of the vehicle | `vehicle/wrench.rs`, `sum` |
+//! | (22) load balance of a wheel | `vehicle/balance.rs`, `advance`; solved in `vehicle/newton.rs` |
+//! | (23) rolling moments | replaced by (26), as in the paper |
+//! | (26), (27), (28) loads | `vehicle/loads.rs`, [`vehicle::LoadPlane`] |
 //!
 //! # Glossary
-//! - *absorbed fraction*: share of an effect's signal that a refit of the soil takes up.
-//! - *accepted effect*: an effect that the diagnosis has added to the model.
+//! - *absorbed fraction*: share of the signal power of an effect that a refit of the soil imitates.
+//! - *accepted effect*: a candidate that the search keeps in the model.
 //! - *balance*: entry angles and accelerations at which every wheel carries its load.
-//! - *candidate*: an effect, sensor fault or residual model that may be missing; its *candidate parameters* are free.
-//! - *coefficient*: one candidate parameter, in a coordinate that is 0 where its effect is off.
-//! - *colocated*: candidates that act at the same place or time.
-//! - *effect*: physics that the paper leaves out, or a property of a sensor; all are in [`effects::CATALOGUE`].
+//! - *candidate*: an effect, a sensor fault or an empirical residual model that may be missing.
+//! - *candidate parameter*, or *coefficient*: a number of a candidate, in a coordinate that is 0 where it is off.
+//! - *colocated*: acting in the same seconds, or in the same place.
+//! - *effect*: physics that the paper leaves out, or a sensor fault; all are in [`effects::CATALOGUE`].
 //! - *empirical residual model*: a force or moment as a sum of dimensionless features of the motion.
-//! - *entry angle* theta_1: where the rim meets the soil, from the wheel's lowest point.
-//! - *evidence*: probability of the recordings under a hypothesis, its parameters integrated out.
+//! - *entry angle* theta_1: angle at which the rim meets the soil, from the wheel's lowest point.
+//! - *evidence*: log marginal likelihood, by Laplace's approximation; its negative is minimised.
 //! - *first step*: the value by which an effect without a derivative at "off" is differenced.
-//! - *fitted hypothesis*: soil, candidate parameters and initial states at the maximum of the posterior.
-//! - *held out*: not used for the fit that is judged.
+//! - *fitted hypothesis*: soil, candidate parameters and initial states at the maximum of the posterior density.
+//! - *held-out data*: segments that a fit did not use.
 //! - *initial state*: pose and velocities at the start of a segment.
-//! - *kinematics*: prediction from wheel speeds without soil, with two or three fitted numbers.
-//! - *latent wrench*: unmodelled force and moment as an Ornstein–Uhlenbeck process.
+//! - *kinematics*: prediction from wheel speeds without soil, with none, two or three fitted numbers.
+//! - *latent wrench*: unmodelled force and yaw moment that vary over time (Ornstein-Uhlenbeck process).
+//! - *log odds*: log Bayes factor plus log prior, natural logarithm.
 //! - *noise model*: white and AR(1) noise of each channel, and the weight of each sample.
-//! - *posterior*: probabilities of the candidates, of nothing missing and of something unknown.
+//! - *posterior*: probabilities of all candidates, of nothing missing and of something unknown: tempered log odds,
+//!   a calibrated heuristic (`diagnosis/answer/posterior.rs`).
 //! - *recording*: aligned columns of wheel speeds and measured motion, in *runs*.
-//! - *refitted soil*: the given soil after a fit to the recordings, without effects.
+//! - *refitted soil*: the given soil after a fit to the recordings, nothing added.
 //! - *region*: where an effect acts: a time interval, a run, a disc or a half-plane on the map.
 //! - *regularisation*: speeds below which the paper's expressions, undefined at rest, are smoothed.
 //! - *residual trace*: measured less predicted, over time.
 //! - *rut*: the depth to which earlier wheels have pressed the soil (`multipass`).
-//! - *screening*: the one-step test of every candidate on the linearised problem.
-//! - *segment*: some seconds of a recording with an initial state of its own (multiple shooting).
-//! - *slip*: (13), with the wheel's own velocities.
+//! - *screening*: linearised evidence of every candidate, without a fit.
+//! - *segment*: some seconds of a recording with a free initial state (multiple shooting).
+//! - *slip*: slip velocity over rim speed at the lowest point of a wheel (13).
 //! - *time bin*: a short interval in which a candidate acts in the scan for its region.
-//! - *wrench*: accelerations, resistances and moments that the ground exerts, and each wheel's share.
+//! - *wrench*: what the ground does to the vehicle: accelerations, resistances and moments, and the share of each wheel.
 //!
 //! # Features
 //! - `analysis`: reading recordings (CSV), `fit`, `diagnosis` and `report`. Without it: the model, its derivatives,

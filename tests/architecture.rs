@@ -265,7 +265,7 @@ impl Imports {
                 let exported = before.contains("pub");
                 spell_out(&after[..end], &mut |path| found.push((exported, path)));
             }
-            rest = &after[..];
+            rest = after;
         }
         let children = self.modules.keys().filter(|other| {
             other.len() == module.len() + 1 && other.starts_with(module) && !module.is_empty()
@@ -441,10 +441,7 @@ fn every_equation_of_the_paper_is_found_by_its_number() {
                 .nth(1)
                 .is_some_and(|cell| cell.contains(&name))
         };
-        assert!(
-            rows.iter().any(|row| of_row(&row)),
-            "src/lib.rs has no row for {name}"
-        );
+        assert!(rows.iter().any(of_row), "src/lib.rs has no row for {name}");
         let found = comments.iter().any(|comment| comment.contains(&name));
         assert!(
             found,

@@ -40,9 +40,12 @@ Examples:
 
 Exit status: 0 success; 1 the simulation or a write failed; 2 wrong arguments or input.";
 
+/// Version and platform, for reports of faults.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("UGV_TARGET"), ")");
+
 /// Wheel-terrain model of a skid-steer UGV (Tran et al. 2007).
 #[derive(Parser)]
-#[command(name = "ugv", version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "ugv", version, long_version = VERSION, after_help = EXAMPLES, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

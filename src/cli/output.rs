@@ -272,7 +272,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
     write_stdout(&visible(text))
 }
 
-/// As [`print`], but on standard error if one of these arguments sends data to standard output.
+/// As [`print()`], but on standard error if one of these arguments sends data to standard output.
 pub fn print_beside(text: &str, files: &[&Option<PathBuf>]) -> Result<(), Failure> {
     let mut files = files.iter().copied().flatten();
     if files.any(|path| is_stream(path)) {

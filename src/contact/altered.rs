@@ -1,4 +1,6 @@
-//! Forces on one wheel whose contact effects alter.
+//! Forces on one wheel whose contact effects alter: (3) to (6) and (11) to (18) once more, (4) in full.
+//!
+//! `patch.rs` evaluates the same equations without effects, and faster. A change of an equation belongs in both.
 //!
 //! The arc reaches from -theta_2 to theta_1 with the greatest stress at theta_m between; behind it
 //! the stress is that of the front at the angle theta_1 - (theta + theta_2) (theta_1 - theta_m) /

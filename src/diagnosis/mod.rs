@@ -10,8 +10,6 @@ mod outcome;
 mod progress;
 mod screening;
 mod search;
-#[cfg(test)]
-mod testing;
 
 pub use answer::words::phrase;
 pub use caution::Caution;
@@ -41,3 +39,6 @@ impl Default for Options {
         }
     }
 }
+
+#[cfg(test)]
+mod testing;

@@ -222,7 +222,7 @@ macro_rules! effect {
 
             /// The parameters in the order of the declaration.
             #[allow(dead_code)]
-            pub(crate) fn to_array(&self) -> [S; $name::<f64>::DECLARATION.parameters.len()] {
+            pub(crate) fn to_array(self) -> [S; $name::<f64>::DECLARATION.parameters.len()] {
                 [$(self.$field),*]
             }
         }

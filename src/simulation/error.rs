@@ -34,7 +34,7 @@ pub enum SimulationError {
         /// The parameter farthest from its usual values, if one is outside of them.
         suspect: Option<Unusual>,
     },
-    /// The motion changes so fast that a second of driving takes too many steps ([`Simulation::limit_work`]).
+    /// The motion changes so fast that a second of driving takes too many steps ([`Simulation::limit_work`](super::Simulation::limit_work)).
     #[error("at {time} s the motion changes so fast that one second of driving takes too many steps{}", doubt(suspect.as_ref()))]
     TooStiff {
         /// Simulated time \[s\].
@@ -42,7 +42,7 @@ pub enum SimulationError {
         /// The parameter farthest from its usual values, if one is outside of them.
         suspect: Option<Unusual>,
     },
-    /// More steps are needed than [`Simulation::limit_steps`] allows.
+    /// More steps are needed than [`Simulation::limit_steps`](super::Simulation::limit_steps) allows.
     #[error("at {time} s the number of steps that was set as a limit is used up")]
     StepBudget {
         /// Simulated time \[s\].

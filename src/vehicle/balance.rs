@@ -38,7 +38,7 @@ pub(crate) struct BalancedWheel {
 }
 
 impl Balance {
-    /// A first guess for so many wheels: no acceleration, and entry angles from the loads at rest.
+    /// A first guess for so many wheels: no acceleration, and unknown entry angles (0).
     pub(super) fn of_wheels(count: usize) -> Self {
         Self {
             acceleration: [0.0; 2],

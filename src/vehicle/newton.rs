@@ -61,7 +61,7 @@ const UNDAMPED_ITERATIONS: usize = 6;
 const SHORTEST_DAMPING: f64 = 1e-9;
 
 impl Balance {
-    /// A first guess: no acceleration, and entry angles from the loads at rest.
+    /// A first guess: no acceleration, and unknown entry angles (0), which the solver takes from the loads.
     #[must_use]
     pub fn new(model: &VehicleModel) -> Self {
         Self::of_wheels(model.vehicle().wheel_count())

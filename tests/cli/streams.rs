@@ -101,7 +101,11 @@ fn completions_name_the_subcommands() {
     }
     assert_eq!(
         bench.stdout("--version"),
-        format!("ugv {}\n", env!("CARGO_PKG_VERSION"))
+        format!(
+            "ugv {} ({})\n",
+            env!("CARGO_PKG_VERSION"),
+            env!("UGV_TARGET")
+        )
     );
 }
 

@@ -1,4 +1,4 @@
-"""A small fixed set of sealed cases, proven whole: `scripts/prove.sh` on 4 cases of one seed, two or three minutes."""
+"""A small fixed set of sealed cases, proven whole: `scripts/prove.sh` on 24 cases of one seed, half an hour."""
 
 import json
 import shutil
@@ -11,7 +11,7 @@ from page_check import browser, check_page, find_chromium
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "target" / "proof-ci"
-CASES, SEED, LEAST_RIGHT = 4, 20261122, 2
+CASES, SEED, LEAST_RIGHT = 24, 20261122, 14
 CHROMIUM = find_chromium()
 VERDICTS = {"nothing_missing", "missing_physics", "sensor", "ambiguous", "unknown_physics", "insufficient_data"}
 KEYS = {"format", "case", "seed", "family", "variant", "vehicle", "ground", "true_terrain", "nominal_terrain", "noise", "effects",
@@ -38,7 +38,8 @@ class FixedSet(unittest.TestCase):
         told = [(case["case"], case["truth"], case["told"]) for case in cases]
         self.assertEqual([case["status"] for case in cases], [0] * CASES, told)
         self.assertGreaterEqual(sum(case["right"] for case in cases), LEAST_RIGHT, told)
-        self.assertFalse([case for case in cases if case["names"] == ["nothing_missing"] and not case["right"]])
+        false_alarms = [case for case in cases if case["names"] == ["nothing_missing"] and not case["right"]]
+        self.assertLessEqual(len(false_alarms), 1, told)
 
     def test_every_model_is_scored_on_the_unseen_drive(self) -> None:
         for case in self.proof["cases"]:

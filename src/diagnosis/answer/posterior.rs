@@ -6,8 +6,8 @@ use crate::diagnosis::search::accepted::NOTHING;
 /// Probability of "unknown" whatever the evidence: now and then something outside the catalogue imitates an effect
 /// exactly.
 pub const DOUBT: f64 = 0.03;
-/// Temperatures of log Bayes factors: if nothing is likeliest, if something is by `CLEAR` or more, and this many
-/// roots of the largest besides.
+/// Log odds are divided by a temperature: `SILENT` if "nothing" leads, rising linearly to `TEMPERATURE` where the leader
+/// exceeds "nothing" by `CLEAR`, plus `PER_ROOT` times the root of the largest log odds.
 const SILENT: f64 = 0.75;
 const TEMPERATURE: f64 = 2.0;
 const CLEAR: f64 = 3.0;

@@ -262,16 +262,21 @@ mod tests {
     #[test]
     fn the_legend_of_a_sheet_is_no_wider_than_a_chart() {
         let mut chart = Chart::new("t", "x", "y");
-        chart.lines = ["rolling resistance [N]", "turning moment [N m]", "start"]
-            .map(|name| Line {
-                name: name.into(),
-                pieces: vec![vec![(0.0, 1.0)]],
-                stroke: Stroke::Line,
-            })
-            .into();
+        let names = [
+            "rolling resistance [N]",
+            "turning moment [N m]",
+            "turning resistance [N m]",
+            "start",
+        ];
+        let lines = names.map(|name| Line {
+            name: name.into(),
+            pieces: vec![vec![(0.0, 1.0)]],
+            stroke: Stroke::Line,
+        });
+        chart.lines = lines.into();
         let rows = chart.draw().unwrap().1.rows();
         let counts = rows.iter().map(|row| row.matches("<text").count());
-        assert_eq!(counts.collect::<Vec<_>>(), [2, 1]);
+        assert_eq!(counts.collect::<Vec<_>>(), [2, 2]);
     }
 
     #[test]
