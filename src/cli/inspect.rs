@@ -13,9 +13,9 @@ Examples:
   ugv inspect drive.csv --page drive.html --json drive.inspection.json --quiet
 
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
-         [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A column
-         `run` separates runs. Other columns are ignored. drive.json beside drive.csv may hold
-         vehicle, terrain and sensors.
+         [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A
+         column `run` separates runs. Other columns are ignored. drive.json beside drive.csv may
+         hold vehicle, terrain and sensors.
 Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected if they are
          unambiguous, with a note. Otherwise the file is refused.
 Delays:  positive if the first signal is behind the second. A delay behind the wheels includes the

@@ -125,8 +125,9 @@ impl NamedModel {
 
 /// The terrain of the first recording that has one: a fit assumes one soil for all.
 fn recorded_terrain(recordings: &[Recording], quiet: bool) -> Result<Terrain, Failure> {
-    let terrain = |recording: &'_ Recording| recording.about.terrain;
-    let mut named = recordings.iter().filter_map(|r| Some((r, terrain(r)?)));
+    let mut named = recordings
+        .iter()
+        .filter_map(|r| Some((r, r.about.terrain?)));
     let Some((first, terrain)) = named.next() else {
         return load_terrain(DEFAULT_TERRAIN.as_ref());
     };

@@ -24,7 +24,7 @@ Examples:
 ///
 /// Every FMU has the four terrains of the paper; its parameter `terrain` selects one. A terrain from
 /// a file or a model is its custom one. An effect with states that depend on the path makes the FMU
-/// one for co-simulation only (transient_shear, multipass, effects over the distance driven), and so
+/// one for co-simulation alone (transient_shear, multipass, effects over the distance driven), and so
 /// does a window on the map.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]

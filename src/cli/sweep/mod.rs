@@ -39,8 +39,8 @@ Distributions:  uniform:LOW,HIGH   log-uniform:LOW,HIGH   list:A,B,...   grid:LO
                 and MEDIAN * FACTOR); an appended ,LOW,HIGH bounds the values
 Parameters:     those of the FMU: soil.*, vehicle.*, initial.*, effects.* (effects.payload.mass), in
                 SI units, or degrees if the name says so. The other parameters are the model's.
-Output:         one row per drive: index; its parameters; duration (from the first row) and final pose
-                and velocities; distance; largest and mean |longitudinal slip| and largest sinkage
+Output:         one row per drive: index; its parameters; duration (from the first row) and final
+                pose and velocities; distance; largest and mean |longitudinal slip| and largest sinkage
                 over wheels and rows; work against the rolling resistance [J]; and in `error` why it
                 did not reach the end (a bogged vehicle, for example). The other columns are then
                 those of the last row that it reached. The same bits for any --jobs.";
