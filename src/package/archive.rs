@@ -16,7 +16,7 @@ const LICENSES: &str = "SPDX-License-Identifier: MIT OR Apache-2.0
 Either of the two licences beside this file, at your option: LICENSE-MIT.txt, LICENSE-APACHE.txt.
 What is linked into the libraries keeps its own: THIRD-PARTY.txt.
 ";
-/// Written by `scripts/third_party.py`.
+/// Written by `scripts/tools/third_party.py`.
 const THIRD_PARTY: &str = include_str!("../../modelDescription/third_party.txt");
 const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");

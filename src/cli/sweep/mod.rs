@@ -32,7 +32,7 @@ Examples:
       --vary soil.friction_angle_deg=normal:28,2.5,15,45 --samples 10000 --output ends.csv
   ugv sweep --input drive.csv --vary vehicle.mass=grid:400,600,5 --vary initial.v_x=list:0,1
   ugv sweep --vary soil.cohesion=uniform:500,2000 --samples 1000 --samples-only --output samples.csv
-  ugv sweep --input drive.csv --table samples.csv --output ends.csv    # as scripts/sweep.py does
+  ugv sweep --input drive.csv --table samples.csv --output ends.csv    # as scripts/examples/sweep.py does
 
 Distributions:  uniform:LOW,HIGH   log-uniform:LOW,HIGH   list:A,B,...   grid:LOW,HIGH,COUNT
                 normal:MEAN,SD     log-normal:MEDIAN,FACTOR (two thirds lie between MEDIAN / FACTOR
