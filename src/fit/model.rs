@@ -25,12 +25,12 @@ pub struct Fitted {
 /// use ugv_terrain::fit::{Options, fit_model};
 /// use ugv_terrain::recording::read_recording;
 /// use ugv_terrain::terrain::Terrain;
-/// use ugv_terrain::vehicle::{Parameter, Specification, TerrainParameter, Vehicle};
+/// use ugv_terrain::vehicle::{ModelParameter, Specification, TerrainParameter, Vehicle};
 ///
 /// let recordings = [read_recording("drive.csv".as_ref())?];
 /// let loam = Terrain::preset("sandy_loam").expect("one of the paper's terrains");
 /// let nominal = Specification::plain(Vehicle::tran2007(), loam);
-/// let free = [TerrainParameter::Cohesion, TerrainParameter::FrictionAngle].map(Parameter::Terrain);
+/// let free = [TerrainParameter::Cohesion, TerrainParameter::FrictionAngle].map(ModelParameter::Terrain);
 /// let found = fit_model(&nominal, &free, &recordings, &Options::default(), &|_| ())?;
 /// for one in &found.fit.estimates {
 ///     println!("{} {:.3e} ({:.3e} to {:.3e})", one.parameter.name, one.value, one.low, one.high);

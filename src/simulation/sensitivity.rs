@@ -21,11 +21,11 @@ use nalgebra::DMatrix;
 /// ```
 /// use ugv_terrain::simulation::{SensitiveSimulation, WheelSpeeds};
 /// use ugv_terrain::terrain::Terrain;
-/// use ugv_terrain::vehicle::{Parameter, Specification, TerrainParameter, Vehicle};
+/// use ugv_terrain::vehicle::{ModelParameter, Specification, TerrainParameter, Vehicle};
 ///
 /// let loam = Terrain::preset("sandy_loam").expect("one of the paper's terrains");
 /// let model = Specification::plain(Vehicle::tran2007(), loam);
-/// let friction = Parameter::Terrain(TerrainParameter::FrictionAngle);
+/// let friction = ModelParameter::Terrain(TerrainParameter::FrictionAngle);
 /// let mut drive = SensitiveSimulation::new(&model, &[friction])?;
 /// drive.drive(WheelSpeeds { left: 8.0, right: 6.0 }, WheelSpeeds::default())?;
 /// drive.step(2.0)?;
