@@ -270,7 +270,7 @@ class Wheels(ImportCase):
                 messages.append(Message("/joint_states", JOINT_STATE, t, message))
             recording = self.imported(self.log(messages))
             self.assertIn("wheel speeds are differences of positions", recording.notes)
-            self.assertEqual("turns were counted on" in recording.notes, wrapped)
+            self.assertEqual("after unwrapping" in recording.notes, wrapped)
             # The first difference is at 10 ms, which becomes zero; a difference's error is
             # step^2 / 24 times the second derivative, below 3 rad/s^3.
             for name in ("omega_left", "omega_right"):
