@@ -32,7 +32,7 @@ Examples:
       --vary soil.friction_angle_deg=normal:28,2.5,15,45 --samples 10000 --output ends.csv
   ugv sweep --input drive.csv --vary vehicle.mass=grid:400,600,5 --vary initial.v_x=list:0,1
   ugv sweep --vary soil.cohesion=uniform:500,2000 --samples 1000 --samples-only --output samples.csv
-  ugv sweep --input drive.csv --table samples.csv --output ends.csv    # as scripts/examples/sweep.py does
+  ugv sweep --input drive.csv --table samples.csv --output ends.csv
 
 Distributions:  uniform:LOW,HIGH   log-uniform:LOW,HIGH   list:A,B,...   grid:LOW,HIGH,COUNT
                 normal:MEAN,SD     log-normal:MEDIAN,FACTOR (two thirds lie between MEDIAN / FACTOR
@@ -40,7 +40,7 @@ Distributions:  uniform:LOW,HIGH   log-uniform:LOW,HIGH   list:A,B,...   grid:LO
 Parameters:     those of the FMU: soil.*, vehicle.*, initial.*, effects.* (effects.payload.mass), in
                 SI units, or degrees if the name says so. The other parameters are the model's.
 Output:         one row per drive: index; its parameters; duration (from the first row) and final
-                pose and velocities; distance; largest and mean |longitudinal slip| and largest sinkage
+                pose and velocities; distance; largest and mean |longitudinal slip|, largest sinkage
                 over wheels and rows; work against the rolling resistance [J]; and in `error` why it
                 did not reach the end (a bogged vehicle, for example). The other columns are then
                 those of the last row that it reached. The same bits for any --jobs.";
