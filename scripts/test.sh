@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Sets up what is missing, builds, and runs the tests: test.sh [--quick | --all]
 #
-#   --quick    unit tests, the model against paper, limits and golden values, the tool (two minutes once built)
+#   --quick    unit tests, the model against paper, limits and golden values, the tool (three minutes once built, on two cores)
 #   (default)  these; recordings, fits, diagnoses and reports on drives of known truth; the FMU from C and through
-#              fmpy; the Python scripts (8 minutes once built, 18 from a fresh clone, on two idle cores)
+#              fmpy; the Python scripts (10 minutes once built, 22 from a fresh clone, on two idle cores)
 #   --all      for every night, several hours: also what is marked nightly, which is
 #              - the fits and searches that take minutes
 #              - 2000 random drives of each kind (tests/model/drivable)
