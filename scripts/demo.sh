@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # From a fresh machine to a mended model: installs what is missing, builds the tool and target/ugv.fmu, drives it on
 # four terrains, diagnoses a shipped recording, and leaves target/demo/index.html. Needs Rust, Python 3.11 or newer
-# and gcc; takes six minutes on two idle cores.
+# and gcc; takes seven minutes on two idle cores.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
