@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Has every importer drive the FMU, each in a virtual environment of its own, and compares it with the library itself:
+# Has every importer drive the FMU, each in a separate virtual environment, and compares it with the library itself:
 # `scripts/tools/importers.sh [NAME...]`, `scripts/tools/importers.sh --help`. The first time it installs and compiles (some minutes, 2 GB in
 # target/importers). `--page docs/contributing/importers.md` puts the table into the docs. UGV_HELD_DRIVE names a built example held_drive.
 set -euo pipefail

@@ -318,8 +318,8 @@ pub fn with_start(mut segment: Segment, run: &Run, sensors: &SensorValues) -> Se
         let steps = 0..((segment.end - time) / SLOPE_SECONDS) as i32;
         pose[2] = steps.into_iter().find_map(moves).unwrap_or(0.0);
         // On the same turn as the later headings.
-        if let Some(told) = about(Channel::Heading) {
-            pose[2] += TAU * ((told - pose[2]) / TAU).round();
+        if let Some(measured) = about(Channel::Heading) {
+            pose[2] += TAU * ((measured - pose[2]) / TAU).round();
         }
         if !heads {
             deviation[2] = GUESSED_HEADING;

@@ -449,8 +449,8 @@ fn the_answer_does_not_depend_on_the_number_of_threads() {
         let [one, two] = ["1", "2"].map(|jobs| bench.read(&format!("{jobs}/{file}")));
         assert_eq!(one, two, "{file}");
     }
-    let told: Value = serde_json::from_str(&bench.read("1/diagnosis.json")).unwrap();
-    assert_ne!(told["verdict"], "insufficient_data");
+    let answer: Value = serde_json::from_str(&bench.read("1/diagnosis.json")).unwrap();
+    assert_ne!(answer["verdict"], "insufficient_data");
 }
 
 /// Standard error is gone by the time somebody reads the answer.

@@ -146,17 +146,17 @@ class Effects(unittest.TestCase):
 
     def test_parameters_off_are_those_of_the_catalogue(self):
         vector = off_vector()
-        told, name = {}, ""
+        declarations, name = {}, ""
         for line in (ROOT / "docs" / "reference" / "effects.md").read_text().splitlines():
             name = line.strip("# `") if line.startswith("### `") else name
             cells = [cell.strip(" *") for cell in line.split("|")]
             if len(cells) > 5 and " .. " in cells[3]:
-                told[name, cells[1]] = (float(cells[4]), *map(float, cells[3].split(" .. ")))
+                declarations[name, cells[1]] = (float(cells[4]), *map(float, cells[3].split(" .. ")))
         for name, effect in EFFECTS.items():
             for parameter, numbers in effect.parameters.items():
                 if effect.kind == "outside" or parameter == "over":
                     continue
-                declared = told[name, parameter]
+                declared = declarations[name, parameter]
                 if effect.kind == "sensor":  # the range of an estimate reaches beyond what is drawn: a delay may be negative
                     (off, low, high), (default, least, most) = numbers, declared
                     self.assertTrue(off == default and least <= low <= high <= most, (name, parameter))

@@ -1,6 +1,6 @@
 """Has every importer drive the FMU through the same manoeuvre, and compares what comes out with the library itself.
 
-Each importer has a virtual environment of its own below target/importers, with the versions of scripts/tools/importers/requirements.
+Each importer has a separate virtual environment below target/importers, with the versions of scripts/tools/importers/requirements.
 One that cannot be installed, or fails, is told and does not stop the others. Exit status: 0 when all that was asked for gave what
 is expected of it, 1 when something did not, 2 for wrong arguments.
 """

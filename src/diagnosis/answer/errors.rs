@@ -1,7 +1,7 @@
 //! Held-out comparison of the given, the refitted and the augmented model.
 //!
-//! Each model is scored with parameters from other folds ([`cross_validated`]) and under the noise of its own
-//! residuals: under the smaller noise of a better model its misfit would count more. Errors in metres and radians
+//! Each model is scored with parameters from other folds ([`cross_validated`]) and under the noise of the residuals that
+//! it leaves: under the smaller noise of a better model its misfit would count more. Errors in metres and radians
 //! follow a start that is fitted to the first second of a segment; the rest is predicted. They cover the segments
 //! that all models can follow; the score covers all.
 

@@ -53,8 +53,8 @@ pub fn refine_edges(fitted: &mut [FittedCandidate], best: f64, noise: &NoiseMode
     }
 }
 
-/// Refines the edges of the accepted candidate under the noise of its own residuals: that of the model without it
-/// hides information about the edges. It keeps its odds and scores.
+/// Refines the edges of the accepted candidate under the noise of the residuals that it leaves. The larger noise of the
+/// model without it hides information about the edges. It keeps its odds and scores.
 pub fn refine_under_own_noise(candidate: &mut FittedCandidate, noise: &NoiseModel) {
     if candidate.proposal.kind() != ProposalKind::Local || candidate.odds() < AT_STAKE {
         return;

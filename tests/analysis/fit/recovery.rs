@@ -51,7 +51,7 @@ fn comes_back(seed: u64, terrain: &str) {
             "{terrain} {estimate:?}"
         );
     }
-    // The fit begins at what comparing the curves tells; of the wheels that is little here.
+    // The initial latencies are from correlating the sensors, which hardly determines that of the wheels here.
     let pose = &fit.estimates[3];
     assert!((pose.nominal - 0.3).abs() < 0.04, "{terrain} {pose:?}");
 }
