@@ -4,13 +4,13 @@
 //! velocity of its centre along the body's X and Y, and the contact arc is measured by
 //! theta from the wheel's lowest point, positive towards the side that compacts soil.
 
-mod altered;
+mod law;
 mod patch;
 mod quadrature;
-mod sums;
 mod wheel;
 
-pub use altered::{ContactArc, WheelLaw, WheelMemory};
+pub use law::{ContactArc, Wheel, WheelLaw, WheelMemory};
+pub(crate) use law::{MOST_INPUTS, REACH};
 pub use quadrature::Resolution;
 pub(crate) use wheel::FORCE_COUNT;
 pub use wheel::{Detail, Regularisation, WheelContact, WheelForces, WheelMotion};

@@ -1,29 +1,43 @@
-//! The integrals over one contact patch whose compacting side is the +X side.
+//! The integrals over one contact patch whose compacting side is the +X side: (3) to (6), (4) in full, and (11) to
+//! (18).
+//!
+//! The arc reaches from -theta_2 to theta_1 with the greatest stress at theta_m between; behind it
+//! the stress is that of the front at the angle theta_1 - (theta + theta_2) (theta_1 - theta_m) /
+//! (theta_m + theta_2), which is (5) for the paper's theta_2 = 0 and theta_m = theta_1 / 2.
 
+use super::law::{WheelLaw, twice_arc_sine};
 use super::quadrature::{MOST_ROWS, Nodes, Quadrature};
-use super::sums::PatchSums;
-use crate::scalar::{Packed, Real, Scalar};
+use crate::effects::{Displacement, Soil};
+use crate::scalar::{Elementary, Packed, Real, Scalar};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
-/// Soil and wheel as the integrand needs them, computed once.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PatchLaw {
-    /// Cohesion c \[Pa\].
-    pub cohesion: f64,
-    /// tan phi.
-    pub friction: f64,
-    /// 1 / K \[1/m\].
-    pub inverse_shear_modulus: f64,
-    /// Sinkage exponent n.
-    pub exponent: f64,
-    /// k (2 r)^n: pressure where the halved cosine difference is 1 \[Pa\].
-    pub pressure: f64,
-    /// Wheel radius and width, and the slip speed.
-    pub footprint: Footprint,
+/// Soil and shape as the integrand needs them.
+pub(super) struct Patch<S> {
+    soil: Soil<S>,
+    /// k (2 R)^n: pressure where the halved cosine difference is 1 \[Pa\].
+    pressure: S,
+    /// Radius R of the contact's circle \[m\].
+    pub circle: S,
+    width: f64,
+    /// Place of the greatest stress between exit (0) and entry (1).
+    peak: S,
+    rebound: S,
+    /// (K_X / K_Y)^2.
+    lateral_stretch: S,
+    strength_ratio: S,
+    /// Square of the slip speed below which the direction of the shear fades \[m^2/s^2\].
+    slip_speed_squared: f64,
+    rut: Option<RutLine<S>>,
+}
+
+/// Pressure in a rut: elastic up to a depth below its ground, as on untouched soil beyond.
+struct RutLine<S> {
+    ground: S,
+    elastic: S,
+    stiffness: S,
 }
 
 /// Motion of the wheel over the patch.
-#[derive(Debug, Clone, Copy)]
 pub(super) struct PatchMotion<S> {
     /// V_X - Omega Y_i \[m/s\].
     pub forward: S,
@@ -33,9 +47,54 @@ pub(super) struct PatchMotion<S> {
     pub yaw_rate: S,
     /// r omega \[m/s\].
     pub rim_speed: S,
-    /// 1 / abs(omega), bounded \[s\]: contact time for each radian of the arc.
-    pub time_per_angle: S,
+    /// What (14) is made of: in the steady state the motion itself, \[m/s\]; where the displacement is a state that
+    /// state, \[m\] for each radian.
+    pub moved: Displacement<S>,
+    /// -1/K times what turns `moved` into a displacement: the bounded contact time of a radian, 1 / abs(omega),
+    /// or 1 where it is one already.
+    pub rate: S,
+    /// Square of the slip speed at which the shear fades \[m^2/s^2\].
+    pub fading_squared: S,
+    /// Slip speed that a stored displacement is worth where nothing slides \[m/s\].
+    pub lean: f64,
 }
+
+/// Sums over the patch, per metre of radius and width (dA = r b dtheta d(y/b)).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PatchSums<S> {
+    /// Shear along X, Y, Z.
+    pub shear: [S; 3],
+    /// Normal stress against X, and along Z.
+    pub normal: [S; 2],
+    /// y tau_X.
+    pub width_moment: S,
+    /// sin theta tau_Y.
+    pub arc_moment: S,
+    /// Shear along (cos theta, sin theta), the tangent of the rim.
+    pub tangential: S,
+}
+
+/// Square of a displacement that keeps its root's slope finite, far below any that matters: where it is computed as a
+/// distance per time \[m^2/s^2\], and where it is a state \[m^2\].
+const STEADY_FLOOR: f64 = 1e-20;
+const TRANSIENT_FLOOR: f64 = 1e-18;
+/// Share of the entry angle below which a piece of the arc is left out: next to an end of the arc
+/// its nodes would find no stress there but rounding.
+const SHORTEST_PIECE: f64 = 1e-6;
+/// Share of the entry angle within which no end of the arc is split off.
+const NEAREST_TURN: f64 = 1e-4;
+/// Share of the entry angle below which a split of the arc is held in derivatives.
+const EARLIEST_MOVING_TURN: f64 = 5e-3;
+/// A turn of the shear is sharp if it takes less than this share of the longer piece beside it.
+const SHARP_TURN: f64 = 0.3;
+/// Depth of a rut \[m\] far below any that matters: it keeps its stiffness finite.
+const SHALLOWEST_RUT: f64 = 1e-9;
+/// Depth \[m\] over which the ground of a rut is elastic below which its arc is that of untouched soil: the first row's.
+const SHALLOWEST_ELASTIC: f64 = 1e-7;
+/// Least slip speed in a patch over its change from the wheel's middle to its edge, from which on half and three
+/// quarters of the rows serve. The next term of Gauss's rule is below (r + sqrt(r^2 + 1))^(-2 rows): 5e-5 and 5e-5.
+const EVEN: f64 = 6.0;
+const FAIRLY_EVEN: f64 = 2.5;
 
 /// What the rows of the patch share at eight nodes of the arc.
 struct Column<P> {
@@ -50,166 +109,319 @@ struct Column<P> {
     /// (cos theta + cos theta_1) / 2.
     mean_cos: P,
     /// ((theta_1 - theta) + (sin 2 theta_1 - sin 2 theta) / 2) / 2: j_X grows with V_Xi by it.
-    stretch: P,
-    /// r omega (sin theta_1 - sin theta).
-    rolled: P,
-    /// V_jY, and its square with the slip speed's.
+    by_forward: P,
+    /// What the rim's motion takes from j_X: r omega (sin theta_1 - sin theta).
+    by_rim: P,
+    /// V_jY, and its square with that of the fading slip speed.
     sideways: P,
     sideways_squared: P,
-    /// j_Y^2 in units of the contact time, with the floor that keeps its root smooth.
-    path_squared: P,
+    /// j_Y in the units of `moved`; its square, stretched, with the floor that keeps the root smooth.
+    aside: P,
+    aside_squared: P,
 }
 
-/// What the whole patch shares.
-pub(super) struct Arc<S> {
-    pub entry: S,
-    /// sin(theta_1 / 2), its square, and cos(theta_1 / 2).
-    pub half_sine: S,
-    pub half_sine_squared: S,
-    pub half_cosine: S,
-    pub sin_entry: S,
-    pub cos_entry: S,
+/// The arc in the numbers that every node shares.
+struct Arc<S> {
+    exit: S,
+    middle: S,
+    entry: S,
+    half_sine_squared: S,
+    sin_entry: S,
+    cos_entry: S,
+    /// (theta_1 - theta_m) / (theta_m + theta_2).
+    rear_slope: S,
 }
 
-impl PatchLaw {
-    /// Integrates the stresses over the patch with the entry angle `entry`.
+/// The ends of the pieces into which an arc is split, in order.
+#[derive(Clone, Copy)]
+struct Ends<S> {
+    at: [S; 7],
+    count: usize,
+}
+
+impl<S: Scalar> Ends<S> {
     #[inline(always)]
-    pub(super) fn integrate<V: Simd, S: Scalar>(
+    fn of(arc: &Arc<S>) -> Self {
+        let mut at = [arc.entry; 7];
+        (at[0], at[1]) = (arc.exit, arc.middle);
+        Self { at, count: 3 }
+    }
+
+    /// Splits the arc there; an angle beyond it is left out.
+    #[inline(always)]
+    fn split(&mut self, angle: S) {
+        let within = angle.value() > self.at[0].value()
+            && angle.value() < self.at[self.count - 1].value();
+        if !within {
+            return;
+        }
+        let mut place = self.count;
+        while self.at[place - 1].value() > angle.value() {
+            self.at[place] = self.at[place - 1];
+            place -= 1;
+        }
+        self.at[place] = angle;
+        self.count += 1;
+    }
+
+    /// The longer of the pieces that meet at an angle.
+    fn longest_beside(&self, angle: f64) -> f64 {
+        let ends = self.at[..self.count].windows(2);
+        ends.map(|pair| (pair[0].value(), pair[1].value()))
+            .filter(|(from, to)| *from <= angle && angle <= *to)
+            .fold(0.0, |longest, (from, to)| f64::max(longest, to - from))
+    }
+}
+
+impl<S: Scalar> Patch<S> {
+    /// With the soil after slip, the place of the greatest stress, and the depth to which the soil was pressed before.
+    #[inline(always)]
+    pub fn new(
+        law: &WheelLaw<S>,
+        circle: S,
+        soil: Soil<S>,
+        peak: S,
+        pressed: S,
+        slip_speed: f64,
+    ) -> Self {
+        let rut = law.multipass.map(|effect| {
+            let deepest = pressed.rounded_abs(SHALLOWEST_RUT);
+            let rut = effect.rut(deepest);
+            let secant = deepest.powf(soil.exponent.offset(-1.0));
+            RutLine {
+                ground: rut.ground,
+                elastic: rut.elastic,
+                stiffness: effect.stiffness_ratio * soil.modulus * secant,
+            }
+        });
+        Self {
+            soil,
+            pressure: soil.modulus * circle.scale(2.0).powf(soil.exponent),
+            circle,
+            width: law.width,
+            peak,
+            rebound: law.rebound,
+            lateral_stretch: S::constant(1.0) / (law.modulus_ratio * law.modulus_ratio),
+            strength_ratio: law.strength_ratio,
+            slip_speed_squared: slip_speed * slip_speed,
+            rut,
+        }
+    }
+
+    /// Integrates the stresses over the patch with the entry angle `entry`; `TRANSIENT` where the shear displacement
+    /// is a state.
+    #[inline(always)]
+    pub fn integrate<V: Simd, const TRANSIENT: bool>(
         &self,
         simd: V,
         rule: &Quadrature,
         motion: &PatchMotion<S>,
         entry: S,
     ) -> PatchSums<S> {
-        let (half_sine, half_cosine) = entry.scale(0.5).sin_cos_small();
-        let arc = Arc {
-            entry,
-            half_sine,
-            half_sine_squared: half_sine * half_sine,
-            half_cosine,
-            sin_entry: half_sine * half_cosine.scale(2.0),
-            cos_entry: (half_sine * half_sine).scale(-2.0).offset(1.0),
-        };
-        let zero = S::constant(0.0).splat(simd);
-        let mut sums = PatchSums::new(zero);
+        let arc = self.arc(entry);
+        let mut sums = PatchSums::new(S::constant(0.0).splat(simd));
         let mut room = [(0.0, 0.0); MOST_ROWS];
-        let rim = motion.rim_speed;
-        let travel = [motion.forward, motion.lateral, motion.yaw_rate];
-        let crossing = Crossing::new(travel, rim, [arc.sin_entry, arc.cos_entry]);
-        let width = self.footprint.width_nodes(rule, &crossing, &mut room);
-        let reversed = self.footprint.reversed_rows(width, &crossing);
-        for nodes in &rule.arc {
-            let (at, weight) = nodes.load(simd);
-            let packed_entry = entry.splat(simd);
-            let angle = packed_entry.scale_lanes(at);
-            let weight = packed_entry.scale_lanes(weight);
-            let front = f64x8::simd_from(simd, nodes.front);
-            let column = self.column(simd, motion, &arc, angle, front, weight);
-            // Components of the normal stress (17).
-            sums.normal[0] += column.stress * column.sin;
-            sums.normal[1] += column.stress * column.cos;
-            let rows = self.footprint.rows(width, motion).enumerate();
-            let straight = rows.filter(|(index, _)| reversed & (1 << index) == 0);
-            self.accumulate(
-                simd,
-                &mut sums,
-                motion,
-                &column,
-                straight.map(|(_, row)| row),
-            );
+        let crossing = Crossing::new(self, motion, &arc);
+        let width = crossing.width_nodes(rule, &mut room);
+        let reversed = crossing.reversed_rows(width);
+        let mut ends = Ends::of(&arc);
+        if let Some([behind, ahead]) = self.rut_ends(&arc) {
+            ends.split(behind);
+            ends.split(ahead);
         }
-        if reversed != 0 {
-            for (index, row) in self.footprint.rows(width, motion).enumerate() {
-                if reversed & (1 << index) != 0 {
-                    self.accumulate_reversed(simd, &mut sums, rule, motion, &arc, &row);
+        // First the rows whose slip velocity keeps its sign, then each of the others on its own split arc.
+        // One loop, not two that share a closure: what is not inlined loses the vector registers.
+        let mut task = (!reversed, ends, [&rule.rear, &rule.front]);
+        let mut left = reversed & ((1 << width.len()) - 1);
+        let mut straight = true;
+        loop {
+            let (rows, pieces, rules) = &task;
+            for end in 1..pieces.count {
+                let (start, end) = (pieces.at[end - 1], pieces.at[end]);
+                if end.value() - start.value() <= SHORTEST_PIECE * entry.value() {
+                    continue;
+                }
+                let ahead = start.value() >= arc.middle.value();
+                let length = (end - start).splat(simd);
+                let start = start.splat(simd);
+                for nodes in rules[usize::from(ahead)] {
+                    let angle = start + length.scale_lanes(f64x8::simd_from(simd, nodes.at));
+                    let weight = length.scale_lanes(f64x8::simd_from(simd, nodes.weight));
+                    let column = self.column(simd, motion, &arc, angle, ahead, weight);
+                    if straight {
+                        // Components of the normal stress (17).
+                        sums.normal[0] += column.stress * column.sin;
+                        sums.normal[1] += column.stress * column.cos;
+                    }
+                    self.accumulate::<V, TRANSIENT>(simd, &mut sums, motion, &column, width, *rows);
                 }
             }
+            if left == 0 {
+                break;
+            }
+            let row = left.trailing_zeros() as usize;
+            left &= left - 1;
+            straight = false;
+            let at = width[row].0;
+            let turn = self.turn(motion, &arc, at);
+            let mut split = ends;
+            split.split(turn);
+            split.split(-turn);
+            let nodes = if crossing.is_sharp(at, turn.value(), &split) {
+                &rule.sharp
+            } else {
+                &rule.turning
+            };
+            task = (1 << row, split, [nodes, nodes]);
         }
         sums.sum::<V>()
     }
 
-    /// Prepares eight nodes of the arc; `front` is 1 for those in the front half, else 0.
+    /// Prepares eight nodes of the arc, `ahead` of the greatest stress or behind it.
     #[inline(always)]
-    fn column<V: Simd, S: Scalar>(
+    fn column<V: Simd>(
         &self,
         simd: V,
         motion: &PatchMotion<S>,
         arc: &Arc<S>,
         angle: S::Packed<V>,
-        front: f64x8<V>,
+        ahead: bool,
         weight: S::Packed<V>,
     ) -> Column<S::Packed<V>> {
         let (half_sine, half_cosine) = angle.scale(0.5).sin_cos_small();
         let sine_squared = half_sine * half_sine;
-        let sin = half_sine * half_cosine.scale(2.0);
+        let sin = (half_sine * half_cosine).scale(2.0);
         let cos = sine_squared.scale(-2.0).offset(1.0);
         let entry_squared = arc.half_sine_squared.splat(simd);
         let rise = (entry_squared - sine_squared).scale(2.0);
         let travelled = arc.entry.splat(simd) - angle;
-        // In front sigma is (3); behind it is (5), which is (4) for theta_2 = 0 and theta_m = theta_1 / 2, and
-        // (3) at the angle theta_1 - theta.
-        let mirrored =
-            arc.half_sine.splat(simd) * half_cosine - arc.half_cosine.splat(simd) * half_sine;
-        let from_middle = mirrored + (half_sine - mirrored).scale_lanes(front);
-        let half_rise = entry_squared - from_middle * from_middle;
-        let stress = half_rise.power(self.exponent).scale(self.pressure);
+        // In front sigma is (3); behind it is that of the angle of the front that has the same stress.
+        let half_rise = if ahead {
+            entry_squared - sine_squared
+        } else {
+            let from_exit = angle - arc.exit.splat(simd);
+            let alike = arc.entry.splat(simd) - from_exit * arc.rear_slope.splat(simd);
+            let (sine, _) = alike.scale(0.5).sin_cos_small();
+            entry_squared - sine * sine
+        };
+        let stress = self.stress(simd, half_rise);
+        let strength = stress * self.soil.friction.splat(simd) + self.soil.cohesion.splat(simd);
         let cos_entry = arc.cos_entry.splat(simd);
         let sin_entry = arc.sin_entry.splat(simd);
-        let lateral = motion.lateral.splat(simd);
-        let spin = motion.yaw_rate.scale(self.footprint.radius).splat(simd);
-        let sideways = lateral + spin * sin;
-        let path = lateral * travelled + spin * rise;
+        let spin = (motion.yaw_rate * self.circle).splat(simd);
+        let sideways = motion.lateral.splat(simd) + spin * sin;
+        let moved = &motion.moved;
+        let aside = moved.lateral.splat(simd) * travelled
+            + (moved.yaw * self.circle).splat(simd) * rise;
+        let aside_squared = aside * aside * self.lateral_stretch.splat(simd);
         Column {
             sin,
             cos,
             stress: stress * weight,
-            strength: stress.scale(self.friction).offset(self.cohesion) * weight,
+            strength: strength * weight,
             rise,
             mean_cos: (cos + cos_entry).scale(0.5),
-            stretch: (travelled + sin_entry * cos_entry - sin * cos).scale(0.5),
-            rolled: motion.rim_speed.splat(simd) * (sin_entry - sin),
+            by_forward: (travelled + sin_entry * cos_entry - sin * cos).scale(0.5),
+            by_rim: moved.rim.splat(simd) * (sin_entry - sin),
             sideways,
-            sideways_squared: (sideways * sideways).offset(self.footprint.slip_speed_squared),
-            path_squared: (path * path).offset(DISPLACEMENT_FLOOR),
+            sideways_squared: sideways * sideways + motion.fading_squared.splat(simd),
+            aside,
+            aside_squared,
         }
     }
 
-    /// Adds the shear stress (16) of some rows at eight nodes of the arc.
+    /// Normal stress at half the cosine difference from the entry \[Pa\]: (3), in a rut its elastic line first.
     #[inline(always)]
-    fn accumulate<V: Simd, S: Scalar>(
+    fn stress<V: Simd>(&self, simd: V, half_rise: S::Packed<V>) -> S::Packed<V> {
+        let Some(rut) = &self.rut else {
+            return self.power(simd, half_rise) * self.pressure.splat(simd);
+        };
+        let depth = half_rise * self.circle.scale(2.0).splat(simd);
+        let below = depth + rut.ground.splat(simd);
+        let first = self.power(simd, below) * self.soil.modulus.splat(simd);
+        let again = depth * rut.stiffness.splat(simd);
+        let beyond = (depth - rut.elastic.splat(simd)).positive();
+        again + (first - again) * beyond
+    }
+
+    /// The power n of a depth.
+    #[inline(always)]
+    fn power<V: Simd>(&self, simd: V, base: S::Packed<V>) -> S::Packed<V> {
+        let exponent = self.soil.exponent;
+        if exponent.is_constant() {
+            base.power(exponent.value())
+        } else {
+            base.power_of(exponent.splat(simd))
+        }
+    }
+
+    /// Adds the shear stress (16) of some rows (as bits), offset / b and weight, at eight nodes of the arc.
+    #[inline(always)]
+    fn accumulate<V: Simd, const TRANSIENT: bool>(
         &self,
         simd: V,
         sums: &mut PatchSums<S::Packed<V>>,
         motion: &PatchMotion<S>,
         column: &Column<S::Packed<V>>,
-        rows: impl Iterator<Item = Row<S>>,
+        width: &[(f64, f64)],
+        rows: u64,
     ) {
         let rim = motion.rim_speed.splat(simd);
-        let rate = motion
-            .time_per_angle
-            .scale(-self.inverse_shear_modulus)
-            .splat(simd);
+        let rate = motion.rate.splat(simd);
+        let moved_rim = if TRANSIENT {
+            motion.moved.rim.splat(simd)
+        } else {
+            rim
+        };
+        let floor = if TRANSIENT {
+            TRANSIENT_FLOOR
+        } else {
+            STEADY_FLOOR
+        };
         let zero = S::constant(0.0).splat(simd);
         let (mut along, mut across, mut twist) = (zero, zero, zero);
-        for row in rows {
-            let forward = row.forward.splat(simd);
+        for (index, (at, weight)) in width.iter().enumerate() {
+            if rows & (1 << index) == 0 {
+                continue;
+            }
+            let offset = at * self.width;
+            let forward = (motion.forward - motion.yaw_rate.scale(offset)).splat(simd);
+            let moved_forward = if TRANSIENT {
+                (motion.moved.forward - motion.moved.yaw.scale(offset)).splat(simd)
+            } else {
+                forward
+            };
             // The rim's tangential velocity (11), negated: the slip velocity (12) along (cos theta, sin theta).
-            let tangential = forward * column.cos - rim;
+            let mut tangential = forward * column.cos - rim;
+            let mut sideways = column.sideways;
+            let mut sideways_squared = column.sideways_squared;
             // Shear displacement (14), with sin 2a - sin 2b and cos 2a - cos 2b expanded.
-            let x = forward * column.stretch - column.rolled;
-            let z = (forward * column.mean_cos - rim) * column.rise;
-            let path_squared = x * x + z * z + column.path_squared;
+            let x = moved_forward * column.by_forward - column.by_rim;
+            let z = (moved_forward * column.mean_cos - moved_rim) * column.rise;
+            let path_squared = (x * x + z * z + column.aside_squared).offset(floor);
             let path = path_squared * path_squared.inverse_sqrt();
             // -(1 - exp(-j / K)) of (6) with j of (15): the shear is opposite to the slip velocity.
             let mobilised = (path * rate).decay().offset(-1.0);
-            let speed_squared = tangential * tangential + column.sideways_squared;
-            let factor = (mobilised * speed_squared.inverse_sqrt()).scale(row.weight);
-            along += factor * tangential;
-            twist += (factor * tangential).scale(row.offset);
-            across += factor;
+            if TRANSIENT {
+                // Where nothing slides, the shear is opposite to the displacement.
+                let saturated =
+                    path.like(motion.lean) / (path + self.soil.shear_modulus.splat(simd));
+                tangential += (x * column.cos + z * column.sin) * saturated;
+                sideways += column.aside * saturated;
+                sideways_squared = sideways * sideways + motion.fading_squared.splat(simd);
+            }
+            let speed_squared = tangential * tangential + sideways_squared;
+            let factor = (mobilised * speed_squared.inverse_sqrt()).scale(*weight);
+            let thrust = factor * tangential;
+            along += thrust;
+            twist += thrust.scale(offset);
+            across += if TRANSIENT { factor * sideways } else { factor };
         }
         let along = along * column.strength;
-        let shear_y = across * column.strength * column.sideways;
+        let mut shear_y = across * column.strength * self.strength_ratio.splat(simd);
+        if !TRANSIENT {
+            shear_y = shear_y * column.sideways;
+        }
         sums.tangential += along;
         sums.shear[0] += along * column.cos;
         sums.shear[1] += shear_y;
@@ -218,201 +430,177 @@ impl PatchLaw {
         sums.arc_moment += shear_y * column.sin;
     }
 
-    /// A row in which the slip velocity changes its sign: there the shear's direction (16)
-    /// turns round within a short stretch, so the arc is split at that angle.
     #[inline(always)]
-    fn accumulate_reversed<V: Simd, S: Scalar>(
-        &self,
-        simd: V,
-        sums: &mut PatchSums<S::Packed<V>>,
-        rule: &Quadrature,
-        motion: &PatchMotion<S>,
-        arc: &Arc<S>,
-        row: &Row<S>,
-    ) {
-        let ratio = motion.rim_speed / row.forward;
+    fn arc(&self, entry: S) -> Arc<S> {
+        let (half_sine, half_cosine) = entry.scale(0.5).sin_cos_small();
+        let exit = -(self.rebound * entry);
+        // Not behind the lowest point: there the soil that springs back would push harder than what it took to compact it.
+        let lowest = self.rebound / self.rebound.offset(1.0);
+        let middle = exit + (entry - exit) * self.peak.max(lowest);
+        Arc {
+            exit,
+            middle,
+            entry,
+            half_sine_squared: half_sine * half_sine,
+            sin_entry: (half_sine * half_cosine).scale(2.0),
+            cos_entry: (half_sine * half_sine).scale(-2.0).offset(1.0),
+            rear_slope: (entry - middle) / (middle - exit),
+        }
+    }
+
+    /// Where, behind and ahead of the greatest stress, a wheel in a rut reaches the depth beyond
+    /// which its ground is no longer elastic; `None` where it does not.
+    #[inline(always)]
+    fn rut_ends(&self, arc: &Arc<S>) -> Option<[S; 2]> {
+        let rut = self.rut.as_ref()?;
+        if rut.elastic.value() < SHALLOWEST_ELASTIC {
+            return None;
+        }
+        let below = (rut.elastic / self.circle).scale(0.5);
+        let sine_squared = arc.half_sine_squared - below;
+        let ahead = if sine_squared.value() > 0.0 {
+            twice_arc_sine(sine_squared.sqrt())
+        } else {
+            arc.exit
+        };
+        let behind = arc.exit + (arc.entry - ahead) / arc.rear_slope;
+        (ahead.value() > arc.middle.value()).then_some([behind, ahead])
+    }
+
+    /// The angle at which the slip velocity of a row changes its sign, ahead of the lowest point:
+    /// cos(theta) = r omega / V_Xi.
+    #[inline(always)]
+    fn turn(&self, motion: &PatchMotion<S>, arc: &Arc<S>, at: f64) -> S {
+        let forward = motion.forward - motion.yaw_rate.scale(at * self.width);
+        let ratio = motion.rim_speed / forward;
+        let entry = arc.entry.value();
         let turn = ratio.value().clamp(-1.0, 1.0).acos();
         // Nodes next to either end of the arc would find no stress there but rounding.
-        let entry = arc.entry.value();
         let turn = turn.clamp(NEAREST_TURN * entry, (1.0 - NEAREST_TURN) * entry);
-        let sine = turn.sin();
         // The integral does not depend on where the arc is split; next to theta = 0, where the
         // split moves infinitely fast, its derivative is left out.
         let moves = turn > EARLIEST_MOVING_TURN * entry && turn < (1.0 - NEAREST_TURN) * entry;
-        let slope = if moves { -1.0 / sine } else { 0.0 };
-        let turn = S::chain(turn, &[slope], &[ratio]);
-        let middle = arc.entry.scale(0.5);
-        let (first, second) = if turn.value() < middle.value() {
-            (turn, middle)
-        } else {
-            (middle, turn)
-        };
-        let ends = [first.splat(simd), second.splat(simd), arc.entry.splat(simd)];
-        let late = usize::from(turn.value() >= middle.value());
-        // The shear turns round within this angle.
-        let sideways =
-            motion.lateral.value() + motion.yaw_rate.value() * self.footprint.radius * sine;
-        let speed = (sideways * sideways + self.footprint.slip_speed_squared).sqrt();
-        let part = second.value() - first.value();
-        let longer = part.max(if late == 1 {
-            arc.entry.value() - second.value()
-        } else {
-            first.value()
-        });
-        let sharp = speed < SHARP_TURN * longer * sine * row.forward.value().abs();
-        let nodes = if sharp { &rule.sharp } else { &rule.turning };
-        for nodes in &nodes[late] {
-            let mix = |shares: &[[f64; 8]; 3]| {
-                let share = |end: usize| f64x8::simd_from(simd, shares[end]);
-                ends[0].scale_lanes(share(0))
-                    + ends[1].scale_lanes(share(1))
-                    + ends[2].scale_lanes(share(2))
-            };
-            let (angle, weight) = (mix(&nodes.at), mix(&nodes.weight));
-            let front = f64x8::simd_from(simd, nodes.front);
-            let column = self.column(simd, motion, arc, angle, front, weight);
-            self.accumulate(simd, sums, motion, &column, std::iter::once(*row));
+        let slope = if moves { -1.0 / turn.sin() } else { 0.0 };
+        S::chain(turn, &[slope], &[ratio])
+    }
+}
+
+impl<P: Copy> PatchSums<P> {
+    /// Nothing summed yet.
+    #[inline(always)]
+    fn new(zero: P) -> Self {
+        Self {
+            shear: [zero; 3],
+            normal: [zero; 2],
+            width_moment: zero,
+            arc_moment: zero,
+            tangential: zero,
         }
     }
-}
 
-/// Share of the entry angle within which no end of the arc is split off.
-pub(super) const NEAREST_TURN: f64 = 1e-4;
-/// Share of the entry angle below which a split of the arc is held in derivatives.
-const EARLIEST_MOVING_TURN: f64 = 5e-3;
-/// A turn of the shear is sharp if it takes less than this share of the longer part beside it.
-const SHARP_TURN: f64 = 0.3;
-/// Square of a slip distance per time [m^2/s^2] far below any that matters: it keeps the
-/// displacement's derivative finite where nothing moves.
-const DISPLACEMENT_FLOOR: f64 = 1e-20;
-
-impl Nodes {
+    /// The sums of eight lanes each.
     #[inline(always)]
-    fn load<V: Simd>(&self, simd: V) -> (f64x8<V>, f64x8<V>) {
-        (
-            f64x8::simd_from(simd, self.at),
-            f64x8::simd_from(simd, self.weight),
-        )
+    fn sum<V: Simd>(self) -> PatchSums<<P as Packed<V>>::Lane>
+    where
+        P: Packed<V>,
+    {
+        PatchSums {
+            // Not `array::map`: a closure that is not inlined loses the vector registers.
+            shear: [
+                self.shear[0].sum(),
+                self.shear[1].sum(),
+                self.shear[2].sum(),
+            ],
+            normal: [self.normal[0].sum(), self.normal[1].sum()],
+            width_moment: self.width_moment.sum(),
+            arc_moment: self.arc_moment.sum(),
+            tangential: self.tangential.sum(),
+        }
     }
-}
-
-/// The part of the vertical force that the normal stress carries at small entry angles:
-/// F_Z / theta_1^(2n+1), from sigma = k (r theta_1^2 / 2)^n (1 - u^2)^n and cos theta = 1.
-pub(super) fn small_angle_support(law: &PatchLaw, rule: &Quadrature) -> f64 {
-    let integral: f64 = rule
-        .arc
-        .iter()
-        .flat_map(|nodes| nodes.at.into_iter().zip(nodes.weight))
-        .map(|(u, weight)| weight * (1.0 - u.max(1.0 - u).powi(2)).powf(law.exponent))
-        .sum();
-    // Half the cosine difference is theta_1^2 (1 - u^2) / 4.
-    law.pressure
-        * 0.25_f64.powf(law.exponent)
-        * integral
-        * law.footprint.radius
-        * law.footprint.width
-}
-
-/// One line of the patch along the rolling direction.
-#[derive(Clone, Copy)]
-pub(super) struct Row<S> {
-    /// Offset from the wheel's middle plane \[m\].
-    pub offset: f64,
-    /// Weight across the width.
-    pub weight: f64,
-    /// V_Xi of this row.
-    pub forward: S,
-}
-
-/// What the choice of the rows depends on.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Footprint {
-    /// Radius of the contact's circle \[m\].
-    pub radius: f64,
-    /// Wheel width b \[m\].
-    pub width: f64,
-    /// Square of the slip speed below which the direction of the shear fades \[m^2/s^2\].
-    pub slip_speed_squared: f64,
 }
 
 /// Where the slip velocity changes its sign over the patch: the motion without derivatives.
 #[derive(Clone, Copy)]
-pub(super) struct Crossing {
+struct Crossing {
     /// Velocities along X and Y, yaw rate, and r omega.
-    pub forward: f64,
-    pub lateral: f64,
-    pub yaw_rate: f64,
-    pub rim_speed: f64,
+    forward: f64,
+    lateral: f64,
+    yaw_rate: f64,
+    rim_speed: f64,
     /// Sine and cosine of the entry angle.
-    pub sin_entry: f64,
-    pub cos_entry: f64,
+    sin_entry: f64,
+    cos_entry: f64,
+    /// Radius of the contact's circle and width \[m\].
+    circle: f64,
+    width: f64,
+    slip_speed_squared: f64,
 }
 
 impl Crossing {
-    /// Of V_X, V_Y, Omega, the rim speed, and sine and cosine of the entry angle.
     #[inline(always)]
-    pub(super) fn new<S: Scalar>(travel: [S; 3], rim_speed: S, entry: [S; 2]) -> Self {
-        let [forward, lateral, yaw_rate] = travel.map(S::value);
-        let [sin_entry, cos_entry] = entry.map(S::value);
+    fn new<S: Scalar>(patch: &Patch<S>, motion: &PatchMotion<S>, arc: &Arc<S>) -> Self {
         Self {
-            forward,
-            lateral,
-            yaw_rate,
-            rim_speed: rim_speed.value(),
-            sin_entry,
-            cos_entry,
+            forward: motion.forward.value(),
+            lateral: motion.lateral.value(),
+            yaw_rate: motion.yaw_rate.value(),
+            rim_speed: motion.rim_speed.value(),
+            sin_entry: arc.sin_entry.value(),
+            cos_entry: arc.cos_entry.value(),
+            circle: patch.circle.value(),
+            width: patch.width,
+            slip_speed_squared: patch.slip_speed_squared,
         }
     }
-}
 
-impl Footprint {
+    /// Velocity along X at an offset across the width.
     #[inline(always)]
-    pub(super) fn rows<S: Scalar>(
-        &self,
-        width: &[(f64, f64)],
-        motion: &PatchMotion<S>,
-    ) -> impl Iterator<Item = Row<S>> {
-        width.iter().map(|&(at, weight)| Row {
-            offset: at * self.width,
-            weight,
-            forward: motion.forward - motion.yaw_rate.scale(at * self.width),
-        })
+    fn forward_at(&self, at: f64) -> f64 {
+        self.forward - self.yaw_rate * at * self.width
     }
 
-    /// The nodes across the width. Where the tangential slip velocity V_Xi cos theta - r omega
-    /// has both signs in the patch, the shear varies faster across it and a finer rule serves;
+    /// The nodes across the width: the fewer, the less the slip velocity changes across it. Where the tangential one
+    /// V_Xi cos theta - r omega has both signs in the patch, the shear varies faster and a finer rule serves;
     /// where it turns round abruptly besides, the width is split along the line of no slip.
     #[inline(always)]
-    pub(super) fn width_nodes<'r>(
+    fn width_nodes<'r>(
         &self,
         rule: &'r Quadrature,
-        motion: &Crossing,
         room: &'r mut [(f64, f64); MOST_ROWS],
     ) -> &'r [(f64, f64)] {
-        let (forward, rim) = (motion.forward, motion.rim_speed);
-        let cos_entry = motion.cos_entry;
-        // Change of V_Xi from the right edge to the left one.
-        let twist = motion.yaw_rate * self.width;
-        let ahead = |at: f64, cos: f64| (forward - twist * at) * cos > rim;
-        let first = ahead(-0.5, 1.0);
-        if [
-            ahead(0.5, 1.0),
-            ahead(-0.5, cos_entry),
-            ahead(0.5, cos_entry),
-        ] == [first; 3]
-        {
-            return &rule.width;
+        let (rim, cos_entry) = (self.rim_speed, self.cos_entry);
+        let slip = |at: f64, cos: f64| self.forward_at(at) * cos - rim;
+        let corners = [
+            slip(-0.5, 1.0),
+            slip(0.5, 1.0),
+            slip(-0.5, cos_entry),
+            slip(0.5, cos_entry),
+        ];
+        let lowest = corners.into_iter().fold(f64::INFINITY, f64::min);
+        let highest = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let along = lowest.max(-highest).max(0.0);
+        let sideways = self.least_sideways();
+        // Half the change of V_Xi from one edge to the other.
+        let twist = 0.5 * (self.yaw_rate * self.width).abs();
+        let least = (along * along + sideways * sideways).sqrt();
+        if least > EVEN * twist {
+            return &rule.even;
         }
-        let sideways = self.least_sideways(motion);
-        if sideways > 0.5 * twist.abs() {
-            return &rule.width_reversed;
+        if least > FAIRLY_EVEN * twist {
+            return &rule.fairly_even;
+        }
+        if along > 0.0 {
+            return &rule.uneven;
+        }
+        if sideways > twist {
+            return &rule.reversed;
         }
         // Where the line crosses the arc at a third of it, from theta = 0.
-        let line = (forward - rim / (1.0 - (1.0 - cos_entry) / 9.0)) / twist;
+        let line = (self.forward - rim / (1.0 - (1.0 - cos_entry) / 9.0))
+            / (self.yaw_rate * self.width);
         let line = line.clamp(-0.5, 0.5);
         let mut count = 0;
         for edge in [-0.5, 0.5] {
-            for &(at, weight) in &rule.width_split {
+            for &(at, weight) in &rule.split {
                 room[count] = (line + (edge - line) * at, weight * (edge - line).abs());
                 count += 1;
             }
@@ -420,11 +608,16 @@ impl Footprint {
         &room[..count]
     }
 
+    /// The lateral slip speed at an angle with this sine.
+    #[inline(always)]
+    fn sideways_at(&self, sin: f64) -> f64 {
+        self.lateral + self.yaw_rate * self.circle * sin
+    }
+
     /// The least lateral slip speed in the patch, with the speed at which the shear fades.
     #[inline(always)]
-    fn least_sideways(&self, motion: &Crossing) -> f64 {
-        let lowest = motion.lateral;
-        let highest = lowest + motion.yaw_rate * self.radius * motion.sin_entry;
+    fn least_sideways(&self) -> f64 {
+        let (lowest, highest) = (self.lateral, self.sideways_at(self.sin_entry));
         let least = if lowest * highest < 0.0 {
             0.0
         } else {
@@ -435,14 +628,23 @@ impl Footprint {
 
     /// The rows (as bits) in which the tangential slip velocity changes its sign.
     #[inline(always)]
-    pub(super) fn reversed_rows(&self, width: &[(f64, f64)], motion: &Crossing) -> u64 {
-        let (rim, cos_entry) = (motion.rim_speed, motion.cos_entry);
+    fn reversed_rows(&self, width: &[(f64, f64)]) -> u64 {
         let mut bits = 0;
         for (index, &(at, _)) in width.iter().enumerate() {
-            let forward = motion.forward - motion.yaw_rate * at * self.width;
-            let reversed = (forward - rim) * (forward * cos_entry - rim) < 0.0;
+            let forward = self.forward_at(at);
+            let rim = self.rim_speed;
+            let reversed = (forward - rim) * (forward * self.cos_entry - rim) < 0.0;
             bits |= u64::from(reversed) << index;
         }
         bits
+    }
+
+    /// Whether the shear of a row turns round within a small part of the pieces that meet at its turn.
+    #[inline(always)]
+    fn is_sharp<S: Scalar>(&self, at: f64, turn: f64, ends: &Ends<S>) -> bool {
+        let sine = turn.sin();
+        let sideways = self.sideways_at(sine);
+        let speed = (sideways * sideways + self.slip_speed_squared).sqrt();
+        speed < SHARP_TURN * ends.longest_beside(turn) * sine * self.forward_at(at).abs()
     }
 }

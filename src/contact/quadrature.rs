@@ -14,10 +14,11 @@ use std::sync::{Arc, LazyLock};
 pub struct Resolution {
     /// Nodes along the contact arc.
     pub arc: usize,
-    /// Nodes across the wheel's width, at most 8; half as many more where the slip velocity
-    /// changes its sign inside the contact, four times as many where it does so abruptly.
+    /// Nodes across the wheel's width, at most 8: half or three quarters of them where the slip velocity hardly changes
+    /// across it, half as many more where it changes its sign inside the contact, four times as many where it does so
+    /// abruptly.
     pub width: usize,
-    /// Nodes in each third of an arc in which the slip velocity changes its sign.
+    /// Nodes in each piece of an arc in which the slip velocity changes its sign.
     pub reversal: usize,
     /// The same where the shear turns round within a small part of the arc.
     pub sharp_reversal: usize,
@@ -28,8 +29,8 @@ impl Default for Resolution {
         Self {
             arc: 16,
             width: 4,
-            reversal: 10,
-            sharp_reversal: 24,
+            reversal: 8,
+            sharp_reversal: 16,
         }
     }
 }
@@ -69,42 +70,27 @@ impl Resolution {
 pub(crate) struct Nodes {
     pub at: [f64; LANES],
     pub weight: [f64; LANES],
-    /// 1 for nodes beyond the middle, else 0.
-    pub front: [f64; LANES],
-}
-
-/// Eight nodes of a rule on an arc in three parts, 0 to p, p to q and q to theta_1: shares of
-/// p, q and theta_1 in their angles and in their weights.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SplitNodes {
-    pub at: [[f64; LANES]; 3],
-    pub weight: [[f64; LANES]; 3],
-    /// 1 for nodes beyond the middle, else 0.
-    pub front: [f64; LANES],
 }
 
 /// The rules that a contact evaluation uses, computed once.
 #[derive(Debug, Clone)]
 pub(crate) struct Quadrature {
-    /// Along the arc: theta / theta_1, graded towards both ends.
-    pub arc: Vec<Nodes>,
-    /// Along an arc that is split besides at the angle where the slip velocity changes its
-    /// sign: below the middle of the arc, and above it.
-    pub turning: [Vec<SplitNodes>; 2],
-    /// The same where the shear turns round within a small part of the arc.
-    pub sharp: [Vec<SplitNodes>; 2],
-    /// On (0, 1), for the parts of an arc behind and ahead of the greatest stress where effects move
-    /// it: graded as in `arc`.
+    /// On (0, 1), for the parts of an arc behind and ahead of the greatest stress: graded towards the lowest point, and
+    /// towards the entry.
     pub rear: Vec<Nodes>,
     pub front: Vec<Nodes>,
-    /// On (0, 1) with nodes that crowd at both ends, for each piece of an arc that effects alter.
-    pub piece: Vec<Nodes>,
+    /// On (0, 1) and graded towards both ends, for each piece of an arc that is split at the angle where the slip
+    /// velocity changes its sign; and with nodes that crowd there, where the shear turns round within a small part.
+    pub turning: Vec<Nodes>,
+    pub sharp: Vec<Nodes>,
+    /// Across the width, offset y / b in (-1/2, 1/2) and weight: the fewer, the less the slip velocity changes across it.
+    pub even: Vec<(f64, f64)>,
+    pub fairly_even: Vec<(f64, f64)>,
+    pub uneven: Vec<(f64, f64)>,
+    /// For a wheel in which the slip velocity changes its sign.
+    pub reversed: Vec<(f64, f64)>,
     /// On (0, 1), for each side of a line that splits the width.
-    pub width_split: Vec<(f64, f64)>,
-    /// Across the width: offset y / b in (-1/2, 1/2) and weight.
-    pub width: Vec<(f64, f64)>,
-    /// The same with half as many more, for a wheel in which the slip velocity changes its sign.
-    pub width_reversed: Vec<(f64, f64)>,
+    pub split: Vec<(f64, f64)>,
 }
 
 impl Quadrature {
@@ -121,78 +107,43 @@ impl Quadrature {
     }
 
     pub(crate) fn new(resolution: Resolution) -> Self {
-        // 2 theta / theta_1 = s^2 in the rear half; its mirror image s^(5/2) in the front half.
-        let half = || gauss_legendre(resolution.arc.div_ceil(2)).into_iter();
-        let arc = half().flat_map(|(s, w)| {
-            let root = s.sqrt();
-            let rear = (0.5 * s * s, w * s);
-            let front = (1.0 - 0.5 * s * s * root, w * 1.25 * s * root);
-            [rear, front]
-        });
-        let arc = packed(arc.collect());
-        let rear = half().map(|(s, w)| (s * s, 2.0 * w * s));
-        let front = half().map(|(s, w)| {
-            let root = s.sqrt();
-            (1.0 - s * s * root, w * 2.5 * s * root)
-        });
-        let across = |count| -> Vec<(f64, f64)> {
+        let rule = |count: usize, moved: fn((f64, f64)) -> (f64, f64)| {
+            packed(gauss_legendre(count).into_iter().map(moved).collect())
+        };
+        let half = resolution.arc.div_ceil(2);
+        let across = |count: usize| -> Vec<(f64, f64)> {
             let rule = gauss_legendre(count).into_iter();
             rule.map(|(x, w)| (x - 0.5, w)).collect()
         };
+        let width = resolution.width;
         Self {
-            arc,
-            turning: [false, true].map(|late| reversed(resolution.reversal, late, false)),
-            sharp: [false, true].map(|late| reversed(resolution.sharp_reversal, late, true)),
-            rear: packed(rear.collect()),
-            front: packed(front.collect()),
-            piece: packed(
-                gauss_legendre(resolution.sharp_reversal)
-                    .into_iter()
-                    .map(crowded)
-                    .collect(),
-            ),
-            width_split: gauss_legendre(2 * resolution.width),
-            width: across(resolution.width),
-            width_reversed: across((3 * resolution.width).div_ceil(2)),
+            rear: rule(half, |(s, w)| (s * s, 2.0 * w * s)),
+            front: rule(half, |(s, w)| {
+                let root = s.sqrt();
+                (1.0 - s * s * root, w * 2.5 * s * root)
+            }),
+            turning: rule(resolution.reversal, graded),
+            sharp: rule(resolution.sharp_reversal, crowded),
+            even: across(width.div_ceil(2)),
+            fairly_even: across((3 * width).div_ceil(4)),
+            uneven: across(width),
+            reversed: across((3 * width).div_ceil(2)),
+            split: gauss_legendre(2 * width),
         }
+    }
+
+    /// 2 int (1 - u^2)^n du from 1/2 to 1: the stress (3) over a flat arc, front and rear.
+    pub(crate) fn flat_arc(&self, exponent: f64) -> f64 {
+        let nodes = self.front.iter().flat_map(|nodes| nodes.at.into_iter().zip(nodes.weight));
+        nodes
+            .map(|(at, weight)| weight * (1.0 - (0.5 + 0.5 * at).powi(2)).powf(exponent))
+            .sum()
     }
 }
 
-/// The rule of an arc with a sign change, with `count` nodes in each part. The parts meet at
-/// the middle and at the sign change, which comes second where it is `late`. Where the turn is
-/// `sharp`, the nodes crowd at both ends of each part (like s^3); else they are graded like s^2
-/// towards theta = 0, towards theta_1, and in the second part towards the sign change.
-fn reversed(count: usize, late: bool, sharp: bool) -> Vec<SplitNodes> {
-    let mut nodes = Vec::new();
-    for part in 0..3 {
-        let front = part == 2 || (part == 1 && late);
-        let to_its_end = front;
-        for (s, w) in gauss_legendre(count) {
-            let (at, weight) = if sharp {
-                crowded((s, w))
-            } else if to_its_end {
-                (s * (2.0 - s), w * 2.0 * (1.0 - s))
-            } else {
-                (s * s, w * 2.0 * s)
-            };
-            let (mut shares, mut weights) = ([0.0; 3], [0.0; 3]);
-            (shares[part], weights[part]) = (at, weight);
-            if part > 0 {
-                (shares[part - 1], weights[part - 1]) = (1.0 - at, -weight);
-            }
-            nodes.push((shares, weights, f64::from(u8::from(front))));
-        }
-    }
-    nodes.resize(
-        nodes.len().next_multiple_of(LANES),
-        ([0.0, 0.0, 0.9], [0.0; 3], 1.0),
-    );
-    let eight = |chunk: &[([f64; 3], [f64; 3], f64)]| SplitNodes {
-        at: [0, 1, 2].map(|end| std::array::from_fn(|k| chunk[k].0[end])),
-        weight: [0, 1, 2].map(|end| std::array::from_fn(|k| chunk[k].1[end])),
-        front: std::array::from_fn(|k| chunk[k].2),
-    };
-    nodes.chunks_exact(LANES).map(eight).collect()
+/// A node and its weight, graded towards both ends like s^2.
+fn graded((s, w): (f64, f64)) -> (f64, f64) {
+    (s * s * (3.0 - 2.0 * s), w * 6.0 * s * (1.0 - s))
 }
 
 /// A node and its weight, moved so that they crowd at both ends (like s^3).
@@ -208,7 +159,6 @@ fn packed(mut nodes: Vec<(f64, f64)>) -> Vec<Nodes> {
     let eight = |chunk: &[(f64, f64)]| Nodes {
         at: std::array::from_fn(|k| chunk[k].0),
         weight: std::array::from_fn(|k| chunk[k].1),
-        front: std::array::from_fn(|k| f64::from(u8::from(chunk[k].0 > 0.5))),
     };
     nodes.chunks_exact(LANES).map(eight).collect()
 }
@@ -258,41 +208,33 @@ mod tests {
         }
     }
 
+    fn integral(rule: &[Nodes], f: impl Fn(f64) -> f64) -> f64 {
+        let nodes = rule.iter().flat_map(|nodes| nodes.at.into_iter().zip(nodes.weight));
+        nodes.map(|(x, w)| w * f(x)).sum()
+    }
+
     #[test]
-    fn arc_resolves_the_weakest_singularity_of_the_terrains() {
+    fn graded_rules_resolve_the_weakest_singularity_of_the_terrains() {
         // Dry clay has n = 0.13; plain Gauss-Legendre with 16 nodes errs by 1e-3 here.
-        let rule = Quadrature::new(Resolution::default());
-        for end in [|x: f64| x, |x: f64| 1.0 - x] {
-            let sum: f64 = rule
-                .arc
-                .iter()
-                .flat_map(|nodes| nodes.at.into_iter().zip(nodes.weight))
-                .map(|(x, w)| w * end(x).powf(0.13))
-                .sum();
-            assert!((sum - 1.0 / 1.13).abs() < 1e-5, "{sum}");
+        let rules = Quadrature::new(Resolution::default());
+        let near = |sum: f64, error: f64| assert!((sum - 1.0 / 1.13).abs() < error, "{sum}");
+        near(integral(&rules.rear, |x| x.powf(0.13)), 2e-5);
+        near(integral(&rules.front, |x| (1.0 - x).powf(0.13)), 2e-5);
+        for rule in [&rules.turning, &rules.sharp] {
+            near(integral(rule, |x| x.powf(0.13)), 5e-5);
+            near(integral(rule, |x| (1.0 - x).powf(0.13)), 5e-5);
         }
     }
 
     #[test]
-    fn split_arcs_integrate_polynomials_over_the_whole_arc() {
-        // Ends p, q and theta_1: the parts add up to the integral from 0 to theta_1; five nodes
-        // are exact up to degree 9 in s, that is x^4 with x = s^2.
-        let (p, q, entry) = (0.21, 0.3, 0.6);
-        for late in [false, true] {
-            for power in 0..5 {
-                let sum: f64 = reversed(5, late, false)
-                    .iter()
-                    .flat_map(|nodes| {
-                        (0..LANES).map(|k| {
-                            let mix =
-                                |t: [[f64; LANES]; 3]| p * t[0][k] + q * t[1][k] + entry * t[2][k];
-                            mix(nodes.weight) * mix(nodes.at).powi(power)
-                        })
-                    })
-                    .sum();
-                let exact = entry.powi(power + 1) / f64::from(power + 1);
-                assert!((sum - exact).abs() < ROUNDING, "{late}, x^{power}");
-            }
+    fn every_rule_integrates_a_line() {
+        let rules = Quadrature::new(Resolution::default());
+        for rule in [&rules.rear, &rules.front, &rules.turning, &rules.sharp] {
+            assert!((integral(rule, |x| 2.0 * x) - 1.0).abs() < ROUNDING);
+        }
+        for rule in [&rules.even, &rules.fairly_even, &rules.uneven, &rules.reversed] {
+            let sum: f64 = rule.iter().map(|(x, w)| w * (1.0 + x)).sum();
+            assert!((sum - 1.0).abs() < ROUNDING);
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Forces on one wheel, in any direction of travel and rotation.
 
-use super::patch::{Footprint, PatchLaw, PatchMotion, small_angle_support};
+use super::law::{ContactArc, Wheel};
+use super::patch::{Patch, PatchMotion};
 use super::quadrature::{Quadrature, Resolution};
-use super::sums::PatchSums;
+use crate::effects::{Bulldozing, Displacement, Soil, absolute_slip, whole_slip};
 use crate::parameter::{Bounds, ParameterError};
-use crate::scalar::Scalar;
-use crate::terrain::Terrain;
-use fearless_simd::Simd;
+use crate::scalar::{Elementary, Scalar};
+use fearless_simd::{Level, Simd, dispatch};
 use std::sync::Arc;
 
 /// The speeds below which the paper's expressions, undefined at rest, are smoothed.
@@ -161,136 +161,117 @@ impl<S: Scalar> WheelForces<S> {
     }
 }
 
-/// One wheel on one soil, with everything prepared that does not move.
+/// What the contact of every wheel is evaluated with: quadrature rules and smoothing speeds.
 #[derive(Debug, Clone)]
 pub struct WheelContact {
-    law: PatchLaw,
     rule: Arc<Quadrature>,
     /// Half the nodes of `rule`.
     coarse_rule: Arc<Quadrature>,
     regularisation: Regularisation,
-    /// F_Z / theta_1^(2n+1) at small angles, normal stress alone.
-    support: f64,
 }
 
-/// Forces on a wheel that compacts soil on its +X side, of the motion as it is (sign 1) or of its
-/// mirror image (sign -1). A trait: a closure as large as this is not always inlined, and one
-/// that is not loses the vector instructions.
-pub(super) trait OneSided<S> {
-    fn forces(&self, sign: f64, motion: &WheelMotion<S>) -> WheelForces<S>;
-}
+/// The slip speed at which the shear of a held wheel fades, as a share of that of a rolling one.
+/// The smaller, the sooner a held vehicle settles: at 0.02 within some tenths of a second.
+const HELD_SLIP_SPEED: f64 = 0.02;
 
-/// The paper's law.
-struct PlainSide<'a, V, S> {
-    wheel: &'a WheelContact,
-    simd: V,
-    rule: &'a Quadrature,
-    entry_angle: S,
-}
-
-impl<V: Simd, S: Scalar> OneSided<S> for PlainSide<'_, V, S> {
-    #[inline(always)]
-    fn forces(&self, _: f64, motion: &WheelMotion<S>) -> WheelForces<S> {
-        self.wheel
-            .one_sided(self.simd, self.rule, motion, self.entry_angle)
-    }
+/// Resistance of the soil beside and ahead of the wheel, for a motion straight against it.
+struct Wedge<S> {
+    /// Lateral force \[N\].
+    force: S,
+    /// Its moment about the axle \[N m\].
+    moment: S,
+    /// Force against the front \[N\].
+    frontal: S,
 }
 
 impl WheelContact {
-    /// A wheel of the given radius and width \[m\] on a soil.
+    /// With these smoothing speeds and numbers of nodes.
     ///
     /// # Errors
-    /// A soil without stiffness under this wheel (k = k_c / b + k_phi <= 0), or
-    /// parameters out of range.
+    /// A speed or number out of range.
     pub fn new(
-        terrain: &Terrain,
-        radius: f64,
-        width: f64,
         regularisation: Regularisation,
         resolution: Resolution,
     ) -> Result<Self, ParameterError> {
-        terrain.validate()?;
         regularisation.validate()?;
         resolution.validate()?;
-        let modulus = terrain.sinkage_modulus(width);
-        Bounds::open_low(
-            "cohesive_modulus / b + frictional_modulus",
-            "N/m^(n+2)",
-            0.0,
-            1e14,
-        )
-        .check(modulus)?;
-        let law = PatchLaw {
-            cohesion: terrain.cohesion,
-            friction: terrain.friction_angle.tan(),
-            inverse_shear_modulus: 1.0 / terrain.shear_modulus,
-            exponent: terrain.sinkage_exponent,
-            pressure: modulus * (2.0 * radius).powf(terrain.sinkage_exponent),
-            footprint: Footprint {
-                radius,
-                width,
-                slip_speed_squared: regularisation.slip_speed.powi(2),
-            },
-        };
-        let rule = Quadrature::shared(resolution);
-        let support = small_angle_support(&law, &rule);
         Ok(Self {
-            law,
-            rule,
+            rule: Quadrature::shared(resolution),
             coarse_rule: Quadrature::shared(resolution.halved()),
             regularisation,
-            support,
         })
     }
 
-    /// Entry angle \[rad\] at which the normal stress alone would carry a load \[N\].
-    pub(crate) fn entry_angle_guess(&self, load: f64) -> f64 {
-        (load / self.support)
-            .powf(1.0 / (2.0 * self.law.exponent + 1.0))
-            .min(1.5)
-    }
-
-    /// Forces of the ground on the wheel, whose rim enters the soil at `entry_angle` \[rad\].
-    ///
-    /// The side that compacts soil is the one towards which the wheel travels; a wheel
-    /// that travels backwards is the mirror image of one that travels forwards.
-    #[inline(always)]
-    pub fn forces<V: Simd, S: Scalar>(
-        &self,
-        simd: V,
-        motion: &WheelMotion<S>,
-        entry_angle: S,
-        detail: Detail,
-    ) -> WheelForces<S> {
-        let rule = self.rule(detail);
-        let side = PlainSide {
-            wheel: self,
-            simd,
-            rule,
-            entry_angle,
-        };
-        self.both_sides(motion, &side)
-    }
-
-    pub(super) fn rule(&self, detail: Detail) -> &Quadrature {
-        match detail {
-            Detail::Coarse => &self.coarse_rule,
-            Detail::Full => &self.rule,
-        }
-    }
-
-    pub(super) fn regularisation(&self) -> &Regularisation {
+    /// The speeds below which the paper's expressions are smoothed.
+    #[must_use]
+    pub fn regularisation(&self) -> &Regularisation {
         &self.regularisation
     }
 
-    /// Forces on a wheel of which `one_sided` gives those on its +X side when that compacts soil,
-    /// of the motion as it is (sign 1) and of its mirror image (sign -1).
-    #[inline(always)]
-    pub(super) fn both_sides<S: Scalar>(
+    /// Load \[N\] over theta_1^(2n+1) that the normal stress alone carries under a rigid wheel at small entry angles:
+    /// of sigma = k (r theta_1^2 / 2)^n (1 - u^2)^n with cos theta = 1.
+    pub(crate) fn support(&self, soil: &Soil<f64>, radius: f64, width: f64) -> f64 {
+        let pressure = soil.modulus * (0.5 * radius).powf(soil.exponent);
+        pressure * self.rule.flat_arc(soil.exponent) * radius * width
+    }
+
+    /// Forces of the ground on a wheel.
+    ///
+    /// # Algorithm
+    /// 1. The slip of the wheel changes its soil and the place of the greatest stress, where effects say so.
+    /// 2. The side that compacts soil is the one towards which the wheel travels; a wheel that travels backwards is the
+    ///    mirror image of one that travels forwards. Near standstill both are weighted.
+    /// 3. The shear displacement is that of steady motion (14), or what the wheel remembers.
+    /// 4. Stresses are integrated over the arc and across the width (`patch.rs`): rows in which the slip velocity keeps
+    ///    its sign together, each of the others on an arc that is split where it turns round.
+    /// 5. The sums become forces by the patch's area; the soil that is pushed aside and viscosity are added.
+    ///
+    /// One function for each scalar, dispatched here to the vector instructions: inlined into its
+    /// callers it would be compiled many times over.
+    #[inline(never)]
+    pub fn forces<S: Scalar>(
         &self,
-        motion: &WheelMotion<S>,
-        one_sided: &impl OneSided<S>,
+        level: Level,
+        wheel: &Wheel<S>,
+        detail: Detail,
     ) -> WheelForces<S> {
+        if wheel.law.transient {
+            dispatch!(level, simd => self.forces_with::<_, S, true>(simd, wheel, detail))
+        } else {
+            dispatch!(level, simd => self.forces_with::<_, S, false>(simd, wheel, detail))
+        }
+    }
+
+    #[inline(always)]
+    fn forces_with<V: Simd, S: Scalar, const TRANSIENT: bool>(
+        &self,
+        simd: V,
+        wheel: &Wheel<S>,
+        detail: Detail,
+    ) -> WheelForces<S> {
+        let Wheel {
+            motion,
+            law,
+            memory,
+            ..
+        } = wheel;
+        let rule = match detail {
+            Detail::Coarse => &self.coarse_rule,
+            Detail::Full => &self.rule,
+        };
+        let arc = law.arc(wheel.reach);
+        let fading = self.regularisation.travel_speed;
+        let rim_speed = motion.angular_speed * law.radius;
+        let soil = law.slip_sinkage.as_ref().map_or(law.soil, |effect| {
+            let slip = whole_slip(rim_speed, motion.forward, motion.lateral, fading);
+            effect.soil(&law.soil, slip)
+        });
+        let peak = law.peak.as_ref().map_or(S::constant(0.5), |effect| {
+            effect.place(absolute_slip(rim_speed, motion.forward, fading))
+        });
+        let slip_speed = self.regularisation.slip_speed;
+        let patch = Patch::new(law, arc.circle, soil, peak, memory.pressed, slip_speed);
+        let area = arc.circle.scale(law.width);
         let side = self.regularisation.compacting_side(motion.forward);
         // Share of the patch whose front (rear) compacts; near standstill both do.
         let front = side.scale(0.5).offset(0.5);
@@ -300,73 +281,129 @@ impl WheelContact {
                 continue;
             }
             // The rear is the front of the mirror image.
-            let seen = WheelMotion {
-                forward: motion.forward.scale(sign),
-                lateral: motion.lateral,
-                yaw_rate: motion.yaw_rate.scale(sign),
-                angular_speed: motion.angular_speed.scale(sign),
-            };
-            let one = one_sided.forces(sign, &seen);
-            forces.thrust += one.thrust.scale(sign) * share;
-            forces.compaction += one.compaction.scale(sign) * share;
-            forces.lateral += one.lateral * share;
-            forces.vertical += one.vertical * share;
-            forces.width_moment += one.width_moment.scale(sign) * share;
-            forces.arc_moment += one.arc_moment.scale(sign) * share;
-            forces.torque += one.torque.scale(sign) * share;
+            let seen = self.patch_motion::<S, TRANSIENT>(wheel, arc.circle, rim_speed, &soil, sign);
+            let sums = patch.integrate::<V, TRANSIENT>(simd, rule, &seen, arc.entry);
+            let along = area.scale(sign) * share;
+            let across = area * share;
+            forces.thrust += sums.shear[0] * along;
+            forces.compaction += sums.normal[0] * along;
+            forces.lateral += sums.shear[1] * across;
+            forces.vertical += (sums.shear[2] + sums.normal[1]) * across;
+            forces.width_moment += sums.width_moment * along;
+            forces.arc_moment += sums.arc_moment * along * arc.circle;
+            forces.torque += sums.tangential * along * law.radius;
+            if let Some(effect) = &law.bulldozing {
+                let wedge = Wedge::of(effect, &soil, &arc, law.rebound, law.width);
+                let speed_squared =
+                    motion.forward * motion.forward + motion.lateral * motion.lateral;
+                let inverse = speed_squared.offset(fading * fading).inverse_sqrt() * share;
+                let aside = -motion.lateral * inverse;
+                forces.lateral += aside * wedge.force;
+                forces.arc_moment += (aside * wedge.moment).scale(sign);
+                forces.compaction += motion.forward * inverse * wedge.frontal;
+            }
         }
+        forces.thrust = forces.thrust - law.viscosity[0] * motion.forward;
+        forces.lateral = forces.lateral - law.viscosity[1] * motion.lateral;
         let travel = if side.value() < 0.0 { -1.0 } else { 1.0 };
         forces.rolling_resistance = forces.compaction.scale(travel);
         forces
     }
 
-    /// Forces on a wheel that compacts soil on its +X side.
+    /// The motion over the patch as it is (sign 1) or of its mirror image (sign -1).
     #[inline(always)]
-    fn one_sided<V: Simd, S: Scalar>(
+    fn patch_motion<S: Scalar, const TRANSIENT: bool>(
         &self,
-        simd: V,
-        rule: &Quadrature,
-        motion: &WheelMotion<S>,
-        entry_angle: S,
-    ) -> WheelForces<S> {
-        let Footprint { radius, width, .. } = self.law.footprint;
-        let bounded = self
-            .regularisation
-            .bounded_angular_speed(motion.angular_speed);
-        let patch = PatchMotion {
-            forward: motion.forward,
-            lateral: motion.lateral,
-            yaw_rate: motion.yaw_rate,
-            rim_speed: motion.angular_speed.scale(radius),
-            time_per_angle: S::constant(1.0) / bounded,
+        wheel: &Wheel<S>,
+        circle: S,
+        rim_speed: S,
+        soil: &Soil<S>,
+        sign: f64,
+    ) -> PatchMotion<S> {
+        let Wheel { motion, law, .. } = wheel;
+        let inverse_modulus = S::constant(-1.0) / soil.shear_modulus;
+        let slip_speed_squared = self.regularisation.slip_speed.powi(2);
+        let (forward, yaw_rate) = (motion.forward.scale(sign), motion.yaw_rate.scale(sign));
+        let (lateral, rim_speed) = (motion.lateral, rim_speed.scale(sign));
+        let (moved, rate, fading_squared) = if TRANSIENT {
+            let moved = &wheel.memory.displacement;
+            let moved = Displacement {
+                forward: moved.forward.scale(sign),
+                lateral: moved.lateral,
+                yaw: moved.yaw.scale(sign),
+                rim: moved.rim.scale(sign),
+            };
+            // Where the rim hardly moves the shear fades at the slip speed of a held wheel.
+            let held = HELD_SLIP_SPEED * HELD_SLIP_SPEED;
+            let squared = rim_speed * rim_speed;
+            let rolling = squared / squared.offset(slip_speed_squared);
+            let fading = rolling.scale(1.0 - held).offset(held);
+            (moved, inverse_modulus, fading.scale(slip_speed_squared))
+        } else {
+            let bounded = self.regularisation.bounded_angular_speed(motion.angular_speed);
+            let moved = Displacement {
+                forward,
+                lateral,
+                yaw: yaw_rate,
+                rim: rim_speed,
+            };
+            let time_per_angle = circle / (law.radius * bounded);
+            let fading = S::constant(slip_speed_squared);
+            (moved, inverse_modulus * time_per_angle, fading)
         };
-        let sums = self.law.integrate(simd, rule, &patch, entry_angle);
-        let scale = |factor: f64| move |sum: S| sum.scale(factor);
-        let area = radius * width;
-        sums.forces(scale(area), scale(area * radius), scale(area * radius))
+        PatchMotion {
+            forward,
+            lateral,
+            yaw_rate,
+            rim_speed,
+            moved,
+            rate,
+            fading_squared,
+            lean: self.regularisation.slip_speed,
+        }
     }
 }
 
-impl<S: Scalar> PatchSums<S> {
-    /// The forces of a patch, from what its sums are to be multiplied with: its area per radian,
-    /// that times the radius of its circle, and that times the radius at which the rim drives.
+impl<S: Scalar> Wedge<S> {
+    /// Of the resistance R_b = a h + b h^2 of blades side by side along the arc, h = R (cos theta - cos theta_1): its
+    /// integrals with R cos theta, and for the moment with R^2 sin theta cos theta, in closed form.
     #[inline(always)]
-    pub(super) fn forces(
-        self,
-        area: impl Fn(S) -> S,
-        arm: impl Fn(S) -> S,
-        drive: impl Fn(S) -> S,
-    ) -> WheelForces<S> {
-        let compaction = area(self.normal[0]);
-        WheelForces {
-            thrust: area(self.shear[0]),
-            compaction,
-            lateral: area(self.shear[1]),
-            vertical: area(self.shear[2] + self.normal[1]),
-            width_moment: area(self.width_moment),
-            arc_moment: arm(self.arc_moment),
-            rolling_resistance: compaction,
-            torque: drive(self.tangential),
+    fn of(
+        effect: &Bulldozing<S>,
+        soil: &Soil<S>,
+        arc: &ContactArc<S>,
+        rebound: S,
+        width: f64,
+    ) -> Self {
+        let ContactArc { circle, entry } = *arc;
+        let (_, lowest) = entry.sin_cos();
+        let [from, to] = [-(rebound * entry), entry].map(|angle| {
+            let (sin, cos) = angle.sin_cos();
+            let half = (angle + sin * cos).scale(0.5);
+            let cubed = cos * cos * cos;
+            [
+                // h / R and its square times cos theta,
+                half - lowest * sin,
+                sin - (sin * sin * sin).scale(1.0 / 3.0) - (lowest * half).scale(2.0)
+                    + lowest * lowest * sin,
+                // and times sin theta cos theta.
+                (lowest * cos * cos).scale(0.5) - cubed.scale(1.0 / 3.0),
+                (lowest * cubed).scale(2.0 / 3.0)
+                    - (cubed * cos).scale(0.25)
+                    - (lowest * lowest * cos * cos).scale(0.5),
+            ]
+        });
+        let t = soil.friction;
+        let q = (t * t).offset(1.0).sqrt() + t;
+        let square = circle * circle;
+        let by_depth = q.scale(2.0) * soil.cohesion * square * effect.lateral;
+        let by_square =
+            q * (q + q * q * t) * effect.unit_weight * square * circle * effect.lateral;
+        let blade = effect.blade_resistance(soil, arc.sinkage());
+        Self {
+            force: by_depth * (to[0] - from[0]) + by_square * (to[1] - from[1]),
+            moment: (by_depth * (to[2] - from[2]) + by_square * (to[3] - from[3])) * circle,
+            frontal: effect.frontal * blade.scale(width),
         }
     }
 }

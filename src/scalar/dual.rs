@@ -171,6 +171,10 @@ impl<const N: usize> Scalar for Dual<f64, N> {
         self.re
     }
     #[inline(always)]
+    fn is_constant(self) -> bool {
+        self.eps.iter().all(|e| *e == 0.0)
+    }
+    #[inline(always)]
     fn chain<const M: usize>(value: f64, gradient: &[f64; M], arguments: &[Self; M]) -> Self {
         let mut eps = [0.0; N];
         for (slope, argument) in gradient.iter().zip(arguments) {

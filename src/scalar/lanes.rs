@@ -60,6 +60,10 @@ impl Scalar for f64 {
         self
     }
     #[inline(always)]
+    fn is_constant(self) -> bool {
+        true
+    }
+    #[inline(always)]
     fn chain<const M: usize>(value: f64, _: &[f64; M], _: &[Self; M]) -> Self {
         value
     }

@@ -66,6 +66,8 @@ pub trait Scalar: Real {
     fn constant(value: f64) -> Self;
     /// The value without its derivatives.
     fn value(self) -> f64;
+    /// Whether all its derivatives are zero.
+    fn is_constant(self) -> bool;
     /// Continues a function of several arguments: its value, and its gradient times
     /// the arguments' own derivatives (chain rule).
     fn chain<const M: usize>(value: f64, gradient: &[f64; M], arguments: &[Self; M]) -> Self;

@@ -32,18 +32,17 @@ impl Evaluation {
         self.motion = motion;
         let prepared = model.prepare(&motion, &state.surroundings(time, memory, tracks));
         model
-            .solve_prepared(&motion, prepared.as_ref(), &mut self.balance)
+            .solve_prepared(&motion, &prepared, &mut self.balance)
             .map_err(|source| SimulationError::Balance { time, source })?;
-        self.finish(model, state, prepared.as_ref());
+        self.finish(state, &prepared);
         self.valid = true;
         Ok(())
     }
 
     /// What follows from the balance.
-    pub fn finish(&mut self, model: &VehicleModel, state: &State, prepared: Option<&Prepared>) {
-        let (motion, balance) = (&self.motion, &self.balance);
-        balance.wrench_of(model, motion, prepared, &mut self.wrench);
-        balance.memory_rates(prepared, &mut self.memory_rates);
+    pub fn finish(&mut self, state: &State, prepared: &Prepared) {
+        prepared.wrench(&self.balance, &mut self.wrench);
+        prepared.memory_rates(&self.balance, &mut self.memory_rates);
         self.derivative = state.derivative(&self.wrench).into();
     }
 

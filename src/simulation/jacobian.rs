@@ -2,12 +2,9 @@
 
 use super::evaluation::Evaluation;
 use super::integrator::Stages;
-use super::memory::{MemoryJacobian, directions};
+use super::memory::directions;
 use super::state::{InputMatrix, State, StateMatrix};
-use crate::vehicle::{
-    Differentiated, Direction, Directions, Linearisation, Motion, Surroundings, Trend,
-    VehicleModel, Wrench,
-};
+use crate::vehicle::{Differentiated, Direction, Directions, VehicleModel, Wrench};
 
 /// Derivatives of the state's rate of change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,71 +18,28 @@ pub struct Jacobian {
 /// Memory that carries nothing from one call to the next.
 #[derive(Debug, Clone)]
 pub(super) struct Work {
-    pub linearisation: Linearisation,
     pub partial: Wrench,
-    /// The directions to differentiate in and their results, where effects alter the model.
-    pub altered: Option<(Directions, Vec<Differentiated>)>,
+    pub derivatives: Derivatives,
     pub stages: Stages,
+}
+
+/// The directions of the integrator's Jacobian, and the derivatives in them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Derivatives {
+    pub directions: Directions,
+    pub results: Vec<Differentiated>,
 }
 
 impl Work {
     pub fn new(model: &VehicleModel, like: &Evaluation) -> Self {
-        let altered = model.altered().map(|altered| {
-            let list = directions(model.memory_count());
-            (Directions::new(altered, list), Vec::new())
-        });
         Self {
-            linearisation: Linearisation::new(model),
             partial: Wrench::for_model(model),
-            altered,
+            derivatives: Derivatives {
+                directions: Directions::new(model, directions(model)),
+                results: Vec::new(),
+            },
             stages: Stages::new(like),
         }
-    }
-
-    /// The Jacobian at an evaluated state, with that of what is remembered.
-    pub fn jacobian(
-        &mut self,
-        model: &VehicleModel,
-        state: &State,
-        surroundings: &Surroundings,
-        at: &Evaluation,
-        trend: &mut Trend,
-        memory: &mut MemoryJacobian,
-    ) -> Jacobian {
-        let mut jacobian = state.kinematic_jacobian();
-        match (&mut self.altered, model.altered()) {
-            (Some((directions, results)), Some(altered)) => {
-                let (motion, balance) = (&at.motion, &at.balance);
-                directions.differentiate(model, altered, motion, surroundings, balance, results);
-                jacobian.take(directions.list(), results, trend, memory);
-            }
-            _ => {
-                self.linearisation.evaluate(model, &at.motion, &at.balance);
-                for direction in 0..5 {
-                    let mut along = [0.0; 5];
-                    along[direction] = 1.0;
-                    let partial = self.along(model, at, &Motion::from_array(along));
-                    trend.set_direction(direction, partial);
-                    jacobian.add_motion(direction, partial);
-                }
-            }
-        }
-        jacobian
-    }
-
-    pub(super) fn along(
-        &mut self,
-        model: &VehicleModel,
-        at: &Evaluation,
-        direction: &Motion,
-    ) -> &Wrench {
-        let Self {
-            linearisation,
-            partial,
-            ..
-        } = self;
-        linearisation.derivative(model, &at.motion, &at.balance, direction, partial);
-        partial
     }
 }
 
@@ -110,20 +64,11 @@ impl State {
 }
 
 impl Jacobian {
-    /// Adds the forces' derivatives in all directions, and writes how the balance and what is
-    /// remembered change with them.
-    pub(super) fn take(
-        &mut self,
-        list: &[Direction],
-        results: &[Differentiated],
-        trend: &mut Trend,
-        memory: &mut MemoryJacobian,
-    ) {
-        memory.set(list, results);
+    /// Adds the forces' derivatives in all directions.
+    pub(super) fn take(&mut self, list: &[Direction], results: &[Differentiated]) {
         for (direction, result) in list.iter().zip(results) {
             let wrench = &result.wrench;
             if let Some(motion) = Direction::MOTION.iter().position(|d| d == direction) {
-                trend.set_direction(motion, wrench);
                 self.add_motion(motion, wrench);
             } else if let Some(pose) = Direction::POSE.iter().position(|d| d == direction) {
                 self.add(pose, wrench);
@@ -139,7 +84,7 @@ impl Jacobian {
     }
 
     /// The same by one of the five components of [`Motion`].
-    pub(super) fn add_motion(&mut self, direction: usize, derivative: &Wrench) {
+    fn add_motion(&mut self, direction: usize, derivative: &Wrench) {
         if direction < 3 {
             return self.add(3 + direction, derivative);
         }

@@ -2,7 +2,7 @@
 //! eliminated from each stage's linear system.
 
 use super::state::{State, StateMatrix, StateVector};
-use crate::vehicle::{Differentiated, Direction};
+use crate::vehicle::{Differentiated, Direction, VehicleModel};
 use nalgebra::{LU, SMatrix};
 
 /// Tolerated error of a remembered number in one step: absolute part (metres, or metres per
@@ -89,10 +89,12 @@ impl MemoryJacobian {
     }
 }
 
-/// The directions of the integrator's Jacobian for a model that effects alter.
-pub(super) fn directions(memory_count: usize) -> Vec<Direction> {
-    let motion = Direction::MOTION.into_iter().chain(Direction::POSE);
-    motion.chain(memory_directions(memory_count)).collect()
+/// The directions of the integrator's Jacobian: the motion, place and heading where anything depends on them, and what
+/// is remembered.
+pub(super) fn directions(model: &VehicleModel) -> Vec<Direction> {
+    let pose = Direction::POSE.into_iter().filter(|_| !model.is_placeless());
+    let motion = Direction::MOTION.into_iter().chain(pose);
+    motion.chain(memory_directions(model.memory_count())).collect()
 }
 
 /// Those of what is remembered alone.

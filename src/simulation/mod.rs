@@ -29,11 +29,11 @@ pub(crate) use state::StateVector;
 pub use state::{State, WheelSpeeds};
 
 use crate::vehicle::{Balance, BalanceError, Motion, Trend, VehicleModel, Wrench};
-use crate::vehicle::{Differentiated, Direction, Directions, TrackSlope};
+use crate::vehicle::{Differentiated, Direction, Directions, Prepared, TrackSlope};
 use evaluation::Evaluation;
 use integrator::Integrator;
 use jacobian::Work;
-use memory::{MemoryJacobian, directions};
+use memory::directions;
 use rut_history::RutHistory;
 use std::sync::Arc;
 
@@ -115,7 +115,7 @@ impl Simulation {
     /// A value that is not finite; then nothing has changed.
     pub fn set_time(&mut self, time: f64) -> Result<(), SimulationError> {
         finite(&["time"], &[time])?;
-        if time != self.time && self.model.altered().is_some() {
+        if time != self.time && !self.model.effects().is_paper() {
             self.now.valid = false;
         }
         self.time = time;
@@ -223,22 +223,16 @@ impl Simulation {
         self.input_rates
     }
 
+    /// The model at the present, evaluated state.
+    fn prepared(&self) -> Prepared<'_> {
+        let tracks = self.left.tracks();
+        let surroundings = self.state.surroundings(self.time, &self.memory, tracks);
+        self.model.prepare(&self.now.motion, &surroundings)
+    }
+
     /// Differentiates in some directions at the present, evaluated state.
-    fn differentiate(&self, directions: &Directions, results: &mut Vec<Differentiated>) {
-        let surroundings = self
-            .state
-            .surroundings(self.time, &self.memory, self.left.tracks());
-        if let Some(altered) = self.model.altered() {
-            let (motion, balance) = (&self.now.motion, &self.now.balance);
-            directions.differentiate(
-                &self.model,
-                altered,
-                motion,
-                &surroundings,
-                balance,
-                results,
-            );
-        }
+    fn differentiate(&self, directions: &mut Directions, results: &mut Vec<Differentiated>) {
+        directions.differentiate(&self.prepared(), &self.now.balance, results);
     }
 
     fn evaluate(&mut self) -> Result<(), SimulationError> {
@@ -277,11 +271,22 @@ impl Simulation {
     /// Takes derivatives at the present, evaluated state for the steps that follow.
     pub(super) fn take_jacobian(&mut self, list: &[Direction], results: &[Differentiated]) {
         let mut jacobian = self.state.kinematic_jacobian();
+        jacobian.take(list, results);
+        self.trend.take(list, results);
         let integrator = &mut self.integrator;
-        jacobian.take(list, results, &mut self.trend, &mut integrator.memory);
+        integrator.memory.set(list, results);
         integrator.by_state = jacobian.by_state;
         integrator.by_input = jacobian.by_input;
         integrator.jacobian_age = 0;
+    }
+
+    /// The same, in the integrator's own directions.
+    pub(super) fn renew_jacobian(&mut self) {
+        let mut work = std::mem::take(&mut self.work.derivatives);
+        self.differentiate(&mut work.directions, &mut work.results);
+        self.take_jacobian(work.directions.list(), &work.results);
+        self.work.derivatives = work;
+        self.integrator.counters.jacobians += 1;
     }
 
     /// The derivative of the wrench when velocities and wheel speeds change in `direction`, and
@@ -295,26 +300,20 @@ impl Simulation {
         pose: [f64; 3],
     ) -> Result<&Wrench, SimulationError> {
         self.evaluate()?;
-        let surroundings = self
-            .state
-            .surroundings(self.time, &self.memory, self.left.tracks());
-        let (model, at) = (&self.model, &self.now);
-        match (&mut self.work.altered, model.altered()) {
-            (Some((directions, results)), Some(altered)) => {
-                let (motion, balance) = (&at.motion, &at.balance);
-                directions.differentiate(model, altered, motion, &surroundings, balance, results);
-                let along = direction.to_array().into_iter().chain(pose);
-                self.work
-                    .partial
-                    .combine(results.iter().map(|r| &r.wrench).zip(along));
+        let mut work = std::mem::take(&mut self.work.derivatives);
+        self.differentiate(&mut work.directions, &mut work.results);
+        let (motion, list) = (direction.to_array(), work.directions.list());
+        let shares = list.iter().map(|direction| {
+            let place = |list: &[Direction]| list.iter().position(|one| one == direction);
+            match (place(&Direction::MOTION), place(&Direction::POSE)) {
+                (Some(component), _) => motion[component],
+                (_, Some(component)) => pose[component],
+                _ => 0.0,
             }
-            _ => {
-                self.work
-                    .linearisation
-                    .evaluate(model, &at.motion, &at.balance);
-                self.work.along(model, at, direction);
-            }
-        }
+        });
+        let wrenches = work.results.iter().map(|result| &result.wrench);
+        self.work.partial.combine(wrenches.zip(shares));
+        self.work.derivatives = work;
         Ok(&self.work.partial)
     }
 
@@ -324,31 +323,23 @@ impl Simulation {
     /// As [`Simulation::wrench`].
     pub fn wrench_rate(&mut self) -> Result<&Wrench, SimulationError> {
         self.evaluate()?;
-        let [x, y, heading, v_x, v_y, yaw_rate] = self.now.derivative.into();
-        let motion = Motion {
-            v_x,
-            v_y,
-            yaw_rate,
-            ..Motion::default()
-        };
-        let pose = [x, y, heading];
-        if self.model.altered().is_none() {
-            return self.wrench_derivative(&motion, pose);
-        }
-        let mut list = directions(self.memory.len());
+        let mut list = directions(&self.model);
         list.push(Direction::Time);
         let mut results = Vec::new();
-        self.differentiate(&self.model.directions(list), &mut results);
-        let remembered = self.now.memory_rates.iter().copied();
-        let along = motion
-            .to_array()
-            .into_iter()
-            .chain(pose)
-            .chain(remembered)
-            .chain([1.0]);
-        self.work
-            .partial
-            .combine(results.iter().map(|r| &r.wrench).zip(along));
+        let mut directions = Directions::new(&self.model, list);
+        self.differentiate(&mut directions, &mut results);
+        let rate: [f64; State::COUNT] = self.now.derivative.into();
+        let rates = directions.list().iter().map(|direction| match *direction {
+            Direction::Velocity(axis) => rate[3 + axis],
+            Direction::YawRate => rate[5],
+            Direction::Position(axis) => rate[axis],
+            Direction::Heading => rate[2],
+            Direction::Memory(index) => self.now.memory_rates[index],
+            Direction::Time => 1.0,
+            Direction::WheelSpeed(_) | Direction::Parameter(_) => 0.0,
+        });
+        let wrenches = results.iter().map(|result| &result.wrench);
+        self.work.partial.combine(wrenches.zip(rates));
         Ok(&self.work.partial)
     }
 
@@ -359,12 +350,9 @@ impl Simulation {
     /// As [`Simulation::wrench`].
     pub fn wrench_by_time(&mut self) -> Result<&Wrench, SimulationError> {
         self.evaluate()?;
-        if self.model.altered().is_none() {
-            return self.wrench_derivative(&Motion::default(), [0.0; 3]);
-        }
         let mut results = Vec::new();
-        let list = vec![Direction::Time];
-        self.differentiate(&self.model.directions(list), &mut results);
+        let mut directions = Directions::new(&self.model, vec![Direction::Time]);
+        self.differentiate(&mut directions, &mut results);
         self.work
             .partial
             .combine(results.iter().map(|r| (&r.wrench, 1.0)));
@@ -377,29 +365,17 @@ impl Simulation {
     /// As [`Simulation::wrench`].
     pub fn jacobian(&mut self) -> Result<Jacobian, SimulationError> {
         self.evaluate()?;
-        let mut trend = self.trend.clone();
-        let mut memory = MemoryJacobian::default();
-        let surroundings = self
-            .state
-            .surroundings(self.time, &self.memory, self.left.tracks());
-        Ok(self.work.jacobian(
-            &self.model,
-            &self.state,
-            &surroundings,
-            &self.now,
-            &mut trend,
-            &mut memory,
-        ))
+        let mut work = std::mem::take(&mut self.work.derivatives);
+        self.differentiate(&mut work.directions, &mut work.results);
+        let mut jacobian = self.state.kinematic_jacobian();
+        jacobian.take(work.directions.list(), &work.results);
+        self.work.derivatives = work;
+        Ok(jacobian)
     }
 
     /// How the rates of what the wheels meet depend on the samples of their tracks, at the present, evaluated state.
     pub(super) fn track_slopes(&self) -> Vec<TrackSlope> {
-        let tracks = self.left.tracks();
-        let surroundings = self.state.surroundings(self.time, &self.memory, tracks);
-        let prepared = self.model.prepare(&self.now.motion, &surroundings);
-        prepared.map_or_else(Vec::new, |prepared| {
-            prepared.track_slopes(&self.now.balance)
-        })
+        self.prepared().track_slopes(&self.now.balance)
     }
 
     /// Leaves the tracks of the step that was taken.

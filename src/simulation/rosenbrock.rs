@@ -198,21 +198,7 @@ impl Simulation {
         if self.integrator.jacobian_age < JACOBIAN_STEPS {
             return;
         }
-        let surroundings = self
-            .state
-            .surroundings(self.time, &self.memory, self.left.tracks());
-        let jacobian = self.work.jacobian(
-            &self.model,
-            &self.state,
-            &surroundings,
-            &self.now,
-            &mut self.trend,
-            &mut self.integrator.memory,
-        );
-        self.integrator.by_state = jacobian.by_state;
-        self.integrator.by_input = jacobian.by_input;
-        self.integrator.jacobian_age = 0;
-        self.integrator.counters.jacobians += 1;
+        self.renew_jacobian();
     }
 
     /// One step: the new state, and the largest error in units of its tolerance.

@@ -10,7 +10,7 @@ use super::slope_history::SlopeHistory;
 use super::variation::{Variation, identity};
 use super::{Simulation, SimulationError, State, WheelSpeeds};
 use crate::parameter::ParameterError;
-use crate::vehicle::{Direction, ModelParameter, Specification, VehicleModel};
+use crate::vehicle::{Direction, Directions, ModelParameter, Specification, VehicleModel};
 use nalgebra::DMatrix;
 
 /// A [`Simulation`] that carries the derivatives of its state along.
@@ -65,12 +65,13 @@ impl SensitiveSimulation {
         binned: &[ModelParameter],
         time_bins: usize,
     ) -> Result<Self, ParameterError> {
-        let model = VehicleModel::alterable(specification)?;
-        let (memory, placeless) = (model.memory_count(), model.is_placeless());
-        let mut list = directions(memory);
+        let model = VehicleModel::from_specification(specification)?;
+        let memory = model.memory_count();
+        let mut list = directions(&model);
         let mut varied = parameters.iter().chain(binned);
-        if placeless && !varied.clone().any(|p| p.depends_on_place()) {
-            list.retain(|direction| !Direction::POSE.contains(direction));
+        if varied.clone().any(|p| p.depends_on_place()) {
+            let missing = Direction::POSE.into_iter().filter(|pose| !list.contains(pose));
+            list = list.iter().copied().chain(missing).collect();
         }
         let varied: Vec<Direction> = varied.by_ref().map(|p| Direction::Parameter(*p)).collect();
         for direction in &varied {
@@ -78,8 +79,6 @@ impl SensitiveSimulation {
                 list.push(*direction);
             }
         }
-        // Those that do not reach the wheels are differentiated together, which costs little.
-        list.sort_by_key(|direction| !direction.reaches_wheels());
         let places = |direction: &Direction| {
             let columns = varied.iter().enumerate();
             columns
@@ -94,7 +93,7 @@ impl SensitiveSimulation {
             time_bins: time_bins.max(1),
             time_bin: 0,
         };
-        let directions = model.directions(list);
+        let directions = Directions::new(&model, list);
         Ok(Self {
             simulation: Simulation::new(model),
             variation: Variation {

@@ -3,7 +3,7 @@
 
 use super::memory::memory_directions;
 use super::{Simulation, SimulationError, finite};
-use crate::vehicle::Remembered;
+use crate::vehicle::{Directions, Remembered};
 use nalgebra::DMatrix;
 
 /// Newton's steps at most, and below which step \[m, m/rad\] it is there.
@@ -84,11 +84,12 @@ impl Simulation {
     pub(super) fn settle_arriving(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError> {
         self.left.arrive(course);
         self.now.valid = false;
-        let directions = self.model.directions(memory_directions(self.memory.len()));
+        let list = memory_directions(self.memory.len());
+        let mut directions = Directions::new(&self.model, list);
         let mut results = Vec::new();
         for _ in 0..STEPS {
             self.evaluate()?;
-            self.differentiate(&directions, &mut results);
+            self.differentiate(&mut directions, &mut results);
             let count = self.memory.len();
             let whole = DMatrix::from_fn(count, count, |i, j| results[j].memory_rates[i]);
             let settling = Settling::new(self, &whole);

@@ -58,7 +58,7 @@ impl Simulation {
             .state
             .surroundings(self.time, &self.memory, self.left.tracks());
         let prepared = self.model.prepare(&self.now.motion, &surroundings);
-        self.now.finish(&self.model, &self.state, prepared.as_ref());
+        self.now.finish(&self.state, &prepared);
         Ok(())
     }
 

@@ -45,7 +45,7 @@ fn delayed(simulation: &Simulation) -> Vector2<f64> {
 impl Variation {
     /// At the simulation's present state, for the integrator as well.
     pub fn linearise(&mut self, simulation: &mut Simulation) -> Linearised {
-        simulation.differentiate(&self.directions, &mut self.results);
+        simulation.differentiate(&mut self.directions, &mut self.results);
         simulation.take_jacobian(self.directions.list(), &self.results);
         let rows = self.by.nrows();
         let mut by_state = DMatrix::zeros(rows, rows);

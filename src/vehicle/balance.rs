@@ -1,7 +1,7 @@
 //! The balance of all wheels: the vertical force of every wheel carries its load (22), the loads follow from the
 //! accelerations (28), and the accelerations from the wheels' forces (19), (20).
 
-use super::Wrench;
+use super::{Differentiated, Direction};
 use crate::contact::WheelForces;
 
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
@@ -83,6 +83,12 @@ impl Balance {
     pub(crate) fn reset(&mut self) {
         self.acceleration = [0.0; 2];
         self.wheels.fill(BalancedWheel::default());
+        self.slopes.fill(WheelForces::zero());
+    }
+
+    /// Whether slopes of the forces by the entry angles are known, of this balance or of one nearby.
+    pub(super) fn has_slopes(&self) -> bool {
+        self.slopes.iter().all(|slope| slope.vertical > 0.0)
     }
 
     /// Whether some wheel carries nothing at this balance.
@@ -137,7 +143,7 @@ impl Balance {
             visit(&mut wheel.load);
             visit(&mut wheel.share);
         }
-        for force in &mut self.forces {
+        for force in self.forces.iter_mut().chain(&mut self.slopes) {
             let mut numbers = force.to_array();
             numbers.iter_mut().for_each(&mut *visit);
             *force = WheelForces::from_array(numbers);
@@ -168,12 +174,17 @@ impl Trend {
         }
     }
 
-    /// Takes the derivative of the wrench in one direction of the motion.
-    pub(crate) fn set_direction(&mut self, direction: usize, derivative: &Wrench) {
-        self.acceleration[0][direction] = derivative.a_x;
-        self.acceleration[1][direction] = derivative.a_y;
-        for (slopes, wheel) in self.entry_angles.iter_mut().zip(&derivative.wheels) {
-            slopes[direction] = wheel.entry_angle;
+    /// Takes the derivatives of the wrench in those directions that are of the motion.
+    pub(crate) fn take(&mut self, list: &[Direction], results: &[Differentiated]) {
+        for (direction, result) in list.iter().zip(results) {
+            let place = Direction::MOTION.iter().position(|one| one == direction);
+            let Some(place) = place else { continue };
+            let wrench = &result.wrench;
+            self.acceleration[0][place] = wrench.a_x;
+            self.acceleration[1][place] = wrench.a_y;
+            for (slopes, wheel) in self.entry_angles.iter_mut().zip(&wrench.wheels) {
+                slopes[place] = wheel.entry_angle;
+            }
         }
     }
 

@@ -1,16 +1,15 @@
 //! The balance where Newton's method fails: by continuation in the load below which a wheel's forces fade.
 //!
 //! On cohesive soil a braking wheel is dragged down by the shear on its front: without any load it stands at an entry
-//! angle of its own and pulls several hundred newtons. The fading below [`VehicleModel::lightest_load`] keeps the
+//! angle of its own and pulls several hundred newtons. The fading below [`Prepared::lightest_load`] keeps the
 //! forces continuous in the load, but they grow from 0 within half a newton, and Newton's steps jump across.
 //! Where all forces fade slowly the balance is easy to find; from there it is followed to the model's own fading.
 
-use super::altered::Prepared;
 use super::balance::{ENTRY_ANGLE_RANGE, MAX_LOG_STEP};
 use super::newton::{BalanceError, STEP_TOLERANCE, solve_2x2};
+use super::prepared::Prepared;
 use super::{Balance, Motion, VehicleModel};
-use crate::contact::{Detail, WheelForces, WheelMotion};
-use fearless_simd::dispatch;
+use crate::contact::{Detail, Wheel, WheelForces, WheelLaw, WheelMemory, WheelMotion};
 use std::f64::consts::FRAC_PI_2;
 
 /// Factor by which the fading load shrinks from one stage to the next, at first and at the slowest.
@@ -66,20 +65,20 @@ impl VehicleModel {
     pub(super) fn find(
         &self,
         motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         guess: [f64; 2],
         balance: &mut Balance,
     ) -> Result<(), BalanceError> {
         balance.reset();
         let wheels = balance.wheels.len();
-        let weight = self.weight(prepared);
+        let weight = prepared.weight();
         if self.bearing() * (wheels as f64) < weight {
             // Not even the standing vehicle is carried.
             return Err(self.bogged(0, weight / wheels as f64));
         }
-        let last = self.lightest_load(prepared);
+        let last = prepared.lightest_load();
         balance.acceleration = guess;
-        if self.trail(motion, prepared, balance, last) {
+        if self.trail(prepared, balance, last) {
             let outcome = self.check_carried(balance);
             balance.fade_light_wheels();
             return outcome;
@@ -89,7 +88,7 @@ impl VehicleModel {
         let mut factor = FIRST_FACTOR;
         let mut settled = balance.clone();
         for _ in 0..MAX_STAGES {
-            match self.stage(motion, prepared, balance, fading) {
+            match self.stage(prepared, balance, fading) {
                 Stage::NotFinite => {
                     return Err(BalanceError::NotFinite(*motion));
                 }
@@ -139,26 +138,31 @@ impl VehicleModel {
 
     /// What the soil bears at rest under a wheel that stands in it to its axle \[N\], without effects.
     fn bearing(&self) -> f64 {
-        let rest = WheelMotion {
-            forward: 0.0,
-            lateral: 0.0,
-            yaw_rate: 0.0,
-            angular_speed: 0.0,
+        let vehicle = self.vehicle();
+        let wheel = Wheel {
+            motion: WheelMotion {
+                forward: 0.0,
+                lateral: 0.0,
+                yaw_rate: 0.0,
+                angular_speed: 0.0,
+            },
+            reach: FRAC_PI_2,
+            memory: WheelMemory::NONE,
+            law: WheelLaw::paper(self.bare_soil(), vehicle.wheel_radius, vehicle.wheel_width),
         };
-        let axle = dispatch!(self.level(), simd => self.contact().forces(simd, &rest, FRAC_PI_2, Detail::Full));
+        let axle = self.contact().forces(self.level(), &wheel, Detail::Full);
         axle.vertical
     }
 
     /// Newton's method on the accelerations at one fading load.
     fn stage(
         &self,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &mut Balance,
         fading: f64,
     ) -> Stage {
-        let mass = self.mass(prepared);
-        self.carry(motion, prepared, balance, fading);
+        let mass = prepared.chassis.mass;
+        self.carry(prepared, balance, fading);
         for _ in 0..MAX_STEPS {
             let (matrix, residual) = self.acceleration_system(prepared, balance, fading);
             let step = solve_2x2(matrix, residual);
@@ -170,7 +174,7 @@ impl VehicleModel {
             let mut share = 1.0;
             for halving in 0..=MAX_HALVINGS {
                 balance.acceleration = [from[0] + share * step[0], from[1] + share * step[1]];
-                self.carry(motion, prepared, balance, fading);
+                self.carry(prepared, balance, fading);
                 let (_, residual) = self.acceleration_system(prepared, balance, fading);
                 let left = residual[0].hypot(residual[1]);
                 if is_settled(residual, mass) {
@@ -193,16 +197,15 @@ impl VehicleModel {
     /// as long as the accelerations move one way. Returns whether it arrived.
     fn trail(
         &self,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &mut Balance,
         fading: f64,
     ) -> bool {
-        let mass = self.mass(prepared);
+        let mass = prepared.chassis.mass;
         let mut trailing = 1.0;
         let mut last = [0.0; 2];
         for _ in 0..MAX_TRAILING_STEPS {
-            self.carry(motion, prepared, balance, fading);
+            self.carry(prepared, balance, fading);
             let (mut matrix, residual) = self.acceleration_system(prepared, balance, fading);
             if is_settled(residual, mass) {
                 return true;
@@ -229,12 +232,11 @@ impl VehicleModel {
     /// Lets every wheel carry its load at the balance's accelerations, or the fading load if that is larger.
     fn carry(
         &self,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &mut Balance,
         fading: f64,
     ) {
-        balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
+        balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
         for index in 0..balance.wheels.len() {
             let load = balance.loads[index][0];
             let target = load.max(fading);
@@ -242,10 +244,9 @@ impl VehicleModel {
             wheel.load = load;
             wheel.share = load / target;
             if wheel.entry_angle <= 0.0 {
-                let rigid = self.contact().entry_angle_guess(target);
-                wheel.entry_angle = prepared.map_or(rigid, |at| at.reach(index, rigid));
+                wheel.entry_angle = self.reach_guess(index, target);
             }
-            self.carry_one(motion, prepared, balance, index, target);
+            self.carry_one(prepared, balance, index, target);
         }
     }
 
@@ -253,8 +254,7 @@ impl VehicleModel {
     /// at any angle, the one at which it bears most, and forces that do not change with the load.
     fn carry_one(
         &self,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &mut Balance,
         index: usize,
         target: f64,
@@ -265,7 +265,7 @@ impl VehicleModel {
         let mut angle = balance.wheels[index].entry_angle.clamp(first, last);
         for _ in 0..MAX_EVALUATIONS {
             balance.wheels[index].entry_angle = angle;
-            dispatch!(self.level(), simd => self.evaluate_wheel(simd, motion, prepared, balance, index, Detail::Full));
+            self.evaluate_wheel(prepared, balance, index, Detail::Full);
             let force = balance.forces[index].vertical;
             let growth = angle * balance.slopes[index].vertical;
             if (force - target).abs() <= LOAD_TOLERANCE * target {

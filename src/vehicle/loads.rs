@@ -1,87 +1,94 @@
 //! Vertical load of each wheel for any row positions: the plane (27) that satisfies the sums (26) of the rolling
 //! moments (23). For four rows it is (28).
 
-use super::Vehicle;
+use crate::scalar::Scalar;
 
 /// Gravitational acceleration g \[m/s^2\], the paper's value.
 pub const GRAVITY: f64 = 9.81;
 
-/// The plane F_Z = u + v X + w Y (27) through the wheels that carries the weight and
-/// balances the moments of the accelerations:
-/// sum F_Z = m g, sum X F_Z = -m h a_X, sum Y F_Z = -m h a_Y.
+/// The plane F_Z = u + v X + w Y (27) through the wheels that carries a force and balances two moments.
 #[derive(Debug, Clone)]
-pub struct LoadPlane {
-    weight: f64,
-    /// Per wheel: load at rest \[N\], and its change with a_X and a_Y \[N s^2/m\].
-    wheels: Vec<[f64; 3]>,
+pub(crate) struct LoadPlane<S> {
+    /// Each wheel's load \[N\] for a newton of the force, and for a newton metre of each moment.
+    shares: Vec<[S; 3]>,
 }
 
-impl LoadPlane {
-    /// The plane of a vehicle (which has at least two distinct rows).
-    #[must_use]
-    pub fn new(vehicle: &Vehicle) -> Self {
-        let count = vehicle.wheel_count();
-        let centres: Vec<_> = (0..count).map(|i| vehicle.wheel_centre(i)).collect();
-        let weight = vehicle.mass * GRAVITY;
-        let leverage = vehicle.mass * vehicle.com_height;
-        let mean = centres.iter().map(|c| c.0).sum::<f64>() / count as f64;
-        let spread: f64 = centres.iter().map(|c| (c.0 - mean).powi(2)).sum();
-        let breadth: f64 = centres.iter().map(|c| c.1.powi(2)).sum();
-        let wheels = centres
-            .iter()
-            .map(|&(x, y)| {
-                // u = m g / N - v mean; v = (-m h a_X - m g mean) / spread.
-                let lever = (x - mean) / spread;
-                [
-                    weight / count as f64 - weight * mean * lever,
-                    -leverage * lever,
-                    -leverage * y / breadth,
-                ]
-            })
-            .collect();
-        Self { weight, wheels }
+/// What the loads have to balance, about the centre of mass.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LoadTargets<S> {
+    /// Sum of the loads \[N\]: m g on flat ground.
+    pub normal: S,
+    /// Sum of X F_Z and of Y F_Z \[N m\] without acceleration.
+    pub moments: [S; 2],
+    /// m h \[kg m\]: the ground's specific force s takes m h s_X and m h s_Y from the two moments.
+    pub leverage: S,
+}
+
+impl<S: Scalar> LoadPlane<S> {
+    /// Through wheels at these places ahead and to the left of the centre of mass \[m\], at least two distinct rows.
+    pub fn new(places: &[[S; 2]]) -> Self {
+        let zero = S::constant(0.0);
+        let inverse = 1.0 / places.len() as f64;
+        let mut mean = [zero; 2];
+        for place in places {
+            mean[0] += place[0].scale(inverse);
+            mean[1] += place[1].scale(inverse);
+        }
+        let mut spread = [zero; 2];
+        for place in places {
+            for axis in 0..2 {
+                let from_mean = place[axis] - mean[axis];
+                spread[axis] += from_mean * from_mean;
+            }
+        }
+        let share = |place: &[S; 2]| {
+            let [ahead, left] = [0, 1].map(|axis| (place[axis] - mean[axis]) / spread[axis]);
+            let level = S::constant(inverse) - mean[0] * ahead - mean[1] * left;
+            [level, ahead, left]
+        };
+        Self {
+            shares: places.iter().map(share).collect(),
+        }
     }
 
-    /// Weight m g \[N\].
-    #[must_use]
-    pub fn weight(&self) -> f64 {
-        self.weight
-    }
-
-    /// Load of one wheel \[N\] on the plane, and its change with a_X and a_Y. Negative
-    /// where the ground would have to pull.
-    fn on_plane(&self, index: usize, [a_x, a_y]: [f64; 2]) -> f64 {
-        let [rest, by_x, by_y] = self.wheels[index];
-        rest + by_x * a_x + by_y * a_y
-    }
-
-    /// Writes each wheel's load \[N\] and its derivatives by a_X and a_Y \[N s^2/m\].
+    /// Writes each wheel's load \[N\] where the ground exerts the specific force s \[m/s^2\], and its derivatives by s_X
+    /// and s_Y \[kg\].
     ///
     /// A wheel that the plane would have to pull down is lifted: it carries nothing, and
-    /// the loads of the others are scaled so that they still carry m g. Returns whether
+    /// the loads of the others are scaled so that they still carry all. Returns whether
     /// any wheel is lifted.
-    pub fn distribute(&self, acceleration: [f64; 2], loads: &mut [[f64; 3]]) -> bool {
-        let mut carried = 0.0;
-        let mut carried_by = [0.0; 2];
+    pub fn distribute(
+        &self,
+        targets: &LoadTargets<S>,
+        specific: [S; 2],
+        loads: &mut [[S; 3]],
+    ) -> bool {
+        let zero = S::constant(0.0);
+        let moments =
+            [0, 1].map(|axis| targets.moments[axis] - targets.leverage * specific[axis]);
+        let mut carried = [zero; 3];
         let mut lifted = false;
-        for (index, load) in loads.iter_mut().enumerate() {
-            let value = self.on_plane(index, acceleration);
-            *load = if value > 0.0 {
-                [value, self.wheels[index][1], self.wheels[index][2]]
+        for (share, load) in self.shares.iter().zip(&mut *loads) {
+            let value =
+                targets.normal * share[0] + moments[0] * share[1] + moments[1] * share[2];
+            *load = if value.value() > 0.0 {
+                let by = |share: S| -(targets.leverage * share);
+                [value, by(share[1]), by(share[2])]
             } else {
                 lifted = true;
-                [0.0; 3]
+                [zero; 3]
             };
-            carried += load[0];
-            carried_by[0] += load[1];
-            carried_by[1] += load[2];
+            for (sum, part) in carried.iter_mut().zip(*load) {
+                *sum += part;
+            }
         }
         if lifted {
-            let share = self.weight / carried;
-            for [load, by_x, by_y] in loads.iter_mut().filter(|l| l[0] > 0.0) {
-                *by_x = share * (*by_x - *load * carried_by[0] / carried);
-                *by_y = share * (*by_y - *load * carried_by[1] / carried);
-                *load *= share;
+            let [carried, by_x, by_y] = carried;
+            let share = targets.normal / carried;
+            for load in loads.iter_mut().filter(|load| load[0].value() > 0.0) {
+                load[1] = share * (load[1] - load[0] * by_x / carried);
+                load[2] = share * (load[2] - load[0] * by_y / carried);
+                load[0] = share * load[0];
             }
         }
         lifted
@@ -91,13 +98,21 @@ impl LoadPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vehicle::Vehicle;
 
     /// Rounding in sums of eight loads of some 600 N.
     const ROUNDING: f64 = 1e-9;
 
     fn loads(vehicle: &Vehicle, acceleration: [f64; 2]) -> (Vec<f64>, bool) {
-        let mut loads = vec![[0.0; 3]; vehicle.wheel_count()];
-        let lifted = LoadPlane::new(vehicle).distribute(acceleration, &mut loads);
+        let wheels = 0..vehicle.wheel_count();
+        let places: Vec<[f64; 2]> = wheels.map(|i| vehicle.wheel_centre(i).into()).collect();
+        let targets = LoadTargets {
+            normal: vehicle.mass * GRAVITY,
+            moments: [0.0; 2],
+            leverage: vehicle.mass * vehicle.com_height,
+        };
+        let mut loads = vec![[0.0; 3]; places.len()];
+        let lifted = LoadPlane::new(&places).distribute(&targets, acceleration, &mut loads);
         (loads.iter().map(|l| l[0]).collect(), lifted)
     }
 

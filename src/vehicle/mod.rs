@@ -8,31 +8,40 @@
 //! positive when it rolls forward. `a_x`, `a_y` are the accelerations of the centre of
 //! mass along the body's axes: dV_X/dt = a_x + V_Y Omega, dV_Y/dt = a_y - V_X Omega.
 
-mod altered;
 mod balance;
+mod chassis;
 mod continuation;
+mod derivatives;
+mod environment;
 mod geometry;
-mod linear;
 mod loads;
+mod memory;
 mod model;
 mod newton;
 mod parameter;
+mod prepared;
+mod rut;
+mod tracks;
 mod unusual;
 mod wrench;
 
-pub(crate) use altered::{
-    ApproachPath, Differentiated, Direction, Directions, Prepared, Remembered, TRACK_SAMPLES,
-    TrackSlope, sample_size, spacing, wheel_places, wheel_travel,
-};
-pub use altered::{Surroundings, Tracks, seen_from};
 pub use balance::Balance;
 pub(crate) use balance::Trend;
+pub(crate) use chassis::Chassis;
+pub(crate) use derivatives::{Differentiated, Direction, Directions};
+pub use environment::Surroundings;
 pub use geometry::Vehicle;
-pub use linear::Linearisation;
-pub use loads::{GRAVITY, LoadPlane};
+pub use loads::GRAVITY;
 pub use model::VehicleModel;
+pub(crate) use memory::Remembered;
 pub use newton::BalanceError;
 pub use parameter::{ModelParameter, Specification, TerrainParameter, VehicleParameter};
+pub(crate) use prepared::Prepared;
+pub(crate) use rut::TrackSlope;
+pub(crate) use tracks::{
+    ApproachPath, TRACK_SAMPLES, sample_size, spacing, wheel_places, wheel_travel,
+};
+pub use tracks::{Tracks, seen_from};
 pub use unusual::{USUAL_SOIL, Unusual};
 pub use wrench::{WheelOutputs, Wrench};
 

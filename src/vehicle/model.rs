@@ -1,28 +1,43 @@
 //! A vehicle on a terrain, prepared for evaluation.
 
-use super::altered::{Altered, Prepared, Remembered};
+use super::environment::Situation;
+use super::memory::{MemoryLayout, Remembered};
+use super::prepared::Prepared;
 use super::{
-    LoadPlane, ModelParameter, Motion, Specification, Surroundings, Vehicle, WheelOutputs, Wrench,
+    Chassis, ModelParameter, Motion, Specification, Surroundings, Vehicle, WheelOutputs, Wrench,
 };
-use crate::contact::{Regularisation, Resolution, WheelContact, WheelMotion};
-use crate::effects::{Extent, ParameterName};
-use crate::parameter::ParameterError;
-use crate::scalar::Scalar;
+use crate::contact::{Regularisation, Resolution, WheelContact};
+use crate::effects::{Effects, Extent, ParameterName, SlopeProfile, Soil};
+use crate::parameter::{Bounds, ParameterError};
 use crate::terrain::Terrain;
 use fearless_simd::Level;
 
-/// A vehicle on a terrain: everything about the two that does not move.
+/// What is shorter \[m\] may be stepped over: a ramp of a tenth of a millimetre that stands for an edge would cost
+/// thousands of steps a second all the way.
+const FINEST: f64 = 0.02;
+
+/// A vehicle on a terrain with the effects that are on: everything about them that does not move.
 #[derive(Debug, Clone)]
 pub struct VehicleModel {
-    vehicle: Vehicle,
-    terrain: Terrain,
-    regularisation: Regularisation,
+    specification: Specification,
     contact: WheelContact,
-    plane: LoadPlane,
-    /// The effects that are on, unless there are none.
-    altered: Option<Box<Altered>>,
+    chassis: Chassis<f64>,
+    /// The same outside of the effects' window, where they have one.
+    outside: Option<Outside>,
+    layout: MemoryLayout,
+    /// Each wheel's load \[N\] over theta_1^(2n+1) at small entry angles; for a guess.
+    supports: Vec<f64>,
+    /// The length \[m\] of the shortest thing that lies in the way.
+    grain: Option<f64>,
     /// The processor's vector instructions.
     level: Level,
+}
+
+/// A specification and its chassis outside of the effects' window.
+#[derive(Debug, Clone)]
+pub(super) struct Outside {
+    pub specification: Specification,
+    pub chassis: Chassis<f64>,
 }
 
 impl VehicleModel {
@@ -31,12 +46,7 @@ impl VehicleModel {
     /// # Errors
     /// The first parameter that lies outside its range.
     pub fn new(vehicle: Vehicle, terrain: Terrain) -> Result<Self, ParameterError> {
-        Self::with_settings(
-            vehicle,
-            terrain,
-            Regularisation::default(),
-            Resolution::default(),
-        )
+        Self::from_specification(&Specification::plain(vehicle, terrain))
     }
 
     /// A vehicle on a terrain, with other regularisation speeds or quadrature nodes.
@@ -49,19 +59,8 @@ impl VehicleModel {
         regularisation: Regularisation,
         resolution: Resolution,
     ) -> Result<Self, ParameterError> {
-        vehicle.validate()?;
-        let (radius, width) = (vehicle.wheel_radius, vehicle.wheel_width);
-        let contact = WheelContact::new(&terrain, radius, width, regularisation, resolution)?;
-        let plane = LoadPlane::new(&vehicle);
-        Ok(Self {
-            vehicle,
-            terrain,
-            regularisation,
-            contact,
-            plane,
-            altered: None,
-            level: Level::new(),
-        })
+        let specification = Specification::plain(vehicle, terrain);
+        Self::build(specification, regularisation, resolution)
     }
 
     /// A vehicle on a terrain with effects. Where all physics is off it is the paper's model, bit
@@ -70,39 +69,95 @@ impl VehicleModel {
     /// # Errors
     /// The first parameter that lies outside its range.
     pub fn from_specification(specification: &Specification) -> Result<Self, ParameterError> {
-        let mut model = Self::new(specification.vehicle.clone(), specification.terrain)?;
-        if !specification.effects.is_paper() {
-            model.altered = Some(Box::new(Altered::new(specification)?));
-        }
-        Ok(model)
+        Self::build(
+            specification.clone(),
+            Regularisation::default(),
+            Resolution::default(),
+        )
     }
 
-    /// The same model evaluated through the code that effects can alter, though none is on: what
-    /// derivatives by parameters are taken of.
-    pub(crate) fn alterable(specification: &Specification) -> Result<Self, ParameterError> {
-        let mut model = Self::new(specification.vehicle.clone(), specification.terrain)?;
-        model.altered = Some(Box::new(Altered::new(specification)?));
-        Ok(model)
+    fn build(
+        specification: Specification,
+        regularisation: Regularisation,
+        resolution: Resolution,
+    ) -> Result<Self, ParameterError> {
+        let Specification {
+            vehicle,
+            terrain,
+            effects,
+        } = &specification;
+        vehicle.validate()?;
+        terrain.validate()?;
+        let contact = WheelContact::new(regularisation, resolution)?;
+        let stiffness = Bounds::open_low(
+            "cohesive_modulus / b + frictional_modulus",
+            "N/m^(n+2)",
+            0.0,
+            1e14,
+        );
+        stiffness.check(terrain.sinkage_modulus(vehicle.wheel_width))?;
+        let chassis = Chassis::new(&specification, |_| None);
+        let outside = effects.outside().map(|effects| {
+            let specification = Specification {
+                effects,
+                ..specification.clone()
+            };
+            let own = Chassis::new(&specification, |_| None);
+            Outside {
+                chassis: own.remembering_like(&chassis),
+                specification,
+            }
+        });
+        if chassis.effects.tyre_compliance.is_some() {
+            // A tyre's stiffness has 3 - n in its denominator.
+            let below = Bounds::half_open("sinkage_exponent", "1", 0.0, 3.0);
+            below
+                .because("with tyre_compliance")
+                .check(terrain.sinkage_exponent)?;
+        }
+        let other = outside.iter().flat_map(|outside| &outside.chassis.wheels);
+        for wheel in chassis.wheels.iter().chain(other) {
+            Bounds::open_low("sinkage modulus", "N/m^(n+2)", 0.0, 1e16)
+                .check(wheel.law.soil.modulus)?;
+        }
+        let grains = [
+            effects.slope_profile.as_ref().and_then(SlopeProfile::min_feature_length),
+            effects.window.as_ref().and_then(|window| window.extent.min_feature_length()),
+        ];
+        let shortest = grains.into_iter().flatten().reduce(f64::min);
+        let supports = chassis.wheels.iter().map(|wheel| {
+            let law = &wheel.law;
+            contact.support(&law.soil, law.radius, law.width)
+        });
+        Ok(Self {
+            supports: supports.collect(),
+            layout: MemoryLayout::new(&specification),
+            grain: shortest.map(|grain| grain.max(FINEST)),
+            contact,
+            chassis,
+            outside,
+            level: Level::new(),
+            specification,
+        })
     }
 
     /// How many numbers the vehicle and its ground remember besides position and velocity; none
     /// in the paper's model.
     #[must_use]
     pub fn memory_count(&self) -> usize {
-        self.altered().map_or(0, |altered| altered.layout.count())
+        self.layout.count()
     }
 
     /// Names of the remembered numbers.
     #[must_use]
     pub fn memory_names(&self) -> Vec<String> {
-        self.altered()
-            .map_or_else(Vec::new, |altered| altered.layout.names())
+        self.layout.names()
     }
 
     /// Where the depth stands that a wheel's soil was pressed to before, among the remembered numbers; `None` where
     /// wheels do not meet the ruts that they left.
     pub(crate) fn rut_of(&self, wheel: usize) -> Option<usize> {
-        self.altered()?.layout.rut_of(wheel)
+        self.layout.rut_of(wheel)
     }
 
     /// Whether wheels meet the ruts that they left.
@@ -112,109 +167,108 @@ impl VehicleModel {
 
     /// What a remembered number is. `None` beyond the last.
     pub(crate) fn remembers(&self, index: usize) -> Option<Remembered> {
-        self.altered()?.layout.what(index)
+        self.layout.what(index)
     }
 
     /// The first moment after `time` \[s\] at which effects are switched on or off, whatever the
     /// vehicle does.
     #[must_use]
     pub fn next_event(&self, time: f64) -> Option<f64> {
-        let effects = &self.altered()?.specification.effects;
+        let effects = self.effects();
         effects.window.as_ref()?.extent.next_edge(time)
     }
 
     /// The first moment after `time` \[s\] at which a slope over time changes its rate: a step
     /// that is longer might miss a bump.
     pub(crate) fn next_knot(&self, time: f64) -> Option<f64> {
-        let effects = &self.altered()?.specification.effects;
+        let effects = self.effects();
         effects.slope_profile.as_ref()?.next_knot(time)
     }
 
     /// The length \[m\] of the shortest thing that lies in the way: a step that is longer might miss it.
     pub(crate) fn min_feature_length(&self) -> Option<f64> {
-        self.altered()?.grain
+        self.grain
     }
 
     /// Whether nothing depends on position and heading.
     pub(crate) fn is_placeless(&self) -> bool {
-        self.altered().is_none_or(|altered| {
-            let effects = &altered.specification.effects;
-            let mut placed =
-                ParameterName::all().filter(|p| ModelParameter::Effect(*p).depends_on_place());
-            let anywhere = effects
-                .window
-                .as_ref()
-                .is_none_or(|window| matches!(window.extent, Extent::Time { .. }));
-            anywhere
-                && effects.slope_profile.is_none()
-                && !self.has_ruts()
-                && placed.all(|p| effects.get(p) == p.declaration().1.default)
-        })
+        let effects = self.effects();
+        let mut placed =
+            ParameterName::all().filter(|p| ModelParameter::Effect(*p).depends_on_place());
+        let anywhere = effects
+            .window
+            .as_ref()
+            .is_none_or(|window| matches!(window.extent, Extent::Time { .. }));
+        anywhere
+            && effects.slope_profile.is_none()
+            && !self.has_ruts()
+            && placed.all(|p| effects.get(p) == p.declaration().1.default)
     }
 
-    pub(crate) fn altered(&self) -> Option<&Altered> {
-        self.altered.as_deref()
+    /// Vehicle, terrain and effects.
+    #[must_use]
+    pub fn specification(&self) -> &Specification {
+        &self.specification
     }
 
-    pub(super) fn regularisation(&self) -> &Regularisation {
-        &self.regularisation
-    }
-
-    /// What holds throughout one solution, where effects are on.
-    pub(crate) fn prepare<'a>(
-        &'a self,
-        motion: &Motion,
-        surroundings: &Surroundings<'a>,
-    ) -> Option<Prepared<'a>> {
-        self.altered()
-            .map(|altered| altered.prepare(motion, surroundings, &self.regularisation))
+    /// The effects.
+    #[must_use]
+    pub fn effects(&self) -> &Effects {
+        &self.specification.effects
     }
 
     /// The vehicle.
     #[must_use]
     pub fn vehicle(&self) -> &Vehicle {
-        &self.vehicle
+        &self.specification.vehicle
     }
 
     /// The terrain.
     #[must_use]
     pub fn terrain(&self) -> &Terrain {
-        &self.terrain
+        &self.specification.terrain
     }
 
-    /// How one wheel moves (10).
-    pub(super) fn wheel_motion(&self, motion: &Motion, index: usize) -> WheelMotion<f64> {
-        let (ahead, left) = self.vehicle.wheel_centre(index);
-        WheelMotion {
-            forward: motion.v_x - motion.yaw_rate * left,
-            lateral: motion.v_y + motion.yaw_rate * ahead,
-            yaw_rate: motion.yaw_rate,
-            angular_speed: if left > 0.0 {
-                motion.omega_left
-            } else {
-                motion.omega_right
-            },
+    /// What holds throughout one solution.
+    pub(crate) fn prepare<'a>(
+        &'a self,
+        motion: &Motion,
+        surroundings: &Surroundings<'a>,
+    ) -> Prepared<'a> {
+        let situation = Situation::new(motion, surroundings, &self.layout);
+        let fading = self.contact.regularisation().travel_speed;
+        let outside = self.outside_at(surroundings);
+        let chassis = outside.map_or(&self.chassis, |outside| &outside.chassis);
+        Prepared {
+            model: self,
+            chassis,
+            is_outside: outside.is_some(),
+            situation,
+            environment: chassis.environment(&situation, self.effects(), fading),
+            memory: surroundings.memory,
+            tracks: surroundings.tracks,
         }
     }
 
-    /// r omega \[m/s\] of (13), kept away from zero.
-    pub(super) fn slip_denominator<S: Scalar>(&self, omega: S) -> S {
-        let bounded = self.regularisation.bounded_angular_speed(omega);
-        let sign = if omega.value() < 0.0 { -1.0 } else { 1.0 };
-        bounded.scale(self.vehicle.wheel_radius * sign)
+    /// The chassis outside of the effects' window, if the vehicle is there.
+    fn outside_at(&self, surroundings: &Surroundings) -> Option<&Outside> {
+        let window = self.effects().window.as_ref()?;
+        let inside = window
+            .extent
+            .holds(surroundings.time, surroundings.position);
+        self.outside.as_ref().filter(|_| !inside)
     }
 
-    /// Weight m g \[N\].
-    pub(super) fn weight(&self, prepared: Option<&Prepared>) -> f64 {
-        match prepared {
-            Some(prepared) => prepared.chassis.mass * super::GRAVITY,
-            None => self.plane.weight(),
-        }
+    pub(super) fn chassis(&self) -> &Chassis<f64> {
+        &self.chassis
     }
 
-    /// Each wheel's load and its derivatives by a_X and a_Y; whether a wheel is lifted.
-    pub(super) fn distribute_loads(&self, acceleration: [f64; 2], loads: &mut [[f64; 3]]) -> bool {
-        self.plane.distribute(acceleration, loads)
+    pub(super) fn outside(&self) -> Option<&Outside> {
+        self.outside.as_ref()
+    }
+
+    pub(super) fn layout(&self) -> &MemoryLayout {
+        &self.layout
     }
 
     pub(super) fn level(&self) -> Level {
@@ -223,6 +277,18 @@ impl VehicleModel {
 
     pub(super) fn contact(&self) -> &WheelContact {
         &self.contact
+    }
+
+    /// Entry angle \[rad\] at which the normal stress alone would carry a load \[N\] under a wheel; for a guess.
+    pub(super) fn reach_guess(&self, index: usize, load: f64) -> f64 {
+        let law = &self.chassis.wheels[index].law;
+        let rigid = (load / self.supports[index]).powf(1.0 / (2.0 * law.soil.exponent + 1.0));
+        law.reach(rigid.min(1.5))
+    }
+
+    /// The soil without effects.
+    pub(super) fn bare_soil(&self) -> Soil<f64> {
+        Soil::from_terrain(&self.terrain().to_array(), self.vehicle().wheel_width)
     }
 }
 
@@ -233,19 +299,6 @@ impl Wrench {
         Self {
             wheels: vec![WheelOutputs::default(); model.vehicle().wheel_count()],
             ..Self::default()
-        }
-    }
-
-    /// Sets the slips (13) of every wheel: S_X = -V_jX / (r omega), S_Y = -V_jY / (r omega),
-    /// with omega kept away from zero as in the contact time; at omega = 0 as for a wheel
-    /// that just starts to roll forward.
-    pub(super) fn set_slips(&mut self, model: &VehicleModel, motion: &Motion) {
-        for (index, wheel) in self.wheels.iter_mut().enumerate() {
-            let local = model.wheel_motion(motion, index);
-            let rim = model.slip_denominator(local.angular_speed);
-            let rolling = model.vehicle().wheel_radius * local.angular_speed;
-            wheel.longitudinal_slip = -(local.forward - rolling) / rim;
-            wheel.lateral_slip = -local.lateral / rim;
         }
     }
 }

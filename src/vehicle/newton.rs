@@ -1,12 +1,11 @@
 //! Newton's method on the balance of all wheels.
 
-use super::altered::Prepared;
 use super::balance::ENTRY_ANGLE_RANGE;
+use super::prepared::Prepared;
 use super::{Balance, Motion, Surroundings, VehicleModel, Wrench};
-use crate::contact::{Detail, WheelForces, WheelMotion};
+use crate::contact::{Detail, WheelForces};
 use crate::display::rounded;
-use crate::scalar::Dual;
-use fearless_simd::{Simd, dispatch};
+use crate::scalar::{Dual, Scalar};
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
@@ -52,6 +51,8 @@ fn words(motion: &Motion) -> String {
 /// Newton's method stops. It applies that last step too, so what remains is its square.
 pub(super) const STEP_TOLERANCE: f64 = 1e-3;
 const ACCELERATION_TOLERANCE: f64 = 5e-3;
+/// The same of a step along slopes of an earlier balance, which are off by some hundredths.
+const OLD_SLOPES_TOLERANCE: f64 = 2e-4;
 /// The coarse rule is worth no smaller steps than this.
 const COARSE_STEP_TOLERANCE: f64 = 0.02;
 /// Newton's method settles in two or three steps; many more mean that it never will.
@@ -80,38 +81,7 @@ impl Balance {
         surroundings: &Surroundings,
         wrench: &mut Wrench,
     ) {
-        let prepared = model.prepare(motion, surroundings);
-        self.wrench_of(model, motion, prepared.as_ref(), wrench);
-    }
-
-    /// As [`Balance::wrench_at`], where effects are prepared already.
-    pub(crate) fn wrench_of(
-        &self,
-        model: &VehicleModel,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
-        wrench: &mut Wrench,
-    ) {
-        if let Some(prepared) = prepared {
-            return prepared.wrench(self, model.regularisation(), wrench);
-        }
-        wrench.sum(model.vehicle(), &self.forces);
-        for (index, wheel) in self.wheels.iter().enumerate() {
-            let entry_angle = if wheel.load > 0.0 {
-                wheel.entry_angle
-            } else {
-                0.0
-            };
-            wrench.set_contact(model.vehicle().wheel_radius, index, wheel.load, entry_angle);
-        }
-        wrench.set_slips(model, motion);
-    }
-
-    /// Writes the rates of what the vehicle and its ground remember.
-    pub(crate) fn memory_rates(&self, prepared: Option<&Prepared>, rates: &mut Vec<f64>) {
-        if let (Some(prepared), false) = (prepared, rates.is_empty()) {
-            prepared.memory_rates(self, rates);
-        }
+        model.prepare(motion, surroundings).wrench(self, wrench);
     }
 }
 
@@ -121,7 +91,7 @@ impl VehicleModel {
     /// Newton's method on all entry angles and both accelerations at once; each wheel's
     /// angle couples to the others through the accelerations alone, so that a step is one
     /// evaluation of every wheel and a 2 by 2 system. Where nothing is known yet, the first
-    /// steps integrate by the coarse rule.
+    /// steps integrate by the coarse rule; where a balance nearby is known, the first step follows its slopes.
     ///
     /// # Errors
     /// A bogged wheel, or a motion that is not finite. `balance` is then of no use as an
@@ -141,14 +111,14 @@ impl VehicleModel {
         balance: &mut Balance,
     ) -> Result<(), BalanceError> {
         let prepared = self.prepare(motion, surroundings);
-        self.solve_prepared(motion, prepared.as_ref(), balance)
+        self.solve_prepared(motion, &prepared, balance)
     }
 
     /// As [`VehicleModel::solve_at`], where effects are prepared already.
     pub(crate) fn solve_prepared(
         &self,
         motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &mut Balance,
     ) -> Result<(), BalanceError> {
         if !motion.to_array().iter().all(|v| v.is_finite()) {
@@ -160,8 +130,9 @@ impl VehicleModel {
         let mut damping = 1.0_f64;
         let mut last = [0.0; 2];
         for iteration in 0..MAX_ITERATIONS {
-            self.evaluate(motion, prepared, balance, detail);
-            let fading = self.lightest_load(prepared);
+            let with_slopes = iteration > 0 || !balance.has_slopes();
+            self.evaluate(prepared, balance, detail, with_slopes);
+            let fading = prepared.lightest_load();
             let (matrix, residual) = self.acceleration_system(prepared, balance, fading);
             let step = solve_2x2(matrix, residual);
             if !step.iter().all(|v| v.is_finite()) {
@@ -184,11 +155,12 @@ impl VehicleModel {
             last = step;
             balance.acceleration[0] += damping * step[0];
             balance.acceleration[1] += damping * step[1];
-            balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
-            let longest = balance.advance(self.lightest_load(prepared));
+            balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
+            let longest = balance.advance(prepared.lightest_load());
+            let tolerance = if with_slopes { STEP_TOLERANCE } else { OLD_SLOPES_TOLERANCE };
             match detail {
                 Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
-                Detail::Full if settled && longest < STEP_TOLERANCE => {
+                Detail::Full if settled && longest < tolerance => {
                     balance.fade_light_wheels();
                     let sunk = balance.sunk(FRAC_PI_2);
                     return sunk.map_or(Ok(()), |k| Err(self.bogged(k, balance.wheels[k].load)));
@@ -203,53 +175,16 @@ impl VehicleModel {
         found
     }
 
-    /// Mass of the vehicle with what it carries \[kg\].
-    pub(super) fn mass(&self, prepared: Option<&Prepared>) -> f64 {
-        prepared.map_or(self.vehicle().mass, |at| at.chassis.mass)
-    }
-
-    /// Load \[N\] below which a wheel's forces fade in proportion to it, a thousandth of the
-    /// mean load. (A wheel on cohesive soil has forces that grow infinitely fast with the
-    /// first newtons; with them no balance would be found where a wheel lifts.)
-    pub(super) fn lightest_load(&self, prepared: Option<&Prepared>) -> f64 {
-        1e-3 * self.weight(prepared) / self.vehicle().wheel_count() as f64
-    }
-
-    /// Evaluates every wheel's forces and their slope by its entry angle.
+    /// Evaluates every wheel's forces, and their slopes by its entry angle where they are asked for.
     fn evaluate(
         &self,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &mut Balance,
         detail: Detail,
+        with_slopes: bool,
     ) {
-        dispatch!(self.level(), simd => self.evaluate_with(simd, motion, prepared, balance, detail));
-    }
-
-    /// Each wheel's load and its derivatives by a_X and a_Y; whether a wheel is lifted.
-    pub(super) fn distribute(
-        &self,
-        prepared: Option<&Prepared>,
-        acceleration: [f64; 2],
-        loads: &mut [[f64; 3]],
-    ) -> bool {
-        match prepared {
-            Some(prepared) => prepared.distribute(acceleration, loads),
-            None => self.distribute_loads(acceleration, loads),
-        }
-    }
-
-    #[inline(always)]
-    fn evaluate_with<V: Simd>(
-        &self,
-        simd: V,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
-        balance: &mut Balance,
-        detail: Detail,
-    ) {
-        balance.lifted = self.distribute(prepared, balance.acceleration, &mut balance.loads);
-        let lightest = self.lightest_load(prepared);
+        balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
+        let lightest = prepared.lightest_load();
         for index in 0..balance.wheels.len() {
             let load = balance.loads[index][0];
             let target = load.max(lightest);
@@ -258,57 +193,31 @@ impl VehicleModel {
             wheel.share = load / target;
             if wheel.entry_angle <= 0.0 {
                 let (low, high) = ENTRY_ANGLE_RANGE;
-                let rigid = self.contact().entry_angle_guess(target);
-                let guess = prepared.map_or(rigid, |at| at.reach(index, rigid));
-                wheel.entry_angle = guess.clamp(low, high);
+                wheel.entry_angle = self.reach_guess(index, target).clamp(low, high);
             }
-            self.evaluate_wheel(simd, motion, prepared, balance, index, detail);
+            if with_slopes {
+                self.evaluate_wheel(prepared, balance, index, detail);
+            } else {
+                let wheel = prepared.wheel(index, wheel.entry_angle);
+                balance.forces[index] = self.contact().forces(self.level(), &wheel, detail);
+            }
         }
     }
 
     /// One wheel's forces and their slopes by its entry angle.
-    #[inline(always)]
-    pub(super) fn evaluate_wheel<V: Simd>(
+    pub(super) fn evaluate_wheel(
         &self,
-        simd: V,
-        motion: &Motion,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &mut Balance,
         index: usize,
         detail: Detail,
     ) {
-        let entry_angle = balance.wheels[index].entry_angle;
-        let forces = match prepared {
-            Some(prepared) => {
-                prepared.wheel(self.level(), self.contact(), index, entry_angle, detail)
-            }
-            None => self.plain_wheel(simd, motion, index, entry_angle, detail),
-        };
-        let forces = forces.to_array();
+        let wheel = prepared.wheel(index, balance.wheels[index].entry_angle);
+        let mut wheel = wheel.map(Dual::<f64, 1>::constant);
+        wheel.reach.eps = [1.0];
+        let forces = self.contact().forces(self.level(), &wheel, detail).to_array();
         balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
         balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
-    }
-
-    /// One wheel's forces and their slopes by its entry angle, without effects.
-    #[inline(always)]
-    fn plain_wheel<V: Simd>(
-        &self,
-        simd: V,
-        motion: &Motion,
-        index: usize,
-        entry_angle: f64,
-        detail: Detail,
-    ) -> WheelForces<Dual<f64, 1>> {
-        let local = self.wheel_motion(motion, index);
-        let constant = |re| Dual { re, eps: [0.0] };
-        let local = WheelMotion {
-            forward: constant(local.forward),
-            lateral: constant(local.lateral),
-            yaw_rate: constant(local.yaw_rate),
-            angular_speed: constant(local.angular_speed),
-        };
-        let entry = Dual::<f64, 1>::variable(entry_angle, 0);
-        self.contact().forces(simd, &local, entry, detail)
     }
 
     /// Matrix and right side of Newton's step of a_X and a_Y, all entry angles following their loads.
@@ -316,11 +225,11 @@ impl VehicleModel {
     /// `fading` is the load \[N\] below which a wheel's forces are proportional to its load.
     pub(super) fn acceleration_system(
         &self,
-        prepared: Option<&Prepared>,
+        prepared: &Prepared,
         balance: &Balance,
         fading: f64,
     ) -> ([[f64; 2]; 2], [f64; 2]) {
-        let mass = self.mass(prepared);
+        let mass = prepared.chassis.mass;
         let [a_x, a_y] = balance.acceleration;
         let mut residual = [-mass * a_x, -mass * a_y];
         let mut matrix = [[mass, 0.0], [0.0, mass]];

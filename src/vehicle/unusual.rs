@@ -118,10 +118,7 @@ impl VehicleModel {
     /// As [`Specification::most_unusual`].
     #[must_use]
     pub fn most_unusual(&self) -> Option<Unusual> {
-        match self.altered() {
-            Some(altered) => altered.specification.most_unusual(),
-            None => unusual(self.terrain(), &mut std::iter::empty()),
-        }
+        self.specification().most_unusual()
     }
 }
 

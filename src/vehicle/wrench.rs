@@ -1,8 +1,5 @@
 //! What the ground does to the vehicle: totals and each wheel's share.
 
-use super::Vehicle;
-use crate::contact::WheelForces;
-
 /// Forces, moments and resistances at one instant (or their derivative in one direction).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Wrench {
@@ -117,38 +114,5 @@ impl Wrench {
         self.wheels.copy_from_slice(&other.wheels);
         let wheels = std::mem::take(&mut self.wheels);
         *self = Self { wheels, ..*other };
-    }
-
-    /// Sums the wheels' forces, which may as well be derivatives: the sums are linear.
-    pub(super) fn sum(&mut self, vehicle: &Vehicle, forces: &[WheelForces<f64>]) {
-        let (mut force_x, mut force_y) = (0.0, 0.0);
-        let (mut resistance, mut turning, mut turning_resistance) = (0.0, 0.0, 0.0);
-        for (index, force) in forces.iter().enumerate() {
-            let (ahead, left) = vehicle.wheel_centre(index);
-            let wheel_x = force.thrust - force.compaction;
-            force_x += wheel_x;
-            force_y += force.lateral;
-            resistance += force.rolling_resistance;
-            turning -= left * wheel_x + force.width_moment;
-            turning_resistance -= ahead * force.lateral + force.arc_moment;
-            self.wheels[index].force_x = wheel_x;
-            self.wheels[index].force_y = force.lateral;
-            self.wheels[index].drive_torque = force.torque;
-        }
-        self.a_x = force_x / vehicle.mass;
-        self.a_y = force_y / vehicle.mass;
-        self.rolling_resistance = resistance;
-        self.turning_moment = turning;
-        self.turning_resistance_moment = turning_resistance;
-        self.yaw_acceleration = (turning - turning_resistance) / vehicle.yaw_inertia;
-    }
-
-    /// Sets one wheel's load and entry angle, and the sinkage that follows.
-    pub(super) fn set_contact(&mut self, radius: f64, index: usize, load: f64, entry: f64) {
-        let wheel = &mut self.wheels[index];
-        wheel.load = load;
-        wheel.entry_angle = entry;
-        // 1 - cos theta = 2 sin^2(theta / 2), exact for small angles.
-        wheel.sinkage = radius * 2.0 * (entry / 2.0).sin().powi(2);
     }
 }

@@ -10,10 +10,10 @@ use std::time::Duration;
 use ugv_terrain::contact::{Regularisation, Resolution};
 use ugv_terrain::effects::{EffectKind, Effects, ParameterName};
 use ugv_terrain::scalar::Real;
-use ugv_terrain::simulation::{SensitiveSimulation, Simulation, WheelSpeeds};
+use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{
-    Balance, Linearisation, ModelParameter, Motion, Specification, Vehicle,
+    Balance, ModelParameter, Motion, Specification, Vehicle,
 };
 use ugv_terrain::vehicle::{VehicleModel, Wrench};
 
@@ -67,7 +67,23 @@ fn wrenches(c: &mut Criterion) {
         .collect();
     let mut balances = fresh.clone();
     let mut wrench = Wrench::for_model(&states[0].0);
-    let mut linearisation = Linearisation::new(&states[0].0);
+    let mut simulations: Vec<Simulation> = states
+        .iter()
+        .map(|(model, motion)| {
+            let mut simulation = Simulation::new(model.clone());
+            let state = State {
+                v_x: motion.v_x,
+                v_y: motion.v_y,
+                yaw_rate: motion.yaw_rate,
+                ..State::default()
+            };
+            let speeds = [motion.omega_left, motion.omega_right];
+            simulation.set_wheel_speeds(speeds.into()).unwrap();
+            simulation.set_state(state).unwrap();
+            simulation.wrench().unwrap();
+            simulation
+        })
+        .collect();
     let mut group = c.benchmark_group("16 golden wrenches");
     // From the loads at rest: nothing is known of the answer.
     let restart = || fresh.clone();
@@ -83,25 +99,12 @@ fn wrenches(c: &mut Criterion) {
             BatchSize::SmallInput,
         );
     });
-    let mut partial = Wrench::for_model(&states[0].0);
-    group.bench_function("from scratch with Jacobian", |b| {
-        b.iter_batched_ref(
-            restart,
-            |balances| {
-                for ((model, motion), balance) in states.iter().zip(balances) {
-                    model.solve(black_box(motion), balance).unwrap();
-                    balance.wrench(model, motion, &mut wrench);
-                    linearisation.evaluate(model, motion, balance);
-                    for direction in 0..5 {
-                        let mut along = [0.0; 5];
-                        along[direction] = 1.0;
-                        let along = Motion::from_array(along);
-                        linearisation.derivative(model, motion, balance, &along, &mut partial);
-                    }
-                }
-            },
-            BatchSize::SmallInput,
-        );
+    group.bench_function("Jacobian at a balance", |b| {
+        b.iter(|| {
+            for simulation in &mut simulations {
+                black_box(simulation.jacobian().unwrap());
+            }
+        });
     });
     group.bench_function("from the neighbourhood", |b| {
         b.iter(|| {

@@ -6,11 +6,10 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use ugv_terrain::contact::{
-    Detail, Regularisation, Resolution, WheelContact, WheelForces, WheelLaw, WheelMemory,
+    Detail, Regularisation, Resolution, Wheel, WheelContact, WheelForces, WheelLaw, WheelMemory,
     WheelMotion,
 };
 use ugv_terrain::effects::{Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak};
-use ugv_terrain::terrain::Terrain;
 
 const RADIUS: f64 = 0.25;
 const WIDTH: f64 = 0.246;
@@ -33,27 +32,11 @@ fn soil() -> Soil<f64> {
 }
 
 fn plain() -> WheelLaw<f64> {
-    WheelLaw {
-        soil: soil(),
-        radius: RADIUS,
-        flat: None,
-        width: WIDTH,
-        rebound: 0.0,
-        modulus_ratio: 1.0,
-        strength_ratio: 1.0,
-        viscosity: [0.0; 2],
-        peak: None,
-        slip_sinkage: None,
-        bulldozing: None,
-        multipass: None,
-        transient: false,
-    }
+    WheelLaw::paper(soil(), RADIUS, WIDTH)
 }
 
 fn contact() -> WheelContact {
-    let terrain = Terrain::preset("sandy_loam").unwrap();
-    let settings = Regularisation::default();
-    WheelContact::new(&terrain, RADIUS, WIDTH, settings, Resolution::default()).unwrap()
+    WheelContact::new(Regularisation::default(), Resolution::default()).unwrap()
 }
 
 /// Circle and entry angle of a tyre that sinks to `flat` at most: its contact grows beyond with the square of what a
@@ -276,7 +259,8 @@ proptest! {
             angular_speed: forward / (RADIUS * (1.0 - slip)),
         };
         let memory = WheelMemory { pressed, ..WheelMemory::NONE };
-        let forces = contact().altered_forces(Level::new(), &law, &motion, &memory, entry, Detail::Full);
+        let wheel = Wheel { law, motion, memory, reach: entry };
+        let forces = contact().forces(Level::new(), &wheel, Detail::Full);
         let (found, expected) = (totals(&forces), dense(&law, &motion, &memory, entry));
         let largest = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         for (a, b) in found.iter().zip(expected) {
@@ -320,10 +304,9 @@ const FEW: f64 = 0.99;
 
 #[test]
 fn the_nodes_along_the_arc_have_converged_under_every_effect() {
-    let terrain = Terrain::preset("sandy_loam").unwrap();
     let settings = Regularisation::default();
     let make = |resolution: Resolution| {
-        WheelContact::new(&terrain, RADIUS, WIDTH, settings, resolution).unwrap()
+        WheelContact::new(settings, resolution).unwrap()
     };
     let usual = Resolution::default();
     let fine = Resolution {
@@ -363,15 +346,13 @@ fn the_nodes_along_the_arc_have_converged_under_every_effect() {
                     },
                 };
                 let [found, expected] = [0, 1].map(|k: usize| {
-                    let level = Level::new();
-                    totals(&contacts[k].altered_forces(
-                        level,
-                        &law,
-                        &motion,
-                        &memory,
-                        entry,
-                        Detail::Full,
-                    ))
+                    let wheel = Wheel {
+                        law,
+                        motion,
+                        memory,
+                        reach: entry,
+                    };
+                    totals(&contacts[k].forces(Level::new(), &wheel, Detail::Full))
                 });
                 let largest = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
                 let pairs = found.iter().zip(expected);

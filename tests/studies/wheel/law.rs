@@ -3,7 +3,7 @@
 use super::data::{Plate, RADIUS, Trial, WIDTH};
 use fearless_simd::Level;
 use ugv_terrain::contact::{
-    Detail, Regularisation, Resolution, WheelContact, WheelForces, WheelLaw, WheelMemory,
+    Detail, Regularisation, Resolution, Wheel, WheelContact, WheelForces, WheelLaw, WheelMemory,
     WheelMotion,
 };
 use ugv_terrain::effects::{
@@ -258,14 +258,9 @@ impl Law {
         }
         let lateral = or("bulldozing.lateral", 0.0);
         WheelLaw {
-            soil,
-            radius: RADIUS,
-            flat: None,
-            width: WIDTH,
             rebound: or("elastic_rebound.share", 0.0),
             modulus_ratio: or("shear_anisotropy.modulus_ratio", 1.0),
             strength_ratio: or("shear_anisotropy.strength_ratio", 1.0),
-            viscosity: [0.0; 2],
             peak: self.has(Effect::Peak).then(|| StressPeak {
                 a0: or("stress_peak.a0", 0.5),
                 a1: or("stress_peak.a1", 0.0),
@@ -280,8 +275,7 @@ impl Law {
                 frontal: or("bulldozing.frontal", 0.0),
                 unit_weight: UNIT_WEIGHT,
             }),
-            multipass: None,
-            transient: false,
+            ..WheelLaw::paper(soil, RADIUS, WIDTH)
         }
     }
 
@@ -340,9 +334,7 @@ pub struct Rig {
 
 impl Rig {
     pub fn new(detail: Detail) -> Self {
-        // Its soil is not used: every law brings its own.
-        let sand = Terrain::preset("dry_sand").expect("one of the paper's terrains");
-        let contact = WheelContact::new(&sand, RADIUS, WIDTH, SMOOTHING, Resolution::default());
+        let contact = WheelContact::new(SMOOTHING, Resolution::default());
         Self {
             contact: contact.expect("a wheel on sand"),
             level: Level::new(),
@@ -361,9 +353,13 @@ impl Rig {
             angular_speed: trial.omega,
         };
         let forces = |entry: f64| -> WheelForces<f64> {
-            let memory = &WheelMemory::NONE;
-            self.contact
-                .altered_forces(self.level, &wheel, &motion, memory, entry, self.detail)
+            let wheel = Wheel {
+                motion,
+                reach: entry,
+                memory: WheelMemory::NONE,
+                law: wheel,
+            };
+            self.contact.forces(self.level, &wheel, self.detail)
         };
         let entry = first_balance(|entry| forces(entry).vertical - trial.load);
         let found = forces(entry);

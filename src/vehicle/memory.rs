@@ -1,8 +1,9 @@
 //! What a vehicle and its ground remember: states besides position and velocity.
 
+use super::environment::Situation;
 use super::rut::{Ruts, SPEED_FLOOR};
-use super::{Chassis, Situation, Tracks};
-use crate::contact::WheelMemory;
+use super::{Chassis, Tracks};
+use crate::contact::{Wheel, WheelMemory};
 use crate::effects::{Boundary, Displacement, Effects, SlopeProfile};
 use crate::scalar::{Elementary, Scalar};
 use crate::vehicle::Specification;
@@ -97,17 +98,17 @@ impl MemoryLayout {
         }
     }
 
-    /// What one wheel remembers.
-    pub fn wheel(&self, memory: &[f64], wheel: usize) -> WheelMemory<f64> {
+    /// What one wheel remembers, in the order of [`WheelMemory`]'s fields.
+    pub fn wheel(&self, memory: &[f64], wheel: usize) -> [f64; WheelMemory::COUNT] {
         let mut values = [0.0; WheelMemory::COUNT];
         let first = self.first(wheel);
         let Some(own) = memory.get(first..first + self.per_wheel()) else {
-            return WheelMemory::NONE;
+            return values;
         };
         for (place, value) in self.places().zip(own) {
             values[place] = *value;
         }
-        WheelMemory::from_array(values)
+        values
     }
 
     /// Where, in [`WheelMemory`]'s order, a wheel's numbers belong.
@@ -134,17 +135,15 @@ impl MemoryLayout {
         }
     }
 
-    /// Rates of change of the numbers; entry angles and memory are those of every wheel.
+    /// Adds the rates of change of the numbers, of wheels in their contact.
     pub fn rates<S: Scalar>(
         &self,
         chassis: &Chassis<S>,
         at: &Situation<S>,
-        wheels: &[(S, WheelMemory<S>)],
+        wheel: impl Fn(usize) -> Wheel<S>,
         tracks: Tracks,
-        boundary: Boundary,
         rates: &mut Vec<S>,
     ) {
-        rates.clear();
         if self.distance {
             let [x, y] = at.velocity;
             rates.push((x * x + y * y).offset(SPEED_FLOOR).sqrt());
@@ -152,31 +151,28 @@ impl MemoryLayout {
         if self.per_wheel() == 0 {
             return;
         }
-        let laws = (0..wheels.len()).map(|index| chassis.law(at, boundary, index));
-        let laws: Vec<_> = laws.collect();
         let effect = chassis.effects.multipass.filter(|_| self.rut);
         let ruts = effect
             .as_ref()
-            .map(|effect| Ruts::new(chassis, effect, at, &laws, wheels, tracks));
-        for (index, (entry_angle, memory)) in wheels.iter().enumerate() {
-            let motion = chassis.wheel_motion(at, index);
-            let law = &laws[index];
+            .map(|effect| Ruts::new(chassis, effect, at, &wheel, tracks));
+        for index in 0..self.wheels {
+            let wheel = wheel(index);
+            let (motion, law) = (&wheel.motion, &wheel.law);
             if let (true, Some(effect)) = (self.shear, &chassis.effects.transient_shear) {
-                let rim = motion.angular_speed * law.radius;
                 let drive = Displacement {
                     forward: motion.forward,
                     lateral: motion.lateral,
                     yaw: motion.yaw_rate,
-                    rim,
+                    rim: motion.angular_speed * law.radius,
                 };
-                let contact = law.arc(*entry_angle);
+                let contact = law.arc(wheel.reach);
                 let turning = motion.angular_speed.rounded_abs(1e-9) * law.radius / contact.circle;
                 // The shortest one is the wheel's, not that of the larger circle on which a flat tyre stands.
                 let shortest = (law.radius / contact.circle).scale(SHORTEST_ARC);
                 let whole = contact.entry * law.rebound.offset(1.0);
                 let arc = whole.max(shortest);
                 let rate = effect.rate(
-                    &memory.displacement,
+                    &wheel.memory.displacement,
                     &drive,
                     turning,
                     arc,
@@ -185,7 +181,7 @@ impl MemoryLayout {
                 rates.extend([rate.forward, rate.lateral, rate.yaw, rate.rim]);
             }
             if let Some(ruts) = &ruts {
-                rates.push(ruts.rate(index, memory.pressed));
+                rates.push(ruts.rate(index, wheel.memory.pressed));
             }
         }
     }

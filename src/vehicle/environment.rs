@@ -1,11 +1,9 @@
-//! Where and how a vehicle stands, and what acts on it besides the ground's stresses.
+//! Where and how a vehicle stands and moves, and what acts on it besides the ground's stresses.
 
-use super::loads::LoadTargets;
-use super::{Chassis, MemoryLayout, Situation, Tracks};
-use crate::contact::{WheelLaw, WheelMotion};
-use crate::effects::{Boundary, Effects, ResidualMotion, SlopeGravity, Unscaled};
+use super::memory::MemoryLayout;
+use super::{Chassis, GRAVITY, Motion, Tracks};
+use crate::effects::{Effects, ResidualMotion, SlopeGravity, Unscaled};
 use crate::scalar::Scalar;
-use crate::vehicle::{GRAVITY, Motion};
 
 /// What effects depend on besides the motion; the paper's model on none of it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,55 +33,65 @@ pub(crate) struct Environment<S> {
     pub load_moments: [S; 2],
 }
 
-impl<S: Scalar> Situation<S> {
+/// Motion and surroundings, generic over the scalar.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Situation<S> {
+    pub velocity: [S; 2],
+    pub yaw_rate: S,
+    pub wheel_speeds: [S; 2],
+    pub position: [S; 2],
+    pub heading: S,
+    pub time: S,
+    pub distance: S,
+}
+
+/// Where a vehicle is and how it moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pose<S> {
+    pub place: [S; 3],
+    pub velocity: [S; 2],
+    pub yaw_rate: S,
+}
+
+impl<S: Copy> Situation<S> {
+    /// Where the vehicle is and how it moves.
+    pub fn pose(&self) -> Pose<S> {
+        Pose {
+            place: [self.position[0], self.position[1], self.heading],
+            velocity: self.velocity,
+            yaw_rate: self.yaw_rate,
+        }
+    }
+
+    /// The same with every number replaced.
+    pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Situation<T> {
+        Situation {
+            velocity: self.velocity.map(&mut f),
+            yaw_rate: f(self.yaw_rate),
+            wheel_speeds: self.wheel_speeds.map(&mut f),
+            position: self.position.map(&mut f),
+            heading: f(self.heading),
+            time: f(self.time),
+            distance: f(self.distance),
+        }
+    }
+}
+
+impl Situation<f64> {
     pub fn new(motion: &Motion, surroundings: &Surroundings, layout: &MemoryLayout) -> Self {
-        let c = S::constant;
         Self {
-            velocity: [c(motion.v_x), c(motion.v_y)],
-            yaw_rate: c(motion.yaw_rate),
-            wheel_speeds: [c(motion.omega_left), c(motion.omega_right)],
-            position: surroundings.position.map(c),
-            heading: c(surroundings.heading),
-            time: c(surroundings.time),
-            distance: c(layout.distance(surroundings.memory)),
+            velocity: [motion.v_x, motion.v_y],
+            yaw_rate: motion.yaw_rate,
+            wheel_speeds: [motion.omega_left, motion.omega_right],
+            position: surroundings.position,
+            heading: surroundings.heading,
+            time: surroundings.time,
+            distance: layout.distance(surroundings.memory),
         }
     }
 }
 
 impl<S: Scalar> Chassis<S> {
-    /// How a wheel moves (10).
-    #[inline(always)]
-    pub fn wheel_motion(&self, at: &Situation<S>, index: usize) -> WheelMotion<S> {
-        let [ahead, left] = self.wheels[index].place;
-        WheelMotion {
-            forward: at.velocity[0] - at.yaw_rate * left,
-            lateral: at.velocity[1] + at.yaw_rate * ahead,
-            yaw_rate: at.yaw_rate,
-            angular_speed: at.wheel_speeds[index % 2],
-        }
-    }
-
-    /// A wheel's law where it stands.
-    #[inline(always)]
-    pub fn law(&self, at: &Situation<S>, boundary: Boundary, index: usize) -> WheelLaw<S> {
-        let wheel = &self.wheels[index];
-        let mut law = wheel.law;
-        if let Some(change) = &self.effects.terrain_change {
-            let (sin, cos) = crate::scalar::Elementary::sin_cos(at.heading);
-            let [ahead, left] = wheel.place;
-            let place = [
-                at.position[0] + ahead * cos - left * sin,
-                at.position[1] + ahead * sin + left * cos,
-            ];
-            let share = change.share(boundary, at.time, at.distance, place);
-            law.soil = change.soil(&law.soil, share);
-            let tyre = self.effects.tyre_compliance.as_ref();
-            law.flat = tyre.map(|tyre| tyre.flat_sinkage(&law.soil));
-            law.soil = tyre.map_or(law.soil, |tyre| tyre.sheared(law.soil));
-        }
-        law
-    }
-
     /// Gravity, drag, drawbar and residual models; forces that change their sign fade below `fading` \[m/s\].
     pub fn environment(&self, at: &Situation<S>, effects: &Effects, fading: f64) -> Environment<S> {
         let zero = S::constant(0.0);
@@ -161,16 +169,5 @@ impl<S: Scalar> Chassis<S> {
         if let Some(law) = around {
             environment.yaw_moment += weight * unscaled.half_track * law.share(&motion);
         }
-    }
-
-    /// What the loads have to balance when the ground exerts the specific force s \[m/s^2\].
-    #[inline(always)]
-    pub fn load_targets(&self, environment: &Environment<S>, specific: [S; 2]) -> LoadTargets<S> {
-        LoadTargets::new(
-            self.mass * environment.gravity.normal,
-            environment.load_moments,
-            self.mass * self.com_height,
-            specific,
-        )
     }
 }

@@ -1,9 +1,9 @@
 //! The rut that a wheel meets: of all tracks that the wheels left, the deepest before it.
 
-use super::situation::Pose;
+use super::environment::{Pose, Situation};
 use super::tracks::{Crossing, Front, Mark, Placed, View};
-use super::{Chassis, Situation, Tracks};
-use crate::contact::{WheelLaw, WheelMemory};
+use super::{Chassis, Tracks};
+use crate::contact::Wheel;
 use crate::effects::Multipass;
 use crate::scalar::{Dual, Elementary, Scalar};
 use std::array::from_fn;
@@ -41,14 +41,11 @@ impl<'a, S: Scalar> Ruts<'a, S> {
         chassis: &'a Chassis<S>,
         effect: &'a Multipass<S>,
         at: &'a Situation<S>,
-        laws: &[WheelLaw<S>],
-        wheels: &[(S, WheelMemory<S>)],
+        wheel: impl Fn(usize) -> Wheel<S>,
         tracks: Tracks<'a>,
     ) -> Self {
-        let standing = laws.iter().zip(wheels);
-        let depths: Vec<S> = standing
-            .map(|(law, (entry, memory))| depth(law, *entry, memory))
-            .collect();
+        let wheels = 0..chassis.wheels.len();
+        let depths: Vec<S> = wheels.map(|index| depth(&wheel(index))).collect();
         Self {
             view: View::new(tracks, chassis, at, &depths),
             chassis,
@@ -167,10 +164,10 @@ impl Ruts<'_, f64> {
 }
 
 /// Depth of a wheel's lowest point below the untouched surface \[m\]. Where ruts are not felt, all ground is untouched.
-fn depth<S: Scalar>(law: &WheelLaw<S>, entry: S, memory: &WheelMemory<S>) -> S {
-    let sinkage = law.arc(entry).sinkage();
-    match &law.multipass {
-        Some(effect) => sinkage + effect.rut(memory.pressed).ground,
+fn depth<S: Scalar>(wheel: &Wheel<S>) -> S {
+    let sinkage = wheel.law.arc(wheel.reach).sinkage();
+    match &wheel.law.multipass {
+        Some(effect) => sinkage + effect.rut(wheel.memory.pressed).ground,
         None => sinkage,
     }
 }

@@ -1,0 +1,91 @@
+//! A model at one motion and in its surroundings: what holds throughout one solution of the balance.
+
+use super::environment::{Environment, Situation};
+use super::rut::{Ruts, TrackSlope};
+use super::{Balance, Chassis, Tracks, VehicleModel, WheelOutputs, Wrench};
+use crate::contact::{Wheel, WheelMemory};
+
+/// What holds throughout one solution.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Prepared<'a> {
+    pub model: &'a VehicleModel,
+    /// The one that holds at this time and place, and whether it is that outside of the effects' window.
+    pub chassis: &'a Chassis<f64>,
+    pub is_outside: bool,
+    pub situation: Situation<f64>,
+    pub environment: Environment<f64>,
+    pub memory: &'a [f64],
+    pub tracks: Tracks<'a>,
+}
+
+impl Prepared<'_> {
+    /// What one wheel remembers.
+    pub fn memory(&self, index: usize) -> WheelMemory<f64> {
+        WheelMemory::from_array(self.model.layout().wheel(self.memory, index))
+    }
+
+    /// A wheel in its contact, with the entry angle \[rad\] that it would have if it were rigid.
+    #[inline(always)]
+    pub fn wheel(&self, index: usize, reach: f64) -> Wheel<f64> {
+        self.chassis
+            .wheel(&self.situation, index, reach, self.memory(index))
+    }
+
+    /// Fills a wrench with what a balance means here.
+    pub fn wrench(&self, balance: &Balance, wrench: &mut Wrench) {
+        let chassis = self.chassis;
+        let regularisation = self.model.contact().regularisation();
+        let yaw_rate = self.situation.yaw_rate;
+        let totals = chassis.totals(&self.environment, yaw_rate, &balance.forces);
+        [wrench.a_x, wrench.a_y] = totals.acceleration;
+        wrench.yaw_acceleration = totals.yaw_acceleration;
+        wrench.rolling_resistance = totals.rolling_resistance;
+        wrench.turning_moment = totals.turning_moment;
+        wrench.turning_resistance_moment = totals.turning_resistance_moment;
+        for (index, standing) in balance.wheels.iter().enumerate() {
+            let carries = standing.load > 0.0;
+            let wheel = self.wheel(index, if carries { standing.entry_angle } else { 0.0 });
+            let forces = &balance.forces[index];
+            let outputs = chassis.outputs(&wheel, regularisation, standing.load, forces);
+            wrench.wheels[index] = WheelOutputs::from_array(outputs);
+        }
+    }
+
+    /// Writes the rates of what is remembered.
+    pub fn memory_rates(&self, balance: &Balance, rates: &mut Vec<f64>) {
+        if rates.is_empty() {
+            return;
+        }
+        rates.clear();
+        let wheel = |index: usize| self.wheel(index, balance.wheels[index].entry_angle);
+        let layout = self.model.layout();
+        layout.rates(self.chassis, &self.situation, wheel, self.tracks, rates);
+    }
+
+    /// How the rates of what the wheels meet depend on the samples of their tracks.
+    pub fn track_slopes(&self, balance: &Balance) -> Vec<TrackSlope> {
+        let Some(effect) = &self.chassis.effects.multipass else {
+            return Vec::new();
+        };
+        let wheel = |index: usize| self.wheel(index, balance.wheels[index].entry_angle);
+        Ruts::new(self.chassis, effect, &self.situation, wheel, self.tracks).slopes()
+    }
+
+    /// Writes each wheel's load and its derivatives by the ground's specific force; whether one is
+    /// lifted.
+    pub fn distribute(&self, specific: [f64; 2], loads: &mut [[f64; 3]]) -> bool {
+        self.chassis.distribute(&self.environment, specific, loads)
+    }
+
+    /// Weight of the vehicle with what it carries \[N\].
+    pub fn weight(&self) -> f64 {
+        self.chassis.mass * super::GRAVITY
+    }
+
+    /// Load \[N\] below which a wheel's forces fade in proportion to it, a thousandth of the
+    /// mean load. (A wheel on cohesive soil has forces that grow infinitely fast with the
+    /// first newtons; with them no balance would be found where a wheel lifts.)
+    pub fn lightest_load(&self) -> f64 {
+        1e-3 * self.weight() / self.chassis.wheels.len() as f64
+    }
+}
