@@ -1,6 +1,7 @@
 //! Exact derivatives of the wrench, by the implicit function theorem on the balance.
 
 use super::newton::solve_2x2;
+use super::wrench::by_side;
 use super::{Balance, Motion, VehicleModel, Wrench};
 use crate::contact::{Detail, FORCE_COUNT, WheelForces, WheelMotion};
 use crate::scalar::Dual;
@@ -114,6 +115,10 @@ impl Linearisation {
         }
         derivative.sum(model.vehicle(), &self.forces);
         derivative.set_slip_derivatives(model, motion, direction);
+        let wheels = self.wheels.iter().zip(&self.shares);
+        let torques = by_side(wheels.map(|(forces, share)| share * forces.torque.re));
+        let turned = [direction.omega_left, direction.omega_right];
+        derivative.set_axle_derivatives(motion, torques, turned);
     }
 
     /// How a wheel's forces change at a fixed entry angle.

@@ -93,7 +93,8 @@ impl Balance {
         wrench: &mut Wrench,
     ) {
         if let Some(prepared) = prepared {
-            return prepared.wrench(self, model.regularisation(), wrench);
+            prepared.wrench(self, model.regularisation(), wrench);
+            return wrench.set_axles(motion);
         }
         wrench.sum(model.vehicle(), &self.forces);
         for (index, wheel) in self.wheels.iter().enumerate() {
@@ -105,6 +106,7 @@ impl Balance {
             wrench.set_contact(model.vehicle().wheel_radius, index, wheel.load, entry_angle);
         }
         wrench.set_slips(model, motion);
+        wrench.set_axles(motion);
     }
 
     /// Writes the rates of what the vehicle and its ground remember.

@@ -1,6 +1,6 @@
 //! What the ground does to the vehicle: totals and each wheel's share.
 
-use super::Vehicle;
+use super::{Motion, Vehicle};
 use crate::contact::WheelForces;
 
 /// Forces, moments and resistances at one instant (or their derivative in one direction).
@@ -19,6 +19,13 @@ pub struct Wrench {
     pub turning_resistance_moment: f64,
     /// Moment of the thrust \[N m\], the first term of (24).
     pub turning_moment: f64,
+    /// Torque of the left axles \[N m\], positive drives forward.
+    pub torque_left: f64,
+    /// Torque of the right axles \[N m\], positive drives forward.
+    pub torque_right: f64,
+    /// Power of the axles \[W\], the sum of torque times angular speed; negative where the
+    /// wheels brake.
+    pub power: f64,
     /// Each wheel's share, front row first, left before right.
     pub wheels: Vec<WheelOutputs>,
 }
@@ -40,8 +47,9 @@ pub struct WheelOutputs {
     pub force_x: f64,
     /// Force of the ground along Y \[N\] (18).
     pub force_y: f64,
-    /// Torque that the axle needs \[N m\], positive drives forward.
-    pub drive_torque: f64,
+    /// Torque of the axle on the wheel \[N m\], positive drives forward: the shear along the rim
+    /// times the radius at which the rim rolls.
+    pub torque: f64,
 }
 
 impl WheelOutputs {
@@ -58,7 +66,7 @@ impl WheelOutputs {
             self.entry_angle,
             self.force_x,
             self.force_y,
-            self.drive_torque,
+            self.torque,
         ]
     }
 
@@ -72,7 +80,7 @@ impl WheelOutputs {
             entry_angle,
             force_x,
             force_y,
-            drive_torque,
+            torque,
         ]: [f64; Self::COUNT],
     ) -> Self {
         Self {
@@ -83,7 +91,7 @@ impl WheelOutputs {
             entry_angle,
             force_x,
             force_y,
-            drive_torque,
+            torque,
         }
     }
 }
@@ -105,6 +113,9 @@ impl Wrench {
             self.rolling_resistance += weight * term.rolling_resistance;
             self.turning_resistance_moment += weight * term.turning_resistance_moment;
             self.turning_moment += weight * term.turning_moment;
+            self.torque_left += weight * term.torque_left;
+            self.torque_right += weight * term.torque_right;
+            self.power += weight * term.power;
             for (sum, wheel) in self.wheels.iter_mut().zip(&term.wheels) {
                 let (old, more) = (sum.to_array(), wheel.to_array());
                 *sum = WheelOutputs::from_array(std::array::from_fn(|k| old[k] + weight * more[k]));
@@ -133,7 +144,7 @@ impl Wrench {
             turning_resistance -= ahead * force.lateral + force.arc_moment;
             self.wheels[index].force_x = wheel_x;
             self.wheels[index].force_y = force.lateral;
-            self.wheels[index].drive_torque = force.torque;
+            self.wheels[index].torque = force.torque;
         }
         self.a_x = force_x / vehicle.mass;
         self.a_y = force_y / vehicle.mass;
@@ -141,6 +152,25 @@ impl Wrench {
         self.turning_moment = turning;
         self.turning_resistance_moment = turning_resistance;
         self.yaw_acceleration = (turning - turning_resistance) / vehicle.yaw_inertia;
+    }
+
+    /// Sums the wheels' torques by side, and their power, from the wheels' values.
+    pub(super) fn set_axles(&mut self, motion: &Motion) {
+        let torques = by_side(self.wheels.iter().map(|wheel| wheel.torque));
+        [self.torque_left, self.torque_right] = torques;
+        self.power = torques[0] * motion.omega_left + torques[1] * motion.omega_right;
+    }
+
+    /// The same of a derivative: in its direction the wheel speeds change by `turned` \[rad/s\],
+    /// left and right, and the sides have these `torques` \[N m\].
+    pub(super) fn set_axle_derivatives(
+        &mut self,
+        motion: &Motion,
+        torques: [f64; 2],
+        turned: [f64; 2],
+    ) {
+        self.set_axles(motion);
+        self.power += torques[0] * turned[0] + torques[1] * turned[1];
     }
 
     /// Sets one wheel's load and entry angle, and the sinkage that follows.
@@ -151,4 +181,13 @@ impl Wrench {
         // 1 - cos theta = 2 sin^2(theta / 2), exact for small angles.
         wheel.sinkage = radius * 2.0 * (entry / 2.0).sin().powi(2);
     }
+}
+
+/// Sums of the left and of the right wheels' numbers, in the order of the wheels.
+pub(super) fn by_side(wheels: impl Iterator<Item = f64>) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for (index, number) in wheels.enumerate() {
+        sums[index % 2] += number;
+    }
+    sums
 }

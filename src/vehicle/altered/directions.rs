@@ -11,6 +11,7 @@ use super::{Chassis, Environment, Situation, Surroundings};
 use crate::contact::{Detail, FORCE_COUNT, WheelForces, WheelMemory};
 use crate::scalar::{Dual, Scalar};
 use crate::vehicle::newton::solve_2x2;
+use crate::vehicle::wrench::by_side;
 use crate::vehicle::{
     Balance, ModelParameter, Motion, Specification, VehicleModel, WheelOutputs, Wrench,
 };
@@ -288,6 +289,7 @@ impl Point<'_> {
             )
         });
         let outputs: Vec<_> = outputs.collect();
+        let torques = by_side(closed.forces.iter().map(|force| force.torque.re));
         for (place, result) in results.iter_mut().enumerate() {
             let wrench = &mut result.wrench;
             wrench.a_x = totals.acceleration[0].eps[place];
@@ -300,6 +302,8 @@ impl Point<'_> {
             for (wheel, outputs) in wrench.wheels.iter_mut().zip(&outputs) {
                 *wheel = WheelOutputs::from_array(outputs.map(|output| output.eps[place]));
             }
+            let turned = situation.wheel_speeds.map(|speed| speed.eps[place]);
+            wrench.set_axle_derivatives(self.motion, torques, turned);
             result.memory_rates.clear();
             result
                 .memory_rates
