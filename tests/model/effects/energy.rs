@@ -68,7 +68,7 @@ const FIRM_TYRE: &[(&str, f64)] = &[("pressure", 300e3)];
 
 /// Rows and points of the dense rule, and seconds between the samples of both powers.
 const RULE: [usize; 2] = [10, 100];
-const SAMPLE: f64 = 0.02;
+const SAMPLE: f64 = 0.01;
 /// Seconds, and the speeds of both sides at their end: ahead, a turn, braking, reverse, a pivot turn, a stop.
 const PHASES: [(f64, f64, f64); 9] = [
     (0.6, 6.0, 6.0),
@@ -81,9 +81,10 @@ const PHASES: [(f64, f64, f64); 9] = [
     (0.4, -4.0, 4.0),
     (0.3, 0.5, 0.5),
 ];
-/// Of all that the ground took so far, and of a joule: what may be missing of the balance at any time.
+/// Share of all that the soil took so far, and energy \[J\], that may be missing of the balance at any time: the samples'
+/// trapezoids leave most of it, a quarter where they are half as long.
 const SHARE: f64 = 1e-3;
-const JOULES: f64 = 1.0;
+const JOULES: f64 = 2.0;
 
 fn get(effects: &Effects, name: &str) -> f64 {
     effects.get(ParameterName::find(name).unwrap())
