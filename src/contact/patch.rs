@@ -6,7 +6,7 @@
 //! (theta_m + theta_2), which is (5) for the paper's theta_2 = 0 and theta_m = theta_1 / 2.
 
 use super::law::{WheelLaw, twice_arc_sine};
-use super::quadrature::{MOST_ROWS, Nodes, Quadrature};
+use super::quadrature::{MOST_ROWS, Quadrature};
 use crate::effects::{Displacement, Soil};
 use crate::scalar::{Elementary, Packed, Real, Scalar};
 use fearless_simd::{Simd, f64x8, prelude::*};
@@ -150,8 +150,8 @@ impl<S: Scalar> Ends<S> {
     /// Splits the arc there; an angle beyond it is left out.
     #[inline(always)]
     fn split(&mut self, angle: S) {
-        let within = angle.value() > self.at[0].value()
-            && angle.value() < self.at[self.count - 1].value();
+        let within =
+            angle.value() > self.at[0].value() && angle.value() < self.at[self.count - 1].value();
         if !within {
             return;
         }
@@ -311,8 +311,8 @@ impl<S: Scalar> Patch<S> {
         let spin = (motion.yaw_rate * self.circle).splat(simd);
         let sideways = motion.lateral.splat(simd) + spin * sin;
         let moved = &motion.moved;
-        let aside = moved.lateral.splat(simd) * travelled
-            + (moved.yaw * self.circle).splat(simd) * rise;
+        let aside =
+            moved.lateral.splat(simd) * travelled + (moved.yaw * self.circle).splat(simd) * rise;
         let aside_squared = aside * aside * self.lateral_stretch.splat(simd);
         Column {
             sin,
@@ -595,8 +595,8 @@ impl Crossing {
             return &rule.reversed;
         }
         // Where the line crosses the arc at a third of it, from theta = 0.
-        let line = (self.forward - rim / (1.0 - (1.0 - cos_entry) / 9.0))
-            / (self.yaw_rate * self.width);
+        let line =
+            (self.forward - rim / (1.0 - (1.0 - cos_entry) / 9.0)) / (self.yaw_rate * self.width);
         let line = line.clamp(-0.5, 0.5);
         let mut count = 0;
         for edge in [-0.5, 0.5] {

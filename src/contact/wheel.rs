@@ -340,7 +340,9 @@ impl WheelContact {
             let fading = rolling.scale(1.0 - held).offset(held);
             (moved, inverse_modulus, fading.scale(slip_speed_squared))
         } else {
-            let bounded = self.regularisation.bounded_angular_speed(motion.angular_speed);
+            let bounded = self
+                .regularisation
+                .bounded_angular_speed(motion.angular_speed);
             let moved = Displacement {
                 forward,
                 lateral,
@@ -397,8 +399,7 @@ impl<S: Scalar> Wedge<S> {
         let q = (t * t).offset(1.0).sqrt() + t;
         let square = circle * circle;
         let by_depth = q.scale(2.0) * soil.cohesion * square * effect.lateral;
-        let by_square =
-            q * (q + q * q * t) * effect.unit_weight * square * circle * effect.lateral;
+        let by_square = q * (q + q * q * t) * effect.unit_weight * square * circle * effect.lateral;
         let blade = effect.blade_resistance(soil, arc.sinkage());
         Self {
             force: by_depth * (to[0] - from[0]) + by_square * (to[1] - from[1]),

@@ -37,14 +37,17 @@ pub(super) static STATES: [Row; 6] = [
     row(Output, "yaw_rate", "rad/s", "Yaw rate, counter-clockwise").nominal(0.5),
 ];
 
-/// Accelerations, forces and moments of the whole vehicle.
+/// Accelerations, forces, moments and power of the whole vehicle.
 #[rustfmt::skip]
-pub(super) static FORCES: [Computed<Wrench>; 5] = [
+pub(super) static FORCES: [Computed<Wrench>; 8] = [
     row(Output, "a_x", "m/s2", "Acceleration of the centre of mass along X: sum of F_X / m (19), and what effects add").force(|all| all.a_x),
     row(Output, "a_y", "m/s2", "Acceleration of the centre of mass along Y: sum of F_Y / m (20), and what effects add").force(|all| all.a_y),
     row(Output, "rolling_resistance", "N", "Rolling resistance R_r: horizontal force of the normal stress against the travel (21)").nominal(1000.0).force(|all| all.rolling_resistance),
     row(Output, "turning_resistance_moment", "N.m", "Moment of turning resistance M_r, positive where it resists a counter-clockwise turn (25)").nominal(1000.0).force(|all| all.turning_resistance_moment),
     row(Output, "turning_moment", "N.m", "Moment of the thrust, the first term of (24); minus M_r it is I_Z dOmega/dt where no effect acts").nominal(1000.0).force(|all| all.turning_moment),
+    row(Output, "torque_left", "N.m", "Torque of the left axles on their wheels, positive drives forward").nominal(100.0).force(|all| all.torque_left),
+    row(Output, "torque_right", "N.m", "Torque of the right axles on their wheels, positive drives forward").nominal(100.0).force(|all| all.torque_right),
+    row(Output, "power", "W", "Power of the axles: sum of torque times angular speed, negative where the wheels brake").nominal(1000.0).force(|all| all.power),
 ];
 
 /// The rates of the states, in the same order.
@@ -121,7 +124,7 @@ pub(super) static ROW: Row = row(
 
 /// Each wheel.
 #[rustfmt::skip]
-pub(super) static WHEEL: [Computed<WheelOutputs>; 7] = [
+pub(super) static WHEEL: [Computed<WheelOutputs>; 8] = [
     row(Output, "longitudinal_slip", "1", "Longitudinal slip S_X at the wheel's lowest point, positive when driving (13)").wheel(|wheel| wheel.longitudinal_slip),
     row(Output, "lateral_slip", "1", "Lateral slip S_Y at the wheel's lowest point (13)").wheel(|wheel| wheel.lateral_slip),
     row(Output, "load", "N", "Vertical load (28)").nominal(1000.0).wheel(|wheel| wheel.load),
@@ -129,6 +132,7 @@ pub(super) static WHEEL: [Computed<WheelOutputs>; 7] = [
     row(Output, "entry_angle", "rad", "Entry angle theta_1").wheel(|wheel| wheel.entry_angle),
     row(Output, "force_x", "N", "Force of the ground along the body's X axis (18)").nominal(100.0).wheel(|wheel| wheel.force_x),
     row(Output, "force_y", "N", "Force of the ground along the body's Y axis (18)").nominal(100.0).wheel(|wheel| wheel.force_y),
+    row(Output, "torque", "N.m", "Torque of the axle on the wheel, positive drives forward: radius times the shear along the rim").nominal(100.0).wheel(|wheel| wheel.torque),
 ];
 
 /// The time, a variable in FMI 3.0 only.
@@ -136,7 +140,7 @@ pub(super) static TIME: Row = row(Independent, "time", "s", "Simulated time");
 
 /// The units of the variables with the exponents of their base units in alphabetical order.
 #[rustfmt::skip]
-pub static UNITS: [Unit; 19] = [
+pub static UNITS: [Unit; 20] = [
     unit("s", &[("s", 1)]),
     unit("m", &[("m", 1)]),
     unit("kg", &[("kg", 1)]),
@@ -152,6 +156,7 @@ pub static UNITS: [Unit; 19] = [
     unit("N.s2/m2", &[("kg", 1), ("m", -1)]),
     unit("N/m3", &[("kg", 1), ("m", -2), ("s", -2)]),
     unit("N.m", &[("kg", 1), ("m", 2), ("s", -2)]),
+    unit("W", &[("kg", 1), ("m", 2), ("s", -3)]),
     unit("Pa", &[("kg", 1), ("m", -1), ("s", -2)]),
     Unit { name: "N/m^(n+1)", base: None, factor: None },
     Unit { name: "N/m^(n+2)", base: None, factor: None },

@@ -289,6 +289,9 @@ mod tests {
             rolling_resistance: 104.0,
             turning_resistance_moment: 105.0,
             turning_moment: 106.0,
+            torque_left: 107.0,
+            torque_right: 108.0,
+            power: 109.0,
             wheels: wheels.collect(),
         };
         let state = State::from_array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);

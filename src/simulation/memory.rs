@@ -92,9 +92,13 @@ impl MemoryJacobian {
 /// The directions of the integrator's Jacobian: the motion, place and heading where anything depends on them, and what
 /// is remembered.
 pub(super) fn directions(model: &VehicleModel) -> Vec<Direction> {
-    let pose = Direction::POSE.into_iter().filter(|_| !model.is_placeless());
+    let pose = Direction::POSE
+        .into_iter()
+        .filter(|_| !model.is_placeless());
     let motion = Direction::MOTION.into_iter().chain(pose);
-    motion.chain(memory_directions(model.memory_count())).collect()
+    motion
+        .chain(memory_directions(model.memory_count()))
+        .collect()
 }
 
 /// Those of what is remembered alone.

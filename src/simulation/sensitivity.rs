@@ -70,7 +70,9 @@ impl SensitiveSimulation {
         let mut list = directions(&model);
         let mut varied = parameters.iter().chain(binned);
         if varied.clone().any(|p| p.depends_on_place()) {
-            let missing = Direction::POSE.into_iter().filter(|pose| !list.contains(pose));
+            let missing = Direction::POSE
+                .into_iter()
+                .filter(|pose| !list.contains(pose));
             list = list.iter().copied().chain(missing).collect();
         }
         let varied: Vec<Direction> = varied.by_ref().map(|p| Direction::Parameter(*p)).collect();

@@ -2,7 +2,9 @@
 
 use super::environment::{Environment, Situation};
 use super::loads::{LoadPlane, LoadTargets};
-use super::{ModelParameter, Specification, TerrainParameter, VehicleParameter, WheelOutputs};
+use super::{
+    ModelParameter, Specification, TerrainParameter, VehicleParameter, WheelOutputs, Wrench,
+};
 use crate::contact::{Regularisation, Wheel, WheelForces, WheelLaw, WheelMemory, WheelMotion};
 use crate::effects::{ActiveEffects, Boundary, Soil};
 use crate::scalar::{Elementary, Scalar};
@@ -236,41 +238,44 @@ impl<S: Scalar> Chassis<S> {
         ]
     }
 
-    /// Sums the forces of all wheels and of the surroundings; the acceleration is that of the
-    /// reference point.
+    /// Sums the forces of all wheels and of the surroundings: the numbers of the whole vehicle in the order of
+    /// [`Wrench`]'s fields. The acceleration is that of the reference point.
     pub fn totals(
         &self,
         environment: &Environment<S>,
-        yaw_rate: S,
+        at: &Situation<S>,
         forces: &[WheelForces<S>],
-    ) -> Totals<S> {
+    ) -> [S; Wrench::TOTALS] {
         let zero = S::constant(0.0);
         let (mut force, mut resistance) = (environment.force, zero);
         let (mut turning, mut turning_resistance) = (zero, zero);
-        for (wheel, force_here) in self.wheels.iter().zip(forces) {
+        let mut torque = [zero; 2];
+        for (index, (wheel, ground)) in self.wheels.iter().zip(forces).enumerate() {
             let [ahead, left] = wheel.arm(self.com);
-            let along = force_here.thrust - force_here.compaction;
+            let along = ground.thrust - ground.compaction;
             force[0] += along;
-            force[1] += force_here.lateral;
-            resistance += force_here.rolling_resistance;
-            turning += -(left * along + force_here.width_moment);
-            turning_resistance += -(ahead * force_here.lateral + force_here.arc_moment);
+            force[1] += ground.lateral;
+            resistance += ground.rolling_resistance;
+            turning += -(left * along + ground.width_moment);
+            turning_resistance += -(ahead * ground.lateral + ground.arc_moment);
+            torque[index % 2] += ground.torque;
         }
         let yaw_acceleration =
             (turning - turning_resistance + environment.yaw_moment) / self.yaw_inertia;
         let [ahead, left] = self.com;
-        let spin = yaw_rate * yaw_rate;
+        let spin = at.yaw_rate * at.yaw_rate;
         let [along, across] = environment.gravity.along;
-        Totals {
-            acceleration: [
-                force[0] / self.mass + along + yaw_acceleration * left + spin * ahead,
-                force[1] / self.mass + across - yaw_acceleration * ahead + spin * left,
-            ],
+        [
+            force[0] / self.mass + along + yaw_acceleration * left + spin * ahead,
+            force[1] / self.mass + across - yaw_acceleration * ahead + spin * left,
             yaw_acceleration,
-            rolling_resistance: resistance,
-            turning_moment: turning,
-            turning_resistance_moment: turning_resistance,
-        }
+            resistance,
+            turning_resistance,
+            turning,
+            torque[0],
+            torque[1],
+            torque[0] * at.wheel_speeds[0] + torque[1] * at.wheel_speeds[1],
+        ]
     }
 }
 
@@ -280,16 +285,6 @@ impl<S: Scalar> ChassisWheel<S> {
     fn arm(&self, com: [S; 2]) -> [S; 2] {
         [self.place[0] - com[0], self.place[1] - com[1]]
     }
-}
-
-/// Accelerations, resistances and moments of the whole vehicle.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Totals<S> {
-    pub acceleration: [S; 2],
-    pub yaw_acceleration: S,
-    pub rolling_resistance: S,
-    pub turning_moment: S,
-    pub turning_resistance_moment: S,
 }
 
 /// A rigid body: mass, yaw inertia about its centre of mass, and where that lies.

@@ -155,12 +155,7 @@ impl VehicleModel {
     }
 
     /// Newton's method on the accelerations at one fading load.
-    fn stage(
-        &self,
-        prepared: &Prepared,
-        balance: &mut Balance,
-        fading: f64,
-    ) -> Stage {
+    fn stage(&self, prepared: &Prepared, balance: &mut Balance, fading: f64) -> Stage {
         let mass = prepared.chassis.mass;
         self.carry(prepared, balance, fading);
         for _ in 0..MAX_STEPS {
@@ -195,12 +190,7 @@ impl VehicleModel {
     /// Goes on to another balance: follows the accelerations as if they trailed the forces (pseudo-transient
     /// continuation, C. T. Kelley and D. E. Keyes, SIAM J. Numer. Anal. 35 (1998)), in steps of that time that grow
     /// as long as the accelerations move one way. Returns whether it arrived.
-    fn trail(
-        &self,
-        prepared: &Prepared,
-        balance: &mut Balance,
-        fading: f64,
-    ) -> bool {
+    fn trail(&self, prepared: &Prepared, balance: &mut Balance, fading: f64) -> bool {
         let mass = prepared.chassis.mass;
         let mut trailing = 1.0;
         let mut last = [0.0; 2];
@@ -230,12 +220,7 @@ impl VehicleModel {
     }
 
     /// Lets every wheel carry its load at the balance's accelerations, or the fading load if that is larger.
-    fn carry(
-        &self,
-        prepared: &Prepared,
-        balance: &mut Balance,
-        fading: f64,
-    ) {
+    fn carry(&self, prepared: &Prepared, balance: &mut Balance, fading: f64) {
         balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
         for index in 0..balance.wheels.len() {
             let load = balance.loads[index][0];
@@ -244,7 +229,7 @@ impl VehicleModel {
             wheel.load = load;
             wheel.share = load / target;
             if wheel.entry_angle <= 0.0 {
-                wheel.entry_angle = self.reach_guess(index, target);
+                wheel.entry_angle = prepared.reach_guess(index, target);
             }
             self.carry_one(prepared, balance, index, target);
         }
@@ -252,13 +237,7 @@ impl VehicleModel {
 
     /// Finds the smallest entry angle at which a wheel carries a load, and its forces there. Where the ground bears less
     /// at any angle, the one at which it bears most, and forces that do not change with the load.
-    fn carry_one(
-        &self,
-        prepared: &Prepared,
-        balance: &mut Balance,
-        index: usize,
-        target: f64,
-    ) {
+    fn carry_one(&self, prepared: &Prepared, balance: &mut Balance, index: usize, target: f64) {
         let (first, last) = ENTRY_ANGLE_RANGE;
         // The angle lies between these.
         let (mut low, mut high) = (first, f64::INFINITY);

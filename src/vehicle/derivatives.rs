@@ -4,12 +4,8 @@
 use super::environment::Situation;
 use super::newton::solve_2x2;
 use super::prepared::Prepared;
-use super::{
-    Balance, Chassis, ModelParameter, Specification, VehicleModel, WheelOutputs, Wrench,
-};
-use crate::contact::{
-    Detail, FORCE_COUNT, MOST_INPUTS, REACH, Wheel, WheelForces, WheelMemory,
-};
+use super::{Balance, Chassis, ModelParameter, Specification, VehicleModel, WheelOutputs, Wrench};
+use crate::contact::{Detail, FORCE_COUNT, MOST_INPUTS, REACH, Wheel, WheelForces, WheelMemory};
 use crate::effects::Displacement;
 use crate::scalar::{Dual, Scalar};
 
@@ -135,7 +131,10 @@ impl Gradient {
                     Dual::variable(number.re, place)
                 })
             });
-            let forces = model.contact().forces(model.level(), &varied, detail).to_array();
+            let forces = model
+                .contact()
+                .forces(model.level(), &varied, detail)
+                .to_array();
             gradient.forces = forces.map(|force| force.re);
             for (place, input) in chunk[..count].iter().enumerate() {
                 gradient.by[*input as usize] = forces.map(|force| force.eps[place]);
@@ -172,7 +171,8 @@ impl Directions {
         };
         let chassis = differentiated(model.specification(), &list, |_| true);
         let outside = model.outside().into_iter().flat_map(|outside| {
-            let own = differentiated(&outside.specification, &list, felt);
+            let specification = model.specification().with_effects(outside.effects.clone());
+            let own = differentiated(&specification, &list, felt);
             let pairs = own.into_iter().zip(&chassis);
             pairs.map(|(own, inside)| own.remembering_like(inside))
         });
@@ -289,18 +289,13 @@ impl Work {
         for place in 0..list.len() {
             closing.restore(place, wheels, &mut self.lane_loads, &mut self.forces);
         }
-        let totals = chassis.totals(&environment, situation.yaw_rate, &self.forces);
+        let totals = chassis.totals(&environment, &situation, &self.forces);
         self.rates.clear();
         let (layout, wheel) = (model.layout(), |index: usize| wheels[index]);
         layout.rates(chassis, &situation, wheel, at.tracks, &mut self.rates);
         for (place, result) in results.iter_mut().enumerate() {
             let wrench = &mut result.wrench;
-            wrench.a_x = totals.acceleration[0].eps[place];
-            wrench.a_y = totals.acceleration[1].eps[place];
-            wrench.yaw_acceleration = totals.yaw_acceleration.eps[place];
-            wrench.rolling_resistance = totals.rolling_resistance.eps[place];
-            wrench.turning_moment = totals.turning_moment.eps[place];
-            wrench.turning_resistance_moment = totals.turning_resistance_moment.eps[place];
+            wrench.set_totals(totals.map(|total| total.eps[place]));
             wrench.wheels.resize(wheels.len(), WheelOutputs::default());
             result.memory_rates.clear();
             let rates = self.rates.iter().map(|rate| rate.eps[place]);
@@ -468,9 +463,10 @@ fn differentiated(
         Chassis::new(specification, |parameter| {
             place(list, parameter).filter(|_| felt(parameter))?;
             let value = parameter.get(specification);
-            Some(place(chunk, parameter).map_or(Lane::constant(value), |place| {
-                Dual::variable(value, place)
-            }))
+            Some(
+                place(chunk, parameter)
+                    .map_or(Lane::constant(value), |place| Dual::variable(value, place)),
+            )
         })
     });
     chunks.collect()

@@ -55,7 +55,7 @@ pub(super) struct Pose<S> {
 
 impl<S: Copy> Situation<S> {
     /// Where the vehicle is and how it moves.
-    pub fn pose(&self) -> Pose<S> {
+    pub(super) fn pose(&self) -> Pose<S> {
         Pose {
             place: [self.position[0], self.position[1], self.heading],
             velocity: self.velocity,

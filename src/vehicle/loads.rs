@@ -64,13 +64,11 @@ impl<S: Scalar> LoadPlane<S> {
         loads: &mut [[S; 3]],
     ) -> bool {
         let zero = S::constant(0.0);
-        let moments =
-            [0, 1].map(|axis| targets.moments[axis] - targets.leverage * specific[axis]);
+        let moments = [0, 1].map(|axis| targets.moments[axis] - targets.leverage * specific[axis]);
         let mut carried = [zero; 3];
         let mut lifted = false;
         for (share, load) in self.shares.iter().zip(&mut *loads) {
-            let value =
-                targets.normal * share[0] + moments[0] * share[1] + moments[1] * share[2];
+            let value = targets.normal * share[0] + moments[0] * share[1] + moments[1] * share[2];
             *load = if value.value() > 0.0 {
                 let by = |share: S| -(targets.leverage * share);
                 [value, by(share[1]), by(share[2])]

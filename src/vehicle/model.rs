@@ -21,23 +21,23 @@ const FINEST: f64 = 0.02;
 pub struct VehicleModel {
     specification: Specification,
     contact: WheelContact,
-    chassis: Chassis<f64>,
+    inside: Standing,
     /// The same outside of the effects' window, where they have one.
-    outside: Option<Outside>,
+    outside: Option<Standing>,
     layout: MemoryLayout,
-    /// Each wheel's load \[N\] over theta_1^(2n+1) at small entry angles; for a guess.
-    supports: Vec<f64>,
     /// The length \[m\] of the shortest thing that lies in the way.
     grain: Option<f64>,
     /// The processor's vector instructions.
     level: Level,
 }
 
-/// A specification and its chassis outside of the effects' window.
+/// A vehicle after its effects.
 #[derive(Debug, Clone)]
-pub(super) struct Outside {
-    pub specification: Specification,
+pub(super) struct Standing {
+    pub effects: Effects,
     pub chassis: Chassis<f64>,
+    /// Each wheel's load \[N\] over theta_1^(2n+1) at small entry angles; for a guess.
+    supports: Vec<f64>,
 }
 
 impl VehicleModel {
@@ -96,17 +96,19 @@ impl VehicleModel {
             1e14,
         );
         stiffness.check(terrain.sinkage_modulus(vehicle.wheel_width))?;
+        let standing = |effects: &Effects, chassis: Chassis<f64>| {
+            let wheels = chassis.wheels.iter().map(|wheel| &wheel.law);
+            let supports = wheels.map(|law| contact.support(&law.soil, law.radius, law.width));
+            Standing {
+                effects: effects.clone(),
+                supports: supports.collect(),
+                chassis,
+            }
+        };
         let chassis = Chassis::new(&specification, |_| None);
         let outside = effects.outside().map(|effects| {
-            let specification = Specification {
-                effects,
-                ..specification.clone()
-            };
-            let own = Chassis::new(&specification, |_| None);
-            Outside {
-                chassis: own.remembering_like(&chassis),
-                specification,
-            }
+            let own = Chassis::new(&specification.with_effects(effects.clone()), |_| None);
+            standing(&effects, own.remembering_like(&chassis))
         });
         if chassis.effects.tyre_compliance.is_some() {
             // A tyre's stiffness has 3 - n in its denominator.
@@ -121,20 +123,21 @@ impl VehicleModel {
                 .check(wheel.law.soil.modulus)?;
         }
         let grains = [
-            effects.slope_profile.as_ref().and_then(SlopeProfile::min_feature_length),
-            effects.window.as_ref().and_then(|window| window.extent.min_feature_length()),
+            effects
+                .slope_profile
+                .as_ref()
+                .and_then(SlopeProfile::min_feature_length),
+            effects
+                .window
+                .as_ref()
+                .and_then(|window| window.extent.min_feature_length()),
         ];
         let shortest = grains.into_iter().flatten().reduce(f64::min);
-        let supports = chassis.wheels.iter().map(|wheel| {
-            let law = &wheel.law;
-            contact.support(&law.soil, law.radius, law.width)
-        });
         Ok(Self {
-            supports: supports.collect(),
             layout: MemoryLayout::new(&specification),
             grain: shortest.map(|grain| grain.max(FINEST)),
+            inside: standing(effects, chassis),
             contact,
-            chassis,
             outside,
             level: Level::new(),
             specification,
@@ -238,10 +241,13 @@ impl VehicleModel {
         let situation = Situation::new(motion, surroundings, &self.layout);
         let fading = self.contact.regularisation().travel_speed;
         let outside = self.outside_at(surroundings);
-        let chassis = outside.map_or(&self.chassis, |outside| &outside.chassis);
+        let Standing {
+            chassis, supports, ..
+        } = outside.unwrap_or(&self.inside);
         Prepared {
             model: self,
             chassis,
+            supports,
             is_outside: outside.is_some(),
             situation,
             environment: chassis.environment(&situation, self.effects(), fading),
@@ -251,7 +257,7 @@ impl VehicleModel {
     }
 
     /// The chassis outside of the effects' window, if the vehicle is there.
-    fn outside_at(&self, surroundings: &Surroundings) -> Option<&Outside> {
+    fn outside_at(&self, surroundings: &Surroundings) -> Option<&Standing> {
         let window = self.effects().window.as_ref()?;
         let inside = window
             .extent
@@ -259,11 +265,7 @@ impl VehicleModel {
         self.outside.as_ref().filter(|_| !inside)
     }
 
-    pub(super) fn chassis(&self) -> &Chassis<f64> {
-        &self.chassis
-    }
-
-    pub(super) fn outside(&self) -> Option<&Outside> {
+    pub(super) fn outside(&self) -> Option<&Standing> {
         self.outside.as_ref()
     }
 
@@ -277,13 +279,6 @@ impl VehicleModel {
 
     pub(super) fn contact(&self) -> &WheelContact {
         &self.contact
-    }
-
-    /// Entry angle \[rad\] at which the normal stress alone would carry a load \[N\] under a wheel; for a guess.
-    pub(super) fn reach_guess(&self, index: usize, load: f64) -> f64 {
-        let law = &self.chassis.wheels[index].law;
-        let rigid = (load / self.supports[index]).powf(1.0 / (2.0 * law.soil.exponent + 1.0));
-        law.reach(rigid.min(1.5))
     }
 
     /// The soil without effects.

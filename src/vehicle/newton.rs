@@ -157,7 +157,11 @@ impl VehicleModel {
             balance.acceleration[1] += damping * step[1];
             balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
             let longest = balance.advance(prepared.lightest_load());
-            let tolerance = if with_slopes { STEP_TOLERANCE } else { OLD_SLOPES_TOLERANCE };
+            let tolerance = if with_slopes {
+                STEP_TOLERANCE
+            } else {
+                OLD_SLOPES_TOLERANCE
+            };
             match detail {
                 Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
                 Detail::Full if settled && longest < tolerance => {
@@ -193,7 +197,7 @@ impl VehicleModel {
             wheel.share = load / target;
             if wheel.entry_angle <= 0.0 {
                 let (low, high) = ENTRY_ANGLE_RANGE;
-                wheel.entry_angle = self.reach_guess(index, target).clamp(low, high);
+                wheel.entry_angle = prepared.reach_guess(index, target).clamp(low, high);
             }
             if with_slopes {
                 self.evaluate_wheel(prepared, balance, index, detail);
@@ -215,7 +219,10 @@ impl VehicleModel {
         let wheel = prepared.wheel(index, balance.wheels[index].entry_angle);
         let mut wheel = wheel.map(Dual::<f64, 1>::constant);
         wheel.reach.eps = [1.0];
-        let forces = self.contact().forces(self.level(), &wheel, detail).to_array();
+        let forces = self
+            .contact()
+            .forces(self.level(), &wheel, detail)
+            .to_array();
         balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
         balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));
     }

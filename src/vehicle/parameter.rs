@@ -176,27 +176,6 @@ impl ModelParameter {
         matches!(effect.acts, Acts::Slope | Acts::SoilByPlace) || declared.on_map
     }
 
-    /// Whether it belongs to an effect that acts on the vehicle's body alone: gravity on a slope,
-    /// drag, what is towed, residual models.
-    pub(crate) fn acts_on_body(self) -> bool {
-        matches!(
-            self.acts(),
-            Some(Acts::Slope | Acts::Body | Acts::Residual(_))
-        )
-    }
-
-    /// Whether it belongs to an effect by which the soil under a wheel depends on its place.
-    pub(crate) fn changes_soil_by_place(self) -> bool {
-        self.acts() == Some(Acts::SoilByPlace)
-    }
-
-    fn acts(self) -> Option<Acts> {
-        match self {
-            Self::Effect(parameter) => Some(parameter.declaration().0.acts),
-            _ => None,
-        }
-    }
-
     /// Whether it belongs to an effect that changes how the vehicle moves (or to vehicle or soil),
     /// not to a sensor.
     #[must_use]
@@ -213,6 +192,15 @@ impl Specification {
             vehicle,
             terrain,
             effects: Effects::NONE,
+        }
+    }
+
+    /// The same vehicle and terrain with other effects.
+    #[must_use]
+    pub fn with_effects(&self, effects: Effects) -> Self {
+        Self {
+            effects,
+            ..self.clone()
         }
     }
 

@@ -12,6 +12,8 @@ pub(crate) struct Prepared<'a> {
     /// The one that holds at this time and place, and whether it is that outside of the effects' window.
     pub chassis: &'a Chassis<f64>,
     pub is_outside: bool,
+    /// Each wheel's load \[N\] over theta_1^(2n+1) at small entry angles; for a guess.
+    pub supports: &'a [f64],
     pub situation: Situation<f64>,
     pub environment: Environment<f64>,
     pub memory: &'a [f64],
@@ -31,17 +33,19 @@ impl Prepared<'_> {
             .wheel(&self.situation, index, reach, self.memory(index))
     }
 
+    /// Entry angle \[rad\] at which the normal stress alone would carry a load \[N\] under a wheel; for a guess.
+    pub fn reach_guess(&self, index: usize, load: f64) -> f64 {
+        let law = &self.chassis.wheels[index].law;
+        let rigid = (load / self.supports[index]).powf(1.0 / (2.0 * law.soil.exponent + 1.0));
+        law.reach(rigid.min(1.5))
+    }
+
     /// Fills a wrench with what a balance means here.
     pub fn wrench(&self, balance: &Balance, wrench: &mut Wrench) {
         let chassis = self.chassis;
         let regularisation = self.model.contact().regularisation();
-        let yaw_rate = self.situation.yaw_rate;
-        let totals = chassis.totals(&self.environment, yaw_rate, &balance.forces);
-        [wrench.a_x, wrench.a_y] = totals.acceleration;
-        wrench.yaw_acceleration = totals.yaw_acceleration;
-        wrench.rolling_resistance = totals.rolling_resistance;
-        wrench.turning_moment = totals.turning_moment;
-        wrench.turning_resistance_moment = totals.turning_resistance_moment;
+        let forces = &balance.forces;
+        wrench.set_totals(chassis.totals(&self.environment, &self.situation, forces));
         for (index, standing) in balance.wheels.iter().enumerate() {
             let carries = standing.load > 0.0;
             let wheel = self.wheel(index, if carries { standing.entry_angle } else { 0.0 });

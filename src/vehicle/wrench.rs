@@ -16,6 +16,13 @@ pub struct Wrench {
     pub turning_resistance_moment: f64,
     /// Moment of the thrust \[N m\], the first term of (24).
     pub turning_moment: f64,
+    /// Torque of the left axles \[N m\], positive drives forward.
+    pub torque_left: f64,
+    /// Torque of the right axles \[N m\], positive drives forward.
+    pub torque_right: f64,
+    /// Power of the axles \[W\], the sum of torque times angular speed; negative where the
+    /// wheels brake.
+    pub power: f64,
     /// Each wheel's share, front row first, left before right.
     pub wheels: Vec<WheelOutputs>,
 }
@@ -37,8 +44,9 @@ pub struct WheelOutputs {
     pub force_x: f64,
     /// Force of the ground along Y \[N\] (18).
     pub force_y: f64,
-    /// Torque that the axle needs \[N m\], positive drives forward.
-    pub drive_torque: f64,
+    /// Torque of the axle on the wheel \[N m\], positive drives forward: the shear along the rim
+    /// times the radius at which the rim rolls.
+    pub torque: f64,
 }
 
 impl WheelOutputs {
@@ -55,7 +63,7 @@ impl WheelOutputs {
             self.entry_angle,
             self.force_x,
             self.force_y,
-            self.drive_torque,
+            self.torque,
         ]
     }
 
@@ -69,7 +77,7 @@ impl WheelOutputs {
             entry_angle,
             force_x,
             force_y,
-            drive_torque,
+            torque,
         ]: [f64; Self::COUNT],
     ) -> Self {
         Self {
@@ -80,12 +88,15 @@ impl WheelOutputs {
             entry_angle,
             force_x,
             force_y,
-            drive_torque,
+            torque,
         }
     }
 }
 
 impl Wrench {
+    /// Number of the fields of the whole vehicle.
+    pub(crate) const TOTALS: usize = 9;
+
     /// Becomes the weighted sum of other wrenches' numbers (derivatives are added so).
     pub(crate) fn combine<'a>(&mut self, terms: impl Iterator<Item = (&'a Self, f64)>) {
         let count = self.wheels.len();
@@ -102,11 +113,29 @@ impl Wrench {
             self.rolling_resistance += weight * term.rolling_resistance;
             self.turning_resistance_moment += weight * term.turning_resistance_moment;
             self.turning_moment += weight * term.turning_moment;
+            self.torque_left += weight * term.torque_left;
+            self.torque_right += weight * term.torque_right;
+            self.power += weight * term.power;
             for (sum, wheel) in self.wheels.iter_mut().zip(&term.wheels) {
                 let (old, more) = (sum.to_array(), wheel.to_array());
                 *sum = WheelOutputs::from_array(std::array::from_fn(|k| old[k] + weight * more[k]));
             }
         }
+    }
+
+    /// Sets the numbers of the whole vehicle, in the order of the fields.
+    pub(super) fn set_totals(&mut self, totals: [f64; Self::TOTALS]) {
+        [
+            self.a_x,
+            self.a_y,
+            self.yaw_acceleration,
+            self.rolling_resistance,
+            self.turning_resistance_moment,
+            self.turning_moment,
+            self.torque_left,
+            self.torque_right,
+            self.power,
+        ] = totals;
     }
 
     /// Takes over another wrench of the same vehicle without allocating.

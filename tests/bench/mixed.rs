@@ -15,7 +15,8 @@ fn mixed(time: f64) -> WheelSpeeds {
     let smooth = |u: f64| u * u * (3.0 - 2.0 * u);
     let forward = 8.0 * smooth(ramp(1.0, 5.0)) * (1.0 - smooth(ramp(26.0, 29.0)))
         - 6.0 * smooth(ramp(42.0, 45.0)) * (1.0 - smooth(ramp(53.0, 56.0)));
-    let slalom = 2.0 * (TAU * (time - 8.0) / 6.0).sin() * f64::from(u8::from((8.0..26.0).contains(&time)));
+    let slalom =
+        2.0 * (TAU * (time - 8.0) / 6.0).sin() * f64::from(u8::from((8.0..26.0).contains(&time)));
     let pivot = 4.0 * smooth(ramp(30.0, 32.0)) * (1.0 - smooth(ramp(34.0, 35.0)))
         - 4.0 * smooth(ramp(36.0, 38.0)) * (1.0 - smooth(ramp(40.0, 41.0)));
     let bend = 1.0 * smooth(ramp(46.0, 47.0)) * (1.0 - smooth(ramp(50.0, 51.0)));
@@ -27,10 +28,15 @@ fn mixed(time: f64) -> WheelSpeeds {
 }
 
 fn main() {
-    println!("| soil | step [ms] | times real time | worst step [us] | steps | evaluations | Jacobians | x [m] | y [m] | heading [rad] |");
+    println!(
+        "| soil | step [ms] | times real time | worst step [us] | steps | evaluations | Jacobians | x [m] | y [m] | heading [rad] |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for soil in Terrain::PRESETS {
-        let model = VehicleModel::new(Vehicle::tran2007(), Terrain::preset(soil).expect("a preset"));
+        let model = VehicleModel::new(
+            Vehicle::tran2007(),
+            Terrain::preset(soil).expect("a preset"),
+        );
         let model = std::sync::Arc::new(model.expect("valid"));
         for step in [0.001, 0.01, 0.1] {
             let count = (SECONDS / step).round() as usize;
@@ -42,7 +48,9 @@ fn main() {
                 let start = Instant::now();
                 for (k, worst) in worst.iter_mut().enumerate() {
                     let begun = Instant::now();
-                    drive.set_wheel_speeds(mixed(k as f64 * step)).expect("finite");
+                    drive
+                        .set_wheel_speeds(mixed(k as f64 * step))
+                        .expect("finite");
                     drive.step(step).expect("drivable");
                     *worst = worst.min(begun.elapsed().as_secs_f64());
                 }

@@ -12,9 +12,7 @@ use ugv_terrain::effects::{EffectKind, Effects, ParameterName};
 use ugv_terrain::scalar::Real;
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
 use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{
-    Balance, ModelParameter, Motion, Specification, Vehicle,
-};
+use ugv_terrain::vehicle::{Balance, ModelParameter, Motion, Specification, Vehicle};
 use ugv_terrain::vehicle::{VehicleModel, Wrench};
 
 /// The golden states with their models: what a wrench costs is their mean.

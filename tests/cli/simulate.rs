@@ -33,10 +33,13 @@ fn expected_rows(terrain: &str, state: State) -> Vec<Vec<f64>> {
             wrench.rolling_resistance,
             wrench.turning_resistance_moment,
             wrench.turning_moment,
+            wrench.torque_left,
+            wrench.torque_right,
+            wrench.power,
         ]);
         for w in &wrench.wheels {
             values.extend([w.longitudinal_slip, w.lateral_slip, w.load, w.sinkage]);
-            values.extend([w.entry_angle, w.force_x, w.force_y]);
+            values.extend([w.entry_angle, w.force_x, w.force_y, w.torque]);
         }
         rows.push(values);
         if let Some(next) = recording.time.get(row + 1) {
@@ -51,7 +54,8 @@ fn columns_have_the_promised_names_and_order() {
     let csv = Bench::new().stdout("simulate --input drive.csv");
     let mut expected = String::from(
         "time,omega_left,omega_right,x,y,heading,v_x,v_y,yaw_rate,a_x,a_y,\
-         rolling_resistance,turning_resistance_moment,turning_moment",
+         rolling_resistance,turning_resistance_moment,turning_moment,\
+         torque_left,torque_right,power",
     );
     for wheel in 1..=8 {
         for name in [
@@ -62,6 +66,7 @@ fn columns_have_the_promised_names_and_order() {
             "entry_angle",
             "force_x",
             "force_y",
+            "torque",
         ] {
             expected += &format!(",wheel[{wheel}].{name}");
         }
@@ -216,7 +221,7 @@ fn vehicle_may_stand_in_the_file_beside_a_recording() {
             "assumed": ["yaw_inertia"]}, "terrain_as_recorded": "grass", "sensors": {}, "note": ""}"#,
     );
     let csv = bench.stdout("simulate --input drive.csv --vehicle recorded.json");
-    assert!(csv.lines().next().unwrap().ends_with("wheel[4].force_y"));
+    assert!(csv.lines().next().unwrap().ends_with("wheel[4].torque"));
     let loads: f64 = (1..=4)
         .map(|wheel| column(&csv, &format!("wheel[{wheel}].load"))[0])
         .sum();

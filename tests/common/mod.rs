@@ -100,7 +100,7 @@ pub fn power_lost(vehicle: &Vehicle, motion: &Motion, wrench: &Wrench) -> f64 {
         .wheels
         .iter()
         .zip([motion.omega_left, motion.omega_right].into_iter().cycle())
-        .map(|(wheel, speed)| wheel.drive_torque * speed)
+        .map(|(wheel, speed)| wheel.torque * speed)
         .sum();
     let moment = vehicle.yaw_inertia * wrench.yaw_acceleration;
     let moved = vehicle.mass * (wrench.a_x * motion.v_x + wrench.a_y * motion.v_y);

@@ -152,7 +152,7 @@ static int call(struct actor *a, int function) {
         break;
     case F_GetDirectionalDerivative:
         unknown = array(a, n, sizeof *unknown), known = array(a, m, sizeof *known);
-        for (size_t k = 0; unknown && k < n; k++) unknown[k] = percent(&a->random, 97) ? 2 + below(&a->random, 17) : reference(a);
+        for (size_t k = 0; unknown && k < n; k++) unknown[k] = percent(&a->random, 97) ? 2 + below(&a->random, 20) : reference(a);
         for (size_t k = 0; known && k < m; k++) known[k] = percent(&a->random, 97) ? below(&a->random, 8) : reference(a);
         x = reals(a, m, 10.0), y = array(a, n, sizeof *y);
         status = fmu.GetDirectionalDerivative(c, unknown, n, known, m, x, y);

@@ -173,7 +173,7 @@ static int call(struct actor *a, int function) {
         digest(a, &size, sizeof size);
         break;
     case F3_GetVariableDependencies: {
-        unsigned of = percent(&a->random, 80) ? 2 + below(&a->random, 17) : reference(a);
+        unsigned of = percent(&a->random, 80) ? 2 + below(&a->random, 20) : reference(a);
         if (fmu3.GetNumberOfVariableDependencies(c, of, &size) != fmi3OK || percent(&a->random, 5)) size = n;
         size_t *elements = array(a, size, sizeof *elements), *others = array(a, size, sizeof *others);
         fmi3DependencyKind *kinds = array(a, size, sizeof *kinds);
@@ -223,7 +223,7 @@ static int call(struct actor *a, int function) {
     case F3_GetDirectionalDerivative: case F3_GetAdjointDerivative: {
         int adjoint = function == F3_GetAdjointDerivative;
         unknown = array(a, n, sizeof *unknown), known = array(a, m, sizeof *known);
-        for (size_t k = 0; unknown && k < n; k++) unknown[k] = percent(&a->random, 97) ? 2 + below(&a->random, 17) : 2000 + below(&a->random, 7);
+        for (size_t k = 0; unknown && k < n; k++) unknown[k] = percent(&a->random, 97) ? 2 + below(&a->random, 20) : 2000 + below(&a->random, 8);
         for (size_t k = 0; known && k < m; k++) known[k] = percent(&a->random, 97) ? below(&a->random, 8) : reference(a);
         size_t seeds = values_of(a, adjoint ? unknown : known, adjoint ? n : m);
         values = values_of(a, adjoint ? known : unknown, adjoint ? m : n);

@@ -209,6 +209,11 @@ fn exact_derivatives_agree_with_differences() {
                     behind.turning_moment,
                 );
                 check("turning moment", e, a, b, 1e3);
+                let (e, a, b) = (exact.torque_left, ahead.torque_left, behind.torque_left);
+                check("torque_left", e, a, b, 1e3);
+                let (e, a, b) = (exact.torque_right, ahead.torque_right, behind.torque_right);
+                check("torque_right", e, a, b, 1e3);
+                check("power", exact.power, ahead.power, behind.power, 1e3);
                 for index in 0..8 {
                     let (e, a, b) = (
                         &exact.wheels[index],
@@ -225,6 +230,7 @@ fn exact_derivatives_agree_with_differences() {
                     );
                     check("sinkage", e.sinkage, a.sinkage, b.sinkage, 1.0);
                     check("force_y", e.force_y, a.force_y, b.force_y, 1e3);
+                    check("torque", e.torque, a.torque, b.torque, 1e2);
                     let slips = (
                         e.longitudinal_slip,
                         a.longitudinal_slip,

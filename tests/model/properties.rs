@@ -115,7 +115,7 @@ fn dissipated(model: &VehicleModel, motion: &Motion, index: usize, entry: f64) -
 fn axle_power_and_rate(vehicle: &Vehicle, motion: &Motion, w: &Wrench) -> (f64, f64) {
     let speeds = [motion.omega_left, motion.omega_right];
     let axles = w.wheels.iter().zip(speeds.into_iter().cycle());
-    let driven: f64 = axles.map(|(wheel, omega)| wheel.drive_torque * omega).sum();
+    let driven: f64 = axles.map(|(wheel, omega)| wheel.torque * omega).sum();
     (driven, driven - power_lost(vehicle, motion, w))
 }
 
@@ -414,7 +414,7 @@ fn a_vehicle_that_overruns_its_rims_is_driven_by_its_axles() {
         let bound = 1.0 - 1.0 / wheel.entry_angle.cos();
         let slip = wheel.longitudinal_slip;
         assert!(bound < slip && slip < -0.005, "{bound} < {slip}");
-        assert!(wheel.drive_torque > 0.0);
+        assert!(wheel.torque > 0.0);
         lost += dissipated(simulation.model(), &motion, index, wheel.entry_angle);
     }
     let (driven, _) = axle_power_and_rate(&vehicle, &motion, &w);

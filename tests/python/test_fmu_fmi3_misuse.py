@@ -29,7 +29,7 @@ NULL = c_void_p()
 ZERO, ONE, TWO, SIX = (c_size_t(count) for count in (0, 1, 2, 6))
 EIGHT = c_size_t(8)
 # References that are there in FMI 2.0 (the second row, the second wheel), and some that never are.
-UNKNOWN = (1001, 2016, 2018, 100, 399, 401, 999, 2007, 2**31, 2**32 - 1)
+UNKNOWN = (1001, 2016, 2018, 100, 399, 401, 999, 2008, 2**31, 2**32 - 1)
 NAN = float("nan")
 
 

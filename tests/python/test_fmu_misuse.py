@@ -17,7 +17,7 @@ from fmu_support import (
 
 NULL = c_void_p()
 ZERO, TWO = c_size_t(0), c_size_t(2)
-UNKNOWN = (1, 999, 1004, 2007, 2000 + 16 * 8, 2**31, 2**32 - 1)
+UNKNOWN = (1, 999, 1004, 2008, 2000 + 16 * 8, 2**31, 2**32 - 1)
 NAN, INFINITY = float("nan"), float("inf")
 
 

@@ -137,8 +137,8 @@ IMPORTERS = {importer.name: importer for importer in PACKAGES}
 CS_2, CS_3, ME_2, ME_3 = "CS 2.0", "CS 3.0", "ME 2.0", "ME 3.0"
 ENUMERATION = "start value of type Enumeration"
 ARRAYS = "outputs that are arrays"
-IN_ARRAYS = 56  # of the outputs
-SCALARS = f"{67 - IN_ARRAYS} outputs that are no arrays"
+IN_ARRAYS = 64  # of the outputs
+SCALARS = f"{78 - IN_ARRAYS} outputs that are no arrays"
 PLAIN = "all outputs; start values but the enumeration"
 REALS = "start values of type Real"
 

@@ -34,9 +34,9 @@ Examples:
 Input:   a header with time,omega_left,omega_right [s, rad/s], linear in between. Other columns are
          ignored. An empty cell of a wheel speed is a missing sample. Units, sides and times are
          used as they are: `ugv inspect` corrects a recording, this command does not.
-Output:  wheel speeds, pose, velocities, accelerations, resistances and moments, then each wheel's
-         slips, load, sinkage, entry angle and forces, in SI units and radians. If the vehicle
-         cannot drive to the end, no file is written.";
+Output:  wheel speeds, pose, velocities, accelerations, resistances and moments, torques and power
+         of the axles, then each wheel's slips, load, sinkage, entry angle, forces and torque, in SI
+         units and radians. If the vehicle cannot drive to the end, no file is written.";
 
 /// Drive a vehicle over a terrain: wheel speeds in, motion and forces out.
 #[derive(clap::Args)]

@@ -12,14 +12,17 @@ use ugv_terrain::contact::{
 use ugv_terrain::effects::{Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak};
 
 const RADIUS: f64 = 0.25;
-const WIDTH: f64 = 0.246;
+pub const WIDTH: f64 = 0.246;
 /// Of the wheel's largest force: what the model's own rule may err by on such a law.
 const RELATIVE_TOLERANCE: f64 = 4e-3;
 const FORCE_TOLERANCE: f64 = 0.3;
+/// Speed \[m/s\] that keeps the slip of a wheel at rest finite.
+const SLOWEST: f64 = 1e-12;
+/// \[W\].
+const POWER_TOLERANCE: f64 = 0.3;
 
 /// Rows across the width and points along the arc of the dense sum (midpoint rule).
-const ROWS: usize = 64;
-const POINTS: usize = 3000;
+const DENSE: [usize; 2] = [64, 3000];
 
 fn soil() -> Soil<f64> {
     Soil {
@@ -31,7 +34,7 @@ fn soil() -> Soil<f64> {
     }
 }
 
-fn plain() -> WheelLaw<f64> {
+pub fn plain() -> WheelLaw<f64> {
     WheelLaw::paper(soil(), RADIUS, WIDTH)
 }
 
@@ -52,22 +55,38 @@ fn arc(law: &WheelLaw<f64>, reach: f64) -> (f64, f64) {
     }
 }
 
-/// Forces F_X, F_Y, F_Z and the moment about the vertical axis of a wheel that travels forwards.
-fn dense(
+/// The cosine of an angle less that of another, to the last digits where both are small.
+fn fallen(angle: f64, entry: f64) -> f64 {
+    2.0 * ((0.5 * entry).sin().powi(2) - (0.5 * angle).sin().powi(2))
+}
+
+/// What the soil does to a wheel, and takes from it.
+pub struct DenseSums {
+    /// F_X, F_Y, F_Z \[N\] and the moment about the vertical axis \[N m\].
+    pub forces: [f64; 4],
+    /// Power \[W\] that the soil takes up: each stress times the velocity of the rim's point against
+    /// the soil, (11) and (12).
+    pub lost: f64,
+}
+
+/// The sums of a wheel that travels forwards, on a circle that enters the soil at an angle; so many
+/// rows and points.
+pub fn dense(
     law: &WheelLaw<f64>,
     m: &WheelMotion<f64>,
     memory: &WheelMemory<f64>,
-    reach: f64,
-) -> [f64; 4] {
-    let (circle, entry) = arc(law, reach);
+    (circle, entry): (f64, f64),
+    [rows, points]: [usize; 2],
+) -> DenseSums {
     let regularisation = Regularisation::default();
     let rim = law.radius * m.angular_speed;
     // Slips are rounded off within one per cent, and held from 1 on.
     let rounded = |slip: f64| slip.hypot(0.01) - 0.01;
-    let slip = rounded((rim - m.forward) / rim.abs().max(m.forward.abs()));
+    let slip = rounded((rim - m.forward) / rim.abs().max(m.forward.abs()).max(SLOWEST));
     let (mut k, mut n) = (law.soil.modulus, law.soil.exponent);
     if let Some(effect) = &law.slip_sinkage {
-        let whole = (rim - m.forward).hypot(m.lateral) / rim.abs().max(m.forward.hypot(m.lateral));
+        let whole = (rim - m.forward).hypot(m.lateral)
+            / rim.abs().max(m.forward.hypot(m.lateral)).max(SLOWEST);
         let whole = match rounded(whole) {
             slip if slip <= 1.0 => slip,
             slip => 1.1 - 0.1 * (-(slip - 1.0) / 0.1).exp(),
@@ -87,7 +106,7 @@ fn dense(
         } else {
             entry - (theta - exit) / (peak - exit) * (entry - peak)
         };
-        let depth = circle * (alike.cos() - entry.cos()).max(0.0);
+        let depth = circle * fallen(alike, entry).max(0.0);
         match &law.multipass {
             None => k * depth.powf(n),
             Some(effect) => {
@@ -101,7 +120,13 @@ fn dense(
             }
         }
     };
-    let time = circle / (law.radius * m.angular_speed.abs());
+    let (turning, slowest) = (m.angular_speed.abs(), regularisation.angular_speed);
+    let turning = if turning < 2.0 * slowest {
+        slowest + turning * turning / (4.0 * slowest)
+    } else {
+        turning
+    };
+    let time = circle / (law.radius * turning);
     let moved = if law.transient {
         memory.displacement
     } else {
@@ -112,11 +137,12 @@ fn dense(
             rim: rim * time,
         }
     };
-    let step = (entry - exit) / POINTS as f64;
+    let step = (entry - exit) / points as f64;
     let mut sums = [0.0; 4];
-    for row in 0..ROWS {
-        let y = WIDTH * ((row as f64 + 0.5) / ROWS as f64 - 0.5);
-        for point in 0..POINTS {
+    let mut lost = 0.0;
+    for row in 0..rows {
+        let y = WIDTH * ((row as f64 + 0.5) / rows as f64 - 0.5);
+        for point in 0..points {
             let theta = exit + step * (point as f64 + 0.5);
             let (sin, cos) = theta.sin_cos();
             let sigma = pressure(theta);
@@ -130,17 +156,28 @@ fn dense(
             let j = [
                 jf * ((entry - theta) / 2.0 + ((2.0 * entry).sin() - (2.0 * theta).sin()) / 4.0)
                     - moved.rim * (entry.sin() - sin),
-                moved.lateral * (entry - theta) + moved.yaw * circle * (cos - entry.cos()),
+                moved.lateral * (entry - theta) + moved.yaw * circle * fallen(theta, entry),
                 jf * ((2.0 * theta).cos() - (2.0 * entry).cos()) / 4.0
-                    + moved.rim * (entry.cos() - cos),
+                    + moved.rim * -fallen(theta, entry),
             ];
             let kx = law.soil.shear_modulus;
             let ky = kx * law.modulus_ratio;
             let path = ((j[0] / kx).powi(2) + (j[2] / kx).powi(2) + (j[1] / ky).powi(2)).sqrt();
             let tau = (law.soil.cohesion + sigma * law.soil.friction) * (1.0 - (-path).exp());
+            let slip = v;
+            let v = if law.transient {
+                // Where nothing slides, the shear is opposite to the displacement.
+                let length = j.iter().map(|j| j * j).sum::<f64>().sqrt();
+                let share = regularisation.slip_speed / (length + kx);
+                let tangential = (j[0] * cos + j[2] * sin) * share;
+                let lean = [tangential * cos, j[1] * share, tangential * sin];
+                [0, 1, 2].map(|axis| v[axis] + lean[axis])
+            } else {
+                v
+            };
             let speed = v.iter().map(|v| v * v).sum::<f64>() + regularisation.slip_speed.powi(2);
             let direction = v.map(|v| -v / speed.sqrt());
-            let area = circle * step * WIDTH / ROWS as f64;
+            let area = circle * step * WIDTH / rows as f64;
             let shear = [
                 direction[0],
                 direction[1] * law.strength_ratio,
@@ -155,6 +192,8 @@ fn dense(
                 sums[axis] += force[axis] * area;
             }
             sums[3] += area * (circle * sin * tau * shear[1] - y * tau * shear[0]);
+            let sheared: f64 = shear.iter().zip(slip).map(|(s, v)| -tau * s * v).sum();
+            lost += area * (sheared + sigma * forward * sin);
         }
     }
     if let Some(effect) = &law.bulldozing {
@@ -167,20 +206,26 @@ fn dense(
             .forward
             .hypot(m.lateral)
             .hypot(regularisation.travel_speed);
-        for point in 0..POINTS {
+        for point in 0..points {
             let theta = exit + step * (point as f64 + 0.5);
-            let h = circle * (theta.cos() - entry.cos());
+            let h = circle * fallen(theta, entry);
             let blades = blade(h) * circle * theta.cos() * step;
             let push = effect.lateral * blades * m.lateral / fading;
             sums[1] -= push;
             sums[3] -= push * circle * theta.sin();
+            lost += push * (m.lateral + m.yaw_rate * circle * theta.sin());
         }
-        let deepest = circle * (1.0 - entry.cos());
-        sums[0] -= effect.frontal * WIDTH * blade(deepest) * m.forward / fading;
+        let deepest = circle * fallen(0.0, entry);
+        let front = effect.frontal * WIDTH * blade(deepest) * m.forward / fading;
+        sums[0] -= front;
+        lost += front * m.forward;
     }
-    sums[0] -= law.viscosity[0] * m.forward;
-    sums[1] -= law.viscosity[1] * m.lateral;
-    sums
+    let viscous = [m.forward, m.lateral];
+    for axis in 0..2 {
+        sums[axis] -= law.viscosity[axis] * viscous[axis];
+        lost += law.viscosity[axis] * viscous[axis].powi(2);
+    }
+    DenseSums { forces: sums, lost }
 }
 
 fn totals(forces: &WheelForces<f64>) -> [f64; 4] {
@@ -261,7 +306,17 @@ proptest! {
         let memory = WheelMemory { pressed, ..WheelMemory::NONE };
         let wheel = Wheel { law, motion, memory, reach: entry };
         let forces = contact().forces(Level::new(), &wheel, Detail::Full);
-        let (found, expected) = (totals(&forces), dense(&law, &motion, &memory, entry));
+        let sums = dense(&law, &motion, &memory, arc(&law, entry), DENSE);
+        let (found, expected) = (totals(&forces), sums.forces);
+        // What the axle puts in is what the forces on the wheel do and what the soil takes up.
+        let driven = forces.torque * motion.angular_speed;
+        let moved = found[0] * forward + found[1] * lateral + found[3] * yaw_rate;
+        let allowed = RELATIVE_TOLERANCE * sums.lost.max(driven.abs()) + POWER_TOLERANCE;
+        prop_assert!(
+            (driven - moved - sums.lost).abs() < allowed,
+            "{driven} W - {moved} W, {} W",
+            sums.lost
+        );
         let largest = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         for (a, b) in found.iter().zip(expected) {
             let tolerance = RELATIVE_TOLERANCE * largest + FORCE_TOLERANCE;
@@ -305,9 +360,7 @@ const FEW: f64 = 0.99;
 #[test]
 fn the_nodes_along_the_arc_have_converged_under_every_effect() {
     let settings = Regularisation::default();
-    let make = |resolution: Resolution| {
-        WheelContact::new(settings, resolution).unwrap()
-    };
+    let make = |resolution: Resolution| WheelContact::new(settings, resolution).unwrap();
     let usual = Resolution::default();
     let fine = Resolution {
         arc: 160,

@@ -6,6 +6,7 @@ mod generated;
 mod by_hand;
 mod dense;
 mod derivatives;
+mod energy;
 mod limits;
 mod memory;
 mod page;

@@ -10,7 +10,6 @@ use ugv_terrain::effects::{
     Bulldozing, Declaration, ElasticRebound, ShearAnisotropy, SlipSinkage, Soil, StressPeak,
     whole_slip,
 };
-use ugv_terrain::terrain::Terrain;
 
 /// Unit weight of the sand \[N/m^3\]: 1330 kg/m^3, of the authors of the data.
 pub const UNIT_WEIGHT: f64 = 1330.0 * 9.81;
