@@ -180,7 +180,10 @@ impl ModelParameter {
     /// not to a sensor.
     #[must_use]
     pub fn is_physics(self) -> bool {
-        self.acts() != Some(Acts::Sensors)
+        match self {
+            Self::Effect(parameter) => parameter.declaration().0.acts != Acts::Sensors,
+            _ => true,
+        }
     }
 }
 
