@@ -247,7 +247,7 @@ impl<S: Scalar> Patch<S> {
                 for nodes in rules[usize::from(ahead)] {
                     let angle = start + length.scale_lanes(f64x8::simd_from(simd, nodes.at));
                     let weight = length.scale_lanes(f64x8::simd_from(simd, nodes.weight));
-                    let column = self.column(simd, motion, &arc, angle, ahead, weight);
+                    let column = self.column::<V, TRANSIENT>(simd, motion, &arc, angle, ahead, weight);
                     if straight {
                         // Components of the normal stress (17).
                         sums.normal[0] += column.stress * column.sin;
@@ -279,7 +279,7 @@ impl<S: Scalar> Patch<S> {
 
     /// Prepares eight nodes of the arc, `ahead` of the greatest stress or behind it.
     #[inline(always)]
-    fn column<V: Simd>(
+    fn column<V: Simd, const TRANSIENT: bool>(
         &self,
         simd: V,
         motion: &PatchMotion<S>,
@@ -305,15 +305,21 @@ impl<S: Scalar> Patch<S> {
             entry_squared - sine * sine
         };
         let stress = self.stress(simd, half_rise);
-        let strength = stress * self.soil.friction.splat(simd) + self.soil.cohesion.splat(simd);
+        let strength =
+            stress.mul_add(self.soil.friction.splat(simd), self.soil.cohesion.splat(simd));
         let cos_entry = arc.cos_entry.splat(simd);
         let sin_entry = arc.sin_entry.splat(simd);
         let spin = (motion.yaw_rate * self.circle).splat(simd);
-        let sideways = motion.lateral.splat(simd) + spin * sin;
+        let sideways = spin.mul_add(sin, motion.lateral.splat(simd));
         let moved = &motion.moved;
         let aside =
             moved.lateral.splat(simd) * travelled + (moved.yaw * self.circle).splat(simd) * rise;
         let aside_squared = aside * aside * self.lateral_stretch.splat(simd);
+        let aside_squared = aside_squared.offset(if TRANSIENT {
+            TRANSIENT_FLOOR
+        } else {
+            STEADY_FLOOR
+        });
         Column {
             sin,
             cos,
@@ -324,7 +330,7 @@ impl<S: Scalar> Patch<S> {
             by_forward: (travelled + sin_entry * cos_entry - sin * cos).scale(0.5),
             by_rim: moved.rim.splat(simd) * (sin_entry - sin),
             sideways,
-            sideways_squared: sideways * sideways + motion.fading_squared.splat(simd),
+            sideways_squared: sideways.mul_add(sideways, motion.fading_squared.splat(simd)),
             aside,
             aside_squared,
         }
@@ -373,11 +379,6 @@ impl<S: Scalar> Patch<S> {
         } else {
             rim
         };
-        let floor = if TRANSIENT {
-            TRANSIENT_FLOOR
-        } else {
-            STEADY_FLOOR
-        };
         let zero = S::constant(0.0).splat(simd);
         let (mut along, mut across, mut twist) = (zero, zero, zero);
         for (index, (at, weight)) in width.iter().enumerate() {
@@ -392,14 +393,13 @@ impl<S: Scalar> Patch<S> {
                 forward
             };
             // The rim's tangential velocity (11), negated: the slip velocity (12) along (cos theta, sin theta).
-            let mut tangential = forward * column.cos - rim;
+            let mut tangential = forward.mul_sub(column.cos, rim);
             let mut sideways = column.sideways;
             let mut sideways_squared = column.sideways_squared;
             // Shear displacement (14), with sin 2a - sin 2b and cos 2a - cos 2b expanded.
-            let x = moved_forward * column.by_forward - column.by_rim;
-            let z = (moved_forward * column.mean_cos - moved_rim) * column.rise;
-            let path_squared = (x * x + z * z + column.aside_squared).offset(floor);
-            let path = path_squared * path_squared.inverse_sqrt();
+            let x = moved_forward.mul_sub(column.by_forward, column.by_rim);
+            let z = moved_forward.mul_sub(column.mean_cos, moved_rim) * column.rise;
+            let path = z.mul_add(z, x.mul_add(x, column.aside_squared)).root();
             // -(1 - exp(-j / K)) of (6) with j of (15): the shear is opposite to the slip velocity.
             let mobilised = (path * rate).decay().offset(-1.0);
             if TRANSIENT {
@@ -410,7 +410,7 @@ impl<S: Scalar> Patch<S> {
                 sideways += column.aside * saturated;
                 sideways_squared = sideways * sideways + motion.fading_squared.splat(simd);
             }
-            let speed_squared = tangential * tangential + sideways_squared;
+            let speed_squared = tangential.mul_add(tangential, sideways_squared);
             let factor = (mobilised * speed_squared.inverse_sqrt()).scale(*weight);
             let thrust = factor * tangential;
             along += thrust;
@@ -423,11 +423,12 @@ impl<S: Scalar> Patch<S> {
             shear_y = shear_y * column.sideways;
         }
         sums.tangential += along;
-        sums.shear[0] += along * column.cos;
+        sums.shear[0] = along.mul_add(column.cos, sums.shear[0]);
         sums.shear[1] += shear_y;
-        sums.shear[2] += along * column.sin;
-        sums.width_moment += twist * column.strength * column.cos;
-        sums.arc_moment += shear_y * column.sin;
+        sums.shear[2] = along.mul_add(column.sin, sums.shear[2]);
+        let twist = twist * column.strength;
+        sums.width_moment = twist.mul_add(column.cos, sums.width_moment);
+        sums.arc_moment = shear_y.mul_add(column.sin, sums.arc_moment);
     }
 
     #[inline(always)]

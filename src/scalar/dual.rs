@@ -80,7 +80,7 @@ impl<T: Real, const N: usize> Mul for Dual<T, N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
-        self.zip(o, self.re * o.re, |a, b| a * o.re + b * self.re)
+        self.zip(o, self.re * o.re, |a, b| a.mul_add(o.re, b * self.re))
     }
 }
 impl<T: Real, const N: usize> Div for Dual<T, N> {
@@ -117,6 +117,31 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
         }
     }
     #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        let mut sum = term;
+        sum.re = self.re.mul_add(factor.re, term.re);
+        for k in 0..N {
+            let own = factor.eps[k].mul_add(self.re, term.eps[k]);
+            sum.eps[k] = self.eps[k].mul_add(factor.re, own);
+        }
+        sum
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        let mut rest = term;
+        rest.re = self.re.mul_sub(factor.re, term.re);
+        for k in 0..N {
+            let own = factor.eps[k].mul_sub(self.re, term.eps[k]);
+            rest.eps[k] = self.eps[k].mul_add(factor.re, own);
+        }
+        rest
+    }
+    #[inline(always)]
+    fn root(self) -> Self {
+        let value = self.re.root();
+        self.map(value, value.like(0.5) / value)
+    }
+    #[inline(always)]
     fn inverse_sqrt(self) -> Self {
         let value = self.re.inverse_sqrt();
         self.map(value, value * value * value.scale(-0.5))
@@ -136,7 +161,7 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
         let value = self.re.power_of(exponent.re);
         let by_base = value * exponent.re / self.re;
         let by_exponent = value * self.re.logarithm();
-        self.zip(exponent, value, |a, b| a * by_base + b * by_exponent)
+        self.zip(exponent, value, |a, b| a.mul_add(by_base, b * by_exponent))
     }
     #[inline(always)]
     fn logarithm(self) -> Self {

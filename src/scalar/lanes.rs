@@ -19,6 +19,19 @@ impl Real for f64 {
     fn offset(self, value: f64) -> Self {
         self + value
     }
+    // Without the vector unit a fused product is a call.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        self * factor - term
+    }
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
     #[inline(always)]
     fn inverse_sqrt(self) -> Self {
         1.0 / self.sqrt()
@@ -87,6 +100,18 @@ impl<S: Simd> Real for f64x8<S> {
         self + value
     }
     #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        SimdFloat::mul_add(self, factor, term)
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        SimdFloat::mul_sub(self, factor, term)
+    }
+    #[inline(always)]
+    fn root(self) -> Self {
+        SimdFloat::sqrt(self)
+    }
+    #[inline(always)]
     fn inverse_sqrt(self) -> Self {
         1.0 / SimdFloat::sqrt(self)
     }
@@ -96,7 +121,7 @@ impl<S: Simd> Real for f64x8<S> {
     fn decay(self) -> Self {
         let x = self.max(self.like(DECAY_FLOOR));
         let (n, bits) = round_to_integer(x * std::f64::consts::LOG2_E);
-        let rest = x - n * LN_2_HIGH - n * LN_2_LOW;
+        let rest = natural_rest(x, n);
         let series = polynomial(rest, &INVERSE_FACTORIALS);
         scale_by_power_of_two(series, bits)
     }
@@ -105,7 +130,7 @@ impl<S: Simd> Real for f64x8<S> {
         // The exponent of a pressure below one is negative or zero: `decay` serves both.
         let logarithm = natural_logarithm(self) * exponent;
         let (n, bits) = round_to_integer(logarithm * std::f64::consts::LOG2_E);
-        let rest = logarithm - n * LN_2_HIGH - n * LN_2_LOW;
+        let rest = natural_rest(logarithm, n);
         scale_by_power_of_two(polynomial(rest, &INVERSE_FACTORIALS), bits)
     }
     #[inline(always)]
@@ -189,24 +214,45 @@ const LOGARITHM: [f64; 11] = {
     table
 };
 
-/// Horner's rule on even and odd terms apart, which halves the chain of dependent steps.
+/// x - n ln 2.
+#[inline(always)]
+fn natural_rest<S: Simd>(x: f64x8<S>, n: f64x8<S>) -> f64x8<S> {
+    SimdFloat::mul_add(n, -LN_2_LOW, SimdFloat::mul_add(n, -LN_2_HIGH, x))
+}
+
+/// Pairs of terms, and Horner's rule in x^4 on every other pair: four short chains in place of one of dependent steps.
 #[inline(always)]
 fn polynomial<S: Simd, const N: usize>(x: f64x8<S>, coefficients: &[f64; N]) -> f64x8<S> {
     let square = x * x;
-    let mut even = x.like(coefficients[N - 2]);
-    let mut odd = x.like(coefficients[N - 1]);
-    let mut k = N - 2;
-    while k >= 2 {
-        even = even * square + coefficients[k - 2];
-        odd = odd * square + coefficients[k - 1];
-        k -= 2;
+    let fourth = square * square;
+    let pairs = N.div_ceil(2);
+    // The highest pair of even place and of odd place.
+    let mut even = pair(x, coefficients, (pairs - 1) & !1);
+    let mut odd = pair(x, coefficients, (pairs & !1) - 1);
+    let mut place = (pairs - 1) & !1;
+    while place >= 2 {
+        place -= 2;
+        even = SimdFloat::mul_add(even, fourth, pair(x, coefficients, place));
     }
-    let (low, high) = (even, odd);
-    if N.is_multiple_of(2) {
-        high * x + low
+    place = (pairs & !1) - 1;
+    while place >= 3 {
+        place -= 2;
+        odd = SimdFloat::mul_add(odd, fourth, pair(x, coefficients, place));
+    }
+    SimdFloat::mul_add(odd, square, even)
+}
+
+/// Terms 2 place and 2 place + 1 of a polynomial over x^(2 place).
+#[inline(always)]
+fn pair<S: Simd, const N: usize>(
+    x: f64x8<S>,
+    coefficients: &[f64; N],
+    place: usize,
+) -> f64x8<S> {
+    if 2 * place + 1 < N {
+        SimdFloat::mul_add(x, coefficients[2 * place + 1], x.like(coefficients[2 * place]))
     } else {
-        // The loop ends with coefficients 1 and 2: the constant term is missing.
-        (high * x + low) * x + coefficients[0]
+        x.like(coefficients[2 * place])
     }
 }
 

@@ -3,8 +3,8 @@
 //!
 //! One kernel serves values and exact derivatives: evaluated on [`Dual`] it carries `N`
 //! partial derivatives along, evaluated on `f64` it computes the value alone. The eight
-//! lanes use the widest instructions that the processor has; as no step is fused or
-//! reordered, the result is the same bits on each of them.
+//! lanes use the widest instructions that the processor has. Products are fused with sums, and the
+//! result is the same bits on all processors that can do so (AVX2, AVX-512, NEON); on older ones the last digits differ.
 
 mod dual;
 mod functions;
@@ -35,6 +35,15 @@ pub trait Real:
     /// The sum with a constant.
     #[must_use]
     fn offset(self, value: f64) -> Self;
+    /// self factor + term, fused where the processor can.
+    #[must_use]
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// self factor - term, fused where the processor can.
+    #[must_use]
+    fn mul_sub(self, factor: Self, term: Self) -> Self;
+    /// sqrt(x) for x > 0.
+    #[must_use]
+    fn root(self) -> Self;
     /// 1 / sqrt(x) for x > 0.
     #[must_use]
     fn inverse_sqrt(self) -> Self;
