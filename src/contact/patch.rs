@@ -247,7 +247,8 @@ impl<S: Scalar> Patch<S> {
                 for nodes in rules[usize::from(ahead)] {
                     let angle = start + length.scale_lanes(f64x8::simd_from(simd, nodes.at));
                     let weight = length.scale_lanes(f64x8::simd_from(simd, nodes.weight));
-                    let column = self.column::<V, TRANSIENT>(simd, motion, &arc, angle, ahead, weight);
+                    let column =
+                        self.column::<V, TRANSIENT>(simd, motion, &arc, angle, ahead, weight);
                     if straight {
                         // Components of the normal stress (17).
                         sums.normal[0] += column.stress * column.sin;
@@ -305,8 +306,10 @@ impl<S: Scalar> Patch<S> {
             entry_squared - sine * sine
         };
         let stress = self.stress(simd, half_rise);
-        let strength =
-            stress.mul_add(self.soil.friction.splat(simd), self.soil.cohesion.splat(simd));
+        let strength = stress.mul_add(
+            self.soil.friction.splat(simd),
+            self.soil.cohesion.splat(simd),
+        );
         let cos_entry = arc.cos_entry.splat(simd);
         let sin_entry = arc.sin_entry.splat(simd);
         let spin = (motion.yaw_rate * self.circle).splat(simd);

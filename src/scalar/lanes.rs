@@ -244,13 +244,13 @@ fn polynomial<S: Simd, const N: usize>(x: f64x8<S>, coefficients: &[f64; N]) -> 
 
 /// Terms 2 place and 2 place + 1 of a polynomial over x^(2 place).
 #[inline(always)]
-fn pair<S: Simd, const N: usize>(
-    x: f64x8<S>,
-    coefficients: &[f64; N],
-    place: usize,
-) -> f64x8<S> {
+fn pair<S: Simd, const N: usize>(x: f64x8<S>, coefficients: &[f64; N], place: usize) -> f64x8<S> {
     if 2 * place + 1 < N {
-        SimdFloat::mul_add(x, coefficients[2 * place + 1], x.like(coefficients[2 * place]))
+        SimdFloat::mul_add(
+            x,
+            coefficients[2 * place + 1],
+            x.like(coefficients[2 * place]),
+        )
     } else {
         x.like(coefficients[2 * place])
     }

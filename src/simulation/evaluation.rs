@@ -5,7 +5,7 @@ use super::state::{State, StateVector};
 use crate::vehicle::{Balance, Motion, Prepared, Tracks, Trend, VehicleModel, Wrench};
 
 /// Forces and rates at one state and input.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Evaluation {
     /// Whether the rest belongs to the current state and inputs.
     pub valid: bool,

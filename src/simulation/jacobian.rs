@@ -7,7 +7,7 @@ use super::state::{InputMatrix, State, StateMatrix};
 use crate::vehicle::{Differentiated, Direction, Directions, VehicleModel, Wrench};
 
 /// Derivatives of the state's rate of change.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Jacobian {
     /// By the state, in the order of [`State::to_array`].
     pub by_state: StateMatrix,

@@ -50,10 +50,8 @@ impl MemoryJacobian {
 
     /// Takes the derivatives in the directions that [`directions`] lists.
     pub fn set(&mut self, list: &[Direction], results: &[Differentiated]) {
-        let count = results
-            .first()
-            .map_or(0, |result| result.memory_rates.len());
-        *self = Self::new(count);
+        let mut none = 0.0;
+        self.visit(&mut |number| *number = std::mem::take(&mut none));
         for (direction, result) in list.iter().zip(results) {
             let rates = result.memory_rates.iter().enumerate();
             match *direction {
@@ -82,10 +80,27 @@ impl MemoryJacobian {
         }
     }
 
-    /// Change of the rates with wheel speeds that change at `rates` \[rad/s^2\], times `factor`.
-    pub fn by_time(&self, rates: [f64; 2], factor: f64) -> Vec<f64> {
-        let change = |by: &[f64; 2]| (by[0] * rates[0] + by[1] * rates[1]) * factor;
-        self.by_input.iter().map(change).collect()
+    /// Change of a number's rate with the wheel speeds.
+    pub fn by_input(&self, index: usize, change: [f64; 2]) -> f64 {
+        let [left, right] = self.by_input[index];
+        left * change[0] + right * change[1]
+    }
+
+    /// Change of a number's rate with the state and the number itself.
+    pub fn by_motion(&self, index: usize, state: &StateVector, own: f64) -> f64 {
+        let by_state = self.by_state[index].iter().zip(state.iter());
+        self.diagonal[index] * own + by_state.map(|(by, change)| by * change).sum::<f64>()
+    }
+
+    /// Change of the accelerations with what is remembered.
+    pub fn accelerations(&self, changes: impl Iterator<Item = f64>) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (by, change) in self.accelerations.iter().zip(changes) {
+            for axis in 0..3 {
+                sum[axis] += by[axis] * change;
+            }
+        }
+        sum
     }
 }
 
@@ -155,8 +170,8 @@ impl<'a> StageSystem<'a> {
 }
 
 /// The largest error of the remembered numbers in units of its tolerance.
-pub(super) fn worst_error(old: &[f64], new: &[f64], errors: &[f64]) -> f64 {
-    let ratio = |((old, new), error): ((&f64, &f64), &f64)| {
+pub(super) fn worst_error(old: &[f64], new: &[f64], errors: impl Iterator<Item = f64>) -> f64 {
+    let ratio = |((old, new), error): ((&f64, &f64), f64)| {
         error.abs() / (ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * old.abs().max(new.abs()))
     };
     let worst = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };

@@ -52,9 +52,9 @@ pub struct Simulation {
     left: RutHistory,
     inputs: WheelSpeeds,
     input_rates: WheelSpeeds,
-    /// Balance at the end of the last step: the first guess for whatever is asked next, so
+    /// The end of the last step: the first guess for whatever is asked next, so
     /// that what a caller reads between steps leaves no trace in the steps that follow.
-    anchor: Balance,
+    anchor: Evaluation,
     now: Evaluation,
     /// How the balance changed with the motion at the last Jacobian: improves the guesses.
     trend: Trend,
@@ -71,7 +71,7 @@ impl Simulation {
         let now = Evaluation {
             valid: false,
             motion: Motion::default(),
-            balance: balance.clone(),
+            balance,
             wrench: Wrench::for_model(&model),
             derivative: StateVector::zeros(),
             memory_rates: vec![0.0; model.memory_count()],
@@ -89,7 +89,7 @@ impl Simulation {
             left,
             inputs: WheelSpeeds::default(),
             input_rates: WheelSpeeds::default(),
-            anchor: balance,
+            anchor: now.clone(),
             now,
             trend,
             integrator: Integrator::new(memory_count),
@@ -116,7 +116,7 @@ impl Simulation {
     pub fn set_time(&mut self, time: f64) -> Result<(), SimulationError> {
         finite(&["time"], &[time])?;
         if time != self.time && !self.model.effects().is_paper() {
-            self.now.valid = false;
+            self.leave();
         }
         self.time = time;
         Ok(())
@@ -142,7 +142,7 @@ impl Simulation {
                 self.left.clear();
             }
             self.state = state;
-            self.now.valid = false;
+            self.leave();
         }
         Ok(())
     }
@@ -216,7 +216,13 @@ impl Simulation {
     pub(crate) fn forget(&mut self) {
         self.memory.fill(0.0);
         self.left.clear();
+        self.leave();
+    }
+
+    /// What follows does not go on from the last step's end.
+    fn leave(&mut self) {
         self.now.valid = false;
+        self.anchor.valid = false;
     }
 
     fn input_rates(&self) -> WheelSpeeds {
@@ -239,8 +245,12 @@ impl Simulation {
         if self.now.valid {
             return Ok(());
         }
-        self.now.balance.copy_from(&self.anchor);
         let (time, motion) = (self.time, self.state.motion(self.inputs));
+        if self.anchor.valid {
+            self.now.guess_from(&self.anchor, &self.trend, &motion);
+        } else {
+            self.now.balance.copy_from(&self.anchor.balance);
+        }
         let (model, state, memory) = (&self.model, &self.state, &self.memory);
         let tracks = self.left.tracks();
         let solved = self.now.solve(model, state, motion, time, memory, tracks);
@@ -270,7 +280,7 @@ fn finite<const N: usize>(
 impl Simulation {
     /// Takes derivatives at the present, evaluated state for the steps that follow.
     pub(super) fn take_jacobian(&mut self, list: &[Direction], results: &[Differentiated]) {
-        let mut jacobian = self.state.kinematic_jacobian();
+        let mut jacobian = Jacobian::default();
         jacobian.take(list, results);
         self.trend.take(list, results);
         let integrator = &mut self.integrator;

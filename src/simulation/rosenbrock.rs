@@ -4,12 +4,13 @@
 //! L-stable, so that the forces near standstill (which grow like 1/omega) do not limit the
 //! step; of order 2 with any matrix in place of the Jacobian, so that one Jacobian serves
 //! several steps; and its last stage is the next step's first, so that a step costs two
-//! evaluations of the forces.
+//! evaluations of the forces. Where the step is so short that the forces are linear over it, its middle stage is taken
+//! from the Jacobian, and the evaluation at the end tells whether that holds.
 
 use super::integrator::{
     ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
-    LONGEST_CALL, LONGEST_STEP, RELATIVE_TOLERANCE, SAFETY, SHRINK, SMALLEST_SHARE, SMALLEST_STEP,
-    Stages,
+    LONGEST_CALL, LONGEST_STEP, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE, SHORT_EXPECTED,
+    SHORT_JACOBIAN, SHRINK, SMALLEST_SHARE, SMALLEST_STEP, Stages,
 };
 use super::memory::{StageSystem, worst_error};
 use super::state::{State, StateVector, WheelSpeeds};
@@ -132,7 +133,7 @@ impl Simulation {
     /// Goes on behind an event, where other effects are on.
     fn pass(&mut self, event: f64) -> Result<(), SimulationError> {
         self.time = event;
-        self.now.valid = false;
+        self.leave();
         self.integrator.jacobian_age = JACOBIAN_STEPS;
         self.evaluate()
     }
@@ -144,16 +145,22 @@ impl Simulation {
         end_speeds: WheelSpeeds,
         end_time: f64,
     ) -> Result<bool, SimulationError> {
+        if self.try_short(step, end_speeds, end_time) {
+            return Ok(true);
+        }
         self.evaluate()?;
         self.refresh_jacobian();
-        let attempt = self.attempt(step, end_speeds, end_time);
+        let attempt = self.attempt(step, end_speeds, end_time, false);
         let error = match attempt {
-            Ok((_, error)) if error.is_finite() => error,
+            Ok((_, error, _)) if error.is_finite() => error,
             _ => f64::INFINITY,
         };
+        if let Ok((_, _, nonlinear)) = attempt {
+            self.integrator.short_error = expected(nonlinear, step);
+        }
         let integrator = &mut self.integrator;
         let factor = (SAFETY * error.powf(-1.0 / 3.0)).clamp(SHRINK, GROW);
-        if let (Ok((state, _)), true) = (&attempt, error <= 1.0) {
+        if let (Ok((state, ..)), true) = (&attempt, error <= 1.0) {
             integrator.counters.steps += 1;
             integrator.jacobian_age += 1;
             if error > JACOBIAN_ERROR {
@@ -166,10 +173,8 @@ impl Simulation {
             } else {
                 proposed
             };
-            self.state = *state;
-            self.memory.copy_from_slice(&self.work.stages.memory);
-            self.now.copy_from(&self.work.stages.end);
-            self.anchor.copy_from(&self.now.balance);
+            let state = *state;
+            self.accept(state);
             return Ok(true);
         }
         integrator.counters.rejected += 1;
@@ -194,6 +199,40 @@ impl Simulation {
         Ok(false)
     }
 
+    fn accept(&mut self, state: State) {
+        self.state = state;
+        self.memory.copy_from_slice(&self.work.stages.memory);
+        self.now.copy_from(&self.work.stages.end);
+        self.anchor.copy_from(&self.now);
+    }
+
+    /// Takes a step with one evaluation, if the forces are linear over it.
+    fn try_short(&mut self, step: f64, end_speeds: WheelSpeeds, end_time: f64) -> bool {
+        let integrator = &self.integrator;
+        let allowed = SHORT_ERROR_RATE * step;
+        let hopeful = integrator.short_error * step * step < SHORT_EXPECTED * allowed.min(1.0);
+        if !hopeful || !self.anchor.valid || integrator.jacobian_age >= JACOBIAN_STEPS {
+            return false;
+        }
+        let attempt = self.attempt(step, end_speeds, end_time, true);
+        let integrator = &mut self.integrator;
+        let Ok((state, error, nonlinear)) = attempt else {
+            integrator.short_error = f64::MAX;
+            return false;
+        };
+        integrator.short_error = expected(nonlinear, step);
+        let error = error + nonlinear;
+        if error.is_nan() || error > allowed.min(1.0) {
+            return false;
+        }
+        if nonlinear > SHORT_JACOBIAN * allowed {
+            integrator.jacobian_age = JACOBIAN_STEPS;
+        }
+        integrator.counters.steps += 1;
+        self.accept(state);
+        true
+    }
+
     fn refresh_jacobian(&mut self) {
         if self.integrator.jacobian_age < JACOBIAN_STEPS {
             return;
@@ -201,85 +240,179 @@ impl Simulation {
         self.renew_jacobian();
     }
 
-    /// One step: the new state, and the largest error in units of its tolerance.
+    /// One step: the new state, the largest error in units of its tolerance, and that of forces that are taken as linear.
+    ///
+    /// # Algorithm
+    /// With W = I - h d A, A = df/dy (of any accuracy), T = df/dt, d and e_32 of the method:
+    /// 1. f_0 at the start; of a `short` step that of the last step's end, moved along the Jacobian to the wheel speeds
+    ///    that hold now.
+    /// 2. W k_1 = f_0 + h d T.
+    /// 3. f_1 = f(t + h/2, y + h/2 k_1); of a short step f_0 + h/2 (A k_1 + T).
+    /// 4. W (k_2 - k_1) = f_1 - k_1, and the new state is y + h k_2.
+    /// 5. f_2 = f(t + h, y + h k_2), the next step's f_0.
+    /// 6. W k_3 = f_2 - e_32 (k_2 - f_1) - 2 (k_1 - f_0) + h d T; the error is h/6 (k_1 - 2 k_2 + k_3).
+    /// 7. Forces taken as linear miss h/2 W^-1 (f_2 - f_0 - h (A k_2 + T)): as if what is missing grew evenly. A short
+    ///    step adds that.
     fn attempt(
         &mut self,
         h: f64,
         end_speeds: WheelSpeeds,
         end_time: f64,
-    ) -> Result<(State, f64), SimulationError> {
-        self.integrator.counters.evaluations += 2;
+        short: bool,
+    ) -> Result<(State, f64, f64), SimulationError> {
+        let mut stages = std::mem::take(&mut self.work.stages);
+        let outcome = self.attempt_in(&mut stages, h, end_speeds, end_time, short);
+        self.work.stages = stages;
+        outcome
+    }
+
+    fn attempt_in(
+        &mut self,
+        stages: &mut Stages,
+        h: f64,
+        end_speeds: WheelSpeeds,
+        end_time: f64,
+        short: bool,
+    ) -> Result<(State, f64, f64), SimulationError> {
+        self.integrator.counters.evaluations += if short { 1 } else { 2 };
+        let start = if short { &self.anchor } else { &self.now };
+        let Stages {
+            middle: at_middle,
+            end: at_end,
+            middle_memory,
+            memory: new_memory,
+            from,
+            slopes,
+            rates: [g0, g1],
+            memory_slopes: [l1, l2, l3],
+        } = stages;
         let Integrator {
             by_state,
             by_input,
             memory: coupling,
             ..
         } = &self.integrator;
-        let rates = nalgebra::Vector2::new(self.input_rates.left, self.input_rates.right);
-        let by_time = by_input * rates * (h * D);
-        let system = StageSystem::new(by_state, coupling, h * D);
-        let memory_by_time = coupling.by_time([rates[0], rates[1]], h * D);
-        let remembered = |terms: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            (0..memory_by_time.len()).map(terms).collect()
-        };
-        let y = StateVector::from(self.state.to_array());
-        let f0 = self.now.derivative;
+        let a = self.state.kinematic_jacobian().by_state + by_state;
+        let rates = [self.input_rates.left, self.input_rates.right];
+        let by_time = by_input * nalgebra::Vector2::from(rates);
+        let system = StageSystem::new(&a, coupling, h * D);
         let m = &self.memory;
-        let tracks = self.left.tracks();
-        let g0 = &self.now.memory_rates;
-        let mut l1 = remembered(&|i| g0[i] + memory_by_time[i]);
-        let k1 = system.solve(f0 + by_time, &mut l1);
-        let middle = State::from_array((y + k1 * (0.5 * h)).into());
-        let speeds = self.inputs.after(self.input_rates, 0.5 * h);
-        let Stages {
-            middle: at_middle,
-            end: at_end,
-            memory: new_memory,
-            from,
-            slopes,
-        } = &mut self.work.stages;
+        let count = m.len();
+        let y = StateVector::from(self.state.to_array());
+        // 1.
+        let jump = [
+            self.inputs.left - start.motion.omega_left,
+            self.inputs.right - start.motion.omega_right,
+        ];
+        let jumped = if short { jump } else { [0.0; 2] };
+        let f0 = start.derivative + by_input * nalgebra::Vector2::from(jumped);
+        for i in 0..count {
+            g0[i] = start.memory_rates[i] + coupling.by_input(i, jumped);
+        }
+        // 2.
+        for i in 0..count {
+            l1[i] = g0[i] + h * D * coupling.by_input(i, rates);
+        }
+        let k1 = system.solve(f0 + by_time * (h * D), l1);
+        // 3. What the linear forces are at a displacement from the start, after a time.
+        let linear = |moved: StateVector, remembered: &[f64], time: f64| {
+            let mut f = f0 + a * moved + by_time * time;
+            let own = coupling.accelerations(remembered.iter().map(|slope| time * slope));
+            for axis in 0..3 {
+                f[3 + axis] += own[axis];
+            }
+            f
+        };
+        let f1 = if short {
+            let moved = k1 * (0.5 * h);
+            for i in 0..count {
+                g1[i] = g0[i]
+                    + coupling.by_motion(i, &moved, 0.5 * h * l1[i])
+                    + 0.5 * h * coupling.by_input(i, rates);
+            }
+            linear(moved, l1, 0.5 * h)
+        } else {
+            let middle = State::from_array((y + k1 * (0.5 * h)).into());
+            let motion = middle.motion(self.inputs.after(self.input_rates, 0.5 * h));
+            at_middle.guess_from(start, &self.trend, &motion);
+            for i in 0..count {
+                middle_memory[i] = m[i] + 0.5 * h * l1[i];
+            }
+            let (tracks, time) = (self.left.tracks(), end_time - 0.5 * h);
+            at_middle.solve(&self.model, &middle, motion, time, middle_memory, tracks)?;
+            g1.copy_from_slice(&at_middle.memory_rates);
+            at_middle.derivative
+        };
+        // 4.
+        for i in 0..count {
+            l2[i] = g1[i] - l1[i];
+        }
+        let k2 = system.solve(f1 - k1, l2) + k1;
         *from = y;
-        let motion = middle.motion(speeds);
-        at_middle.guess_from(&self.now, &self.trend, &motion);
-        let middle_memory = remembered(&|i| m[i] + 0.5 * h * l1[i]);
-        let middle_time = end_time - 0.5 * h;
-        at_middle.solve(
-            &self.model,
-            &middle,
-            motion,
-            middle_time,
-            &middle_memory,
-            tracks,
-        )?;
-        let f1 = at_middle.derivative;
-        let g1 = &at_middle.memory_rates;
-        let mut l2 = remembered(&|i| g1[i] - l1[i]);
-        let k2 = system.solve(f1 - k1, &mut l2) + k1;
         *slopes = [k1, k2];
-        for i in 0..l2.len() {
+        for i in 0..count {
             l2[i] += l1[i];
             new_memory[i] = m[i] + h * l2[i];
         }
+        // 5.
         let end = State::from_array((y + k2 * h).into());
         let motion = end.motion(end_speeds);
-        at_end.guess_from(at_middle, &self.trend, &motion);
+        at_end.guess_from(if short { start } else { at_middle }, &self.trend, &motion);
+        let tracks = self.left.tracks();
         at_end.solve(&self.model, &end, motion, end_time, new_memory, tracks)?;
-        let f2 = at_end.derivative;
-        let g2 = &at_end.memory_rates;
-        let mut l3 = remembered(&|i| {
-            g2[i] - (l2[i] - g1[i]) * E32 - (l1[i] - g0[i]) * 2.0 + memory_by_time[i]
-        });
-        let k3 = system.solve(f2 - (k2 - f1) * E32 - (k1 - f0) * 2.0 + by_time, &mut l3);
+        let (f2, g2) = (at_end.derivative, &at_end.memory_rates);
+        // 6.
+        for i in 0..count {
+            l3[i] = g2[i] - (l2[i] - g1[i]) * E32 - (l1[i] - g0[i]) * 2.0
+                + h * D * coupling.by_input(i, rates);
+        }
+        let third = f2 - (k2 - f1) * E32 - (k1 - f0) * 2.0 + by_time * (h * D);
+        let k3 = system.solve(third, l3);
         let error = (k1 - k2 * 2.0 + k3) * (h / 6.0);
-        let (old, new) = (self.state.to_array(), end.to_array());
-        let ratio = (0..State::COUNT).map(|i| {
-            let size = old[i].abs().max(new[i].abs());
-            error[i].abs() / (ABSOLUTE_TOLERANCE[i] + RELATIVE_TOLERANCE[i] * size)
-        });
-        let errors = remembered(&|i| (l1[i] - l2[i] * 2.0 + l3[i]) * (h / 6.0));
-        let memory_error = worst_error(m, new_memory, &errors);
-        // max() would drop a NaN.
-        let worst = ratio.fold(memory_error, |a, b| if b > a || b.is_nan() { b } else { a });
-        Ok((end, worst / self.integrator.tolerance))
+        let errors = (0..count).map(|i| (l1[i] - l2[i] * 2.0 + l3[i]) * (h / 6.0));
+        let tolerance = self.integrator.tolerance;
+        let sizes = [self.state.to_array(), end.to_array()];
+        let worst = worst(&error, &sizes, worst_error(m, new_memory, errors));
+        // 7.
+        let moved = k2 * h;
+        let missing = f2 - linear(moved, l2, h);
+        for i in 0..count {
+            l3[i] = g2[i]
+                - g0[i]
+                - coupling.by_motion(i, &moved, h * l2[i])
+                - h * coupling.by_input(i, rates);
+        }
+        let missed = system.solve(missing, l3) * (0.5 * h);
+        let errors = l3.iter().map(|missed| missed * 0.5 * h);
+        let nonlinear = self::worst(&missed, &sizes, worst_error(m, new_memory, errors));
+        if !short {
+            return Ok((end, worst / tolerance, nonlinear / tolerance));
+        }
+        slopes[1] += missed / h;
+        for i in 0..count {
+            new_memory[i] += l3[i] * 0.5 * h;
+        }
+        at_end.derivative += a * missed;
+        let end = State::from_array((y + k2 * h + missed).into());
+        Ok((end, worst / tolerance, nonlinear / tolerance))
+    }
+}
+
+/// The largest error of the state in units of its tolerance, or `other` if that is larger.
+fn worst(error: &StateVector, sizes: &[[f64; State::COUNT]; 2], other: f64) -> f64 {
+    let ratio = (0..State::COUNT).map(|i| {
+        let size = sizes[0][i].abs().max(sizes[1][i].abs());
+        error[i].abs() / (ABSOLUTE_TOLERANCE[i] + RELATIVE_TOLERANCE[i] * size)
+    });
+    // max() would drop a NaN.
+    ratio.fold(other, |a, b| if b > a || b.is_nan() { b } else { a })
+}
+
+/// What a step without a middle evaluation errs by over the square of its length, from one of this length.
+fn expected(nonlinear: f64, step: f64) -> f64 {
+    if nonlinear.is_nan() {
+        f64::MAX
+    } else {
+        nonlinear / (step * step)
     }
 }

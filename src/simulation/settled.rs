@@ -83,7 +83,7 @@ impl Simulation {
     /// As [`Simulation::settle_after`], but the tracks go on to be those that it came with, whatever its motion is.
     pub(super) fn settle_arriving(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError> {
         self.left.arrive(course);
-        self.now.valid = false;
+        self.leave();
         let list = memory_directions(self.memory.len());
         let mut directions = Directions::new(&self.model, list);
         let mut results = Vec::new();
@@ -101,7 +101,7 @@ impl Simulation {
             for (place, step) in settling.places.iter().zip(step.iter()) {
                 self.memory[*place] -= step;
             }
-            self.now.valid = false;
+            self.leave();
             if step.amax() < THERE {
                 break;
             }

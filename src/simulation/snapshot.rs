@@ -67,14 +67,14 @@ impl Simulation {
     fn is_sound(&self) -> bool {
         let mut numbers = self.clone();
         if !numbers.now.valid {
-            numbers.now.balance = numbers.anchor.clone();
+            numbers.now.balance = numbers.anchor.balance.clone();
             numbers.now.motion = Motion::default();
         }
         let angles = |balance: &Balance| {
             let mut wheels = balance.wheels.iter();
             wheels.all(|wheel| (0.0..=PI).contains(&wheel.entry_angle))
         };
-        let balances = [&numbers.anchor, &numbers.now.balance];
+        let balances = [&numbers.anchor.balance, &numbers.now.balance];
         let drives = balances.into_iter().all(angles) && numbers.integrator.next_step > 0.0;
         let mut finite = true;
         numbers.visit(&mut |number| finite &= number.is_finite());
@@ -92,15 +92,19 @@ impl Simulation {
             visit(&mut speeds.left);
             visit(&mut speeds.right);
         }
-        self.anchor.visit(visit);
-        self.now.balance.visit(visit);
-        let mut motion = self.now.motion.to_array();
-        motion.iter_mut().for_each(&mut *visit);
-        self.now.motion = Motion::from_array(motion);
-        visit_flag(&mut self.now.valid, visit);
+        for evaluation in [&mut self.anchor, &mut self.now] {
+            evaluation.balance.visit(visit);
+            let mut motion = evaluation.motion.to_array();
+            motion.iter_mut().for_each(&mut *visit);
+            evaluation.motion = Motion::from_array(motion);
+            visit_flag(&mut evaluation.valid, visit);
+        }
+        self.anchor.derivative.iter_mut().for_each(&mut *visit);
+        self.anchor.memory_rates.iter_mut().for_each(&mut *visit);
         self.trend.visit(visit);
         let integrator = &mut self.integrator;
         visit(&mut integrator.next_step);
+        visit(&mut integrator.short_error);
         visit(&mut integrator.owed);
         integrator.by_state.iter_mut().for_each(&mut *visit);
         integrator.by_input.iter_mut().for_each(&mut *visit);

@@ -6,6 +6,8 @@ use crate::contact::WheelForces;
 
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
 pub(super) const MAX_LOG_STEP: f64 = 0.7;
+/// Farthest that accelerations are predicted \[m/s^2\]: slopes are steep next to standstill.
+const LONGEST_PREDICTION: f64 = 2.0;
 /// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
 pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-12, 1.8);
 
@@ -13,7 +15,7 @@ pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-12, 1.8);
 ///
 /// One balance is the first guess for the next; it owns all the memory that a solution
 /// needs, so that solving allocates nothing.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Balance {
     /// a_X, a_Y \[m/s^2\].
     pub(crate) acceleration: [f64; 2],
@@ -61,7 +63,7 @@ impl Balance {
                 .sum()
         };
         for (a, slopes) in self.acceleration.iter_mut().zip(&trend.acceleration) {
-            *a += along(slopes);
+            *a += along(slopes).clamp(-LONGEST_PREDICTION, LONGEST_PREDICTION);
         }
         for (wheel, slopes) in self.wheels.iter_mut().zip(&trend.entry_angles) {
             let longest = 0.2 * wheel.entry_angle;

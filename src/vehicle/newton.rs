@@ -51,8 +51,8 @@ fn words(motion: &Motion) -> String {
 /// Newton's method stops. It applies that last step too, so what remains is its square.
 pub(super) const STEP_TOLERANCE: f64 = 1e-3;
 const ACCELERATION_TOLERANCE: f64 = 5e-3;
-/// The same of a step along slopes of an earlier balance, which are off by some hundredths.
-const OLD_SLOPES_TOLERANCE: f64 = 2e-4;
+/// The share of them for a step along slopes of an earlier balance, which leaves some tenths of itself.
+const OLD_SLOPES_SHARE: f64 = 0.1;
 /// The coarse rule is worth no smaller steps than this.
 const COARSE_STEP_TOLERANCE: f64 = 0.02;
 /// Newton's method settles in two or three steps; many more mean that it never will.
@@ -142,7 +142,10 @@ impl VehicleModel {
             // Where wheels lift and touch down the steps may go to and fro: then shorten them. The last
             // one is taken whole, and so is what turns for rounding.
             let turned = step[0] * last[0] + step[1] * last[1] < 0.0;
-            let settled = step.iter().all(|s| s.abs() < ACCELERATION_TOLERANCE);
+            let share = if with_slopes { 1.0 } else { OLD_SLOPES_SHARE };
+            let settled = step
+                .iter()
+                .all(|s| s.abs() < share * ACCELERATION_TOLERANCE);
             if settled {
                 damping = 1.0;
             } else if iteration >= UNDAMPED_ITERATIONS {
@@ -157,14 +160,9 @@ impl VehicleModel {
             balance.acceleration[1] += damping * step[1];
             balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
             let longest = balance.advance(prepared.lightest_load());
-            let tolerance = if with_slopes {
-                STEP_TOLERANCE
-            } else {
-                OLD_SLOPES_TOLERANCE
-            };
             match detail {
                 Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
-                Detail::Full if settled && longest < tolerance => {
+                Detail::Full if settled && longest < share * STEP_TOLERANCE => {
                     balance.fade_light_wheels();
                     let sunk = balance.sunk(FRAC_PI_2);
                     return sunk.map_or(Ok(()), |k| Err(self.bogged(k, balance.wheels[k].load)));
