@@ -30,7 +30,7 @@ fn members() -> Vec<Rollout> {
             ..Vehicle::tran2007()
         };
         let mut model = Specification::plain(vehicle, soil);
-        if index % 3 == 0 {
+        if index.is_multiple_of(3) {
             model.effects = rutted.clone();
         }
         Rollout {
