@@ -90,7 +90,8 @@
 //! - *wrench*: what the ground does to the vehicle: accelerations, resistances and moments, and the share of each wheel.
 //!
 //! # Features
-//! - `analysis`: reading recordings (CSV), `fit`, `diagnosis` and `report`. Without it: the model, its derivatives,
+//! - `batch`: many simulations in one call, on all threads (`simulation::batch`).
+//! - `analysis`: with that reading recordings (CSV), `fit`, `diagnosis` and `report`. Without it: the model, its derivatives,
 //!   effects, JSON.
 //! - `cli` (default): with that the tool `ugv`, reading robots' logs (`import`), and `package`, which makes the FMU's
 //!   archive.

@@ -34,7 +34,7 @@ def cost(command: list[str | Path]) -> tuple[float, float]:
 def commands(tool: Path, arguments: argparse.Namespace, folder: Path) -> dict[str, Callable[[Path], list[str | Path]]]:
     """What is compared, as a function of the table."""
     common = ["--input", arguments.input, "--terrain", arguments.terrain, "--quiet"]
-    script = [sys.executable, ROOT / "scripts" / "sweep.py", *common, "--fmu", arguments.fmu, "--output", folder / "ends.parquet"]
+    script = [sys.executable, ROOT / "scripts" / "examples" / "sweep.py", *common, "--fmu", arguments.fmu, "--output", folder / "ends.parquet"]
     return {"ugv sweep": lambda table: [tool, "sweep", *common, "--output", folder / "ends.csv", "--table", table],
             "sweep.py --serial": lambda table: [*script, "--serial", "--table", table],
             "sweep.py": lambda table: [*script, "--table", table]}

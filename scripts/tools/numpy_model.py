@@ -10,6 +10,7 @@ import argparse
 import json
 import platform
 import sys
+import time
 import timeit
 import warnings
 from pathlib import Path
@@ -229,14 +230,6 @@ class Model:
         return solution.y.T
 
 
-def drive_table():
-    """Times and wheel speeds of 60 s at 0.05 s: from rest to 8 rad/s in 5 s, then right and left turns by turns."""
-    times = np.linspace(0.0, 60.0, 1201)
-    mean = 8.0 * np.minimum(times / 5.0, 1.0)
-    turn = 2.5 * np.clip(3.0 * np.sin(2.0 * np.pi * (times - 5.0) / 10.0), -1.0, 1.0) * (times > 5.0)
-    return np.round([times, mean + turn, mean - turn], 9)
-
-
 def check(golden):
     """Compare with the golden wrenches and trajectories; return whether all agree within the tolerances."""
     data, passed = json.loads((golden / "wrenches.json").read_text()), []
@@ -265,14 +258,30 @@ def check(golden):
     return all(passed)
 
 
-def bench():
-    """Wall-clock seconds of one wrench (best of 5 x 100) and of the drive (best of 3)."""
-    model, (times, left, right) = Model(VEHICLE, TERRAINS["clayed_soil"]), drive_table()
-    wrench = timeit.repeat(lambda: model.wrench(1.7, 0.02, -0.3, 9.5, 6.5), number=100, repeat=5)
-    drive = timeit.repeat(lambda: model.simulate(times, left, right, np.zeros(6)), number=1, repeat=3)
+def processor_seconds(work, number):
+    """Seconds of the processor of one call, the best of 3 x number calls."""
+    return min(timeit.repeat(work, number=number, repeat=3, timer=time.process_time)) / number
+
+
+def bench(golden, drive):
+    """Seconds of the processor on each soil: a wrench, mean over the golden states of the soil, and the drive of a table."""
+    states = json.loads((golden / "wrenches.json").read_text())["states"]
+    times, left, right = np.loadtxt(drive, delimiter=",", skiprows=1).T
+    soils = {}
+    for name, terrain in TERRAINS.items():
+        model = Model(VEHICLE, terrain)
+        keys = ("V_X", "V_Y", "yaw_rate", "omega_left", "omega_right")
+        motions = [[state[key] for key in keys] for state in states if state["terrain"] == name]
+        wrench = processor_seconds(lambda: [model.wrench(*motion) for motion in motions], 20) / len(motions)
+        ends = []
+        try:
+            seconds = processor_seconds(lambda: ends.append(model.simulate(times, left, right, np.zeros(6))[-1]), 1)
+        except (ArithmeticError, ValueError) as error:
+            soils[name] = {"wrench": wrench, "error": str(error)}
+        else:
+            soils[name] = {"wrench": wrench, "drive": seconds, "end": list(ends[-1][:3])}
     versions = {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__}
-    seconds = {"wrench_seconds": min(wrench) / 100, "drive_seconds": min(drive)}
-    return seconds | {"drive_simulated_seconds": 60, "versions": versions}
+    return {"soils": soils, "versions": versions}
 
 
 def main():
@@ -280,17 +289,14 @@ def main():
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("check", help="compare with golden values; exit code 1 beyond tolerance")
     command.add_argument("--golden", type=Path, required=True, metavar="DIR", help="wrenches.json and trajectory_*.csv")
-    command = commands.add_parser("bench", help="time one wrench and one 60 s drive on clayed soil")
+    command = commands.add_parser("bench", help="time wrenches and a drive on each soil")
+    command.add_argument("--golden", type=Path, required=True, metavar="DIR", help="wrenches.json")
+    command.add_argument("--drive", type=Path, required=True, metavar="FILE.csv", help="time,omega_left,omega_right")
     command.add_argument("--json", type=Path, required=True, metavar="FILE", help="where the timings are written")
-    command = commands.add_parser("drive", help="write the wheel speeds of the timed drive as CSV")
-    command.add_argument("--output", type=Path, required=True, metavar="FILE.csv", help="time,omega_left,omega_right")
     arguments = parser.parse_args()
     if arguments.command == "check":
         return 0 if check(arguments.golden) else 1
-    if arguments.command == "bench":
-        arguments.json.write_text(json.dumps(bench(), indent=2) + "\n")
-    else:
-        np.savetxt(arguments.output, drive_table().T, "%.10g", ",", header="time,omega_left,omega_right", comments="")
+    arguments.json.write_text(json.dumps(bench(arguments.golden, arguments.drive), indent=2) + "\n")
     return 0
 
 

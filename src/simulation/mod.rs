@@ -1,5 +1,7 @@
 //! The vehicle's motion in time.
 
+#[cfg(feature = "batch")]
+pub mod batch;
 mod error;
 mod evaluation;
 mod integrator;

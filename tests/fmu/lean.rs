@@ -39,21 +39,19 @@ const LIBRARY: &[&str] = &[
     "zmij",
 ];
 
-/// What fitting and diagnosing add: `csv`, `fastrand`, `rayon`, `statrs`, `textwrap`, and theirs; no argument parsing, plots or C.
-const ANALYSIS: &[&str] = &[
+/// What batches add: `rayon`, and its dependencies.
+const BATCH: &[&str] = &[
     "crossbeam_deque",
     "crossbeam_epoch",
     "crossbeam_utils",
-    "csv",
-    "csv_core",
     "either",
-    "fastrand",
-    "libm",
     "rayon",
     "rayon_core",
-    "ryu",
-    "statrs",
-    "textwrap",
+];
+
+/// What fitting and diagnosing add to batches: `csv`, `fastrand`, `statrs`, `textwrap`, and theirs; no argument parsing, plots or C.
+const ANALYSIS: &[&str] = &[
+    "csv", "csv_core", "fastrand", "libm", "ryu", "statrs", "textwrap",
 ];
 
 /// What the C interface adds: the standard's types (`fmi_sys`, and theirs), percent-encoded paths.
@@ -112,8 +110,16 @@ fn the_library_has_the_dependencies_that_are_listed() {
 }
 
 #[test]
+fn batches_have_the_dependencies_that_are_listed() {
+    assert_eq!(dependencies("batch"), allowed(&[LIBRARY, BATCH]));
+}
+
+#[test]
 fn fitting_and_diagnosing_have_the_dependencies_that_are_listed() {
-    assert_eq!(dependencies("analysis"), allowed(&[LIBRARY, ANALYSIS]));
+    assert_eq!(
+        dependencies("analysis"),
+        allowed(&[LIBRARY, BATCH, ANALYSIS])
+    );
 }
 
 #[test]

@@ -4,6 +4,8 @@
 mod common;
 
 mod accuracy;
+#[cfg(feature = "batch")]
+mod batch;
 mod drivable;
 mod effects;
 mod golden;

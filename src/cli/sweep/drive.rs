@@ -1,9 +1,9 @@
 //! One drive, and its result.
 
 use std::io::{self, Write};
-use ugv_terrain::recording::Drive;
-use ugv_terrain::simulation::{Simulation, SimulationError, State};
-use ugv_terrain::vehicle::{VehicleModel, Wrench};
+use ugv_terrain::simulation::State;
+use ugv_terrain::simulation::batch::Rollout;
+use ugv_terrain::vehicle::Wrench;
 
 /// Columns of the result, after the parameters.
 pub const COLUMNS: &str = "time,x,y,heading,v_x,v_y,yaw_rate,distance,largest_slip,mean_slip,\
@@ -35,45 +35,25 @@ struct Slip {
     count: u64,
 }
 
-/// Drives along the rows of the input as an importer steps the FMU: it sets the wheel speeds and their
-/// rates, steps to the next row, and reads the outputs.
-pub fn drive(rows: &Drive, model: VehicleModel, start: State) -> DriveResult {
-    let mut result = DriveResult {
-        time: 0.0,
-        state: start,
-        distance: 0.0,
-        slip: Slip::default(),
-        largest_sinkage: 0.0,
-        resistance_work: 0.0,
-        error: None,
-    };
-    let mut simulation = Simulation::new(model);
-    let driven = simulation
-        .set_state(start)
-        .and_then(|()| along(rows, &mut simulation, &mut result));
+/// Drives, and reads the outputs at each row.
+pub fn drive(member: &mut Rollout) -> DriveResult {
+    let mut result = DriveResult::at(member.simulation.state());
+    let inputs = member.inputs.clone();
+    let time = inputs.time();
+    let mut power = 0.0;
+    let driven = member.run(|row, simulation| {
+        let state = simulation.state();
+        let wrench = simulation.wrench()?;
+        power = if row == 0 {
+            result.first(wrench)
+        } else {
+            result.time = time[row] - time[0];
+            result.next(state, wrench, power, time[row] - time[row - 1])
+        };
+        Ok(())
+    });
     result.error = driven.err().map(|error| error.to_string());
     result
-}
-
-fn along(
-    rows: &Drive,
-    simulation: &mut Simulation,
-    result: &mut DriveResult,
-) -> Result<(), SimulationError> {
-    simulation.set_wheel_speeds(rows.wheel_speeds(0).into())?;
-    let mut power = result.first(simulation.wrench()?);
-    for row in 1..rows.len() {
-        let time = rows.time[row - 1] - rows.time[0];
-        simulation.set_wheel_speeds(rows.wheel_speeds(row - 1).into())?;
-        simulation.set_time(time)?;
-        simulation.set_wheel_accelerations(rows.wheel_accelerations(row - 1).into())?;
-        simulation.step(rows.time[row] - rows.time[row - 1])?;
-        let state = simulation.state();
-        let seconds = rows.time[row] - rows.time[row - 1];
-        power = result.next(state, simulation.wrench()?, power, seconds);
-        result.time = rows.time[row] - rows.time[0];
-    }
-    Ok(())
 }
 
 /// Power lost to rolling resistance \[W\].
@@ -82,6 +62,19 @@ fn power(state: &State, wrench: &Wrench) -> f64 {
 }
 
 impl DriveResult {
+    /// Nothing driven yet.
+    fn at(start: State) -> Self {
+        Self {
+            time: 0.0,
+            state: start,
+            distance: 0.0,
+            slip: Slip::default(),
+            largest_sinkage: 0.0,
+            resistance_work: 0.0,
+            error: None,
+        }
+    }
+
     fn first(&mut self, wrench: &Wrench) -> f64 {
         self.sink(wrench);
         power(&self.state, wrench)

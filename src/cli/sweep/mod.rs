@@ -15,13 +15,13 @@ use super::progress::ProgressLine;
 use distribution::{VariedParameter, VariedValues};
 use drive::{COLUMNS, DriveResult, drive};
 use parameters::{ParameterRow, ParameterTable};
-use rayon::prelude::*;
 use setup::Setup;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
 use ugv_terrain::recording::Drive;
+use ugv_terrain::simulation::batch::each;
 
 /// Drives between two writes: few enough for a small memory, enough to keep all threads busy.
 const BLOCK: usize = 4096;
@@ -134,7 +134,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         );
     }
     let started = Instant::now();
-    let summary = sweep(args, &setup, &drive, &samples, &mut output)?;
+    let summary = sweep(args, &setup, &samples, &mut output)?;
     let elapsed = started.elapsed().as_secs_f64();
     output.finish()?;
     if !args.quiet {
@@ -165,22 +165,20 @@ fn standstill() -> Drive {
 fn sweep(
     args: &Args,
     setup: &Setup,
-    rows: &Drive,
     samples: &ParameterTable,
     output: &mut Output,
 ) -> Result<SweepSummary, Failure> {
     let pool = jobs::pool(args.jobs)?;
     let progress = ProgressLine::counting(samples.rows.len() as u64, args.quiet);
     let one = |sample: &ParameterRow| -> Result<DriveResult, Failure> {
-        let (model, start) = setup.prepare(sample)?;
-        let result = drive(rows, model, start);
+        let result = drive(&mut setup.rollout(sample)?);
         progress.count();
         Ok(result)
     };
     let mut summary = SweepSummary::default();
     writeln!(output, "{},{COLUMNS}", samples.header()).map_err(|e| output.failure(e))?;
     for block in samples.rows.chunks(BLOCK) {
-        let results: Vec<_> = pool.install(|| block.par_iter().map(one).collect());
+        let results = pool.install(|| each(block, one));
         for (sample, result) in block.iter().zip(results) {
             let result = result?;
             let written = sample.write(output).and_then(|()| result.write(output));

@@ -4,11 +4,13 @@ use super::parameters::{ParameterRow, ParameterTable};
 use crate::cli::failure::Failure;
 use crate::cli::initial::{InitialArgument, check, initial_state};
 use std::path::Path;
+use std::sync::Arc;
 use ugv_terrain::declaration::{Causality, Configuration, Kind, Quantity, variables};
 use ugv_terrain::display::shortened;
 use ugv_terrain::parameter::ParameterError;
 use ugv_terrain::recording::Drive;
-use ugv_terrain::simulation::State;
+use ugv_terrain::simulation::batch::{Rollout, WheelSpeedTable};
+use ugv_terrain::simulation::{Simulation, State};
 use ugv_terrain::spelling::nearest;
 use ugv_terrain::vehicle::{Specification, VehicleModel};
 
@@ -18,7 +20,7 @@ pub struct Setup<'a> {
     initial: &'a [InitialArgument],
     /// The quantity that each column of the table sets.
     columns: Vec<Quantity>,
-    drive: &'a Drive,
+    inputs: Arc<WheelSpeedTable>,
 }
 
 impl<'a> Setup<'a> {
@@ -27,7 +29,7 @@ impl<'a> Setup<'a> {
     pub fn new(
         specification: Specification,
         initial: &'a [InitialArgument],
-        drive: &'a Drive,
+        drive: &Drive,
         names: &[String],
     ) -> Result<Self, Failure> {
         let base = Configuration::from_specification(specification);
@@ -46,7 +48,7 @@ impl<'a> Setup<'a> {
             base,
             initial,
             columns,
-            drive,
+            inputs: Arc::new(table(drive)?),
         })
     }
 
@@ -71,10 +73,19 @@ impl<'a> Setup<'a> {
         Ok(())
     }
 
+    /// A drive: model, initial state and wheel speeds.
+    pub fn rollout(&self, sample: &ParameterRow) -> Result<Rollout, Failure> {
+        let (model, start) = self.prepare(sample)?;
+        let mut simulation = Simulation::new(model);
+        simulation.set_state(start)?;
+        let inputs = self.inputs.clone();
+        Ok(Rollout { simulation, inputs })
+    }
+
     /// Model and initial state of a drive.
-    pub fn prepare(&self, sample: &ParameterRow) -> Result<(VehicleModel, State), Failure> {
+    fn prepare(&self, sample: &ParameterRow) -> Result<(VehicleModel, State), Failure> {
         let model = self.model(sample)?;
-        let speeds = self.drive.wheel_speeds(0).into();
+        let speeds = self.inputs.wheel_speeds()[0];
         let mut state = initial_state(self.initial, model.vehicle(), speeds)?.to_array();
         for (column, value) in self.columns.iter().zip(&sample.values) {
             if let Quantity::Initial(index) = column {
@@ -95,6 +106,13 @@ impl<'a> Setup<'a> {
         }
         VehicleModel::from_specification(&configuration.specification())
     }
+}
+
+fn table(drive: &Drive) -> Result<WheelSpeedTable, Failure> {
+    let rows = 0..drive.len();
+    let speeds = rows.map(|row| drive.wheel_speeds(row).into()).collect();
+    WheelSpeedTable::new(drive.time.clone(), speeds)
+        .map_err(|error| Failure::argument(error.to_string()))
 }
 
 fn quantity(base: &Configuration, name: &str) -> Result<Quantity, Failure> {
