@@ -33,14 +33,14 @@
 //! is SI and radians; frames and signs are stated in [`vehicle`].
 //!
 //! # Equations of the paper
-//! Files are in `src/`. `contact/altered.rs` evaluates (3) to (6) and (11) to (18) once more, for wheels with effects.
+//! Files are in `src/`.
 //!
 //! | equation | where it is evaluated |
 //! |---|---|
 //! | (1) pressure and sinkage | k in [`terrain::Terrain::sinkage_modulus`]; k z^n in `contact/patch.rs`, `column` |
 //! | (2) sinkage of a rim point | `contact/patch.rs`, `column`; of the lowest one `vehicle/wrench.rs`, `set_contact` |
 //! | (3), (5) normal stress in front and behind | `contact/patch.rs`, `column` |
-//! | (4) normal stress behind, exit angle not 0 | `contact/altered.rs` |
+//! | (4) normal stress behind, exit angle not 0 | `contact/patch.rs` |
 //! | (6) shear stress | `contact/patch.rs`: strength in `column`, mobilised share in `accumulate` |
 //! | (7) wheel centres | [`vehicle::Vehicle::wheel_centre`] |
 //! | (8) place of a rim point | `contact/patch.rs`, `column`; lever in [`contact::WheelForces::arc_moment`] |
@@ -54,7 +54,7 @@
 //! | (19), (20), (21), (24), (25) of the vehicle | `vehicle/wrench.rs`, `sum` |
 //! | (22) load balance of a wheel | `vehicle/balance.rs`, `advance`; solved in `vehicle/newton.rs` |
 //! | (23) rolling moments | replaced by (26), as in the paper |
-//! | (26), (27), (28) loads | `vehicle/loads.rs`, [`vehicle::LoadPlane`] |
+//! | (26), (27), (28) loads | `vehicle/loads.rs` |
 //!
 //! # Glossary
 //! - *absorbed fraction*: share of the signal power of an effect that a refit of the soil imitates.

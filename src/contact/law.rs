@@ -1,6 +1,5 @@
 //! What one wheel's forces depend on: its soil and shape after effects, its motion, and what it remembers.
 
-use super::WheelMotion;
 use crate::effects::{Bulldozing, Displacement, Multipass, SlipSinkage, Soil, StressPeak};
 use crate::scalar::{Elementary, Scalar};
 
@@ -72,6 +71,19 @@ impl WheelMemory<f64> {
             pressed,
         }
     }
+}
+
+/// How one wheel moves over the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelMotion<S> {
+    /// Velocity of the wheel's centre along X, V_X - Omega Y_i \[m/s\] (10).
+    pub forward: S,
+    /// Velocity of the wheel's centre along Y, V_Y + Omega X_i \[m/s\] (10).
+    pub lateral: S,
+    /// Yaw rate of the vehicle Omega \[rad/s\].
+    pub yaw_rate: S,
+    /// Angular speed of the wheel omega \[rad/s\], positive rolls forward.
+    pub angular_speed: S,
 }
 
 /// A wheel in contact with the ground: everything that its forces depend on.

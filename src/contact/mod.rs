@@ -9,8 +9,8 @@ mod patch;
 mod quadrature;
 mod wheel;
 
-pub use law::{ContactArc, Wheel, WheelLaw, WheelMemory};
+pub use law::{ContactArc, Wheel, WheelLaw, WheelMemory, WheelMotion};
 pub(crate) use law::{MOST_INPUTS, REACH};
 pub use quadrature::Resolution;
 pub(crate) use wheel::FORCE_COUNT;
-pub use wheel::{Detail, Regularisation, WheelContact, WheelForces, WheelMotion};
+pub use wheel::{Detail, Regularisation, WheelContact, WheelForces};

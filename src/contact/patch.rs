@@ -268,12 +268,12 @@ impl<S: Scalar> Patch<S> {
             let mut split = ends;
             split.split(turn);
             split.split(-turn);
-            let nodes = if crossing.is_sharp(at, turn.value(), &split) {
-                &rule.sharp
+            let rules = if crossing.is_sharp(at, turn.value(), &split) {
+                [&rule.sharp, &rule.sharp]
             } else {
-                &rule.turning
+                [&rule.rear, &rule.front]
             };
-            task = (1 << row, split, [nodes, nodes]);
+            task = (1 << row, split, rules);
         }
         sums.sum::<V>()
     }

@@ -73,23 +73,10 @@ impl Regularisation {
 /// Which of its two rules a contact is integrated by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
-    /// Half the nodes in each direction: good to some 1e-3, enough to approach a balance.
+    /// Half the nodes in each direction: good to some 1e-3, enough for derivatives that guide a search.
     Coarse,
     /// All the nodes.
     Full,
-}
-
-/// How one wheel moves over the ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WheelMotion<S> {
-    /// Velocity of the wheel's centre along X, V_X - Omega Y_i \[m/s\] (10).
-    pub forward: S,
-    /// Velocity of the wheel's centre along Y, V_Y + Omega X_i \[m/s\] (10).
-    pub lateral: S,
-    /// Yaw rate of the vehicle Omega \[rad/s\].
-    pub yaw_rate: S,
-    /// Angular speed of the wheel omega \[rad/s\], positive rolls forward.
-    pub angular_speed: S,
 }
 
 /// What the ground does to one wheel, in the body frame.

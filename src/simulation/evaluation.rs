@@ -54,7 +54,7 @@ impl Evaluation {
         for k in 0..5 {
             change[k] = to[k] - from[k];
         }
-        self.balance.predict(trend, &change);
+        trend.predict(&mut self.balance, &change);
     }
 
     pub fn copy_from(&mut self, other: &Self) {

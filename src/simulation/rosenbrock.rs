@@ -266,6 +266,10 @@ impl Simulation {
         outcome
     }
 
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "several lists of what is remembered at once"
+    )]
     fn attempt_in(
         &mut self,
         stages: &mut Stages,

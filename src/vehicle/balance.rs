@@ -1,13 +1,10 @@
 //! The balance of all wheels: the vertical force of every wheel carries its load (22), the loads follow from the
 //! accelerations (28), and the accelerations from the wheels' forces (19), (20).
 
-use super::{Differentiated, Direction};
 use crate::contact::WheelForces;
 
 /// Longest step of ln(theta_1), and what replaces it where the vertical force does not grow.
 pub(super) const MAX_LOG_STEP: f64 = 0.7;
-/// Farthest that accelerations are predicted \[m/s^2\]: slopes are steep next to standstill.
-const LONGEST_PREDICTION: f64 = 2.0;
 /// Entry angles \[rad\] that the iteration may pass through; the answer must stay below pi/2.
 pub(super) const ENTRY_ANGLE_RANGE: (f64, f64) = (1e-12, 1.8);
 
@@ -49,25 +46,6 @@ impl Balance {
             loads: vec![[0.0; 3]; count],
             forces: vec![WheelForces::zero(); count],
             slopes: vec![WheelForces::zero(); count],
-        }
-    }
-
-    /// Moves the guess along a linearisation: `change` is how the motion differs from the
-    /// one that this balance solves.
-    pub(crate) fn predict(&mut self, trend: &Trend, change: &[f64; 5]) {
-        let along = |slopes: &[f64; 5]| -> f64 {
-            slopes
-                .iter()
-                .zip(change)
-                .map(|(slope, by)| slope * by)
-                .sum()
-        };
-        for (a, slopes) in self.acceleration.iter_mut().zip(&trend.acceleration) {
-            *a += along(slopes).clamp(-LONGEST_PREDICTION, LONGEST_PREDICTION);
-        }
-        for (wheel, slopes) in self.wheels.iter_mut().zip(&trend.entry_angles) {
-            let longest = 0.2 * wheel.entry_angle;
-            wheel.entry_angle += along(slopes).clamp(-longest, longest);
         }
     }
 
@@ -158,41 +136,5 @@ impl Balance {
     /// The first wheel whose entry angle reaches `limit` \[rad\].
     pub(super) fn sunk(&self, limit: f64) -> Option<usize> {
         self.wheels.iter().position(|w| w.entry_angle >= limit)
-    }
-}
-
-/// How a balance changes with the motion: derivatives by the five components of [`Motion`].
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Trend {
-    pub acceleration: [[f64; 5]; 2],
-    pub entry_angles: Vec<[f64; 5]>,
-}
-
-impl Trend {
-    pub(crate) fn of_wheels(count: usize) -> Self {
-        Self {
-            acceleration: [[0.0; 5]; 2],
-            entry_angles: vec![[0.0; 5]; count],
-        }
-    }
-
-    /// Takes the derivatives of the wrench in those directions that are of the motion.
-    pub(crate) fn take(&mut self, list: &[Direction], results: &[Differentiated]) {
-        for (direction, result) in list.iter().zip(results) {
-            let place = Direction::MOTION.iter().position(|one| one == direction);
-            let Some(place) = place else { continue };
-            let wrench = &result.wrench;
-            self.acceleration[0][place] = wrench.a_x;
-            self.acceleration[1][place] = wrench.a_y;
-            for (slopes, wheel) in self.entry_angles.iter_mut().zip(&wrench.wheels) {
-                slopes[place] = wheel.entry_angle;
-            }
-        }
-    }
-
-    /// Visits every number, for a snapshot.
-    pub(crate) fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
-        let rows = self.acceleration.iter_mut().chain(&mut self.entry_angles);
-        rows.flatten().for_each(visit);
     }
 }

@@ -1,12 +1,14 @@
 //! Masses, places and laws of a vehicle after its effects, and what follows from its wheels' forces.
 
 use super::environment::{Environment, Situation};
-use super::loads::{LoadPlane, LoadTargets};
+use super::loads::{GRAVITY, LoadPlane, LoadTargets};
 use super::{
     ModelParameter, Specification, TerrainParameter, VehicleParameter, WheelOutputs, Wrench,
 };
 use crate::contact::{Regularisation, Wheel, WheelForces, WheelLaw, WheelMemory, WheelMotion};
-use crate::effects::{ActiveEffects, Boundary, Soil};
+use crate::effects::{
+    ActiveEffects, Boundary, Effects, ResidualMotion, SlopeGravity, Soil, Unscaled,
+};
 use crate::scalar::{Elementary, Scalar};
 
 /// A vehicle on a soil with its effects applied, generic over the scalar.
@@ -125,6 +127,12 @@ impl<S: Scalar> Chassis<S> {
         self.effects.transient_shear = other.effects.transient_shear;
         self.effects.multipass = other.effects.multipass;
         self
+    }
+
+    /// The largest wheel's radius \[m\].
+    pub fn reach(&self) -> f64 {
+        let radii = self.wheels.iter().map(|wheel| wheel.law.radius.value());
+        radii.fold(0.0, f64::max)
     }
 
     /// The wheels' places ahead and to the left of the reference point \[m\].
@@ -276,6 +284,87 @@ impl<S: Scalar> Chassis<S> {
             torque[1],
             torque[0] * at.wheel_speeds[0] + torque[1] * at.wheel_speeds[1],
         ]
+    }
+}
+
+impl<S: Scalar> Chassis<S> {
+    /// Gravity, drag, drawbar and residual models; forces that change their sign fade below `fading` \[m/s\].
+    pub fn environment(&self, at: &Situation<S>, effects: &Effects, fading: f64) -> Environment<S> {
+        let zero = S::constant(0.0);
+        let gravity = if let Some(mut grade) = self.effects.grade {
+            if let Some(profile) = &effects.slope_profile {
+                let [east, north] = profile.slopes(at.time, at.distance, at.position);
+                grade.slope_east += east;
+                grade.slope_north += north;
+            }
+            grade.gravity(at.heading, GRAVITY)
+        } else {
+            SlopeGravity {
+                along: [zero; 2],
+                normal: S::constant(GRAVITY),
+            }
+        };
+        let mut environment = Environment {
+            gravity,
+            force: [zero; 2],
+            yaw_moment: zero,
+            load_moments: [zero; 2],
+        };
+        if let Some(drag) = &self.effects.drag {
+            let com_velocity = [
+                at.velocity[0] - at.yaw_rate * self.com[1],
+                at.velocity[1] + at.yaw_rate * self.com[0],
+            ];
+            environment.force = drag.force(com_velocity);
+        }
+        if let Some(drawbar) = &self.effects.drawbar {
+            let hitch = self.centroid - drawbar.hitch_behind;
+            let velocity = [at.velocity[0], at.velocity[1] + at.yaw_rate * hitch];
+            let pull = drawbar.pull(velocity, fading);
+            let raised = drawbar.hitch_height - self.com_height;
+            for (axis, pull) in pull.into_iter().enumerate() {
+                environment.force[axis] += pull;
+                environment.load_moments[axis] += raised * pull;
+            }
+            environment.yaw_moment += (hitch - self.com[0]) * pull[1] + self.com[1] * pull[0];
+        }
+        self.add_residuals(at, fading, &mut environment);
+        environment
+    }
+
+    /// Residual models: forces and a moment at the centre of mass.
+    fn add_residuals(&self, at: &Situation<S>, fading: f64, environment: &mut Environment<S>) {
+        let effects = &self.effects;
+        let (ahead, aside, around) = (
+            &effects.residual_longitudinal,
+            &effects.residual_lateral,
+            &effects.residual_yaw,
+        );
+        if ahead.is_none() && aside.is_none() && around.is_none() {
+            return;
+        }
+        let [left, right] = [&self.wheels[0], &self.wheels[1]];
+        let unscaled = Unscaled {
+            velocity: at.velocity,
+            yaw_rate: at.yaw_rate,
+            rims: [
+                left.law.radius * at.wheel_speeds[0],
+                right.law.radius * at.wheel_speeds[1],
+            ],
+            half_track: (left.place[1] - right.place[1]).scale(0.5),
+            heading: at.heading,
+        };
+        let motion = ResidualMotion::new(&unscaled, GRAVITY, fading);
+        let weight = self.mass.scale(GRAVITY);
+        if let Some(law) = ahead {
+            environment.force[0] += weight * law.share(&motion);
+        }
+        if let Some(law) = aside {
+            environment.force[1] += weight * law.share(&motion);
+        }
+        if let Some(law) = around {
+            environment.yaw_moment += weight * unscaled.half_track * law.share(&motion);
+        }
     }
 }
 

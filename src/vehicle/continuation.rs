@@ -244,7 +244,7 @@ impl VehicleModel {
         let mut angle = balance.wheels[index].entry_angle.clamp(first, last);
         for _ in 0..MAX_EVALUATIONS {
             balance.wheels[index].entry_angle = angle;
-            self.evaluate_wheel(prepared, balance, index, Detail::Full);
+            self.evaluate_wheel(prepared, balance, index);
             let force = balance.forces[index].vertical;
             let growth = angle * balance.slopes[index].vertical;
             if (force - target).abs() <= LOAD_TOLERANCE * target {

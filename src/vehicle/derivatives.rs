@@ -301,6 +301,11 @@ impl Work {
             let rates = self.rates.iter().map(|rate| rate.eps[place]);
             result.memory_rates.extend(rates);
         }
+        // What a remembered number does to the outputs matters to the tracks alone.
+        let remembered = list.iter().all(|one| matches!(one, Direction::Memory(_)));
+        if remembered && !model.has_ruts() {
+            return;
+        }
         for (index, wheel) in wheels.iter().enumerate() {
             let (load, forces) = (self.lane_loads[index][0], &self.forces[index]);
             let outputs = chassis.outputs(wheel, regularisation, load, forces);
@@ -350,6 +355,10 @@ impl Closing<'_> {
     }
 
     /// Writes the derivatives of entry angles, loads and forces in one direction.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "several lists of wheels at once"
+    )]
     fn restore(
         &self,
         place: usize,
@@ -470,4 +479,58 @@ fn differentiated(
         })
     });
     chunks.collect()
+}
+
+/// Farthest that accelerations are predicted \[m/s^2\]: slopes are steep next to standstill.
+const LONGEST_PREDICTION: f64 = 2.0;
+
+/// How a balance changes with the motion: derivatives by the five components of [`Motion`].
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Trend {
+    pub acceleration: [[f64; 5]; 2],
+    pub entry_angles: Vec<[f64; 5]>,
+}
+
+impl Trend {
+    pub(crate) fn of_wheels(count: usize) -> Self {
+        Self {
+            acceleration: [[0.0; 5]; 2],
+            entry_angles: vec![[0.0; 5]; count],
+        }
+    }
+
+    /// Takes the derivatives of the wrench in those directions that are of the motion.
+    pub(crate) fn take(&mut self, list: &[Direction], results: &[Differentiated]) {
+        for (direction, result) in list.iter().zip(results) {
+            let place = Direction::MOTION.iter().position(|one| one == direction);
+            let Some(place) = place else { continue };
+            let wrench = &result.wrench;
+            self.acceleration[0][place] = wrench.a_x;
+            self.acceleration[1][place] = wrench.a_y;
+            for (slopes, wheel) in self.entry_angles.iter_mut().zip(&wrench.wheels) {
+                slopes[place] = wheel.entry_angle;
+            }
+        }
+    }
+
+    /// Moves a balance along: `change` is how the motion differs from the one that it solves.
+    pub(crate) fn predict(&self, balance: &mut Balance, change: &[f64; 5]) {
+        let along = |slopes: &[f64; 5]| -> f64 {
+            let pairs = slopes.iter().zip(change);
+            pairs.map(|(slope, by)| slope * by).sum()
+        };
+        for (a, slopes) in balance.acceleration.iter_mut().zip(&self.acceleration) {
+            *a += along(slopes).clamp(-LONGEST_PREDICTION, LONGEST_PREDICTION);
+        }
+        for (wheel, slopes) in balance.wheels.iter_mut().zip(&self.entry_angles) {
+            let longest = 0.2 * wheel.entry_angle;
+            wheel.entry_angle += along(slopes).clamp(-longest, longest);
+        }
+    }
+
+    /// Visits every number, for a snapshot.
+    pub(crate) fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
+        let rows = self.acceleration.iter_mut().chain(&mut self.entry_angles);
+        rows.flatten().for_each(visit);
+    }
 }

@@ -1,9 +1,7 @@
 //! Where and how a vehicle stands and moves, and what acts on it besides the ground's stresses.
 
-use super::memory::MemoryLayout;
-use super::{Chassis, GRAVITY, Motion, Tracks};
-use crate::effects::{Effects, ResidualMotion, SlopeGravity, Unscaled};
-use crate::scalar::Scalar;
+use super::{Motion, Tracks};
+use crate::effects::SlopeGravity;
 
 /// What effects depend on besides the motion; the paper's model on none of it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -78,7 +76,8 @@ impl<S: Copy> Situation<S> {
 }
 
 impl Situation<f64> {
-    pub fn new(motion: &Motion, surroundings: &Surroundings, layout: &MemoryLayout) -> Self {
+    /// After a distance driven \[m\], where effects depend on it.
+    pub fn new(motion: &Motion, surroundings: &Surroundings, distance: f64) -> Self {
         Self {
             velocity: [motion.v_x, motion.v_y],
             yaw_rate: motion.yaw_rate,
@@ -86,88 +85,7 @@ impl Situation<f64> {
             position: surroundings.position,
             heading: surroundings.heading,
             time: surroundings.time,
-            distance: layout.distance(surroundings.memory),
-        }
-    }
-}
-
-impl<S: Scalar> Chassis<S> {
-    /// Gravity, drag, drawbar and residual models; forces that change their sign fade below `fading` \[m/s\].
-    pub fn environment(&self, at: &Situation<S>, effects: &Effects, fading: f64) -> Environment<S> {
-        let zero = S::constant(0.0);
-        let gravity = if let Some(mut grade) = self.effects.grade {
-            if let Some(profile) = &effects.slope_profile {
-                let [east, north] = profile.slopes(at.time, at.distance, at.position);
-                grade.slope_east += east;
-                grade.slope_north += north;
-            }
-            grade.gravity(at.heading, GRAVITY)
-        } else {
-            SlopeGravity {
-                along: [zero; 2],
-                normal: S::constant(GRAVITY),
-            }
-        };
-        let mut environment = Environment {
-            gravity,
-            force: [zero; 2],
-            yaw_moment: zero,
-            load_moments: [zero; 2],
-        };
-        if let Some(drag) = &self.effects.drag {
-            let com_velocity = [
-                at.velocity[0] - at.yaw_rate * self.com[1],
-                at.velocity[1] + at.yaw_rate * self.com[0],
-            ];
-            environment.force = drag.force(com_velocity);
-        }
-        if let Some(drawbar) = &self.effects.drawbar {
-            let hitch = self.centroid - drawbar.hitch_behind;
-            let velocity = [at.velocity[0], at.velocity[1] + at.yaw_rate * hitch];
-            let pull = drawbar.pull(velocity, fading);
-            let raised = drawbar.hitch_height - self.com_height;
-            for (axis, pull) in pull.into_iter().enumerate() {
-                environment.force[axis] += pull;
-                environment.load_moments[axis] += raised * pull;
-            }
-            environment.yaw_moment += (hitch - self.com[0]) * pull[1] + self.com[1] * pull[0];
-        }
-        self.add_residuals(at, fading, &mut environment);
-        environment
-    }
-
-    /// Residual models: forces and a moment at the centre of mass.
-    fn add_residuals(&self, at: &Situation<S>, fading: f64, environment: &mut Environment<S>) {
-        let effects = &self.effects;
-        let (ahead, aside, around) = (
-            &effects.residual_longitudinal,
-            &effects.residual_lateral,
-            &effects.residual_yaw,
-        );
-        if ahead.is_none() && aside.is_none() && around.is_none() {
-            return;
-        }
-        let [left, right] = [&self.wheels[0], &self.wheels[1]];
-        let unscaled = Unscaled {
-            velocity: at.velocity,
-            yaw_rate: at.yaw_rate,
-            rims: [
-                left.law.radius * at.wheel_speeds[0],
-                right.law.radius * at.wheel_speeds[1],
-            ],
-            half_track: (left.place[1] - right.place[1]).scale(0.5),
-            heading: at.heading,
-        };
-        let motion = ResidualMotion::new(&unscaled, GRAVITY, fading);
-        let weight = self.mass.scale(GRAVITY);
-        if let Some(law) = ahead {
-            environment.force[0] += weight * law.share(&motion);
-        }
-        if let Some(law) = aside {
-            environment.force[1] += weight * law.share(&motion);
-        }
-        if let Some(law) = around {
-            environment.yaw_moment += weight * unscaled.half_track * law.share(&motion);
+            distance,
         }
     }
 }

@@ -26,9 +26,8 @@ mod unusual;
 mod wrench;
 
 pub use balance::Balance;
-pub(crate) use balance::Trend;
 pub(crate) use chassis::Chassis;
-pub(crate) use derivatives::{Differentiated, Direction, Directions};
+pub(crate) use derivatives::{Differentiated, Direction, Directions, Trend};
 pub use environment::Surroundings;
 pub use geometry::Vehicle;
 pub use loads::GRAVITY;

@@ -1,11 +1,7 @@
 //! A vehicle on a terrain, prepared for evaluation.
 
-use super::environment::Situation;
 use super::memory::{MemoryLayout, Remembered};
-use super::prepared::Prepared;
-use super::{
-    Chassis, ModelParameter, Motion, Specification, Surroundings, Vehicle, WheelOutputs, Wrench,
-};
+use super::{Chassis, ModelParameter, Specification, Vehicle, WheelOutputs, Wrench};
 use crate::contact::{Regularisation, Resolution, WheelContact};
 use crate::effects::{Effects, Extent, ParameterName, SlopeProfile, Soil};
 use crate::parameter::{Bounds, ParameterError};
@@ -37,7 +33,7 @@ pub(super) struct Standing {
     pub effects: Effects,
     pub chassis: Chassis<f64>,
     /// Each wheel's load \[N\] over theta_1^(2n+1) at small entry angles; for a guess.
-    supports: Vec<f64>,
+    pub supports: Vec<f64>,
 }
 
 impl VehicleModel {
@@ -232,37 +228,8 @@ impl VehicleModel {
         &self.specification.terrain
     }
 
-    /// What holds throughout one solution.
-    pub(crate) fn prepare<'a>(
-        &'a self,
-        motion: &Motion,
-        surroundings: &Surroundings<'a>,
-    ) -> Prepared<'a> {
-        let situation = Situation::new(motion, surroundings, &self.layout);
-        let fading = self.contact.regularisation().travel_speed;
-        let outside = self.outside_at(surroundings);
-        let Standing {
-            chassis, supports, ..
-        } = outside.unwrap_or(&self.inside);
-        Prepared {
-            model: self,
-            chassis,
-            supports,
-            is_outside: outside.is_some(),
-            situation,
-            environment: chassis.environment(&situation, self.effects(), fading),
-            memory: surroundings.memory,
-            tracks: surroundings.tracks,
-        }
-    }
-
-    /// The chassis outside of the effects' window, if the vehicle is there.
-    fn outside_at(&self, surroundings: &Surroundings) -> Option<&Standing> {
-        let window = self.effects().window.as_ref()?;
-        let inside = window
-            .extent
-            .holds(surroundings.time, surroundings.position);
-        self.outside.as_ref().filter(|_| !inside)
+    pub(super) fn inside(&self) -> &Standing {
+        &self.inside
     }
 
     pub(super) fn outside(&self) -> Option<&Standing> {

@@ -53,8 +53,6 @@ pub(super) const STEP_TOLERANCE: f64 = 1e-3;
 const ACCELERATION_TOLERANCE: f64 = 5e-3;
 /// The share of them for a step along slopes of an earlier balance, which leaves some tenths of itself.
 const OLD_SLOPES_SHARE: f64 = 0.1;
-/// The coarse rule is worth no smaller steps than this.
-const COARSE_STEP_TOLERANCE: f64 = 0.02;
 /// Newton's method settles in two or three steps; many more mean that it never will.
 const MAX_ITERATIONS: usize = 60;
 /// So many steps are taken whole, and then none shorter than this share.
@@ -90,8 +88,8 @@ impl VehicleModel {
     ///
     /// Newton's method on all entry angles and both accelerations at once; each wheel's
     /// angle couples to the others through the accelerations alone, so that a step is one
-    /// evaluation of every wheel and a 2 by 2 system. Where nothing is known yet, the first
-    /// steps integrate by the coarse rule; where a balance nearby is known, the first step follows its slopes.
+    /// evaluation of every wheel and a 2 by 2 system. Where a balance nearby is known, the first
+    /// step follows its slopes.
     ///
     /// # Errors
     /// A bogged wheel, or a motion that is not finite. `balance` is then of no use as an
@@ -124,14 +122,12 @@ impl VehicleModel {
         if !motion.to_array().iter().all(|v| v.is_finite()) {
             return Err(BalanceError::NotFinite(*motion));
         }
-        let fresh = balance.wheels.iter().all(|wheel| wheel.entry_angle == 0.0);
-        let mut detail = if fresh { Detail::Coarse } else { Detail::Full };
         let guess = balance.acceleration;
         let mut damping = 1.0_f64;
         let mut last = [0.0; 2];
         for iteration in 0..MAX_ITERATIONS {
             let with_slopes = iteration > 0 || !balance.has_slopes();
-            self.evaluate(prepared, balance, detail, with_slopes);
+            self.evaluate(prepared, balance, with_slopes);
             let fading = prepared.lightest_load();
             let (matrix, residual) = self.acceleration_system(prepared, balance, fading);
             let step = solve_2x2(matrix, residual);
@@ -160,14 +156,10 @@ impl VehicleModel {
             balance.acceleration[1] += damping * step[1];
             balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
             let longest = balance.advance(prepared.lightest_load());
-            match detail {
-                Detail::Coarse if longest < COARSE_STEP_TOLERANCE => detail = Detail::Full,
-                Detail::Full if settled && longest < share * STEP_TOLERANCE => {
-                    balance.fade_light_wheels();
-                    let sunk = balance.sunk(FRAC_PI_2);
-                    return sunk.map_or(Ok(()), |k| Err(self.bogged(k, balance.wheels[k].load)));
-                }
-                _ => {}
+            if settled && longest < share * STEP_TOLERANCE {
+                balance.fade_light_wheels();
+                let sunk = balance.sunk(FRAC_PI_2);
+                return sunk.map_or(Ok(()), |k| Err(self.bogged(k, balance.wheels[k].load)));
             }
         }
         let found = self.find(motion, prepared, guess, balance);
@@ -178,13 +170,7 @@ impl VehicleModel {
     }
 
     /// Evaluates every wheel's forces, and their slopes by its entry angle where they are asked for.
-    fn evaluate(
-        &self,
-        prepared: &Prepared,
-        balance: &mut Balance,
-        detail: Detail,
-        with_slopes: bool,
-    ) {
+    fn evaluate(&self, prepared: &Prepared, balance: &mut Balance, with_slopes: bool) {
         balance.lifted = prepared.distribute(balance.acceleration, &mut balance.loads);
         let lightest = prepared.lightest_load();
         for index in 0..balance.wheels.len() {
@@ -198,28 +184,22 @@ impl VehicleModel {
                 wheel.entry_angle = prepared.reach_guess(index, target).clamp(low, high);
             }
             if with_slopes {
-                self.evaluate_wheel(prepared, balance, index, detail);
+                self.evaluate_wheel(prepared, balance, index);
             } else {
                 let wheel = prepared.wheel(index, wheel.entry_angle);
-                balance.forces[index] = self.contact().forces(self.level(), &wheel, detail);
+                balance.forces[index] = self.contact().forces(self.level(), &wheel, Detail::Full);
             }
         }
     }
 
     /// One wheel's forces and their slopes by its entry angle.
-    pub(super) fn evaluate_wheel(
-        &self,
-        prepared: &Prepared,
-        balance: &mut Balance,
-        index: usize,
-        detail: Detail,
-    ) {
+    pub(super) fn evaluate_wheel(&self, prepared: &Prepared, balance: &mut Balance, index: usize) {
         let wheel = prepared.wheel(index, balance.wheels[index].entry_angle);
         let mut wheel = wheel.map(Dual::<f64, 1>::constant);
         wheel.reach.eps = [1.0];
         let forces = self
             .contact()
-            .forces(self.level(), &wheel, detail)
+            .forces(self.level(), &wheel, Detail::Full)
             .to_array();
         balance.forces[index] = WheelForces::from_array(forces.map(|f| f.re));
         balance.slopes[index] = WheelForces::from_array(forces.map(|f| f.eps[0]));

@@ -1,8 +1,9 @@
 //! A model at one motion and in its surroundings: what holds throughout one solution of the balance.
 
 use super::environment::{Environment, Situation};
+use super::model::Standing;
 use super::rut::{Ruts, TrackSlope};
-use super::{Balance, Chassis, Tracks, VehicleModel, WheelOutputs, Wrench};
+use super::{Balance, Chassis, Motion, Surroundings, Tracks, VehicleModel, WheelOutputs, Wrench};
 use crate::contact::{Wheel, WheelMemory};
 
 /// What holds throughout one solution.
@@ -18,6 +19,45 @@ pub(crate) struct Prepared<'a> {
     pub environment: Environment<f64>,
     pub memory: &'a [f64],
     pub tracks: Tracks<'a>,
+}
+
+impl VehicleModel {
+    /// What holds throughout one solution.
+    pub(crate) fn prepare<'a>(
+        &'a self,
+        motion: &Motion,
+        surroundings: &Surroundings<'a>,
+    ) -> Prepared<'a> {
+        let situation = Situation::new(
+            motion,
+            surroundings,
+            self.layout().distance(surroundings.memory),
+        );
+        let fading = self.contact().regularisation().travel_speed;
+        let outside = self.outside_at(surroundings);
+        let Standing {
+            chassis, supports, ..
+        } = outside.unwrap_or(self.inside());
+        Prepared {
+            model: self,
+            chassis,
+            supports,
+            is_outside: outside.is_some(),
+            situation,
+            environment: chassis.environment(&situation, self.effects(), fading),
+            memory: surroundings.memory,
+            tracks: surroundings.tracks,
+        }
+    }
+
+    /// The chassis outside of the effects' window, if the vehicle is there.
+    fn outside_at(&self, surroundings: &Surroundings) -> Option<&Standing> {
+        let window = self.effects().window.as_ref()?;
+        let inside = window
+            .extent
+            .holds(surroundings.time, surroundings.position);
+        self.outside().filter(|_| !inside)
+    }
 }
 
 impl Prepared<'_> {

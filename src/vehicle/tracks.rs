@@ -215,6 +215,8 @@ pub(super) struct View<'a> {
     depths: Vec<f64>,
     /// Every wheel's points, sample by sample, the present ones last: ahead and to the left \[m\].
     points: Vec<[f64; 2]>,
+    /// Whether a sample is near the vehicle; what is not cannot be met.
+    near: Vec<bool>,
 }
 
 impl<'a> View<'a> {
@@ -237,6 +239,7 @@ impl<'a> View<'a> {
             course: &[],
             depths: depths.iter().map(|depth| depth.value()).collect(),
             points: Vec::new(),
+            near: Vec::new(),
         };
         match tracks.0 {
             TrackKind::Left { samples, points } => {
@@ -247,7 +250,19 @@ impl<'a> View<'a> {
                     let (east, north) = (east - x, north - y);
                     [east * cos + north * sin, north * cos - east * sin]
                 };
-                view.points.extend(points.iter().map(seen));
+                // Tracks that lie farther away than the vehicle is long cross none of its lines.
+                let far = places.iter().map(|[ahead, left]| ahead.hypot(*left));
+                let far = 3.0 * far.fold(0.0, f64::max) + 2.0 * spacing(&places) + chassis.reach();
+                for sample in points.chunks_exact(places.len()) {
+                    let [east, north] = sample[0];
+                    let near = (east - x).hypot(north - y) < far;
+                    view.near.push(near);
+                    if near {
+                        view.points.extend(sample.iter().map(seen));
+                    } else {
+                        view.points.extend(sample.iter().map(|_| [f64::NAN; 2]));
+                    }
+                }
             }
             TrackKind::Steady => {
                 view.seconds = steady_seconds(&places, at.velocity, at.yaw_rate).collect();
@@ -267,6 +282,7 @@ impl<'a> View<'a> {
             }
         }
         view.points.extend(&places);
+        view.near.resize(view.points.len() / places.len(), true);
         view
     }
 
@@ -311,6 +327,9 @@ impl<'a> View<'a> {
         let rows = self.points.chunks_exact(self.wheels);
         let pairs = rows.clone().zip(rows.skip(1)).enumerate();
         for (sample, (from, to)) in pairs {
+            if !(self.near[sample] && self.near[sample + 1]) {
+                continue;
+            }
             for (wheel, (from, to)) in from.iter().zip(to).enumerate() {
                 let across = (from[0] > front.place[0]) != (to[0] > front.place[0]);
                 if !across || (to[0] - from[0]).abs() < ALONG {

@@ -368,7 +368,6 @@ fn nodes() -> Value {
         let resolution = Resolution {
             arc: 8 * factor,
             width: 2 * factor,
-            reversal: 5 * factor,
             sharp_reversal: 12 * factor,
         };
         (16 * factor * factor, resized(resolution, 4))

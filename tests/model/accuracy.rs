@@ -19,7 +19,6 @@ const WEIGHT: f64 = 490.0 * 9.81;
 const DENSE: Resolution = Resolution {
     arc: 96,
     width: 8,
-    reversal: 64,
     sharp_reversal: 128,
 };
 

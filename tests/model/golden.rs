@@ -165,7 +165,6 @@ fn the_nodes_have_converged_far_below_the_tolerance() {
     let double = Resolution {
         arc: 2 * full.arc,
         width: 2 * full.width,
-        reversal: 2 * full.reversal,
         sharp_reversal: 2 * full.sharp_reversal,
     };
     for (number, golden) in golden_states().iter().enumerate() {

@@ -362,12 +362,7 @@ fn the_nodes_along_the_arc_have_converged_under_every_effect() {
     let settings = Regularisation::default();
     let make = |resolution: Resolution| WheelContact::new(settings, resolution).unwrap();
     let usual = Resolution::default();
-    let fine = Resolution {
-        arc: 160,
-        reversal: 160,
-        sharp_reversal: 160,
-        ..usual
-    };
+    let fine = Resolution { arc: 160, ..usual };
     let contacts = [usual, fine].map(make);
     let motions = (
         0.2..3.0_f64,
