@@ -38,12 +38,16 @@ pub(super) const SHORT_ERROR_RATE: f64 = 3.0;
 /// other.
 pub(super) const SHORT_EXPECTED: f64 = 0.7;
 pub(super) const SHORT_JACOBIAN: f64 = 0.5;
+/// Wheel speed \[rad/s\] below which a step is never taken so: ten times that which bounds the contact time.
+pub(super) const SHORT_SLOWEST: f64 = 0.5;
 
 /// What the integrator carries from step to step.
 #[derive(Debug, Clone)]
 pub(super) struct Integrator {
     /// Step size \[s\] that the error control would take next.
     pub next_step: f64,
+    /// Whether steps may be taken with one evaluation: where nobody looks within them.
+    pub may_be_short: bool,
     /// What a step without a middle evaluation errs by, over the square of its length \[1/s^2\].
     pub short_error: f64,
     /// Of the rates by the state what the forces give; the kinematics are exact at every step.
@@ -80,6 +84,7 @@ impl Integrator {
     pub(super) fn new(memory_count: usize) -> Self {
         Self {
             next_step: FIRST_STEP,
+            may_be_short: false,
             short_error: f64::MAX,
             by_state: StateMatrix::zeros(),
             by_input: InputMatrix::zeros(),

@@ -10,7 +10,7 @@
 use super::integrator::{
     ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
     LONGEST_CALL, LONGEST_STEP, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE, SHORT_EXPECTED,
-    SHORT_JACOBIAN, SHRINK, SMALLEST_SHARE, SMALLEST_STEP, Stages,
+    SHORT_JACOBIAN, SHORT_SLOWEST, SHRINK, SMALLEST_SHARE, SMALLEST_STEP, Stages,
 };
 use super::memory::{StageSystem, worst_error};
 use super::state::{State, StateVector, WheelSpeeds};
@@ -50,7 +50,10 @@ impl Simulation {
     /// A step that is negative, not finite or longer than 1e6 s, forces that do not exist (a bogged vehicle), or a motion
     /// that takes more than 10,000 steps for each second of driving ([`SimulationError::TooStiff`]). Then the simulation stands at the last point that it reached.
     pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
-        self.step_with(seconds, |_, _| Ok(()))
+        self.integrator.may_be_short = true;
+        let outcome = self.step_with(seconds, |_, _| Ok(()));
+        self.integrator.may_be_short = false;
+        outcome
     }
 
     /// As [`Simulation::step`], with a visit after each step that the integrator takes, of the
@@ -211,7 +214,17 @@ impl Simulation {
         let integrator = &self.integrator;
         let allowed = SHORT_ERROR_RATE * step;
         let hopeful = integrator.short_error * step * step < SHORT_EXPECTED * allowed.min(1.0);
-        if !hopeful || !self.anchor.valid || integrator.jacobian_age >= JACOBIAN_STEPS {
+        // Next to standstill the forces turn round within a step.
+        let slowest = end_speeds.left.abs().min(end_speeds.right.abs());
+        let rolls = slowest > SHORT_SLOWEST
+            && self.inputs.left * end_speeds.left > 0.0
+            && self.inputs.right * end_speeds.right > 0.0;
+        if !integrator.may_be_short
+            || !rolls
+            || !hopeful
+            || !self.anchor.valid
+            || integrator.jacobian_age >= JACOBIAN_STEPS
+        {
             return false;
         }
         let attempt = self.attempt(step, end_speeds, end_time, true);

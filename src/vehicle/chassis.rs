@@ -1,7 +1,7 @@
 //! Masses, places and laws of a vehicle after its effects, and what follows from its wheels' forces.
 
-use super::environment::{Environment, Situation};
 use super::loads::{GRAVITY, LoadPlane, LoadTargets};
+use super::situation::{Environment, Situation};
 use super::{
     ModelParameter, Specification, TerrainParameter, VehicleParameter, WheelOutputs, Wrench,
 };

@@ -1,9 +1,9 @@
 //! Exact derivatives of the wrench and of what is remembered, in any direction: motion, place,
 //! memory, or a parameter of vehicle, soil or effects.
 
-use super::environment::Situation;
 use super::newton::solve_2x2;
 use super::prepared::Prepared;
+use super::situation::Situation;
 use super::{Balance, Chassis, ModelParameter, Specification, VehicleModel, WheelOutputs, Wrench};
 use crate::contact::{Detail, FORCE_COUNT, MOST_INPUTS, REACH, Wheel, WheelForces, WheelMemory};
 use crate::effects::Displacement;

@@ -1,7 +1,7 @@
 //! What a vehicle and its ground remember: states besides position and velocity.
 
-use super::environment::Situation;
 use super::rut::{Ruts, SPEED_FLOOR};
+use super::situation::Situation;
 use super::{Chassis, Tracks};
 use crate::contact::{Wheel, WheelMemory};
 use crate::effects::{Boundary, Displacement, Effects, SlopeProfile};

@@ -21,6 +21,7 @@ mod newton;
 mod parameter;
 mod prepared;
 mod rut;
+mod situation;
 mod tracks;
 mod unusual;
 mod wrench;

@@ -1,8 +1,8 @@
 //! A model at one motion and in its surroundings: what holds throughout one solution of the balance.
 
-use super::environment::{Environment, Situation};
 use super::model::Standing;
 use super::rut::{Ruts, TrackSlope};
+use super::situation::{Environment, Situation};
 use super::{Balance, Chassis, Motion, Surroundings, Tracks, VehicleModel, WheelOutputs, Wrench};
 use crate::contact::{Wheel, WheelMemory};
 

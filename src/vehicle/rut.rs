@@ -1,6 +1,6 @@
 //! The rut that a wheel meets: of all tracks that the wheels left, the deepest before it.
 
-use super::environment::{Pose, Situation};
+use super::situation::{Pose, Situation};
 use super::tracks::{Crossing, Front, Mark, Placed, View};
 use super::{Chassis, Tracks};
 use crate::contact::Wheel;

@@ -1,7 +1,7 @@
 //! Where the wheels' tracks lie, seen from the vehicle, and the path by which a vehicle approached the start of a drive.
 
 use super::Chassis;
-use super::environment::{Pose, Situation};
+use super::situation::{Pose, Situation};
 use crate::scalar::{Dual, Elementary, Scalar};
 use std::f64::consts::TAU;
 
