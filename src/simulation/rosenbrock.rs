@@ -409,7 +409,6 @@ impl Simulation {
         for i in 0..count {
             new_memory[i] += l3[i] * 0.5 * h;
         }
-        at_end.derivative += a * missed;
         let end = State::from_array((y + k2 * h + missed).into());
         Ok((end, worst / tolerance, nonlinear / tolerance))
     }
