@@ -53,6 +53,8 @@ pub(super) struct PatchMotion<S> {
     /// -1/K times what turns `moved` into a displacement: the bounded contact time of a radian, 1 / abs(omega),
     /// or 1 where it is one already.
     pub rate: S,
+    /// Square of a displacement in the units of `moved` that keeps its root's slope finite, far below any that matters.
+    pub floor: f64,
     /// Square of the slip speed at which the shear fades \[m^2/s^2\].
     pub fading_squared: S,
     /// Slip speed that a stored displacement is worth where nothing slides \[m/s\].
@@ -74,10 +76,6 @@ pub(super) struct PatchSums<S> {
     pub tangential: S,
 }
 
-/// Square of a displacement that keeps its root's slope finite, far below any that matters: where it is computed as a
-/// distance per time \[m^2/s^2\], and where it is a state \[m^2\].
-const STEADY_FLOOR: f64 = 1e-20;
-const TRANSIENT_FLOOR: f64 = 1e-18;
 /// Share of the entry angle below which a piece of the arc is left out: next to an end of the arc
 /// its nodes would find no stress there but rounding.
 const SHORTEST_PIECE: f64 = 1e-6;
@@ -91,10 +89,10 @@ const SHARP_TURN: f64 = 0.3;
 const SHALLOWEST_RUT: f64 = 1e-9;
 /// Depth \[m\] over which the ground of a rut is elastic below which its arc is that of untouched soil: the first row's.
 const SHALLOWEST_ELASTIC: f64 = 1e-7;
-/// Least slip speed in a patch over its change from the wheel's middle to its edge, from which on half and three
-/// quarters of the rows serve. The next term of Gauss's rule is below (r + sqrt(r^2 + 1))^(-2 rows): 5e-5 and 5e-5.
+/// Least slip speed in a patch over its change from the wheel's middle to its edge, from which on half the rows serve:
+/// with two Gauss's rule errs by about (r + sqrt(r^2 + 1))^-4, 5e-5. Never three: where a wheel rolls without slip, rounding
+/// alone would tell whether its middle row reverses.
 const EVEN: f64 = 6.0;
-const FAIRLY_EVEN: f64 = 2.5;
 
 /// What the rows of the patch share at eight nodes of the arc.
 struct Column<P> {
@@ -247,8 +245,7 @@ impl<S: Scalar> Patch<S> {
                 for nodes in rules[usize::from(ahead)] {
                     let angle = start + length.scale_lanes(f64x8::simd_from(simd, nodes.at));
                     let weight = length.scale_lanes(f64x8::simd_from(simd, nodes.weight));
-                    let column =
-                        self.column::<V, TRANSIENT>(simd, motion, &arc, angle, ahead, weight);
+                    let column = self.column(simd, motion, &arc, angle, ahead, weight);
                     if straight {
                         // Components of the normal stress (17).
                         sums.normal[0] += column.stress * column.sin;
@@ -280,7 +277,7 @@ impl<S: Scalar> Patch<S> {
 
     /// Prepares eight nodes of the arc, `ahead` of the greatest stress or behind it.
     #[inline(always)]
-    fn column<V: Simd, const TRANSIENT: bool>(
+    fn column<V: Simd>(
         &self,
         simd: V,
         motion: &PatchMotion<S>,
@@ -318,11 +315,7 @@ impl<S: Scalar> Patch<S> {
         let aside =
             moved.lateral.splat(simd) * travelled + (moved.yaw * self.circle).splat(simd) * rise;
         let aside_squared = aside * aside * self.lateral_stretch.splat(simd);
-        let aside_squared = aside_squared.offset(if TRANSIENT {
-            TRANSIENT_FLOOR
-        } else {
-            STEADY_FLOOR
-        });
+        let aside_squared = aside_squared.offset(motion.floor);
         Column {
             sin,
             cos,
@@ -588,9 +581,6 @@ impl Crossing {
         let least = (along * along + sideways * sideways).sqrt();
         if least > EVEN * twist {
             return &rule.even;
-        }
-        if least > FAIRLY_EVEN * twist {
-            return &rule.fairly_even;
         }
         if along > 0.0 {
             return &rule.uneven;

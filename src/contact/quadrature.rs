@@ -14,7 +14,7 @@ use std::sync::{Arc, LazyLock};
 pub struct Resolution {
     /// Nodes along the contact arc.
     pub arc: usize,
-    /// Nodes across the wheel's width, at most 8: half or three quarters of them where the slip velocity hardly changes
+    /// Nodes across the wheel's width, at most 8: half of them where the slip velocity hardly changes
     /// across it, half as many more where it changes its sign inside the contact, four times as many where it does so
     /// abruptly.
     pub width: usize,
@@ -79,7 +79,6 @@ pub(crate) struct Quadrature {
     pub sharp: Vec<Nodes>,
     /// Across the width, offset y / b in (-1/2, 1/2) and weight: the fewer, the less the slip velocity changes across it.
     pub even: Vec<(f64, f64)>,
-    pub fairly_even: Vec<(f64, f64)>,
     pub uneven: Vec<(f64, f64)>,
     /// For a wheel in which the slip velocity changes its sign.
     pub reversed: Vec<(f64, f64)>,
@@ -119,7 +118,6 @@ impl Quadrature {
             sharp: rule(resolution.sharp_reversal, crowded),
             // One node sees no twist at all.
             even: across(width.div_ceil(2).max(2)),
-            fairly_even: across((3 * width).div_ceil(4)),
             uneven: across(width),
             reversed: across((3 * width).div_ceil(2)),
             split: gauss_legendre(2 * width),
@@ -226,12 +224,7 @@ mod tests {
         }
         // Its nodes are no polynomial of Gauss's.
         assert!((integral(&rules.front, |x| 2.0 * x) - 1.0).abs() < 1e-5);
-        for rule in [
-            &rules.even,
-            &rules.fairly_even,
-            &rules.uneven,
-            &rules.reversed,
-        ] {
+        for rule in [&rules.even, &rules.uneven, &rules.reversed] {
             let sum: f64 = rule.iter().map(|(x, w)| w * (1.0 + x)).sum();
             assert!((sum - 1.0).abs() < ROUNDING);
         }

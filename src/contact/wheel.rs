@@ -161,6 +161,11 @@ pub struct WheelContact {
 /// The smaller, the sooner a held vehicle settles: at 0.02 within some tenths of a second.
 const HELD_SLIP_SPEED: f64 = 0.02;
 
+/// Displacement \[m\] that keeps the slope of the root in (15) finite where it is a state; and where it is the motion
+/// times the contact time, that motion \[m/s\] of a rigid wheel, a larger circle's contact being the longer.
+const DISPLACEMENT_FLOOR: f64 = 1e-9;
+const MOTION_FLOOR: f64 = 1e-10;
+
 /// Resistance of the soil beside and ahead of the wheel, for a motion straight against it.
 struct Wedge<S> {
     /// Lateral force \[N\].
@@ -312,7 +317,7 @@ impl WheelContact {
         let slip_speed_squared = self.regularisation.slip_speed.powi(2);
         let (forward, yaw_rate) = (motion.forward.scale(sign), motion.yaw_rate.scale(sign));
         let (lateral, rim_speed) = (motion.lateral, rim_speed.scale(sign));
-        let (moved, rate, fading_squared) = if TRANSIENT {
+        let (moved, rate, floor, fading_squared) = if TRANSIENT {
             let moved = &wheel.memory.displacement;
             let moved = Displacement {
                 forward: moved.forward.scale(sign),
@@ -325,7 +330,8 @@ impl WheelContact {
             let squared = rim_speed * rim_speed;
             let rolling = squared / squared.offset(slip_speed_squared);
             let fading = rolling.scale(1.0 - held).offset(held);
-            (moved, inverse_modulus, fading.scale(slip_speed_squared))
+            let fading = fading.scale(slip_speed_squared);
+            (moved, inverse_modulus, DISPLACEMENT_FLOOR, fading)
         } else {
             let bounded = self
                 .regularisation
@@ -338,7 +344,8 @@ impl WheelContact {
             };
             let time_per_angle = circle / (law.radius * bounded);
             let fading = S::constant(slip_speed_squared);
-            (moved, inverse_modulus * time_per_angle, fading)
+            let floor = MOTION_FLOOR * law.radius.value() / circle.value();
+            (moved, inverse_modulus * time_per_angle, floor, fading)
         };
         PatchMotion {
             forward,
@@ -347,6 +354,7 @@ impl WheelContact {
             rim_speed,
             moved,
             rate,
+            floor: floor * floor,
             fading_squared,
             lean: self.regularisation.slip_speed,
         }
