@@ -166,6 +166,61 @@ class Metrics(unittest.TestCase):
         self.assertEqual([c.false_names for c in cases], [["grade"], [], [], ["drag"], [], []])
         self.assertEqual(measured(cases)["false_names"], 0.4)
 
+    def test_names_that_ride_along(self) -> None:
+        cases = [case(truth(), said("missing_physics", "drawbar", "drag")), case(truth(), said("missing_physics", "grade")),
+                 case(truth(), said("missing_physics", "grade", "drag", "drawbar")), case(truth(), said("nothing_missing"))]
+        self.assertEqual([c.extra_names for c in cases], [["drag"], [], ["drag"], []])
+        self.assertEqual(measured(cases)["extra_names"], 0.5)
+
+    def test_sets_and_their_size(self) -> None:
+        cases = [case(truth(), said("missing_physics", "drawbar")), case(truth(), said("ambiguous", "grade", group=("drawbar", "drag"))),
+                 case(truth(), said("missing_physics", "grade")), case(truth(), None)]
+        found = measured(cases)
+        self.assertEqual((found["first"], found["in_set"]), (0.25, 0.5))
+        self.assertAlmostEqual(found["set_size"], 5 / 3)
+
+    def test_sure_and_wrong(self) -> None:
+        nothing, faint = truth("nothing", (), 0.0), truth("edge", signal=3.0)
+        cases = [case(truth(), said("missing_physics", "grade", p=0.95)), case(truth(), said("missing_physics", "grade", p=0.85)),
+                 case(truth(), said("ambiguous", "grade", p=0.95, group=("drawbar",))), case(truth(), said("nothing_missing", p=0.95)),
+                 case(truth(), said("missing_physics", "drawbar", p=0.95)), case(nothing, said("missing_physics", "grade", p=0.95)),
+                 case(nothing, said("nothing_missing", p=0.95)), case(truth(), None)]
+        self.assertEqual([c.sure_and_wrong for c in cases], [True, False, False, True, False, True, False, False])
+        self.assertEqual(measured(cases)["sure_wrong"], 3 / 8)
+        # Silence about what is hardly there is not counted.
+        self.assertIsNone(measured([case(faint, said("nothing_missing", p=0.95))])["sure_wrong"])
+
+    def test_classes_of_mechanisms(self) -> None:
+        claims = [{"level": "where", "name": "gravity", "probability": 0.99}, {"level": "mechanism", "name": "gravity", "probability": 0.3},
+                  {"level": "mechanism", "name": "drag", "probability": 0.6}]
+        named = said("missing_physics", "grade")
+        answers = [said("missing_physics", "drag"), named, named | {"claims": claims}, said("unknown_physics", "unknown"),
+                   named | {"claims": [{"level": "mechanism", "name": "resistance_along", "probability": 0.7}]}, said("nothing_missing"), None]
+        cases = [case(truth(), answer) for answer in answers]
+        self.assertEqual([c.told_mechanisms for c in cases],
+                         [["resistance_along"], ["gravity"], ["resistance_along"], [], ["resistance_along"], [], []])
+        self.assertEqual(measured(cases)["mechanism"], 3 / 7)
+        # A strength decides where an effect has several classes, in the truth as in the answer.
+        wedge = {"effect": "bulldozing", "kind": "physics", "size": "large", "off": {"lateral": 0.0, "frontal": 0.0}, "parameters": {"frontal": 0.3}}
+        parameters = {name: {name: {"value": 0.3, "low": 0.2, "high": 0.4}} for name in ("lateral", "frontal")}
+        told = [case(truth(effects=(wedge,)), said("missing_physics", "bulldozing", parameters=own)) for own in parameters.values()]
+        self.assertEqual([c.right_mechanism for c in told], [False, True])
+        # The truth's own table comes first; effects outside the catalogue count by themselves.
+        own = truth(mechanism={"drawbar": ["gravity"]})
+        self.assertTrue(case(own, said("missing_physics", "grade")).right_mechanism)
+        outside = truth("outside", (GUSTS,))
+        found = measured([case(outside, said("missing_physics", "grade")), case(outside, said("unknown_physics", "unknown"))])
+        self.assertEqual((found["mechanism"], found["mechanism_outside"]), (None, 0.5))
+
+    def test_other_worlds_have_the_conditions_of_the_usual_ones(self) -> None:
+        where = [{"recording": "drive", "start": 12.0, "end": 20.0}]
+        for family in ("other_single", "other_local", "other_absorbed"):
+            self.assertTrue(case(truth(family), None).identifiable, family)
+        self.assertFalse(case(truth("other_pair"), None).identifiable)
+        self.assertAlmostEqual(case(truth("other_local"), said("missing_physics", "drawbar", where=where)).located, 0.8)
+        targets = {family: next(m for m in metrics([case(truth(family), None)]) if m.key == "first").target.value for family in ("single", "other_single")}
+        self.assertEqual(targets, {"single": 0.9, "other_single": 0.8})
+
     def test_location(self) -> None:
         where = [{"recording": "drive", "start": 12.0, "end": 20.0}, {"recording": "second", "start": 0.0, "end": 90.0}]
         right = case(truth("local"), said("missing_physics", "drawbar", where=where))
@@ -281,6 +336,7 @@ class Oracle(unittest.TestCase):
         change = DRAWBAR | {"effect": "terrain_change", "parameters": {"cohesion_factor": 0.5, "over": "time"}}
         self.assertFalse(knowable(truth("single", (change,))))
         self.assertFalse(knowable(truth("outside", (GUSTS,))))
+        self.assertFalse(knowable(truth("other_local", (DRAWBAR | TIME,))))
         self.assertEqual(active(DRAWBAR | {"off": {"force": 0.0, "hitch_height": 0.3}}), ["force"])
 
 
@@ -450,6 +506,7 @@ class PageOfAll(unittest.TestCase):
         self.assertEqual([row["right"] == "yes" for row in rows], [one.right for one in cases])
         first, silent = rows[0], rows[2]
         self.assertEqual((first["told"], first["p_truth"], first["unseen_own_m"], first["unseen_nominal_m"]), ("drawbar", "0.9", "0.2", ""))
+        self.assertEqual((first["in_set"], first["set_size"], first["told_mechanism"], first["right_mechanism"]), ("yes", "1", "resistance_along", "yes"))
         self.assertEqual((silent["verdict"], silent["told"], silent["p_truth"]), ("none", "no answer (timeout)", ""))
 
     def test_parts_are_judged_together_as_they_would_be_at_once(self) -> None:

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from .cases import case_name, is_complete, try_case, write_json
-from .families import FAMILIES
+from .families import FAMILIES, MIXES
 
 EPILOG = """\
 A set is a folder: set.json, one folder per case (drive.csv and drive.json; second.* in some look-alike cases;
@@ -20,6 +20,7 @@ unseen.* for the score), and sealed/CASE.json with the truth. The same seed give
 examples:
   scripts/prove.sh draw --out target/cases --cases 300 --seed 7 --jobs 2
   scripts/prove.sh draw --out hidden --cases 10 --seed 1 --family absorbed
+  scripts/prove.sh draw --out others --cases 24 --seed 46 --mix other
 """
 
 
@@ -32,7 +33,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=0, metavar="K", help="number of the first of them [default: 0]")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="seed of everything random, 0 or more [default: 1]")
     parser.add_argument("--family", choices=FAMILIES, metavar="F",
-                        help=f"only this family: {', '.join(FAMILIES)} [default: the mix of all]")
+                        help=f"only this family: {', '.join(FAMILIES)} [default: those of the mix]")
+    parser.add_argument("--mix", choices=MIXES, default="usual", metavar="M",
+                        help="usual, or other: mechanisms by other formulas than the catalogue's, and other noise [default: usual]")
     parser.add_argument("--pivots", action="store_true",
                         help="a second recording of turns on the spot in every case that has none (second.csv)")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes, 1 or 2 [default: 1]")
@@ -64,18 +67,26 @@ def _others(a: argparse.Namespace) -> str:
         held = json.loads((a.out / "set.json").read_text())
     except (OSError, json.JSONDecodeError):
         return ""
-    if (held.get("seed"), held.get("family", a.family)) == (a.seed, a.family):
+    mix = held.get("mix", "usual")
+    if (held.get("seed"), held.get("family", a.family), mix) == (a.seed, a.family, _mix(a)):
         return ""
-    return f"seed {held.get('seed')}" + (f", {held['family'] or 'all families'}" if "family" in held else "")
+    everything = "all families" if mix == "usual" else f"all families of the mix {mix}"
+    return f"seed {held.get('seed')}" + (f", {held['family'] or everything}" if "family" in held else "")
+
+
+def _mix(a: argparse.Namespace) -> str:
+    """The mix that cases are of; one family is of any."""
+    return "usual" if a.family else a.mix
 
 
 def main(argv: list[str] | None = None) -> int:
     """0 done, 1 some cases failed, 2 wrong arguments."""
     a = _arguments(argv)
     wanted = range(a.first, a.first + a.cases)
-    write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed, "family": a.family,
+    mix = {} if _mix(a) == "usual" else {"mix": _mix(a)}
+    write_json(a.out / "set.json", {"format": "ugv-proof-set/1", "seed": a.seed, "family": a.family, **mix,
                                     "cases": [case_name(i) for i in wanted]})
-    tasks = [(a.out, a.seed, i, a.family, a.pivots) for i in wanted
+    tasks = [(a.out, a.seed, i, a.family, a.pivots, _mix(a)) for i in wanted
              if not is_complete(a.out, i, a.pivots)]
     if len(tasks) < a.cases:
         print(f"generator: {a.cases - len(tasks)} of {a.cases} cases are there already", file=sys.stderr)

@@ -9,7 +9,8 @@ from numba import njit
 
 from .catalogue import I
 from .contact import wheel_forces
-from .wheels import BOGGED, bulldozing, plane_loads, steady_lag, wheel_motion, wheel_shape, wheel_soil
+from .formulas import dragged, place_in_line, rate_law, towed, wheel_extras
+from .wheels import BOGGED, bulldozing, plane_loads, slips, steady_lag, wheel_motion, wheel_shape, wheel_soil
 from .world import GRAVITY
 
 HITCH_SPEED = 0.01  # m/s: below, dry friction fades
@@ -46,13 +47,17 @@ def outer_forces(e, time, pose, v, aux, wind, body, total):
     total[0] -= mass * GRAVITY / steep * (q_e * cos_p + q_n * sin_p)
     total[1] -= mass * GRAVITY / steep * (-q_e * sin_p + q_n * cos_p)
 
-    # drag at the centre of mass
-    u_x, u_y = v[0] - v[2] * c_y, v[1] + v[2] * c_x
-    speed = math.sqrt(u_x * u_x + u_y * u_y)
-    total[0] -= e[I.drag_coefficient] * speed * u_x
-    total[1] -= e[I.drag_coefficient] * speed * u_y
+    if e[I.drag_formula] > 0.5:
+        dragged(e, v, body, total)
+    else:  # at the centre of mass
+        u_x, u_y = v[0] - v[2] * c_y, v[1] + v[2] * c_x
+        speed = math.sqrt(u_x * u_x + u_y * u_y)
+        total[0] -= e[I.drag_coefficient] * speed * u_x
+        total[1] -= e[I.drag_coefficient] * speed * u_y
 
-    if e[I.drawbar_force] > 0.0:
+    if e[I.drawbar_formula] > 0.5:
+        towed(e, v, body, total)
+    elif e[I.drawbar_force] > 0.0:
         x_h = -e[I.drawbar_hitch_behind] - e[I.com_offset]
         h_y = v[1] + v[2] * x_h
         size = math.sqrt(v[0] * v[0] + h_y * h_y + HITCH_SPEED * HITCH_SPEED)
@@ -159,26 +164,38 @@ def accelerations(e, time, distance, pose, v, omega_left, omega_right, aux, lags
                 continue
             east = pose[0] + x_ref * cos_p - y_ref * sin_p
             north = pose[1] + x_ref * sin_p + y_ref * cos_p
-            wheel_soil(e, i % 2 == 0, east, north, time, distance, load, mean, motions[i], ruts[i], soil)
+            rank = place_in_line(e, i, motions[i, 0])
+            wheel_soil(e, i % 2 == 0, rank, east, north, pose, time, distance, load, mean, motions[i], ruts[i], soil)
             if sweep == 0 and not 1e-9 < start[i] < BOGGED:
                 depth = (3.0 * load / ((3.0 - soil[1]) * soil[0] * e[I.wheel_width] * math.sqrt(2.0 * radii[i])))
                 depth = depth ** (2.0 / (2.0 * soil[1] + 1.0))
                 start[i] = math.acos(1.0 - min(depth / radii[i], 0.9))
                 start[wheels + i] = 2.0 * soil[1] + 1.0
-            theta_1 = wheel_shape(e, radii[i], start[i], soil, motions[i], table, shape)
+            theta_1 = wheel_shape(e, radii[i], start[i], load, mean, soil, motions[i], table, shape)
             if e[I.transient_shear_relaxation] > 0.0:
                 for j in range(4):
                     lag[j] = lags[i, j]
+                if e[I.transient_shear_formula] > 2.5:
+                    along = lag[1], lag[2]
+                    steady_lag(motions[i], radii[i], shape[0], lag)
+                    lag[1], lag[2] = along
             else:
                 steady_lag(motions[i], radii[i], shape[0], lag)
             wheel_forces(theta_1, motions[i], lag, soil, shape, table, force, scratch)
             f_z = force[2]
             details[5 * i + 3] = soil[5] + shape[0] * (1.0 - math.cos(theta_1))
             details[5 * i + 4] = theta_1
-            bulldozing(e, theta_1, radii[i], motions[i], soil, force)
+            bulldozing(e, rank, theta_1, radii[i], motions[i], soil, force)
             share = 1.0 / wheels
-            force[0] -= e[I.rate_dependent_soil_forward] * motions[i, 0] * share
-            force[1] -= e[I.rate_dependent_soil_lateral] * motions[i, 1] * share
+            if e[I.rate_dependent_soil_formula] > 0.5:
+                formula, p = e[I.rate_dependent_soil_formula], load / mean
+                force[0] -= e[I.rate_dependent_soil_forward] * rate_law(formula, motions[i, 0], p) * share
+                force[1] -= e[I.rate_dependent_soil_lateral] * rate_law(formula, motions[i, 1], p) * share
+            else:
+                force[0] -= e[I.rate_dependent_soil_forward] * motions[i, 0] * share
+                force[1] -= e[I.rate_dependent_soil_lateral] * motions[i, 1] * share
+            slip, _ = slips(motions[i])
+            wheel_extras(e, rank, load, radii[i], motions[i], slip, force)
             details[5 * i], details[5 * i + 1], details[5 * i + 2] = force[0], force[1], f_z
             # forces go about with the load: taken at the load that is wanted, not at the one found so far
             near = load / f_z if 0.8 * load < f_z < 1.25 * load else 1.0

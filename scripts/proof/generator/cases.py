@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .catalogue import EFFECTS, public_name
+from .catalogue import EFFECTS, FORMULAS, mechanisms, public_name
 from .drafts import Draft, NoCase, Part, add_pivots, beyond, draw_case
 from .drives import SERIES_STEP
 from .families import answer, effect_of, family_of
@@ -34,10 +34,10 @@ def is_complete(folder: Path, index: int, pivots: bool = False) -> bool:
     return whole and (folder / "sealed" / f"{case_name(index)}.json").is_file()
 
 
-def make_case(folder: Path, seed: int, index: int, only: str | None = None, pivots: bool = False) -> None:
+def make_case(folder: Path, seed: int, index: int, only: str | None = None, pivots: bool = False, mix: str = "usual") -> None:
     """Draw a case and write it; what is half written is never seen under its name."""
-    family = only or family_of(seed, index)
-    draft = draw_case(seed, index, family, effect_of(seed, index, family, only))
+    family = only or family_of(seed, index, mix)
+    draft = draw_case(seed, index, family, effect_of(seed, index, family, only, mix))
     if pivots:
         add_pivots(draft, seed, index)
     name = case_name(index)
@@ -48,7 +48,8 @@ def make_case(folder: Path, seed: int, index: int, only: str | None = None, pivo
     for number, part in enumerate(draft.parts):
         records = draft.records(part)
         rng = np.random.default_rng([seed, 6, index, number])
-        text = record(rng, part.drive, records, STEP, draft.sensors, part.samples, draft.faults())
+        text = record(rng, part.drive, records, STEP, draft.sensors, part.samples, draft.faults(),
+                      draft.disturbances, np.random.default_rng([seed, 10, index, number]))
         (part_folder / f"{part.name}.csv").write_text(text)
         (part_folder / f"{part.name}.json").write_text(json.dumps(_sidecar(draft), indent=1) + "\n")
         acts[part.name] = [{"effect": public_name(n), "intervals": _intervals(draft, part, n, records)}
@@ -60,8 +61,8 @@ def make_case(folder: Path, seed: int, index: int, only: str | None = None, pivo
     os.replace(part_folder, folder / name)
 
 
-def try_case(task: tuple[Path, int, int, str | None, bool]) -> tuple[int, str]:
-    """Make (folder, seed, index, family or None, whether with pivots); the index, and what went wrong."""
+def try_case(task: tuple[Path, int, int, str | None, bool, str]) -> tuple[int, str]:
+    """Make (folder, seed, index, family or None, whether with pivots, mix); the index, and what went wrong."""
     index = task[2]
     try:
         make_case(*task)
@@ -117,6 +118,8 @@ def _effect(draft: Draft, name: str) -> dict:
              "signal": signal.numbers(), "absorbed": round(signal.absorbed, 5)}
     windows = {p.name: {"kind": p.windows[name].kind, "numbers": list(p.windows[name].numbers)}
                for p in draft.parts if name in p.windows}
+    if draft.other:
+        entry["acts_by"] = FORMULAS[name][int(parameters.pop("formula")) - 1]
     return entry | ({"windows": windows} if windows else {})
 
 
@@ -130,9 +133,14 @@ def _truth(draft: Draft, seed: int, name: str, acts: dict[str, list[dict]]) -> d
             drives[part.name]["signal"] = signal.numbers() if signal else {"raw": 0.0, "left": 0.0}
     if draft.first_rivals != draft.rivals:
         drives["drive"]["rivals"] = draft.first_rivals
+    noise, more = draft.sensors.numbers(), {}
+    if draft.other:
+        noise["disturbances"] = draft.disturbances.numbers()
+        more = {"formula": {n: int(v["formula"]) for n, v in draft.effects.items()},
+                "mechanism": {n: mechanisms(n, v) for n, v in draft.effects.items()}}
     return {"format": "ugv-proof-truth/1", "case": name, "seed": seed, "family": draft.family, "variant": draft.variant,
             "vehicle": draft.vehicle, "vehicle_numbers": VEHICLES[draft.vehicle].numbers(), "ground": draft.ground,
             "true_terrain": draft.soil.numbers(), "nominal_terrain": draft.nominal.numbers(),
-            "noise": draft.sensors.numbers(), "effects": [_effect(draft, n) for n in draft.effects], "drives": drives,
+            "noise": noise, "effects": [_effect(draft, n) for n in draft.effects], "drives": drives,
             "signal_left": round(draft.total.left, 4), "expected": right.expected, "names": right.names,
-            "rivals": right.rivals}
+            "rivals": right.rivals, **more}

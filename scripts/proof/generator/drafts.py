@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .catalogue import EFFECTS
+from .catalogue import EFFECTS, FORMULAS
+from .conditions import OTHER, condition_of
+from .disturbances import NONE, Disturbances, draw_disturbances
 from .drives import draw_drive, draw_pivots, draw_series
-from .families import EFFECTS_OF, ENOUGH, belongs, rescaled, rivals_of
+from .families import DISTURBED, EFFECTS_OF, ENOUGH, belongs, rescaled, rivals_of
 from .rivals import Bench
 from .sensors import Samples, Sensors, draw_samples, draw_sensors
 from .signal import STEP as RULED
@@ -61,6 +63,12 @@ class Draft:
     per_part: dict[str, Signal]
     rivals: list[str]  # look-alikes that all recordings given cannot tell apart
     first_rivals: list[str]  # those that the first cannot
+    disturbances: Disturbances = NONE
+
+    @property
+    def other(self) -> bool:
+        """Whether it is of a world with other formulas."""
+        return self.family.startswith(OTHER)
 
     def physics(self) -> dict[str, dict[str, float]]:
         """Effects that move the vehicle."""
@@ -85,10 +93,25 @@ def _pick_effects(rng: np.random.Generator, family: str, effect: str | None, att
         return []
     if attempt >= 3:
         effect = str(rng.choice(choices))
-    if family != "pair":
+    if condition_of(family) != "pair":
         return [effect]
     others = [n for n in choices if n != effect and n not in rivals_of(effect)]
     return [effect, str(rng.choice(others))]
+
+
+def _pick_formulas(seed: int, index: int, attempt: int, family: str, names: list[str]) -> dict[str, int]:
+    """Which formula each effect has: the catalogue's, or in another world any but that one."""
+    if not family.startswith(OTHER):
+        return dict.fromkeys(names, 0)
+    rng = np.random.default_rng([seed, 8, index, attempt])
+    return {name: int(rng.integers(1, len(FORMULAS[name]) + 1)) for name in names}
+
+
+def _pick_disturbances(seed: int, index: int, family: str) -> Disturbances:
+    """What the sensors of a case suffer from beside their usual noise."""
+    rng = np.random.default_rng([seed, 9, index])
+    wanted = family.startswith(OTHER) and (rng.random() < DISTURBED or condition_of(family) == "nothing")
+    return draw_disturbances(rng) if wanted else NONE
 
 
 def _anywhere(rng: np.random.Generator) -> tuple[float, float, float]:
@@ -135,7 +158,7 @@ def _draw(seed: int, index: int, family: str, effect: str | None, attempt: int) 
     vehicle, ground = grid[order[index % len(grid)]] if attempt < 4 else grid[int(rng.integers(0, len(grid)))]
     car, soil = VEHICLES[vehicle], true_soil(SOILS[ground], rng)
     nominal = nominal_soil(soil, rng)
-    style = str(rng.choice(("rich", "calm", "short"), p=STYLES.get(family, (0.8, 0.2, 0.0))))
+    style = str(rng.choice(("rich", "calm", "short"), p=STYLES.get(condition_of(family), (0.8, 0.2, 0.0))))
     sensors = draw_sensors(rng)
     bare = Setup(car, soil)
 
@@ -150,6 +173,7 @@ def _draw(seed: int, index: int, family: str, effect: str | None, attempt: int) 
     radius = rng.uniform(2.5, 4.5) * max(float(np.mean(path[:, 3])), 0.3)
     parts = [part("drive", drive, style, pose)]
     names = _pick_effects(rng, family, effect, attempt)
+    formulas = _pick_formulas(seed, index, attempt, family, names)
     second = family == "lookalike" and bool(rng.random() < 0.5)
     if second:
         end = path[-1]
@@ -162,19 +186,19 @@ def _draw(seed: int, index: int, family: str, effect: str | None, attempt: int) 
     parts.append(part("unseen", drive, "rich", _through(spot, bare, drive, rng.uniform(-math.pi, math.pi))))
 
     kind = str(rng.choice(("time", "disc")))
-    variant = "second recording" if second else (kind if family == "local" else ("poor" if style == "short" else "whole"))
-    if family == "local":
+    variant = "second recording" if second else (kind if condition_of(family) == "local" else ("poor" if style == "short" else "whole"))
+    if condition_of(family) == "local":
         for p in parts:
             p.windows = {names[0]: _window(rng, kind, p.drive, spot, radius)}
 
     low, high = SIZES[str(rng.choice(list(SIZES)))]
     sizes = {n: rng.uniform(low, high) for n in names}
     draft = Draft(family, variant, vehicle, ground, soil, nominal, sensors, parts, {}, sizes, {}, Signal(0.0, 0.0), {},
-                  [], [])
+                  [], [], _pick_disturbances(seed, index, family))
 
     def shape() -> None:
         draft.effects = {n: draw_effect(n, [seed, 5, index, attempt, i], draft.sizes[n], car, soil,
-                                        parts[0].drive.seconds, spot) for i, n in enumerate(names)}
+                                        parts[0].drive.seconds, spot, formulas[n]) for i, n in enumerate(names)}
 
     shape()
     if not names:
@@ -193,7 +217,7 @@ def _draw(seed: int, index: int, family: str, effect: str | None, attempt: int) 
             if fits:  # a look-alike that is too loud to be mistaken
                 draft.sizes[n] *= rng.uniform(8.2, 10.0) / draft.signals[n].left
                 continue
-            if family in ("edge", "absorbed") or draft.signals[n].left < ENOUGH:
+            if condition_of(family) in ("edge", "absorbed") or draft.signals[n].left < ENOUGH:
                 new = rescaled(family, draft.signals[n], draft.sizes[n], rng)
                 if new is None:
                     return None

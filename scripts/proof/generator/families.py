@@ -6,12 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .catalogue import names_of, public_name
+from .catalogue import FORMULAS, names_of, public_name
+from .conditions import condition_of
 from .signal import Signal
 
 MIX = {"nothing": 15, "single": 25, "absorbed": 10, "edge": 8, "local": 10, "pair": 8, "lookalike": 8, "outside": 8,
        "sensor": 6, "vehicle": 2}
-FAMILIES = tuple(MIX)
+# The same conditions in other worlds: effects by other formulas than the catalogue's, sensors with other noise
+OTHER_MIX = {"other_nothing": 15, "other_single": 40, "other_absorbed": 15, "other_local": 15, "other_pair": 15}
+MIXES = {"usual": MIX, "other": OTHER_MIX}
+FAMILIES = (*MIX, *OTHER_MIX)
+DISTURBED = 0.5  # share of the cases of other worlds with other noise; with nothing missing all of them
 
 _VEHICLE = ("payload", "com_shift", "wheel_radius")
 _SOIL = tuple(n for n in names_of("physics") if n not in _VEHICLE)
@@ -31,6 +36,7 @@ EFFECTS_OF = {
     "sensor": tuple(names_of("sensor")),
     "vehicle": _VEHICLE,
 }
+EFFECTS_OF |= {family: tuple(n for n in EFFECTS_OF[condition_of(family)] if n in FORMULAS) for family in OTHER_MIX}
 
 # groups that one recording may not tell apart
 _ALIKE = (
@@ -61,19 +67,19 @@ def rivals_there(effect: str) -> list[str]:
     return sorted(set(_THERE) - {effect})
 
 
-def family_of(seed: int, index: int) -> str:
+def family_of(seed: int, index: int, mix: str = "usual") -> str:
     """The family of a case: every hundred cases hold the mix exactly, shuffled by the seed."""
-    names = [name for name, share in MIX.items() for _ in range(share)]
+    names = [name for name, share in MIXES[mix].items() for _ in range(share)]
     block = np.random.default_rng([seed, 1, index // 100]).permutation(len(names))
     return names[block[index % 100]]
 
 
-def effect_of(seed: int, index: int, family: str, only: str | None) -> str | None:
+def effect_of(seed: int, index: int, family: str, only: str | None, mix: str = "usual") -> str | None:
     """The effect of a case: a family goes round its effects in an order of the seed."""
     choices = EFFECTS_OF[family]
     if not choices:
         return None
-    turn = index if only else sum(family_of(seed, i) == family for i in range(index))
+    turn = index if only else sum(family_of(seed, i, mix) == family for i in range(index))
     order = np.random.default_rng([seed, 2, FAMILIES.index(family), turn // len(choices)]).permutation(len(choices))
     return choices[order[turn % len(choices)]]
 
@@ -89,6 +95,7 @@ class Answer:
 
 def answer(family: str, effects: list[str], style: str, rivals: list[str]) -> Answer:
     """By family; rivals: the look-alikes that these recordings cannot tell from the effects."""
+    family = condition_of(family)
     names = [n if not public_name(n).startswith("outside") else "unknown" for n in effects]
     also = ["ambiguous"] if rivals else []
     if family == "nothing":
@@ -109,6 +116,7 @@ def answer(family: str, effects: list[str], style: str, rivals: list[str]) -> An
 
 def belongs(family: str, signals: list[Signal]) -> bool:
     """Whether a draw satisfies its family's condition; signals of each effect, in all recordings given."""
+    family = condition_of(family)
     if family == "nothing":
         return True
     if family == "edge":
@@ -120,6 +128,7 @@ def belongs(family: str, signals: list[Signal]) -> bool:
 
 def rescaled(family: str, signal: Signal, s: float, rng: np.random.Generator) -> float | None:
     """A size that should belong where s did not; None where none is worth a try."""
+    family = condition_of(family)
     if family == "edge":
         wanted = rng.uniform(2.8, 7.0)
     elif family == "absorbed" and signal.absorbed <= HIDDEN:

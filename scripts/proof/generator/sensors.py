@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from .disturbances import NONE, Disturbances
 from .simulator import Drive
 
 POSE_CHANNELS = ("x", "y", "heading")
@@ -151,12 +152,18 @@ def sample_times(samples: Samples, channel: str) -> np.ndarray:
 
 
 def record(rng: np.random.Generator, drive: Drive, records: np.ndarray, step: float, sensors: Sensors,
-           samples: Samples, faults: dict[str, dict[str, float]]) -> str:
-    """The recording as CSV text: rows of the wheels with the gyro, rows of the pose in between."""
+           samples: Samples, faults: dict[str, dict[str, float]], disturbances: Disturbances = NONE,
+           disturbing: np.random.Generator | None = None) -> str:
+    """The recording as CSV text: rows of the wheels with the gyro, rows of the pose in between.
+
+    `disturbing` is the generator of the disturbances, so that without them all else is the same.
+    """
     channels = list(sensors.channels)
     values = report(records, step, samples, channels, faults)
     for name in channels:
         values[name] = values[name] + sensors.channels[name].draw(rng, sample_times(samples, name))
+    if disturbing is not None:
+        disturbances.disturb(disturbing, values, samples.pose_times)
     for _ in range(sensors.outliers):
         at = int(rng.integers(0, len(samples.pose_times)))
         toward, size = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(0.3, 1.2)
@@ -164,6 +171,7 @@ def record(rng: np.random.Generator, drive: Drive, records: np.ndarray, step: fl
         values["y"][at] += size * math.sin(toward)
     values["heading"] = np.arctan2(np.sin(values["heading"]), np.cos(values["heading"]))
     wheels = encoder(rng, drive, samples, sensors.counts, faults.get("latency", {}).get("wheels", 0.0))
+    wheels *= 1.0 + disturbances.wheel_scale
     rows = []
     pose_names = [name for name in channels if name != "yaw_rate"]
     blank = {name: "" for name in channels}

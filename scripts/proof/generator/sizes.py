@@ -22,12 +22,27 @@ def rigid_limit(vehicle: Vehicle, soil: Soil) -> float:
 
 
 def draw_effect(effect: str, seed: list[int], s: float, vehicle: Vehicle, soil: Soil, seconds: float,
-                spot: tuple[float, float, float]) -> dict[str, float]:
+                spot: tuple[float, float, float], formula: int = 0) -> dict[str, float]:
     """Parameters of a size. The same seed gives the same shape at every s. spot: x, y, heading somewhere on the path."""
     rng = np.random.default_rng(seed)
     values = _SHAPES[effect](rng, s, vehicle, soil, seconds, spot)
-    return {name: float(min(max(value, EFFECTS[effect].parameters[name][1]), EFFECTS[effect].parameters[name][2]))
-            for name, value in values.items()}
+    if formula:
+        values = _by_formula(effect, formula, values, s, vehicle)
+    drawn = {name: float(min(max(value, EFFECTS[effect].parameters[name][1]), EFFECTS[effect].parameters[name][2]))
+             for name, value in values.items()}
+    return drawn | ({"formula": float(formula)} if formula else {})
+
+
+def _by_formula(effect: str, formula: int, values: dict[str, float], s: float, vehicle: Vehicle) -> dict[str, float]:
+    """The strengths that make another formula move the vehicle about as far as the catalogue's of that size."""
+    times = FORMULA_SIZES.get((effect, formula), 1.0)
+    if effect == "tyre_compliance":  # W / (b r pressure) = 0.2 s
+        load = vehicle.mass * GRAVITY / vehicle.wheels
+        return {"pressure": 5.0 * load / (vehicle.wheel_width * vehicle.wheel_radius * s * times)}
+    if effect == "multipass":
+        values = {"memory": 0.5 * s, "stiffness_ratio": values["stiffness_ratio"]}
+    return {name: EFFECTS[effect].parameters[name][0] + times * (value - EFFECTS[effect].parameters[name][0])
+            if name in EFFECTS[effect].switches else value for name, value in values.items()}
 
 
 def ways(effect: str, s: float, vehicle: Vehicle, soil: Soil, seconds: float) -> list[tuple[dict[str, float], bool]]:
@@ -161,6 +176,14 @@ def _tether(rng, s, vehicle, soil, seconds, spot):
             "anchor_y": spot[1] + far * math.sin(toward)}
 
 
+# what the strengths of another formula are multiplied by, measured: tests/python/test_proof_formulas.py
+FORMULA_SIZES = {
+    ("terrain_change", 2): 1.6, ("left_right_soil", 1): 0.75, ("left_right_soil", 2): 1.8, ("left_right_soil", 3): 0.7,
+    ("bulldozing", 2): 0.7, ("bulldozing", 3): 1.7, ("slip_sinkage", 1): 2.0, ("slip_sinkage", 2): 1.4, ("slip_sinkage", 3): 0.4,
+    ("multipass", 1): 0.4, ("multipass", 3): 0.4, ("elastic_rebound", 3): 1.5, ("stress_peak", 1): 0.65, ("stress_peak", 2): 2.0,
+    ("tyre_compliance", 1): 1.5, ("tyre_compliance", 2): 2.0, ("tyre_compliance", 3): 2.0, ("shear_anisotropy", 1): 1.8,
+    ("shear_anisotropy", 2): 1.4, ("shear_anisotropy", 3): 0.7, ("transient_shear", 1): 0.5, ("transient_shear", 2): 0.7,
+    ("rate_dependent_soil", 1): 0.5, ("rate_dependent_soil", 2): 0.5, ("rate_dependent_soil", 3): 2.0}
 DRAWS = 20  # in which each parameter of an effect is on at least once
 # where a load may lie, a hitch be, how stiff a rut be
 _CORNERS = {

@@ -12,6 +12,8 @@ from numba import njit
 
 from .body import accelerations
 from .catalogue import I
+from .contact import bounded_rate
+from .formulas import relax
 
 # layout of the state vector
 POSE, VELOCITY, DISTANCE, AUX, LAGS = 0, 3, 6, 7, 15
@@ -127,6 +129,10 @@ def remember(e, state, omega_left, omega_right, details, h):
             y = e[I.half_track] if left else -e[I.half_track]
             r = e[I.wheel_radius] * (e[I.wheel_radius_left] if left else e[I.wheel_radius_right])
             x = e[I.row0 + i // 2] - e[I.com_offset]
+            if e[I.transient_shear_formula] > 0.5:
+                motion = (v_x - yaw * y, v_y + yaw * x, yaw, r * omega)
+                relax(e, r, motion, omega, bounded_rate(omega), h, state[LAGS + 4 * i : LAGS + 4 * i + 4])
+                continue
             angle = details[5 * i + 4] * (1.0 + e[I.elastic_rebound_share])
             gain = 2.0 / (e[I.transient_shear_relaxation] * max(angle, 1e-3))
             rate = gain * abs(omega)
@@ -242,7 +248,7 @@ def run(world, time, count, step, state, tracks, start, tolerance, records):
     e, details = np.empty(len(world.p)), np.zeros(5 * wheels + 3)
     ruts, new, error, f = np.zeros(wheels), np.empty(3), np.empty(3), np.empty(3)
     omega = np.empty(2)
-    remembered = world.p[I.multipass_memory] > 0.0
+    remembered = world.p[I.multipass_memory] > 0.0 and world.p[I.multipass_formula] < 0.5
     h = 0.2 * step
     for i in range(count + 1):
         begin = time + i * step

@@ -9,6 +9,7 @@ from numba import njit
 
 from .catalogue import I
 from .contact import SLIP_SPEED, bounded_rate, smooth_step
+from .formulas import changed_soil, exit_share, passed_soil, peak_place, pressed_tyre, sheared_soil, soil_of_side, wedges
 
 BOGGED = 0.5 * math.pi
 
@@ -33,8 +34,8 @@ def slips(motion):
 
 
 @njit(cache=True)
-def wheel_soil(e, left, east, north, time, distance, load, mean_load, motion, rut, soil):
-    """The soil under a wheel: k, n, c, tan phi, K and what else the contact needs."""
+def wheel_soil(e, left, rank, east, north, pose, time, distance, load, mean_load, motion, rut, soil):
+    """The soil under a wheel: k, n, c, tan phi, K and what else the contact needs. rank: rows that lead its own."""
     k, n, c, tan_phi, shear_k = e[I.k], e[I.n], e[I.c], e[I.tan_phi], e[I.shear_k]
 
     over = e[I.terrain_change_over]
@@ -44,22 +45,38 @@ def wheel_soil(e, left, east, north, time, distance, load, mean_load, motion, ru
     elif over > 0.5:
         u = distance
     w = smooth_step((u - e[I.terrain_change_position]) / e[I.terrain_change_transition])
+    soil[0], soil[1], soil[2], soil[3], soil[4] = k, n, c, tan_phi, shear_k
+    if e[I.terrain_change_formula] > 0.5:
+        u_body = u
+        if over > 1.5:
+            u_body = pose[0] * math.cos(e[I.terrain_change_direction]) + pose[1] * math.sin(e[I.terrain_change_direction])
+        changed_soil(e, u, u_body, soil)
+        w = 0.0
+    if e[I.left_right_soil_formula] > 0.5:
+        soil_of_side(e, left, soil)
+    passed_soil(e, rank, soil)
+    k, n, c, tan_phi, shear_k = soil[0], soil[1], soil[2], soil[3], soil[4]
     if w > 0.0:
         c *= e[I.terrain_change_cohesion_factor] ** w
         tan_phi *= e[I.terrain_change_friction_factor] ** w
         k *= e[I.terrain_change_stiffness_factor] ** w
         shear_k *= e[I.terrain_change_shear_modulus_factor] ** w
 
-    if e[I.left_right_soil_ratio] != 1.0:
+    if e[I.left_right_soil_ratio] != 1.0 and e[I.left_right_soil_formula] < 0.5:
         share = math.sqrt(e[I.left_right_soil_ratio])
         share = share if left else 1.0 / share
         c, tan_phi, k = c * share, tan_phi * share, k * share
 
-    _, slip = slips(motion)
-    growth = e[I.slip_sinkage_sinkage_growth] * slip
-    if growth > 0.0:  # under the same pressure a plate sinks (1 + S s) / (1 - S s / 2) times as deep
-        k *= ((1.0 + growth) / (1.0 - 0.5 * growth)) ** -n
-    n += e[I.slip_sinkage_exponent_growth] * slip
+    along, slip = slips(motion)
+    if 0.5 < e[I.slip_sinkage_formula] < 1.5:
+        slip = min(2.0 * slip * slip, 1.0)
+    if e[I.slip_sinkage_formula] < 1.5:
+        growth = e[I.slip_sinkage_sinkage_growth] * slip
+        if growth > 0.0:  # under the same pressure a plate sinks (1 + S s) / (1 - S s / 2) times as deep
+            k *= ((1.0 + growth) / (1.0 - 0.5 * growth)) ** -n
+        n += e[I.slip_sinkage_exponent_growth] * slip
+    elif e[I.slip_sinkage_formula] < 2.5:
+        k *= math.exp(-1.5 * (e[I.slip_sinkage_sinkage_growth] + e[I.slip_sinkage_exponent_growth]) * along)
 
     if e[I.crust_strength] > 0.0:
         slide = math.sqrt((motion[3] - motion[0]) ** 2 + motion[1] ** 2)
@@ -67,14 +84,16 @@ def wheel_soil(e, left, east, north, time, distance, load, mean_load, motion, ru
         whole *= smooth_step(2.0 * (e[I.crust_breaking_speed] - slide) / e[I.crust_breaking_speed])
         k *= 1.0 + e[I.crust_strength] * whole
 
-    if e[I.tyre_compliance_pressure] < 2e6:  # rubber adheres with half its pressure at most
+    if e[I.tyre_compliance_pressure] < 2e6 and e[I.tyre_compliance_formula] < 0.5:  # rubber adheres with half its pressure
         c = min(c, 0.5 * e[I.tyre_compliance_pressure])
     soil[0], soil[1], soil[2], soil[3], soil[4] = k, n, c, tan_phi, shear_k
     soil[5], soil[6], soil[7] = 0.0, 0.0, 0.0
-    if e[I.multipass_memory] > 0.0 and rut > 1e-6:
+    if e[I.multipass_memory] > 0.0 and rut > 1e-6 and e[I.multipass_formula] < 0.5:
         z_m, ratio = rut * e[I.multipass_memory], e[I.multipass_stiffness_ratio]
         soil[5], soil[6], soil[7] = z_m * (1.0 - 1.0 / ratio), z_m, ratio * k * z_m ** (n - 1.0)
     soil[8], soil[9] = e[I.shear_anisotropy_modulus_ratio], e[I.shear_anisotropy_strength_ratio]
+    if e[I.shear_anisotropy_formula] > 0.5:
+        sheared_soil(e, rank, motion, soil)
     soil[10], soil[11] = e[I.polished_soil_loss], e[I.polished_soil_speed]
 
 
@@ -92,13 +111,13 @@ def flat_tyre(e, radius, soil, table):
 
 
 @njit(cache=True)
-def wheel_shape(e, radius, reach, soil, motion, table, shape):
+def wheel_shape(e, radius, reach, load, mean_load, soil, motion, table, shape):
     """Fills in radius of the (substitute) circle, width, exit angle's share, place of the stress peak; the entry angle.
 
     reach: length of the contact from its lowest point ahead, over the wheel's radius.
     """
     circle, theta_1 = radius, reach
-    if e[I.tyre_compliance_pressure] < 2e6:
+    if e[I.tyre_compliance_pressure] < 2e6 and e[I.tyre_compliance_formula] < 0.5:
         flat = flat_tyre(e, radius, soil, table)
         if reach > flat:
             circle, theta_1 = radius * (reach / flat) ** 2, flat * flat / reach
@@ -106,6 +125,13 @@ def wheel_shape(e, radius, reach, soil, motion, table, shape):
     shape[0], shape[1] = circle, e[I.wheel_width]
     shape[2] = e[I.elastic_rebound_share]
     shape[3] = e[I.stress_peak_a0] + e[I.stress_peak_a1] * slip
+    if e[I.tyre_compliance_pressure] < 2e6 and e[I.tyre_compliance_formula] > 0.5:
+        pressed_tyre(e, radius, load, shape)
+        theta_1 = reach * radius / shape[0]
+    if e[I.elastic_rebound_formula] > 0.5:
+        shape[2] = exit_share(e, theta_1, slip)
+    if e[I.stress_peak_formula] > 0.5:
+        shape[3] = peak_place(e, theta_1, load / mean_load, slip, motion)
     return theta_1
 
 
@@ -119,10 +145,13 @@ def steady_lag(motion, radius, circle, lag):
 
 
 @njit(cache=True)
-def bulldozing(e, theta_1, radius, motion, soil, out):
+def bulldozing(e, rank, theta_1, radius, motion, soil, out):
     """Wedges of soil beside and before the wheel, added to its forces (Hegedus' bulldozing resistance)."""
     lateral, frontal = e[I.bulldozing_lateral], e[I.bulldozing_frontal]
     if lateral <= 0.0 and frontal <= 0.0:
+        return
+    if e[I.bulldozing_formula] > 0.5:
+        wedges(e, rank, theta_1, radius, motion, soil, out)
         return
     c, phi = soil[2], math.atan(soil[3])
     cot_x = 1.0 / math.tan(0.25 * math.pi - 0.5 * phi)

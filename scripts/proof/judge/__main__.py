@@ -32,6 +32,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=0, metavar="K", help="number of the first of them [default: 0]")
     parser.add_argument("--seed", type=int, metavar="S", help="seed of the cases [default: a new one]")
     parser.add_argument("--family", action="append", default=[], metavar="F", help="only cases of this family; may be repeated")
+    parser.add_argument("--mix", default="usual", metavar="M", help="usual, or other: other formulas than the catalogue's, and other noise [default: usual]")
     parser.add_argument("--out", type=Path, default=ROOT / "target" / "proof", metavar="DIR", help="[default: target/proof]")
     parser.add_argument("--set", type=Path, metavar="CASES", help="judge these cases instead of drawing new ones")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="cases at a time [default: 2]")
@@ -55,12 +56,12 @@ def draw(args: argparse.Namespace) -> tuple[list[Path], int]:
     """Folders of cases, drawn as far as they are not there, and their seed."""
     drawn = files.load(args.out / "drawn.json") or {}
     seed = args.seed if args.seed is not None else drawn.get("seed", secrets.randbelow(2**31))
-    wanted = {"seed": seed, "families": sorted(args.family)}
-    if drawn and (drawn["seed"], drawn["families"]) != (seed, wanted["families"]):
+    wanted = {"seed": seed, "families": sorted(args.family)} | ({"mix": args.mix} if args.mix != "usual" else {})
+    if drawn and drawn != wanted:
         sys.exit(f"prove: {args.out} holds other cases (seed {drawn['seed']}); take another --out or remove it")
     files.save(args.out / "drawn.json", wanted)
     cases = args.out / "cases"
-    sets = {cases / family: ["--family", family] for family in wanted["families"]} or {cases: []}
+    sets = {cases / family: ["--family", family] for family in wanted["families"]} or {cases: ["--mix", args.mix]}
     for folder, family in sets.items():
         if not args.page:
             print(f"prove: {args.cases} cases from {args.first} on, seed {seed} {' '.join(family)}", file=sys.stderr)
@@ -91,7 +92,7 @@ def numbered(sets: list[Path], root: Path, wanted: range) -> list[str]:
 def claim(out: Path, folder: Path) -> None:
     """Results in a folder belong to one set of cases: refuses those of another. Older sets do not tell their family."""
     told, known = files.load(folder / "set.json") or {}, files.load(out / "judged.json") or {}
-    own = {"seed": None} | {key: told[key] for key in ("seed", "family") if key in told}
+    own = {"seed": None} | {key: told[key] for key in ("seed", "family", "mix") if key in told}
     if any(known.get(key, value) != value for key, value in own.items()):
         theirs, ours = (f"{of['seed']}" + (f" and family {of['family']}" if of.get("family") else "") for of in (known, own))
         sys.exit(f"prove: {out} holds answers to other cases (seed {theirs}, these are of {ours}); take another --out or remove it")

@@ -16,6 +16,7 @@ from .case import Judged
 FORMAT = "ugv-proof-answers/1"
 FINDING = ("effect", "probability", "ambiguous_with", "parameters", "where")
 CANDIDATE = ("effect", "probability")
+CLAIM = ("level", "name", "probability")
 KEPT = ("said", "unseen", "seconds", "status", "oracle")
 
 
@@ -27,8 +28,9 @@ def told(said: dict | None) -> dict | None:
     def picked(key: str, wanted: Sequence[str]) -> list[dict]:
         return [{name: one[name] for name in wanted if name in one} for one in said.get(key) or []]
 
+    claims = {"claims": picked("claims", CLAIM)} if "claims" in said else {}
     return {"verdict": said.get("verdict"), "statement": said.get("statement"), "findings": picked("findings", FINDING),
-            "candidates": picked("candidates", CANDIDATE)}
+            "candidates": picked("candidates", CANDIDATE), **claims}
 
 
 def lines(everyone: Mapping[str, Sequence[Judged]], facts: dict) -> str:

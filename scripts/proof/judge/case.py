@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+from generator.catalogue import MECHANISMS, mechanisms
+from generator.conditions import OTHER, condition_of
+
 from .estimates import overlap
 from .gauge import told_by, windows
 
@@ -11,6 +14,7 @@ HARM_SHARE, HARM = 0.1, 0.005  # of the re-tuned error, and m, by which a model 
 PLAIN = 8.0  # signal left after re-tuning, in sigma, from which on an effect should be found
 IDENTIFIABLE = {"single", "sensor", "absorbed", "local", "vehicle"}
 VECTORS = {"grade", "lever_arm", "com_shift"}  # effects whose strengths are components of one arrow
+SURE = 0.9  # probability from which on an answer is sure
 LEAST_SHARE, LEAST_GAIN = 0.1, 0.005  # of the re-tuned error, and m, that the oracle must gain to be compared with
 
 
@@ -41,6 +45,7 @@ class Judged:
     def __post_init__(self) -> None:
         truth, said = self.truth, self.said or {}
         self.family, self.signal = truth["family"], truth["signal_left"]
+        self.condition, self.other = condition_of(self.family), self.family.startswith(OTHER)
         self.verdict = said.get("verdict") or NONE
         self.findings: list[dict] = said.get("findings") or []
         ranked = sorted(said.get("candidates") or [], key=lambda c: -(c.get("probability") or 0.0))
@@ -91,7 +96,7 @@ class Judged:
     @property
     def identifiable(self) -> bool:
         """One name is right, no other does as well on these recordings, and it should be found."""
-        return self.plain and self.family in IDENTIFIABLE and "unknown" not in self.names and not self.truth["rivals"]
+        return self.plain and self.condition in IDENTIFIABLE and "unknown" not in self.names and not self.truth["rivals"]
 
     @property
     def p_truth(self) -> float:
@@ -119,6 +124,42 @@ class Judged:
         there = {*self.names, *self.truth["rivals"], "unknown"}
         findings = self.findings if self.detected else []
         return [f["effect"] for f in findings if not there & {f["effect"], *(f.get("ambiguous_with") or [])}]
+
+    @property
+    def extra_names(self) -> list[str]:
+        """Those of them that ride along: beside the first finding."""
+        return self.false_names[1:] if self.findings[:1] and self.findings[0]["effect"] in self.false_names[:1] else self.false_names
+
+    @property
+    def sure_and_wrong(self) -> bool:
+        """The first thing that was told is neither the truth nor a set with it, and has a probability of SURE or more."""
+        probability, right = self.claim or (0.0, True)
+        return probability >= SURE and not right and not (self.detected and self.in_set)
+
+    @property
+    def true_mechanisms(self) -> list[str]:
+        """Classes of what is missing. Truths without them are those of the catalogue's formulas."""
+        told = self.truth.get("mechanism") or {}
+        each = (told.get(e["effect"]) or mechanisms(e["effect"], e["parameters"]) for e in self.truth["effects"])
+        return sorted({name for classes in each for name in classes})
+
+    @property
+    def told_mechanisms(self) -> list[str]:
+        """Classes that the answer claims: its likeliest claim of the level "mechanism", else those of its first name."""
+        claims = [c for c in (self.said or {}).get("claims") or [] if c.get("level") == "mechanism"]
+        if claims and self.detected:
+            name = max(claims, key=lambda c: c.get("probability") or 0.0).get("name") or ""
+            return [name] if name in MECHANISMS else mechanisms(name)
+        if not self.detected or not self.told:
+            return []
+        first = next((f for f in self.findings if f["effect"] == self.told[0]), {})
+        values = {key.rpartition(".")[2]: p["value"] for key, p in (first.get("parameters") or {}).items()}
+        return mechanisms(self.told[0], values)
+
+    @property
+    def right_mechanism(self) -> bool:
+        """A class that is claimed is one of those of what is missing."""
+        return bool(set(self.told_mechanisms) & set(self.true_mechanisms))
 
     @property
     def exact(self) -> bool:
@@ -150,7 +191,7 @@ class Judged:
     def located(self) -> float | None:
         """Overlap of the told seconds with the true ones; 0 where nothing was told."""
         acts = [act for act in self.truth["drives"]["drive"].get("acts") or [] if act["intervals"]]
-        if self.family != "local" or not self.plain or not acts:
+        if self.condition != "local" or not self.plain or not acts:
             return None
         right = [f for f in self.findings if f["effect"] in self.names] or self.findings[:1]
         found = [pair for f in right[:1] for pair in self._seconds(f)]

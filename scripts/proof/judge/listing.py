@@ -5,7 +5,8 @@ import io
 from collections.abc import Sequence
 
 COLUMNS = ("case", "family", "variant", "truth", "signal_left", "plain", "identifiable", "expected", "verdict", "told", "right", "exact", "first", "two", "false_names",
-           "claim", "p_truth", "located", "gain")
+           "claim", "p_truth", "located", "gain", "formula", "in_set", "set_size", "mechanism", "told_mechanism", "right_mechanism", "sure_wrong",
+           "extra_names")
 UNSEEN = ("nominal", "retuned", "own", "oracle")  # models whose position error on the unseen drive is listed, m
 
 

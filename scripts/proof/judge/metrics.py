@@ -126,11 +126,14 @@ def metrics(cases: Cases) -> list[Metric]:
     named = [c for c in plain if c.identifiable]
     clear = [c for c in cases if c.identifiable or not c.truth["effects"]]
     claims = [c.claim for c in cases if c.claim]
-    outside = [c for c in cases if "unknown" in c.names and c.answered]
+    unlisted = [c for c in cases if "unknown" in c.names and c.answered]
     sharp = [c for c in cases if not c.truth["effects"] or (c.plain and not c.truth["rivals"])]
     shown = [c for c in cases if not c.timed and c.unseen.get("own") is not None and c.unseen.get("retuned") is not None]
     pairs = [c for c in plain if len(c.real) > 1]
     found = [c for c in (case.located for case in cases) if c is not None]
+    classed = [c for c in plain if c.true_mechanisms]
+    inside, beyond = ([c.right_mechanism for c in classed if ("unknown" in c.names) == outside] for outside in (False, True))
+    others = bool(named) and all(c.other for c in named)
     seconds = [c.seconds for c in cases if c.seconds is not None]
     return [
         share("right", "answers that the truth allows", [c.right for c in cases]),
@@ -138,8 +141,16 @@ def metrics(cases: Cases) -> list[Metric]:
         share("failed", "no answer (crash, timeout)", [not c.answered for c in cases]),
         share("false_alarms", "false alarms where nothing is missing", [c.verdict not in SILENT for c in nothing], Target("at most", 0.02)),
         share("detection", "detected where the signal left is 8 or more", [c.detected for c in plain], Target("at least", 0.95)),
-        share("first", "name right, first (where identifiable)", [c.first for c in named], Target("at least", 0.9)),
+        share("first", "name right, first (where identifiable)", [c.first for c in named], Target("at least", 0.8 if others else 0.9)),
         share("two", "name right, among the first two", [c.two for c in named], Target("at least", 0.97)),
+        share("in_set", "name right, first or in the first finding's set (where identifiable)", [c.in_set for c in named], Target("at least", 0.9)),
+        of("set_size", "names in the first finding's set, mean (identifiable and detected)", [len(c.group) for c in named if c.detected],
+           statistics.fmean, target=Target("at most", 2.5)),
+        share("mechanism", "class of mechanism right", inside, Target("at least", 0.95)),
+        share("mechanism_outside", "outside the catalogue: class of mechanism right", beyond, Target("at least", 0.8)),
+        share("sure_wrong", "sure (0.9 or more) and wrong", [c.sure_and_wrong for c in cases if c.plain or not c.truth["effects"]],
+              Target("at most", 0.02)),
+        share("extra_names", "a false name beside the first", [bool(c.extra_names) for c in cases if c.answered], Target("at most", 0.05)),
         share("both", "both names right (two effects)", [c.both for c in pairs]),
         share("false_names", "a name of what is not there, anywhere in the answer", [bool(c.false_names) for c in cases if c.answered]),
         of("p_truth", "probability on the truth, mean (identifiable, or nothing missing)", [c.p_truth for c in clear], statistics.fmean,
@@ -150,7 +161,7 @@ def metrics(cases: Cases) -> list[Metric]:
         *_gain(cases),
         share("harm", "unseen drive worse than with the soil re-tuned alone, by 10 % and 5 mm", [c.harmful for c in shown]),
         *_alike(cases),
-        share("misnamed", "outside the catalogue: wrongly named", [c.misnamed for c in outside], Target("at most", 0.1)),
+        share("misnamed", "outside the catalogue: wrongly named", [c.misnamed for c in unlisted], Target("at most", 0.1)),
         of("seconds", "seconds per case, median", seconds, statistics.median, "s"),
     ]
 

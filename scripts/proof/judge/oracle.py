@@ -6,6 +6,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from generator.conditions import condition_of
+
 from .gauge import told_by, windows
 from .prediction import SENSOR_EFFECTS, Sensors, means
 
@@ -45,7 +47,7 @@ def knowable(truth: dict) -> bool:
     """Whether the truth is in the catalogue, and acts everywhere or on a place of the map: seconds of a drive do not fit
     segments, each with a beginning of its own."""
     effects = truth["effects"]
-    if truth["family"] == "local" and not windows(truth):
+    if condition_of(truth["family"]) == "local" and not windows(truth):
         return False
     inside = all(e["kind"] != "outside" and e["parameters"].get("over", "place") == "place" for e in effects)
     return bool(effects) and inside and all(window["kind"] == "disc" for window in windows(truth))

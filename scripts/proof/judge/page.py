@@ -8,10 +8,12 @@ from . import drawing
 from .case import Judged
 
 STYLE = Path(__file__).with_name("style.css")
-FAMILY_KEYS = ["right", "failed", "false_alarms", "detection", "first", "two", "p_truth", "calibration", "located", "gain", "seconds"]
+FAMILY_KEYS = ["right", "failed", "false_alarms", "detection", "first", "two", "in_set", "set_size", "mechanism",
+               "sure_wrong", "extra_names", "p_truth", "calibration", "located", "gain", "seconds"]
 SHORT = {
     "right": "allowed", "failed": "no answer", "false_alarms": "false alarms", "detection": "detected", "first": "first",
-    "two": "first two", "p_truth": "p(truth)", "calibration": "calibration error", "located": "overlap",
+    "two": "first two", "in_set": "in the set", "set_size": "set size", "mechanism": "class", "mechanism_outside": "class, outside",
+    "sure_wrong": "sure and wrong", "extra_names": "further false names", "p_truth": "p(truth)", "calibration": "calibration error", "located": "overlap",
     "parameter_error": "parameter error", "coverage": "coverage", "gain": "gain", "gain_outside": "gain, outside",
     "misnamed": "outside: wrongly named", "exact": "that and nothing else", "false_names": "false names", "harm": "harm", "seconds": "seconds",
 }

@@ -6,7 +6,8 @@ from .case import Judged
 from .metrics import confusion, metrics, reliability
 
 NOT_ANSWERING = {"nominal": "as given", "retuned": "soil re-tuned"}  # peers that only predict
-PEER_KEYS = ["false_alarms", "detection", "first", "two", "p_truth", "calibration", "parameter_error", "coverage", "misnamed", "exact", "false_names"]
+PEER_KEYS = ["false_alarms", "detection", "first", "two", "p_truth", "calibration", "parameter_error", "coverage", "misnamed", "exact", "false_names",
+             "in_set", "set_size", "mechanism", "mechanism_outside", "sure_wrong", "extra_names"]
 DETECTING = ["false_alarms", "detection"]
 PREDICTING = ["gain", "gain_outside", "harm"]
 
@@ -17,7 +18,10 @@ def one(case: Judged) -> dict:
         "case": case.name, "family": case.family, "variant": case.truth.get("variant", ""), "right": case.right,
         "truth": case.true_short, "names": case.names, "expected": case.truth["expected"], "signal_left": case.signal,
         "plain": case.plain, "identifiable": case.identifiable, "first": case.first, "two": case.two, "exact": case.exact,
-        "false_names": case.false_names,
+        "false_names": case.false_names, "formula": [f"{effect} {number}" for effect, number in (case.truth.get("formula") or {}).items()],
+        "in_set": case.in_set, "set_size": len(case.group) if case.detected else None, "mechanism": case.true_mechanisms,
+        "told_mechanism": case.told_mechanisms, "right_mechanism": case.right_mechanism, "sure_wrong": case.sure_and_wrong,
+        "extra_names": case.extra_names,
         "verdict": case.verdict, "told": case.short, "p_truth": case.p_truth if case.answered else None,
         "claim": case.claim[0] if case.claim else None, "located": case.located, "gain": case.gain, "unseen_m": case.unseen,
         "parameters": [{"name": n, "error": e, "held": h} for n, e, h in case.parameters],
