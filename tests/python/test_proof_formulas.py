@@ -92,12 +92,14 @@ class Formulas(unittest.TestCase):
                 off = values | {name: EFFECTS[effect].parameters[name][0] for name in EFFECTS[effect].switches}
                 self.assertEqual(np.abs(self.motion(effect, off) - self.plain).max(), 0.0)
 
-    def test_none_is_another_in_disguise(self) -> None:
+    def test_all_are_as_large_as_the_catalogue_s_and_none_is_another_in_disguise(self) -> None:
         for effect in FORMULAS:
             for draw in range(2):
                 changes = [self.motion(effect, self.values(effect, formula, draw)) - self.plain
                            for formula in range(len(FORMULAS[effect]) + 1)]
                 flat = [change[:, 3:6].ravel() for change in changes]
+                away = np.array([np.linalg.norm(change[:, :2]) for change in changes])
+                self.assertTrue((away > 0.1 * away[0]).all() and (away < 10.0 * away[0]).all(), (effect, draw, away / away[0]))
                 for one in range(len(flat)):
                     for other in range(one):
                         with self.subTest(effect, draw=draw, formulas=(one, other)):
