@@ -279,4 +279,6 @@ class Judged:
     @property
     def true_short(self) -> str:
         """The truth, in one cell."""
-        return " + ".join(f"{e['effect'].removeprefix('outside:')} ({e['size']})" for e in self.truth["effects"]) or "nothing missing"
+        formulas = {name: f", formula {number}" for name, number in (self.truth.get("formula") or {}).items()}
+        each = (f"{e['effect'].removeprefix('outside:')} ({e['size']}{formulas.get(e['effect'], '')})" for e in self.truth["effects"])
+        return " + ".join(each) or "nothing missing"
