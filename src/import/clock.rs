@@ -221,6 +221,7 @@ mod tests {
         };
         Stream {
             topic: crate::import::survey::Topic::new(&channel, 0),
+            joined: Vec::new(),
             child_frame: String::new(),
             samples: times.iter().enumerate().map(sample).collect(),
         }
@@ -250,7 +251,11 @@ mod tests {
             note.unwrap()
                 .ends_with("with what it lacked from the others")
         );
-        let joint = |position, velocity| crate::import::collect::JointSample { position, velocity };
+        let joint = |position, velocity| crate::import::collect::JointSample {
+            position,
+            velocity,
+            load: f64::NAN,
+        };
         let mut arm = joint(f64::NAN, 2.0);
         assert!(arm.fill_from(&joint(1.0, 3.0)));
         assert_eq!(arm, joint(1.0, 2.0));

@@ -1,9 +1,12 @@
 //! Files of messages, read from front to back with one chunk in memory.
 
+mod files;
 mod input;
 mod mcap;
 mod ros1;
+mod sqlite;
 
+pub(super) use files::{LogFile, open};
 pub(super) use input::{Connection, Visit};
 pub use input::{Ending, ReadProgress};
 
@@ -16,6 +19,8 @@ use std::path::Path;
 pub enum Container {
     /// MCAP, the format of ROS 2; it may contain other encodings.
     Mcap,
+    /// The bag of ROS 2 in SQLite.
+    Ros2Sqlite,
     /// The bag of ROS 1, version 2.0.
     Ros1Bag,
 }
@@ -26,6 +31,7 @@ impl Container {
     pub fn name(self) -> &'static str {
         match self {
             Self::Mcap => "MCAP",
+            Self::Ros2Sqlite => "ROS 2 bag in SQLite",
             Self::Ros1Bag => "ROS 1 bag",
         }
     }
@@ -34,19 +40,9 @@ impl Container {
 /// Magic bytes of other files, their format, and a remedy.
 const OTHERS: [(&[u8], &str, &str); 5] = [
     (
-        b"SQLite format 3\0",
-        "a ROS 2 bag in SQLite (.db3)",
-        "convert it to MCAP: ros2 bag convert, or mcap convert",
-    ),
-    (
         b"#ROSBAG V1",
         "a ROS 1 bag of version 1",
         "convert it: rosbag migrate",
-    ),
-    (
-        b"\x28\xb5\x2f\xfd",
-        "compressed as a whole with zstd",
-        "unpack it: zstd -d",
     ),
     (
         b"\x1f\x8b",
@@ -54,50 +50,116 @@ const OTHERS: [(&[u8], &str, &str); 5] = [
         "unpack it: gunzip",
     ),
     (b"PK\x03\x04", "a zip archive", "unpack it: unzip"),
+    (
+        b"ULog\x01\x12\x35",
+        "a log of PX4 (.ulg)",
+        "write a CSV with time, omega_left, omega_right: ulog2csv makes one of each topic",
+    ),
+    (
+        b"\xa3\x95\x80\x80",
+        "a log of ArduPilot (.bin)",
+        "write a CSV with time, omega_left, omega_right: mavlogdump.py --format csv makes one of each type",
+    ),
 ];
 
-/// The format of a file, from its first bytes.
-///
-/// # Errors
-/// A file that cannot be read, or has another format.
-pub(super) fn container(path: &Path) -> Result<Container, ImportError> {
+/// Whether a path is a log rather than a table: a folder, or a file with the first bytes of one, packed or not.
+#[must_use]
+pub fn is_log(path: &Path) -> bool {
+    let starts: [&[u8]; 4] = [
+        ::mcap::MAGIC,
+        b"#ROSBAG V",
+        sqlite::MAGIC,
+        b"\x28\xb5\x2f\xfd",
+    ];
     let mut start = [0; 16];
-    let mut input = Input::open(path)?;
-    let length = input.read(&mut start)?;
-    let start = &start[..length];
-    if start.starts_with(::mcap::MAGIC) {
-        return Ok(Container::Mcap);
+    let read = || {
+        Input::open(path)
+            .and_then(|mut input| input.read(&mut start))
+            .ok()
+    };
+    if path.is_dir() {
+        return true;
     }
-    if start.starts_with(ros1::MAGIC) {
-        return Ok(Container::Ros1Bag);
+    let mut read = read;
+    read().is_some_and(|length| {
+        starts
+            .iter()
+            .any(|magic| start[..length].starts_with(magic))
+    })
+}
+
+/// The format of a file, from its first bytes.
+fn of_magic(path: &Path, start: &[u8]) -> Result<Container, ImportError> {
+    let known = [
+        (::mcap::MAGIC, Container::Mcap),
+        (ros1::MAGIC, Container::Ros1Bag),
+        (sqlite::MAGIC, Container::Ros2Sqlite),
+    ];
+    if let Some((_, container)) = known
+        .into_iter()
+        .find(|(magic, _)| start.starts_with(magic))
+    {
+        return Ok(container);
     }
-    let known = OTHERS.iter().find(|(magic, ..)| start.starts_with(magic));
-    let (found, remedy) = known.map_or(
-        ("no MCAP file and no ROS 1 bag", "name a .mcap or .bag file"),
+    let other = OTHERS.iter().find(|(magic, ..)| start.starts_with(magic));
+    let (found, remedy) = other.map_or(
+        (
+            "no MCAP file and no bag of ROS 1 or ROS 2",
+            "name a .mcap, .db3 or .bag file, or the folder of a bag",
+        ),
         |(_, found, remedy)| (*found, *remedy),
     );
     Err(ImportError::Format {
         path: path.into(),
-        found: if length == 0 { "empty" } else { found }.into(),
+        found: if start.is_empty() { "empty" } else { found }.into(),
         remedy: remedy.into(),
     })
 }
 
-/// Visits every message of a file in order.
+/// Visits every message of a log, file by file.
 ///
 /// # Errors
 /// A file that cannot be read, and the errors of the visitor. A truncated or damaged file is no error: see [`Ending`].
+/// Nothing behind the damage is read.
 pub(super) fn read(
-    path: &Path,
-    container: Container,
+    files: &[LogFile],
     progress: &mut ReadProgress,
     visit: &mut Visit,
 ) -> Result<Ending, ImportError> {
-    let input = Input::open(path)?;
-    match container {
-        Container::Mcap => mcap::read(input, progress, visit),
-        Container::Ros1Bag => ros1::read(input, progress, visit),
+    let lengths: Vec<u64> = files
+        .iter()
+        .map(|file| Input::open(file.path()).map(|input| input.length))
+        .collect::<Result<_, _>>()?;
+    let all: u64 = lengths.iter().sum();
+    let mut before = 0;
+    for (file, length) in files.iter().zip(&lengths) {
+        let mut within = |done: u64, _: u64| progress(before + done.min(*length), all);
+        let ending = match file.container {
+            Container::Mcap => mcap::read(Input::open(file.path())?, &mut within, visit)?,
+            Container::Ros1Bag => ros1::read(Input::open(file.path())?, &mut within, visit)?,
+            Container::Ros2Sqlite => sqlite::read(file.path(), &mut within, visit)?,
+        };
+        let ending = match (ending, &file.damage) {
+            (Ending::Whole, None) => {
+                before += length;
+                continue;
+            }
+            (Ending::Whole, Some(reason)) => Ending::Broken {
+                place: "near its end".into(),
+                reason: reason.clone(),
+            },
+            (broken, _) => broken,
+        };
+        return Ok(match ending {
+            Ending::Broken { place, reason } if files.len() > 1 => {
+                let name = file.shown.file_name().unwrap_or_default().to_string_lossy();
+                let place = format!("{place} of {name}");
+                Ending::Broken { place, reason }
+            }
+            other => other,
+        });
     }
+    Ok(Ending::Whole)
 }
 
 #[cfg(test)]
@@ -112,8 +174,8 @@ mod tests {
         std::fs::write(&path, bytes).unwrap();
         let mut reason = String::new();
         let used = allocation_counter::measure(|| {
-            let kind = container(&path).unwrap();
-            let ending = read(&path, kind, &mut |_, _| {}, &mut |_, _, _| Ok(())).unwrap();
+            let (files, _) = open(&path).unwrap();
+            let ending = read(&files, &mut |_, _| {}, &mut |_, _, _| Ok(())).unwrap();
             reason = format!("{ending:?}");
         });
         (reason, used.bytes_max)
