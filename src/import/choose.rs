@@ -95,13 +95,26 @@ const ELSEWHERE: &str = "camera realsense zed oak optical lidar livox ouster vel
 
 /// Words in names of topics that are commands or goals, not measurements.
 const COMMANDS: &str =
-    "cmd command commands goal initialpose target setpoint desired reference waypoint plan";
-/// The same for static transforms, which say nothing of the motion.
-const STATIC: &str = "static";
+    "cmd command commands goal initialpose target setpoint desired reference waypoint plan static";
 
-/// Whether a topic has commands or goals.
+/// Whether a topic has commands, goals or static transforms, by a whole word of its name.
 fn is_command(topic: &Topic) -> bool {
-    has_word(&topic.name, COMMANDS) || has_word(&topic.name, STATIC)
+    let name = topic.name.to_lowercase();
+    let mut words = name.split(|letter: char| !letter.is_alphabetic());
+    words.any(|word| COMMANDS.split(' ').any(|token| token == word))
+}
+
+/// Topics of a kind that are not taken unless requested, because their names are those of commands.
+pub(super) fn set_aside(survey: &Survey, kind: MessageKind) -> Option<String> {
+    let topics = survey.topics.iter();
+    let topics = topics.filter(|topic| topic.kind() == Some(kind) && is_command(topic));
+    let names: Vec<&str> = topics.map(|topic| topic.name.as_str()).collect();
+    let first = names.first()?;
+    Some(format!(
+        "{kind}: {} not taken, by the name a command, a goal or static (--topics {kind}={first} takes it)",
+        names.join(", "),
+        kind = kind.name()
+    ))
 }
 
 /// Whether a name has one of the words.
@@ -169,17 +182,16 @@ pub fn choose<'s>(
     let mut fitting: Vec<&Topic> = survey.topics.iter().collect();
     fitting.retain(|topic| topic.kind() == Some(kind));
     fitting.sort_by_key(|topic| (standing(kind, topic, wheels), Reverse(topic.messages)));
-    let of_preset = |topic: &&&Topic| {
-        let preset = options.preset.as_ref();
-        preset.is_some_and(|preset| preset.has_topic(kind, &topic.name))
-    };
+    let of_preset = |topic: &Topic| options.preset?.place(kind, &topic.name);
     let wish = options.topics.get(&kind).unwrap_or(&TopicRequest::Any);
     let topic = match wish {
         TopicRequest::Without => None,
         TopicRequest::Any => {
             fitting.retain(|topic| !is_command(topic));
-            let known = fitting.iter().find(of_preset);
-            known.or(fitting.first()).copied()
+            let known = fitting.iter().copied();
+            let known = known.filter_map(|topic| Some((of_preset(topic)?, topic)));
+            let best = known.min_by_key(|(place, _)| *place);
+            best.map(|(_, topic)| topic).or(fitting.first().copied())
         }
         TopicRequest::Named(name) => Some(named(survey, kind, name, &fitting)?),
     };

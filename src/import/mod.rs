@@ -104,6 +104,12 @@ pub fn import(
     let choices = choices(survey, options)?;
     notes.extend(choices.all().filter_map(TopicChoice::note));
     notes.extend(choices.notes());
+    let is_taken = |kind: MessageKind| choices.all().any(|choice| choice.kind == kind);
+    let is_refused = |kind: &MessageKind| {
+        !is_taken(*kind) && options.topics.get(kind) != Some(&TopicRequest::Without)
+    };
+    let missing = MessageKind::ALL.into_iter().filter(is_refused);
+    notes.extend(missing.filter_map(|kind| choose::set_aside(survey, kind)));
     let collected = collect(survey, &choices, progress)?;
     let child_frame = |kind| match &collected.odometry {
         Some(odometry) if kind == MessageKind::Odometry => odometry.child_frame.clone(),

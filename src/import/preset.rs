@@ -109,10 +109,10 @@ impl Preset {
         }
     }
 
-    /// Whether a topic is one of this vehicle's.
-    pub(super) fn has_topic(self, kind: MessageKind, topic: &str) -> bool {
+    /// The place of a topic in this vehicle's order of preference.
+    pub(super) fn place(self, kind: MessageKind, topic: &str) -> Option<usize> {
         let mut topics = self.0.topics.iter();
-        topics.any(|(known, end)| *known == kind && topic.ends_with(end))
+        topics.position(|(known, end)| *known == kind && topic.ends_with(end))
     }
 }
 
@@ -143,7 +143,8 @@ mod tests {
     #[test]
     fn topics_may_have_a_namespace() {
         let husky = Preset::of_name("husky").unwrap();
-        assert!(husky.has_topic(MessageKind::Joints, "/a200_0000/platform/joint_states"));
-        assert!(!husky.has_topic(MessageKind::Imu, "/camera/imu"));
+        let place = |topic| husky.place(MessageKind::Joints, topic);
+        assert!(place("/a200_0000/platform/joint_states") < place("/other/joint_states"));
+        assert_eq!(husky.place(MessageKind::Imu, "/camera/imu"), None);
     }
 }

@@ -76,8 +76,18 @@ fn open_file(path: &Path) -> Result<LogFile, ImportError> {
         length = read(&content, &mut start)?;
         (unpacked, damage) = (Some(Arc::new(content)), fault);
     }
+    let container = match (of_magic(path, &start[..length]), &damage) {
+        (Err(_), Some(reason)) => {
+            return Err(ImportError::Format {
+                path: path.into(),
+                found: format!("damaged: {reason}"),
+                remedy: "copy it again, or unpack it as far as possible: zstd -d".into(),
+            });
+        }
+        (container, _) => container?,
+    };
     Ok(LogFile {
-        container: of_magic(path, &start[..length])?,
+        container,
         shown: path.into(),
         unpacked,
         damage,

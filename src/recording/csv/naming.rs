@@ -312,7 +312,10 @@ mod tests {
         assert_eq!(unit("x", Quantity::Length, "max"), None);
         // In brackets stands a unit, or the name of something else.
         assert_eq!(unit("heading", Quantity::Angle, "heading (gps)"), None);
-        assert_eq!(unit("time", Quantity::Time, "time (UTC)").as_deref(), Some(""));
+        assert_eq!(
+            unit("time", Quantity::Time, "time (UTC)").as_deref(),
+            Some("")
+        );
     }
 
     #[test]
@@ -322,7 +325,10 @@ mod tests {
         assert_eq!(likely("omega_right", &names), ["v_right"]);
         assert_eq!(likely("omega_left", &["x", "omega_lefft"]), ["omega_lefft"]);
         assert!(likely("time", &["x", "y", "a"]).is_empty());
-        assert_eq!(likely("heading", &["azimuth", "yaw_rate", "orientation_x"]), ["azimuth"]);
+        assert_eq!(
+            likely("heading", &["azimuth", "yaw_rate", "orientation_x"]),
+            ["azimuth"]
+        );
         assert!(likely("yaw_rate", &["omega_fl", "angular_velocity_x"]).is_empty());
     }
 }

@@ -525,7 +525,8 @@ impl TableHeader<'_> {
         };
         let in_row = || {
             let unit = decoded(units.get(place)?);
-            let is_none = matches!(unit.as_str(), "" | "-" | "1") || column.quantity == Quantity::Label;
+            let is_none =
+                matches!(unit.as_str(), "" | "-" | "1") || column.quantity == Quantity::Label;
             (!is_none).then_some(unit)
         };
         let unit = stated.or_else(in_name).or_else(in_row);
