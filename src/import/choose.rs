@@ -139,9 +139,16 @@ pub(super) fn source(topic: &Topic) -> Origin {
     if !is_transforms(&topic.message_type) {
         return origin(&topic.name);
     }
-    match transforms::path(topic, None) {
-        Ok(Some(path)) if has_word(&path.parent(), INDEPENDENT) => Origin::Independent,
-        _ => Origin::Unknown,
+    // The frame is known once the transforms were read.
+    let parent = match transforms::path(topic, None) {
+        _ if !topic.frame.is_empty() => topic.frame.clone(),
+        Ok(Some(path)) => path.parent(),
+        _ => String::new(),
+    };
+    if has_word(&parent, INDEPENDENT) {
+        Origin::Independent
+    } else {
+        Origin::Unknown
     }
 }
 

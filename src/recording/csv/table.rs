@@ -525,6 +525,7 @@ impl TableHeader<'_> {
         };
         let in_row = || {
             let unit = decoded(units.get(place)?);
+            let unit = unit.trim_matches(['[', ']', '(', ')']).to_owned();
             let is_none =
                 matches!(unit.as_str(), "" | "-" | "1") || column.quantity == Quantity::Label;
             (!is_none).then_some(unit)
