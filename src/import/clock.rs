@@ -254,7 +254,7 @@ mod tests {
         let joint = |position, velocity| crate::import::collect::JointSample {
             position,
             velocity,
-            load: f64::NAN,
+            load: 0.5,
         };
         let mut arm = joint(f64::NAN, 2.0);
         assert!(arm.fill_from(&joint(1.0, 3.0)));

@@ -1,6 +1,6 @@
 //! The files of a log: one, or the folder of a bag, each perhaps packed with zstd as a whole.
 
-use super::{Container, of_magic};
+use super::kind::{Container, of_magic};
 use crate::import::container::input::Input;
 use crate::import::error::ImportError;
 use saphyr_parser::{Event, Parser};

@@ -790,7 +790,7 @@ impl TableRow<'_> {
                     "a number"
                 };
                 let date = match self.header.columns[index].quantity {
-                    Quantity::Time => " or an ISO 8601 date and time",
+                    Quantity::Time if other.is_none() => " or an ISO 8601 date and time",
                     _ => "",
                 };
                 let expected = format!("{kind} [{}]{date}", self.header.unit(index));
