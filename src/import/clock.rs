@@ -1,34 +1,7 @@
 //! Times of samples: header or log.
 
 use super::collect::{StampedSample, Stream};
-
-/// The clock of the samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-pub enum Clock {
-    /// The time of measurement, in each message's header
-    #[default]
-    Header,
-    /// The time of logging
-    Log,
-}
-
-impl Clock {
-    /// Name for the user.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Header => "header",
-            Self::Log => "log",
-        }
-    }
-
-    fn of<T>(self, sample: &StampedSample<T>) -> i64 {
-        match self {
-            Self::Header => sample.stamp,
-            Self::Log => sample.logged,
-        }
-    }
-}
+pub use super::sample::Clock;
 
 /// Topics may have different clocks if their delays from measurement to logging differ by more than this \[ns\].
 const LARGEST_DELAY_DIFFERENCE: i64 = 200_000_000;

@@ -1,9 +1,9 @@
 //! Options of an import.
 
-use super::clock::Clock;
 use super::message::MessageKind;
 use super::preset::Preset;
 use super::request::TopicRequest;
+use super::sample::Clock;
 use super::side::WheelJoints;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
