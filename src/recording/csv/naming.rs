@@ -230,20 +230,34 @@ pub fn resembles(target: &str, name: &str) -> bool {
     groups.iter().all(|group| has(group)) && !has(COMMANDS) && !has(others) && !is_rate
 }
 
-/// The columns that may be meant for a missing quantity: those that look like it, or else a misspelt one.
+/// The columns that may be meant for a missing quantity: those that look like it, or else those of its side, or else a
+/// misspelt one.
 pub fn likely<'a>(target: &str, names: &[&'a str]) -> Vec<&'a str> {
-    let alike: Vec<&str> = names
-        .iter()
-        .copied()
-        .filter(|name| resembles(target, name))
-        .collect();
-    if alike.is_empty() {
-        nearest_within(target, names.iter().copied())
-            .into_iter()
-            .collect()
-    } else {
-        alike
+    let alike = |fits: &dyn Fn(&str) -> bool| -> Vec<&'a str> {
+        let names = names.iter().copied();
+        names.filter(|name| fits(name)).collect()
+    };
+    let found = alike(&|name| resembles(target, name));
+    if !found.is_empty() {
+        return found;
     }
+    let found = alike(&|name| is_of_side(target, name));
+    if !found.is_empty() {
+        return found;
+    }
+    let misspelt = nearest_within(target, names.iter().copied());
+    misspelt.into_iter().collect()
+}
+
+/// Whether a name has the side of a wheel speed and is no command: `right` for `omega_right`.
+fn is_of_side(target: &str, name: &str) -> bool {
+    let Some(side) = target.strip_prefix("omega_") else {
+        return false;
+    };
+    let words = words(name);
+    let mut words = words.split('_');
+    words.clone().any(|word| word == side)
+        && !words.any(|word| COMMANDS.split(' ').any(|command| command == word))
 }
 
 #[cfg(test)]
@@ -330,5 +344,9 @@ mod tests {
             ["azimuth"]
         );
         assert!(likely("yaw_rate", &["omega_fl", "angular_velocity_x"]).is_empty());
+        // A side alone, but not beside a better one.
+        assert_eq!(likely("omega_right", &["x", "right"]), ["right"]);
+        assert_eq!(likely("omega_right", &["right", "v_right"]), ["v_right"]);
+        assert!(likely("omega_right", &["left", "right_cmd", "bright"]).is_empty());
     }
 }

@@ -375,15 +375,15 @@ impl TableHeader<'_> {
     /// Finds the column of each quantity: the requested one, that of its name, or that of a name in common use.
     fn settle(&mut self, units: &ByteRecord, options: &TableOptions) -> Result<(), CsvError> {
         let mut taken: Vec<usize> = Vec::new();
+        let wish = |column: &ColumnSpec| {
+            let mut wishes = options.columns.iter();
+            wishes.rfind(|wish| wish.target == column.name)
+        };
         for column in self.columns {
-            let wish = options
-                .columns
-                .iter()
-                .rfind(|wish| wish.target == column.name);
-            let source = match wish {
+            let source = match wish(column) {
                 Some(wish) => self.requested(column, wish)?,
                 None => Source {
-                    places: self.own(column)?.into_iter().collect(),
+                    places: self.own(column).next().into_iter().collect(),
                     unit: None,
                 },
             };
@@ -398,26 +398,22 @@ impl TableHeader<'_> {
             if self.sources[index].places.is_empty() && column.is_required {
                 return Err(self.missing(column));
             }
+            if wish(column).is_none()
+                && let Some(again) = self.own(column).nth(1)
+            {
+                let cell = self.cell_at(self.line, again);
+                let found = format!("a second column `{}`", column.name);
+                return Err(malformed(cell, found, "one of each"));
+            }
         }
         self.doubt(&taken);
         Ok(())
     }
 
-    /// The column of a quantity's own name.
-    fn own(&self, column: &ColumnSpec) -> Result<Option<usize>, CsvError> {
-        let mut places = (0..self.names.len()).filter(|place| self.names[*place] == column.name);
-        let position = places.next();
-        match places.next() {
-            Some(again) => {
-                let found = format!("a second column `{}`", column.name);
-                Err(malformed(
-                    self.cell_at(self.line, again),
-                    found,
-                    "one of each",
-                ))
-            }
-            None => Ok(position),
-        }
+    /// The columns of a quantity's own name.
+    fn own(&self, column: &ColumnSpec) -> impl Iterator<Item = usize> {
+        let places = 0..self.names.len();
+        places.filter(|place| self.names[*place] == column.name)
     }
 
     fn requested(&self, column: &ColumnSpec, wish: &ColumnRequest) -> Result<Source, CsvError> {
