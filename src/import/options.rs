@@ -30,7 +30,7 @@ pub enum HeadingChoice {
 }
 
 /// Options of an import; the default requests nothing.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ImportOptions {
     /// Requested topics; for other kinds the best one.
     pub topics: BTreeMap<MessageKind, TopicRequest>,

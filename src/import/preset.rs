@@ -4,14 +4,26 @@ use super::message::MessageKind;
 use crate::vehicle::Vehicle;
 
 /// A known vehicle: its dimensions, and the topics of its sensors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preset(&'static Known);
 
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq)]
 struct Known {
     name: &'static str,
     /// Where the numbers are from.
     source: &'static str,
+    /// \[kg\].
+    mass: f64,
+    /// About the centre of mass \[kg m^2\].
+    yaw_inertia: f64,
+    /// \[m\].
+    wheel_radius: f64,
+    wheel_width: f64,
+    half_wheelbase: f64,
+    half_track: f64,
+    /// Ahead of the middle between the axles, and above the ground \[m\].
+    com_offset: f64,
+    com_height: f64,
     /// Ends of the names of its topics.
     topics: &'static [(MessageKind, &'static str)],
 }
@@ -26,31 +38,50 @@ const CLEARPATH: &[(MessageKind, &str)] = &[
     (MessageKind::Fix, "/navsat/fix"),
 ];
 
-const KNOWN: [Known; 4] = [
+/// Masses, yaw inertias and centres of mass are sums over the bodies of the published models.
+const KNOWN: [Known; 3] = [
     Known {
         name: "husky",
-        source: "Clearpath Husky A200: mass of the data sheet; dimensions and yaw inertia of husky_description \
-                 (github.com/husky/husky, BSD)",
+        source: "Clearpath Husky A200: husky_description (github.com/husky/husky, BSD)",
+        // Body 46.034, wheels 4 x 2.637.
+        mass: 56.6,
+        yaw_inertia: 3.7,
+        wheel_radius: 0.1651,
+        wheel_width: 0.1143,
+        half_wheelbase: 0.256,
+        half_track: 0.2854,
+        com_offset: 0.0,
+        com_height: 0.19,
         topics: CLEARPATH,
     },
     Known {
         name: "jackal",
         source: "Clearpath Jackal: jackal_description (github.com/jackal/jackal, BSD)",
+        // Body 16.523, wheels 4 x 0.477.
+        mass: 18.4,
+        yaw_inertia: 0.55,
+        wheel_radius: 0.098,
+        wheel_width: 0.04,
+        half_wheelbase: 0.131,
+        half_track: 0.1878,
+        com_offset: 0.011,
+        com_height: 0.13,
         topics: CLEARPATH,
     },
     Known {
         name: "warthog",
         source: "Clearpath Warthog: warthog_description (github.com/warthog-cpr/warthog, BSD)",
+        // Body 100, rockers 2 x 50, wheels 4 x 15; body and rockers are boxes, whose length and width count: the
+        // published formula takes the height for the width.
+        mass: 260.0,
+        yaw_inertia: 93.0,
+        wheel_radius: 0.3,
+        wheel_width: 0.25,
+        half_wheelbase: 0.46,
+        half_track: 0.56,
+        com_offset: -0.015,
+        com_height: 0.42,
         topics: CLEARPATH,
-    },
-    Known {
-        name: "scout",
-        source: "AgileX Scout 2.0: scout_description (github.com/agilexrobotics/scout_ros2, BSD)",
-        topics: &[
-            (MessageKind::Joints, "/joint_states"),
-            (MessageKind::Imu, "/imu/data"),
-            (MessageKind::Fix, "/gps/fix"),
-        ],
     },
 ];
 
@@ -69,7 +100,7 @@ impl Preset {
     /// By its name.
     #[must_use]
     pub fn of_name(name: &str) -> Option<Self> {
-        static ALL: [Known; 4] = KNOWN;
+        static ALL: [Known; KNOWN.len()] = KNOWN;
         ALL.iter().find(|known| known.name == name).map(Self)
     }
 
@@ -85,27 +116,19 @@ impl Preset {
         self.0.source
     }
 
-    /// The vehicle without payload. The mass of a scout is that of its maker's simulation: weigh yours.
+    /// The vehicle without payload, with four wheels.
     #[must_use]
     pub fn vehicle(self) -> Vehicle {
-        // Yaw inertias and heights are sums over the bodies of the published models: body and four wheels, for the
-        // Warthog also its two rockers as boxes.
-        let (mass, yaw_inertia, radius, width, row, half_track, com_offset, com_height) =
-            match self.0.name {
-                "husky" => (50.0, 3.6, 0.1651, 0.1143, 0.256, 0.2854, 0.0, 0.19),
-                "jackal" => (18.4, 0.55, 0.098, 0.04, 0.131, 0.1878, 0.011, 0.13),
-                "warthog" => (260.0, 93.0, 0.3, 0.25, 0.46, 0.56, -0.015, 0.42),
-                _ => (52.0, 5.2, 0.1646, 0.1165, 0.249, 0.2915, 0.0, 0.22),
-            };
+        let known = self.0;
         Vehicle {
-            mass,
-            yaw_inertia,
-            wheel_radius: radius,
-            wheel_width: width,
-            row_positions: vec![row, -row],
-            half_track,
-            com_offset,
-            com_height,
+            mass: known.mass,
+            yaw_inertia: known.yaw_inertia,
+            wheel_radius: known.wheel_radius,
+            wheel_width: known.wheel_width,
+            row_positions: vec![known.half_wheelbase, -known.half_wheelbase],
+            half_track: known.half_track,
+            com_offset: known.com_offset,
+            com_height: known.com_height,
         }
     }
 
