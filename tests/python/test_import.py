@@ -492,15 +492,18 @@ class Choices(ImportCase):
     def test_files_of_other_formats(self) -> None:
         for content, words in (
             (b"", "is empty"),
-            (b"time,omega_left,omega_right\n", "is no MCAP file and no ROS 1 bag"),
-            (b"SQLite format 3\0 and more", "ros2 bag convert"),
+            (b"time,omega_left,omega_right\n", "is no MCAP file and no bag of ROS 1 or ROS 2"),
+            (b"SQLite format 3\0 and more", "is damaged behind message 0"),
+            (b"\x1f\x8b and more", "gunzip"),
+            (b"ULog\x01\x12\x35 and more", "PX4"),
             (b"#ROSBAG V1.2\n", "rosbag migrate"),
         ):
             log = self.folder / "other"
             log.write_bytes(content)
             with self.subTest(content):
                 self.assertIn(words, " ".join(self.refused(log).split()))
-        self.assertIn("is a folder", self.refused(self.folder))
+        (self.folder / "empty").mkdir()
+        self.assertIn("a folder without .mcap", self.refused(self.folder / "empty"))
         self.assertIn("cannot read", self.refused(self.folder / "nowhere.bag"))
         json_log = self.log(self.joints(), encoding="json", compression=CompressionType.NONE)
         self.assertIn("encoding `json`", self.refused(json_log))
