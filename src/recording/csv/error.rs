@@ -65,9 +65,9 @@ pub enum CsvError {
         /// All required columns.
         required: Box<[&'static str]>,
         /// The header's cells.
-        found: Vec<String>,
+        found: Box<[String]>,
         /// Those that are probably meant.
-        likely: Vec<String>,
+        likely: Box<[String]>,
     },
     /// An unexpected cell.
     #[error("{cell}: found {found}, expected {expected}")]

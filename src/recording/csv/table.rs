@@ -637,7 +637,7 @@ impl TableHeader<'_> {
             cell: self.cell_at(self.line, self.names.len()),
             missing: column.name,
             required: required(self.columns).into(),
-            found: self.names.clone(),
+            found: self.names.clone().into(),
             likely: likely.into_iter().map(Into::into).collect(),
         }
     }
