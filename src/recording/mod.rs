@@ -21,7 +21,8 @@ mod statistics;
 pub use about::About;
 pub use channel::Channel;
 pub use csv::{
-    Cell, ColumnRequest, CsvError, TableOptions, read_bytes, read_drive, read_drive_of, read_poses,
+    Cell, ColumnRequest, CsvError, FoundColumns, TableOptions, read_bytes, read_drive,
+    read_drive_of, read_poses,
 };
 pub use cumulated::{Cumulated, TimeGrid, longest_interval, stretches};
 pub use drive::Drive;

@@ -55,7 +55,7 @@ pub enum CsvError {
     /// The header lacks a column.
     #[error(
         "{cell}: found no column `{missing}` among `{}`, expected a header with {}{}",
-        listed(found, "`, `"), required.join(", "), remedy(missing, found, likely)
+        listed(&found.names, "`, `"), required.join(", "), remedy(missing, &found.names, &found.likely)
     )]
     MissingColumn {
         /// After the header's last cell.
@@ -64,10 +64,8 @@ pub enum CsvError {
         missing: &'static str,
         /// All required columns.
         required: Box<[&'static str]>,
-        /// The header's cells.
-        found: Box<[String]>,
-        /// Those that are probably meant.
-        likely: Box<[String]>,
+        /// What the header has instead.
+        found: Box<FoundColumns>,
     },
     /// An unexpected cell.
     #[error("{cell}: found {found}, expected {expected}")]
@@ -79,6 +77,15 @@ pub enum CsvError {
         /// What it should have.
         expected: String,
     },
+}
+
+/// The columns of a header that lacks one.
+#[derive(Debug)]
+pub struct FoundColumns {
+    /// The header's cells.
+    pub names: Vec<String>,
+    /// Those that are probably meant.
+    pub likely: Vec<String>,
 }
 
 /// How to repair a header that lacks a column, in brackets.

@@ -15,7 +15,7 @@ mod unit;
 
 pub use drive::{read_drive, read_drive_of};
 pub(super) use error::malformed;
-pub use error::{Cell, CsvError};
+pub use error::{Cell, CsvError, FoundColumns};
 pub use poses::read_poses;
 pub use request::{ColumnRequest, TableOptions};
 pub(super) use samples::{Occurrences, RawRun, RawSample, RawSamples, read_samples};

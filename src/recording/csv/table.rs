@@ -1,7 +1,7 @@
 //! Rows of cells under a header, with the place of each cell for messages.
 
 use super::calendar::Calendar;
-use super::error::{Cell, CsvError, malformed};
+use super::error::{Cell, CsvError, FoundColumns, malformed};
 use super::layout::{Layout, are_units, is_comment, layout};
 use super::naming::{Match, likely, matched, resembles};
 use super::request::{ColumnRequest, TableOptions};
@@ -637,8 +637,10 @@ impl TableHeader<'_> {
             cell: self.cell_at(self.line, self.names.len()),
             missing: column.name,
             required: required(self.columns).into(),
-            found: self.names.clone().into(),
-            likely: likely.into_iter().map(Into::into).collect(),
+            found: Box::new(FoundColumns {
+                names: self.names.clone(),
+                likely: likely.into_iter().map(Into::into).collect(),
+            }),
         }
     }
 
