@@ -23,8 +23,8 @@ Examples:
   ugv import drive.bag --output drive.csv --left fl,rl --right fr,rr --invert right
   ugv import bag_folder --output drive.csv --preset husky --frames map,base_link
 
-Input:   MCAP, a ROS 2 bag in SQLite (.db3), a ROS 1 bag, packed with zstd or not, or the folder of a
-         bag, whose files are one recording; with any of
+Input:   MCAP, a ROS 2 bag in SQLite (.db3) or a ROS 1 bag, packed with zstd or not. Or the folder
+         of a bag, whose files are one recording. It may hold any of
            joints    sensor_msgs/JointState; Feedback of jackal_msgs, clearpath_platform_msgs
                      omega_left, omega_right (required), effort_* [N m] or current_* [A] of a side
            odometry  nav_msgs/Odometry: x, y, heading, v_x, v_y; without velocities:

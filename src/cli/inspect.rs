@@ -15,10 +15,10 @@ Examples:
 
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
          [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A
-         column `run` separates runs. Names and units in common use are known, such as yaw_deg or wl [rpm];
-         --column names others. Other columns are ignored. A log is imported first: MCAP, .db3, .bag,
-         the folder of a bag. drive.json beside drive.csv may
-         hold vehicle, terrain and sensors.
+         column `run` separates runs. Names and units in common use are known, such as yaw_deg
+         or wl [rpm]; --column names others. Other columns are ignored. A log is imported first:
+         MCAP, .db3, .bag, the folder of a bag. drive.json beside drive.csv may hold vehicle,
+         terrain and sensors.
 Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected if they are
          unambiguous, with a note. Otherwise the file is refused.
 Delays:  positive if the first signal is behind the second. A delay behind the wheels includes the

@@ -249,6 +249,14 @@ impl<'a> Decode<'a> for Fix<'a> {
     }
 }
 
+/// Passes over the covariance matrix behind a pose or a twist, if the type has one.
+fn skip_covariance(message_type: &str, wire: &mut Wire) -> Result<(), DecodeError> {
+    if message_type.contains("Covariance") {
+        let _covariance: [f64; 36] = wire.f64s()?;
+    }
+    Ok(())
+}
+
 /// A pose, with the frames that it relates.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pose<'a> {
@@ -278,9 +286,7 @@ impl<'a> Pose<'a> {
                     position: wire.f64s()?,
                     orientation: wire.f64s()?,
                 };
-                if name.contains("Covariance") {
-                    let _covariance: [f64; 36] = wire.f64s()?;
-                }
+                skip_covariance(&name, &mut wire)?;
                 vec![pose]
             }
             "geometry_msgs/TransformStamped" => vec![Self::transform(&mut wire)?],
@@ -322,9 +328,7 @@ impl<'a> Twist<'a> {
             velocity: wire.f64s()?,
             angular_velocity: wire.f64s()?,
         };
-        if message_type.contains("Covariance") {
-            let _covariance: [f64; 36] = wire.f64s()?;
-        }
+        skip_covariance(message_type, &mut wire)?;
         wire.finish()?;
         Ok(twist)
     }

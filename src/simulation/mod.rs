@@ -120,11 +120,13 @@ impl Simulation {
     pub fn set_time(&mut self, time: f64) -> Result<(), SimulationError> {
         finite(&["time"], &[time])?;
         // Callers add up time in their own ways: what rounding moves is no other time, unless effects switch there.
-        let rounding = 8.0 * f64::EPSILON * time.abs().max(self.time.abs());
         let model = &self.model;
-        let same = (time - self.time).abs() <= rounding
-            && model.next_event(time) == model.next_event(self.time);
-        if !same && !model.effects().is_paper() {
+        let rounding = 8.0 * f64::EPSILON * time.abs().max(self.time.abs());
+        let is_same = || {
+            (time - self.time).abs() <= rounding
+                && model.next_event(time) == model.next_event(self.time)
+        };
+        if time != self.time && !model.effects().is_paper() && !is_same() {
             self.leave();
         }
         self.time = time;
