@@ -39,7 +39,7 @@ class Run:
 
     status: int
     printed: str
-    printed: str
+    stderr: str
 
 
 def ugv(*arguments: object) -> Run:
@@ -84,18 +84,18 @@ class ImportCase(unittest.TestCase):
         """Imports what can be imported."""
         output = self.folder / "out.csv"
         run = ugv(log, "--output", output, *arguments)
-        self.assertEqual(run.status, 0, run.printed)
-        self.printed = run.printed
+        self.assertEqual(run.status, 0, run.stderr)
+        self.stderr = run.stderr
         return Recording(output)
 
     def refused(self, log: Path, *arguments: object) -> str:
         """Why a log is refused; nothing is written."""
         output = self.folder / "refused.csv"
         run = ugv(log, "--output", output, *arguments)
-        self.assertEqual(run.status, BAD_INPUT, run.printed)
+        self.assertEqual(run.status, BAD_INPUT, run.stderr)
         self.assertFalse(output.exists())
-        self.assertNotIn("panicked", run.printed)
-        return run.printed
+        self.assertNotIn("panicked", run.stderr)
+        return run.stderr
 
     def joints(self, speeds: dict[str, float] | None = None) -> list[Message]:
         """Joint states."""
@@ -191,7 +191,7 @@ class Drive(ImportCase):
     def test_list_shows_the_topics(self) -> None:
         for log in ("drive_bz2.bag", "drive_ros1.mcap"):
             run = ugv(self.logs / log, "--list")
-            self.assertEqual(run.status, 0, run.printed)
+            self.assertEqual(run.status, 0, run.stderr)
             lines = {line.split()[0]: line for line in run.printed.splitlines()}
             self.assertIn("sensor_msgs/Imu", lines["/imu/data"].replace("/msg/", "/"))
             for word in ("ros1", "2000", "100.00", "0.00 .. 19.99", "imu *"):
@@ -210,9 +210,9 @@ class Drive(ImportCase):
             cut = self.folder / name
             cut.write_bytes(whole[: len(whole) // 2])
             with self.subTest(name):
-                printed = self.refused(cut)
-                self.assertIn("is damaged near byte", printed)
-                self.assertIn("--partial imports what comes before", printed)
+                stderr = self.refused(cut)
+                self.assertIn("is damaged near byte", stderr)
+                self.assertIn("--partial imports what comes before", stderr)
                 recording = self.imported(cut, "--partial")
                 self.assertTrue(recording.beside["provenance"]["damaged"])
                 self.assertIn("these were imported", recording.notes)
@@ -234,8 +234,8 @@ class Drive(ImportCase):
                 broken[place : place + 16] = bytes([255]) * 16
                 path.write_bytes(broken)
                 run = ugv(path, "--partial", "--output", self.folder / "out.csv")
-                self.assertIn(run.status, (0, BAD_INPUT), f"{name} {part}: {run.printed}")
-                self.assertNotIn("panicked", run.printed)
+                self.assertIn(run.status, (0, BAD_INPUT), f"{name} {part}: {run.stderr}")
+                self.assertNotIn("panicked", run.stderr)
 
     def test_what_stands_in_the_json_stays(self) -> None:
         beside = self.folder / "out.json"
@@ -246,12 +246,12 @@ class Drive(ImportCase):
         beside.write_text("[1]")
         run = ugv(self.logs / "drive_lz4.bag", "--output", self.folder / "out.csv")
         self.assertEqual(run.status, BAD_INPUT)
-        self.assertIn("not a JSON object", run.printed)
+        self.assertIn("not a JSON object", run.stderr)
         self.assertEqual(beside.read_text(), "[1]")
 
     def test_standard_output_has_the_table(self) -> None:
         run = ugv(self.logs / "drive_lz4.bag", "--quiet")
-        self.assertEqual((run.status, run.printed), (0, ""))
+        self.assertEqual((run.status, run.stderr), (0, ""))
         self.assertTrue(run.printed.startswith("time,omega_left,omega_right,x,y,"))
 
 
@@ -290,9 +290,9 @@ class Wheels(ImportCase):
 
     def test_joints_that_tell_no_side_are_named(self) -> None:
         log = self.log(self.joints({"m1": 1.0, "m2": 2.0, "m3": 3.0, "m4": 5.0}))
-        printed = self.refused(log)
+        stderr = self.refused(log)
         for word in ("m1, m2, m3, m4", "--left NAME", "left wheel"):
-            self.assertIn(word, printed)
+            self.assertIn(word, stderr)
         recording = self.imported(log, "--left", "m1,m2", "--right", "m3,m4")
         self.assertEqual(set(recording.columns["omega_left"].values()), {1.5})
         self.assertEqual(set(recording.columns["omega_right"].values()), {4.0})
@@ -300,9 +300,9 @@ class Wheels(ImportCase):
         self.assertIn("both sides", self.refused(log, "--left", "m3", "--right", "m3"))
 
     def test_no_joint_states(self) -> None:
-        printed = self.refused(self.log(self.odometry()))
-        self.assertIn("wheel speeds are required", printed)
-        self.assertIn("/ins/odom (nav_msgs/msg/Odometry)", printed)
+        stderr = self.refused(self.log(self.odometry()))
+        self.assertIn("wheel speeds are required", stderr)
+        self.assertIn("/ins/odom (nav_msgs/msg/Odometry)", stderr)
 
 
 class Choices(ImportCase):
@@ -325,9 +325,9 @@ class Choices(ImportCase):
         recording = self.imported(log, "--topics", "odometry=none")
         self.assertEqual(recording.names, ["time", "omega_left", "omega_right"])
         self.assertIn("no pose", recording.notes)
-        printed = self.refused(log, "--topics", "odometry=/wheel/odm")
-        self.assertIn("no such topic", printed)
-        self.assertIn("--topics odometry=/wheel/odom", printed)
+        stderr = self.refused(log, "--topics", "odometry=/wheel/odm")
+        self.assertIn("no such topic", stderr)
+        self.assertIn("--topics odometry=/wheel/odom", stderr)
         self.assertIn("it is of type", self.refused(log, "--topics", "imu=/wheel/odom"))
         self.assertIn("KIND=TOPIC", self.refused(log, "--topics", "laser=/scan"))
         self.assertIn("--pose fix needs", self.refused(log, "--pose", "fix"))

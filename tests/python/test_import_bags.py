@@ -104,10 +104,10 @@ class Storages(BagCase):
             content = file.read_bytes()
             file.write_bytes(content[: len(content) // 2])
             with self.subTest(file.name):
-                printed = self.refused(file)
-                self.assertIn("is damaged", printed)
+                stderr = self.refused(file)
+                self.assertIn("is damaged", stderr)
                 if storage == SQLITE and mode == CompressionMode.NONE:
-                    self.assertIn("--partial imports what comes before", printed)
+                    self.assertIn("--partial imports what comes before", stderr)
                     recording = self.imported(file, "--partial")
                     self.assertGreater(recording.times[-1], 5.0)
                     self.assert_column(recording, "x", lambda t: truth(t).x, EXACT * 100)
@@ -122,8 +122,8 @@ class Storages(BagCase):
                 broken[place : place + 16] = bytes([255]) * 16
                 file.write_bytes(broken)
                 run = ugv(file, "--partial", "--output", self.folder / "out.csv")
-                self.assertIn(run.status, (0, BAD_INPUT), f"{mode} {part}: {run.printed}")
-                self.assertNotIn("panicked", run.printed)
+                self.assertIn(run.status, (0, BAD_INPUT), f"{mode} {part}: {run.stderr}")
+                self.assertNotIn("panicked", run.stderr)
                 self.assertEqual(file.read_bytes(), broken)
 
     def test_databases_that_mean_harm(self) -> None:
@@ -156,8 +156,8 @@ class Storages(BagCase):
             ("is damaged", [topics, topic, messages, "INSERT INTO messages VALUES(1, 1, 'a', x'00')"]),
         ):
             with self.subTest(words):
-                printed = self.refused(database(*statements))
-                self.assertIn(words, " ".join(printed.split()))
+                stderr = self.refused(database(*statements))
+                self.assertIn(words, " ".join(stderr.split()))
 
     def test_a_bomb_is_refused(self) -> None:
         bomb = self.folder / "bomb.mcap.zstd"
@@ -271,9 +271,9 @@ class Messages(BagCase):
             content.name = []
             messages.append(Message("/joint_states", JOINT_STATE, t, content))
         log = self.log(messages)
-        printed = " ".join(self.refused(log).split())
-        self.assertIn("its 5 joints have no names", printed)
-        self.assertIn("--wheels FL,FR,RL,RR", printed)
+        stderr = " ".join(self.refused(log).split())
+        self.assertIn("its 5 joints have no names", stderr)
+        self.assertIn("--wheels FL,FR,RL,RR", stderr)
         recording = self.imported(log, "--wheels", "FL,RL,FR,RR,-")
         for name in ("omega_left", "omega_right"):
             self.assert_column(recording, name, lambda t: getattr(truth(t), name), EXACT * 100)
