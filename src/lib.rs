@@ -97,6 +97,9 @@
 //!   archive.
 //! - `fmu`: the C interfaces of FMI 2.0 and 3.0; building it needs libclang.
 
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 pub mod contact;
 pub mod declaration;
 #[cfg(feature = "analysis")]
@@ -117,6 +120,8 @@ pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;
 pub mod parameter;
+#[cfg(feature = "python")]
+pub mod python;
 #[cfg(feature = "analysis")]
 pub mod recording;
 #[cfg(feature = "analysis")]
