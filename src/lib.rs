@@ -95,6 +95,7 @@
 //!   effects, JSON.
 //! - `cli` (default): with that the tool `ugv`, reading robots' logs (`import`), and `package`, which makes the FMU's
 //!   archive.
+//! - `python`: with `cli`, the native part of the Python package.
 //! - `fmu`: the C interfaces of FMI 2.0 and 3.0; building it needs libclang.
 
 #[cfg(feature = "cli")]
