@@ -88,6 +88,7 @@ summary+=("$(awk -v skipped="$skipped" '
     END { printf "Rust: %d passed, %d failed, %d skipped, %d for --all", passed - skipped, failed, skipped, nightly }' "$log")")
 
 if [[ $tier != quick ]]; then
+    ./scripts/python.sh || status=1
     echo "test: Python"
     log=$target/test/python.log
     # A module on each of two cores; those that skip say why.

@@ -95,8 +95,12 @@
 //!   effects, JSON.
 //! - `cli` (default): with that the tool `ugv`, reading robots' logs (`import`), and `package`, which makes the FMU's
 //!   archive.
+//! - `python`: with `cli`, the native part of the Python package.
 //! - `fmu`: the C interfaces of FMI 2.0 and 3.0; building it needs libclang.
 
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 pub mod contact;
 pub mod declaration;
 #[cfg(feature = "analysis")]
@@ -117,6 +121,8 @@ pub mod json;
 #[cfg(feature = "cli")]
 pub mod package;
 pub mod parameter;
+#[cfg(feature = "python")]
+pub mod python;
 #[cfg(feature = "analysis")]
 pub mod recording;
 #[cfg(feature = "analysis")]

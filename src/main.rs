@@ -1,9 +1,8 @@
 //! `ugv`: drives the wheel–terrain model from the command line.
 
-mod cli;
-
 use std::io::{self, Write};
 use std::process::ExitCode;
+use ugv_terrain::cli;
 
 fn main() -> ExitCode {
     match cli::run() {

@@ -1,6 +1,6 @@
 //! Columns of CSV files that the user names.
 
-use ugv_terrain::recording::ColumnRequest;
+use crate::recording::ColumnRequest;
 
 /// Columns of another name or unit.
 #[derive(clap::Args)]

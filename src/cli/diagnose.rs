@@ -1,18 +1,24 @@
 //! `ugv diagnose`: which physics does the model leave out?
 
+use super::answer::{Answer, Caller};
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
-use super::output::{Output, finish_all, notify, print};
+use super::output::{Output, finish_all, notify_all, print};
 use super::progress::ProgressLine;
+use crate::diagnosis::{
+    Caution, Diagnosis, DiagnosisError, Options, Progress, diagnose, insufficient,
+};
+use crate::display::visible_line;
+use crate::json::FittedTo;
+use crate::recording::{Recording, Run};
+use crate::report::diagnosis::{json, page, text};
+use crate::vehicle::Specification;
+use rayon::ThreadPool;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use ugv_terrain::diagnosis::{Caution, DiagnosisError, Options, Progress, diagnose, insufficient};
-use ugv_terrain::display::visible_line;
-use ugv_terrain::recording::{Recording, Run};
-use ugv_terrain::report::diagnosis::{json, page, text};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -78,67 +84,133 @@ enum TimeLimit {
     Within(Duration),
 }
 
+/// What is diagnosed.
+struct Question {
+    recordings: Vec<Recording>,
+    nominal: Specification,
+    /// Whether nobody named the vehicle.
+    is_assumed: bool,
+    options: Options,
+    pool: ThreadPool,
+}
+
+/// The diagnosis and the model with its findings.
+struct Found {
+    diagnosis: Diagnosis,
+    fitted_to: Vec<FittedTo>,
+}
+
+/// The files of a diagnosis.
+const FILES: [&str; 3] = ["diagnosis.json", "model.json", "report.html"];
+
+impl Question {
+    /// Reads the files. What the user has to know is added to the notes.
+    fn of(args: &Args, notes: &mut Vec<String>) -> Result<Self, Failure> {
+        let named = args.nominal.load()?;
+        let recordings = named.read(&args.recordings, notes)?;
+        let is_assumed = named.lacks_vehicle(&recordings);
+        Ok(Self {
+            nominal: named.nominal(&recordings, notes)?,
+            recordings,
+            is_assumed,
+            options: Options {
+                seed: args.seed,
+                ..Options::default()
+            },
+            pool: jobs::pool(args.jobs)?,
+        })
+    }
+
+    fn answer(&self, progress: Progress, within: Option<TimeLimit>) -> Result<Found, Failure> {
+        let Self {
+            recordings,
+            nominal,
+            options,
+            ..
+        } = self;
+        let progress = match within.unwrap_or_else(|| default_limit(recordings)) {
+            TimeLimit::Within(limit) => progress.within(limit),
+            TimeLimit::None => progress,
+        };
+        let found = || diagnose(recordings, nominal, options, &progress);
+        let mut fitted_to = fitted_to(recordings, true);
+        let mut diagnosis = match self.pool.install(found) {
+            Err(
+                error @ (DiagnosisError::AtRest { .. }
+                | DiagnosisError::TooShort { .. }
+                | DiagnosisError::OutOfTime),
+            ) => {
+                fitted_to.clear();
+                let mut diagnosis = insufficient(recordings, nominal, options, &error);
+                diagnosis.account.steps = progress.seconds();
+                diagnosis
+            }
+            other => other?,
+        };
+        if self.is_assumed {
+            diagnosis.cautions.push(Caution::assumed(&nominal.vehicle));
+        }
+        Ok(Found {
+            diagnosis,
+            fitted_to,
+        })
+    }
+}
+
+impl Found {
+    /// The texts of [`FILES`].
+    fn texts(&self) -> [String; 3] {
+        let Self {
+            diagnosis,
+            fitted_to,
+        } = self;
+        [
+            json(diagnosis),
+            diagnosis.model.to_json_fitted(fitted_to),
+            page(diagnosis),
+        ]
+    }
+}
+
+/// The texts of a diagnosis's files and its summary, for a caller that writes no files.
+pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
+    let step = |name: &'static str| (caller.step)(name);
+    let progress = Progress::new(&step).stopped_by(caller.stop);
+    let mut notes = Vec::new();
+    let question = Question::of(args, &mut notes)?;
+    let found = question.answer(progress, args.within)?;
+    let mut texts: Vec<(&str, String)> = FILES.into_iter().zip(found.texts()).collect();
+    texts.push(("summary", text(&found.diagnosis)));
+    Ok(Answer { texts, notes })
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     let line = ProgressLine::steps(args.quiet);
-    let show = |step| line.step(step);
-    let mut progress = Progress::new(&show);
-    let named = args.nominal.load()?;
-    let recordings = named.read(&args.recordings)?;
-    if let TimeLimit::Within(limit) = args.within.unwrap_or_else(|| default_limit(&recordings)) {
-        progress = progress.within(limit);
-    }
-    for recording in &recordings {
-        recording.warnings().for_each(|warning| notify(&warning));
-    }
-    let is_assumed = named.lacks_vehicle(&recordings);
-    let nominal = named.nominal(&recordings, args.quiet)?;
-    let options = Options {
-        seed: args.seed,
-        ..Options::default()
-    };
-    let pool = jobs::pool(args.jobs)?;
+    let show = |step: &'static str| line.step(step);
+    let progress = Progress::new(&show);
+    let mut notes = Vec::new();
+    let question = Question::of(args, &mut notes);
+    notify_all(&notes, args.quiet);
+    let question = question?;
     let _folder = NewFolder::create(&args.out).map_err(|source| Failure::Write {
         target: args.out.display().to_string(),
         source,
     })?;
-    let files = ["diagnosis.json", "model.json", "report.html"];
     let inputs = args.nominal.files();
     let inputs = || args.recordings.iter().chain(&inputs);
-    let outputs = files.map(|name| Output::from_inputs(Some(&args.out.join(name)), inputs()));
+    let outputs = FILES.map(|name| Output::from_inputs(Some(&args.out.join(name)), inputs()));
     let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let found = pool.install(|| diagnose(&recordings, &nominal, &options, &progress));
+    let found = question.answer(progress, args.within);
     line.finish();
-    let mut fitted = fitted_to(&recordings, true);
-    let mut diagnosis = match found {
-        Err(
-            error @ (DiagnosisError::AtRest { .. }
-            | DiagnosisError::TooShort { .. }
-            | DiagnosisError::OutOfTime),
-        ) => {
-            fitted.clear();
-            let mut diagnosis = insufficient(&recordings, &nominal, &options, &error);
-            diagnosis.account.steps = progress.seconds();
-            diagnosis
-        }
-        other => other?,
-    };
-    if is_assumed {
-        let caution = Caution::assumed(&nominal.vehicle);
-        diagnosis.cautions.push(caution);
-    }
-    let texts = [
-        json(&diagnosis),
-        diagnosis.model.to_json_fitted(&fitted),
-        page(&diagnosis),
-    ];
-    let filled = outputs.into_iter().zip(texts);
+    let found = found?;
+    let filled = outputs.into_iter().zip(found.texts());
     let filled: Result<Vec<_>, _> = filled.map(|(output, text)| output.with(&text)).collect();
     let written = filled.and_then(finish_all);
     if !args.quiet {
         // Also after a failed write, so that minutes of work are not lost.
-        print(&text(&diagnosis))?;
+        print(&text(&found.diagnosis))?;
         if written.is_ok() {
-            let (folder, files) = (args.out.display().to_string(), files.join(", "));
+            let (folder, files) = (args.out.display().to_string(), FILES.join(", "));
             print(&format!("written to {}: {files}\n", visible_line(&folder)))?;
         }
     }

@@ -2,11 +2,11 @@
 
 use super::failure::Failure;
 use super::output::{notify, write_stdout};
-use clap::builder::PossibleValuesParser;
-use std::fmt::Write;
-use ugv_terrain::effects::{
+use crate::effects::{
     CATALOGUE, Declaration, EffectKind, Effects, ParameterDeclaration, ParameterName, Prior,
 };
+use clap::builder::PossibleValuesParser;
+use std::fmt::Write;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,18 +1,18 @@
 //! Everything that can end the tool early, with its exit status and remedy.
 
+use crate::diagnosis::DiagnosisError;
+use crate::display::{visible, visible_line};
+use crate::fit::FitError;
+use crate::identification::IdentificationError;
+use crate::import::ImportError;
+use crate::json::JsonError;
+use crate::parameter::ParameterError;
+use crate::recording::{CsvError, RecordingError, SameName};
+use crate::simulation::SimulationError;
+use crate::vehicle::BalanceError;
 use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
-use ugv_terrain::diagnosis::DiagnosisError;
-use ugv_terrain::display::{visible, visible_line};
-use ugv_terrain::fit::FitError;
-use ugv_terrain::identification::IdentificationError;
-use ugv_terrain::import::ImportError;
-use ugv_terrain::json::JsonError;
-use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::{CsvError, RecordingError, SameName};
-use ugv_terrain::simulation::SimulationError;
-use ugv_terrain::vehicle::BalanceError;
 
 /// Exit status for wrong arguments or files.
 const BAD_INPUT: u8 = 2;
@@ -102,6 +102,11 @@ impl Failure {
             | Self::Write { .. } => FAILED,
             _ => BAD_INPUT,
         }
+    }
+
+    /// Whether the input is at fault.
+    pub fn is_bad_input(&self) -> bool {
+        self.status() == BAD_INPUT
     }
 
     /// The error with all its causes on one line, and the remedy below it. What a terminal obeys is escaped.

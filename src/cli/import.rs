@@ -3,17 +3,17 @@
 use super::failure::Failure;
 use super::output::{Output, finish_all, is_stream, notify, print};
 use super::progress::ProgressLine;
+use crate::display::visible_line;
+use crate::import::{
+    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, PoseChoice, Preset,
+    Survey, TopicRequest,
+};
+use crate::json::read_file;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
-use ugv_terrain::display::visible_line;
-use ugv_terrain::import::{
-    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, PoseChoice, Preset,
-    Survey, TopicRequest,
-};
-use ugv_terrain::json::read_file;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,11 +1,11 @@
 //! `--initial`: the initial pose and velocities.
 
 use super::failure::Failure;
+use crate::parameter::{Bounds, ParameterError};
+use crate::simulation::{State, WheelSpeeds};
+use crate::spelling::nearest;
+use crate::vehicle::Vehicle;
 use std::str::FromStr;
-use ugv_terrain::parameter::{Bounds, ParameterError};
-use ugv_terrain::simulation::{State, WheelSpeeds};
-use ugv_terrain::spelling::nearest;
-use ugv_terrain::vehicle::Vehicle;
 
 /// Sets the velocities of rolling without slip at the first wheel speeds.
 const NO_SLIP: &str = "no-slip";

@@ -3,10 +3,10 @@
 use super::columns::ColumnArgs;
 use super::failure::Failure;
 use super::output::{is_stream, notify};
+use crate::recording::{CsvError, Drive, TableOptions, read_drive_of, upper_median};
 use std::fs::File;
 use std::io;
 use std::path::Path;
-use ugv_terrain::recording::{CsvError, Drive, TableOptions, read_drive_of, upper_median};
 
 /// Wheel speeds above this cause a warning \[rad/s\]. `ugv inspect` takes it as the limit of a ground vehicle, too.
 const FAST: f64 = 200.0;

@@ -4,9 +4,9 @@ use super::columns::ColumnArgs;
 use super::failure::Failure;
 use super::output::{Output, finish_all, notify, print_beside};
 use super::recordings;
+use crate::inspection::inspect;
+use crate::report::inspection::{json, page, text};
 use std::path::PathBuf;
-use ugv_terrain::inspection::inspect;
-use ugv_terrain::report::inspection::{json, page, text};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,5 +1,6 @@
 //! Arguments and output; no physics. One file per subcommand.
 
+mod answer;
 mod columns;
 mod completions;
 mod diagnose;
@@ -22,6 +23,7 @@ mod score;
 mod simulate;
 mod sweep;
 
+pub use answer::{Answer, Caller};
 pub use failure::Failure;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -92,5 +94,23 @@ pub fn run() -> Result<(), Failure> {
         Command::Effects(args) => effects::run(&args),
         Command::Model(args) => presets::model(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),
+    }
+}
+
+/// What a command finds with these arguments, the name of the command first: `diagnose`, `fit` or `score`. No file is
+/// written, and nothing printed.
+///
+/// # Errors
+/// As the command.
+pub fn answer(arguments: &[String], caller: &Caller) -> Result<Answer, Failure> {
+    let arguments = std::iter::once("ugv").chain(arguments.iter().map(String::as_str));
+    match Cli::try_parse_from(arguments)
+        .map_err(Failure::Usage)?
+        .command
+    {
+        Command::Diagnose(args) => diagnose::answer(&args, caller),
+        Command::Fit(args) => fit::answer(&args, caller),
+        Command::Score(args) => score::answer(&args, caller),
+        _ => Err(Failure::argument("no command that is asked without files")),
     }
 }

@@ -2,12 +2,12 @@
 
 use super::failure::Failure;
 use super::output::notify;
+use crate::effects::{CATALOGUE, EffectKind, Effects};
+use crate::json::{FittedTo, JsonError, read_file};
+use crate::spelling::nearest;
+use crate::terrain::Terrain;
+use crate::vehicle::{Specification, Vehicle};
 use std::path::{Path, PathBuf};
-use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects};
-use ugv_terrain::json::{FittedTo, JsonError, read_file};
-use ugv_terrain::spelling::nearest;
-use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Specification, Vehicle};
 
 /// The vehicle, the terrain and the effects of a simulation.
 #[derive(clap::Args)]

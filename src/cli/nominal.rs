@@ -5,14 +5,13 @@ use super::failure::Failure;
 use super::model::{
     check_piecewise, drop_sensors, load_effects, load_fitted, load_terrain, load_vehicle,
 };
-use super::output::notify;
 use super::recordings;
+use crate::effects::Effects;
+use crate::json::FittedTo;
+use crate::recording::{ColumnRequest, Recording, different_names};
+use crate::terrain::Terrain;
+use crate::vehicle::{Specification, Vehicle};
 use std::path::PathBuf;
-use ugv_terrain::effects::Effects;
-use ugv_terrain::json::FittedTo;
-use ugv_terrain::recording::{ColumnRequest, Recording, different_names};
-use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Specification, Vehicle};
 
 /// Name of the terrain that is assumed if nothing names one.
 pub const DEFAULT_TERRAIN: &str = "clayed_soil";
@@ -100,16 +99,21 @@ impl NominalArgs {
 
 impl NamedModel {
     /// Reads recordings of different names, with the JSON files beside them. Units of wheel speeds are recognised by
-    /// the vehicle of the JSON file, or else by the named one.
-    pub fn read(&self, paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
+    /// the vehicle of the JSON file, or else by the named one. What the user has to know is added to the notes.
+    pub fn read(
+        &self,
+        paths: &[PathBuf],
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<Recording>, Failure> {
         let vehicle = self.vehicle.as_ref();
         let mut recordings = Vec::new();
         for path in paths {
-            let (recording, notes) = recordings::read(path, vehicle, &self.columns)?;
-            notes.iter().for_each(|note| notify(note));
+            let (recording, imported) = recordings::read(path, vehicle, &self.columns)?;
+            notes.extend(imported);
             recordings.push(recording);
         }
         different_names(recordings.iter().map(|one| one.name.as_str()))?;
+        notes.extend(recordings.iter().flat_map(Recording::warnings));
         Ok(recordings)
     }
 
@@ -119,16 +123,20 @@ impl NamedModel {
         self.vehicle.is_none() && recordings.all(|recording| recording.about.vehicle.is_none())
     }
 
-    /// What the arguments name, or else the recordings, or else the paper.
-    pub fn nominal(self, recordings: &[Recording], quiet: bool) -> Result<Specification, Failure> {
+    /// What the arguments name, or else the recordings, or else the paper; notes say what was chosen.
+    pub fn nominal(
+        self,
+        recordings: &[Recording],
+        notes: &mut Vec<String>,
+    ) -> Result<Specification, Failure> {
         Ok(Specification {
             vehicle: match self.vehicle {
                 Some(vehicle) => vehicle,
-                None => recorded_vehicle(recordings, quiet)?,
+                None => recorded_vehicle(recordings, notes)?,
             },
             terrain: match self.terrain {
                 Some(terrain) => terrain,
-                None => recorded_terrain(recordings, quiet)?,
+                None => recorded_terrain(recordings, notes)?,
             },
             effects: self.effects.unwrap_or_default(),
         })
@@ -136,17 +144,15 @@ impl NamedModel {
 }
 
 /// The terrain of the first recording that has one: a fit assumes one soil for all.
-fn recorded_terrain(recordings: &[Recording], quiet: bool) -> Result<Terrain, Failure> {
+fn recorded_terrain(recordings: &[Recording], notes: &mut Vec<String>) -> Result<Terrain, Failure> {
     let mut named = recordings
         .iter()
         .filter_map(|r| Some((r, r.about.terrain?)));
     let Some((first, terrain)) = named.next() else {
         return load_terrain(DEFAULT_TERRAIN.as_ref());
     };
-    if let Some((other, _)) = named.find(|(_, other)| *other != terrain)
-        && !quiet
-    {
-        notify(&format!(
+    if let Some((other, _)) = named.find(|(_, other)| *other != terrain) {
+        notes.push(format!(
             "note: {} and {} have different terrains; the fit starts from that of {} for all (see --terrain)",
             first.name, other.name, first.name
         ));
@@ -154,14 +160,14 @@ fn recorded_terrain(recordings: &[Recording], quiet: bool) -> Result<Terrain, Fa
     Ok(terrain)
 }
 
-fn recorded_vehicle(recordings: &[Recording], quiet: bool) -> Result<Vehicle, Failure> {
+fn recorded_vehicle(recordings: &[Recording], notes: &mut Vec<String>) -> Result<Vehicle, Failure> {
     let mut named = recordings
         .iter()
         .filter_map(|r| Some((r, r.about.vehicle.as_ref()?)));
     let Some((first, vehicle)) = named.next() else {
-        if !quiet {
-            notify("note: no recording names its vehicle; the paper's is used (see --vehicle)");
-        }
+        notes.push(
+            "note: no recording names its vehicle; the paper's is used (see --vehicle)".into(),
+        );
         return Ok(Vehicle::tran2007());
     };
     match named.find(|(_, other)| *other != vehicle) {

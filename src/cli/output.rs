@@ -1,11 +1,11 @@
 //! What the user gets: files that appear complete or not at all, and texts on the terminal.
 
 use super::failure::Failure;
+use crate::display::{visible, visible_line};
 use std::fs;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, SpooledTempFile, TempPath};
-use ugv_terrain::display::{visible, visible_line};
 
 /// Bytes of output that stay in memory; a longer output goes to a temporary file.
 const SPOOL_BYTES: usize = 64 << 20;
@@ -259,6 +259,14 @@ impl Write for Output {
 pub fn notify(line: &str) {
     // A closed standard error is no reason to stop.
     let _ = writeln!(io::stderr(), "ugv: {}", visible_line(line));
+}
+
+/// Prints notes. What is quiet shows warnings alone.
+pub fn notify_all(notes: &[String], quiet: bool) {
+    let shown = notes
+        .iter()
+        .filter(|note| !(quiet && note.starts_with("note: ")));
+    shown.for_each(|note| notify(note));
 }
 
 /// Prints data.

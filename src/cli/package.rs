@@ -3,13 +3,13 @@
 use super::failure::Failure;
 use super::model::{ModelArgs, load_terrain};
 use super::output::{Output, notify};
+use crate::declaration::Configuration;
+use crate::package::{MergeError, PackageError, Platform, Standard, merge_fmus, write_fmu};
+use crate::terrain::Terrain;
+use crate::vehicle::VehicleModel;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
-use ugv_terrain::declaration::Configuration;
-use ugv_terrain::package::{MergeError, PackageError, Platform, Standard, merge_fmus, write_fmu};
-use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::VehicleModel;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -3,10 +3,10 @@
 use super::failure::Failure;
 use super::model::ModelArgs;
 use super::output::{notify, write_stdout};
+use crate::import::Preset;
+use crate::terrain::Terrain;
+use crate::vehicle::{Vehicle, VehicleModel};
 use clap::builder::PossibleValuesParser;
-use ugv_terrain::import::Preset;
-use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Vehicle, VehicleModel};
 
 const TERRAINS_EXAMPLES: &str = "\
 Examples:

@@ -1,10 +1,10 @@
 //! Recordings from the files that the user names: tables, or robots' logs.
 
 use super::failure::Failure;
+use crate::import::{self, ImportOptions};
+use crate::recording::{ColumnRequest, Recording, read_recording_with, recording_of_table};
+use crate::vehicle::Vehicle;
 use std::path::Path;
-use ugv_terrain::import::{self, ImportOptions};
-use ugv_terrain::recording::{ColumnRequest, Recording, read_recording_with, recording_of_table};
-use ugv_terrain::vehicle::Vehicle;
 
 /// Reads a recording. A robot's log is imported without options; notes say what was taken from where.
 pub fn read(

@@ -42,6 +42,6 @@ pub mod uncertainty;
 
 pub use error::FitError;
 pub use estimate::{Estimate, Fit, fit};
-pub use model::{Fitted, fit_model};
+pub use model::{Fitted, fit_model, fit_model_until};
 pub use noise_model::NoiseEstimate;
 pub use options::{Options, Stage};

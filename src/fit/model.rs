@@ -1,5 +1,6 @@
 //! Fitting a model of a vehicle on a soil: what most want of [`fit`](super::fit).
 
+use super::deadline::Deadline;
 use super::estimate::{Fit, fit};
 use super::exact::ExactPredictor;
 use super::options::{Options, Stage};
@@ -49,6 +50,28 @@ pub fn fit_model(
     options: &Options,
     progress: &(dyn Fn(Stage) + Sync),
 ) -> Result<Fitted, FitError> {
+    fit_model_until(
+        Deadline::NEVER,
+        nominal,
+        free,
+        recordings,
+        options,
+        progress,
+    )
+}
+
+/// As [`fit_model`], with an end to the work.
+///
+/// # Errors
+/// As [`fit_model`]. Soon after the deadline the work fails, or gives the best that was found by then.
+pub fn fit_model_until(
+    deadline: Deadline<'_>,
+    nominal: &Specification,
+    free: &[ModelParameter],
+    recordings: &[Recording],
+    options: &Options,
+    progress: &(dyn Fn(Stage) + Sync),
+) -> Result<Fitted, FitError> {
     if nominal.effects.depend_on_beginning() {
         return Err(FitError::DependsOnBeginning);
     }
@@ -59,7 +82,7 @@ pub fn fit_model(
     if let Some(name) = free.iter().enumerate().find_map(twice) {
         return Err(FitError::Twice { name });
     }
-    let predictor = ExactPredictor::new(nominal.clone(), free.to_vec());
+    let predictor = ExactPredictor::new(nominal.clone(), free.to_vec()).with_deadline(deadline);
     let parameters = free.iter().map(|one| catalogue::describe(*one, nominal));
     let values: Vec<f64> = free.iter().map(|one| one.get(nominal)).collect();
     let fitted = fit(

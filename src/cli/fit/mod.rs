@@ -4,16 +4,21 @@ mod names;
 mod report;
 mod summary;
 
+use super::answer::{Answer, Caller};
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
-use super::output::{Output, finish_all, notify, print_beside};
+use super::output::{Output, finish_all, notify_all, print_beside};
 use super::progress::ProgressLine;
+use crate::fit::{Fit, Fitted, Options, Stage, fit_model_until};
+use crate::identification::{WindowOptions, fitted_part};
+use crate::recording::Recording;
+use crate::vehicle::Specification;
 use names::{FreeNames, print_names};
+use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
-use ugv_terrain::fit::{Fitted, Options, Stage, fit_model};
-use ugv_terrain::identification::{WindowOptions, fitted_part};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -101,33 +106,103 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// What is fitted.
+struct Question {
+    recordings: Vec<Recording>,
+    nominal: Specification,
+    free: FreeNames,
+    options: Options,
+    pool: ThreadPool,
+}
+
+/// The fit and its files.
+struct Found {
+    fit: Fit,
+    model: String,
+    report: String,
+}
+
+impl Question {
+    /// Reads the files. What the user has to know is added to the notes.
+    fn of(args: &Args, notes: &mut Vec<String>) -> Result<Self, Failure> {
+        if args.recordings.is_empty() {
+            return Err(Failure::argument("no recording to fit")
+                .with_remedy("ugv fit drive.csv --output model.json"));
+        }
+        let named = args.nominal.load()?;
+        let mut recordings = named.read(&args.recordings, notes)?;
+        if args.half {
+            for recording in &mut recordings {
+                *recording = fitted_part(recording, &WindowOptions::default())?;
+            }
+        }
+        let nominal = named.nominal(&recordings, notes)?;
+        let mut free = FreeNames::parse(&args.free, &args.sensors)?;
+        Ok(Self {
+            recordings,
+            nominal,
+            options: Options {
+                sensors: std::mem::take(&mut free.sensors),
+                segment: args.segment,
+                starts: args.starts,
+                seed: args.seed,
+                robust: !args.not_robust,
+            },
+            free,
+            pool: jobs::pool(args.jobs)?,
+        })
+    }
+
+    fn answer(&self, args: &Args, caller: &Caller) -> Result<Found, Failure> {
+        let Self {
+            recordings,
+            nominal,
+            free,
+            options,
+            pool,
+        } = self;
+        let show = |stage| match stage {
+            Stage::Turn(turn) => (caller.step)(&format!("fitting motion and noise, turn {turn}")),
+            Stage::Start(start) => {
+                (caller.step)(&format!("random start {} of {}", start + 1, args.starts));
+            }
+        };
+        let deadline = caller.deadline();
+        let fit = || fit_model_until(deadline, nominal, &free.model, recordings, options, &show);
+        let Fitted { model, fit } = pool.install(fit)?;
+        Ok(Found {
+            model: model.to_json_fitted(&fitted_to(recordings, !args.half)),
+            report: report::to_json(&fit, &model, recordings, options),
+            fit,
+        })
+    }
+}
+
+/// The texts of a fit's files and its summary, for a caller that writes no files.
+pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
+    let started = Instant::now();
+    let mut notes = Vec::new();
+    let question = Question::of(args, &mut notes)?;
+    let found = question.answer(args, caller)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let summary = summary::text(&found.fit, &question.recordings, seconds);
+    let Found { model, report, .. } = found;
+    let texts = vec![
+        ("model.json", model),
+        ("fit.json", report),
+        ("summary", summary),
+    ];
+    Ok(Answer { texts, notes })
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
-        return print_names(&args.nominal.load()?.nominal(&[], true)?);
+        return print_names(&args.nominal.load()?.nominal(&[], &mut Vec::new())?);
     }
-    if args.recordings.is_empty() {
-        return Err(Failure::argument("no recording to fit")
-            .with_remedy("ugv fit drive.csv --output model.json"));
-    }
-    let named = args.nominal.load()?;
-    let mut recordings = named.read(&args.recordings)?;
-    for recording in &recordings {
-        recording.warnings().for_each(|warning| notify(&warning));
-    }
-    if args.half {
-        for recording in &mut recordings {
-            *recording = fitted_part(recording, &WindowOptions::default())?;
-        }
-    }
-    let nominal = named.nominal(&recordings, args.quiet)?;
-    let free = FreeNames::parse(&args.free, &args.sensors)?;
-    let options = Options {
-        sensors: free.sensors,
-        segment: args.segment,
-        starts: args.starts,
-        seed: args.seed,
-        robust: !args.not_robust,
-    };
+    let mut notes = Vec::new();
+    let question = Question::of(args, &mut notes);
+    notify_all(&notes, args.quiet);
+    let question = question?;
     let files = args.nominal.files();
     let inputs = || args.recordings.iter().chain(&files);
     let file = |path: &Path| Output::from_inputs(Some(path), inputs());
@@ -138,27 +213,22 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let started = Instant::now();
     let progress = ProgressLine::steps(args.quiet);
-    let pool = jobs::pool(args.jobs)?;
-    let show = |stage| {
-        progress.step(match stage {
-            Stage::Turn(turn) => format!("fitting motion and noise, turn {turn}"),
-            Stage::Start(start) => format!("random start {} of {}", start + 1, args.starts),
-        });
+    let caller = Caller {
+        step: &|name| progress.step(name),
+        stop: &AtomicBool::new(false),
     };
-    let found = pool.install(|| fit_model(&nominal, &free.model, &recordings, &options, &show));
-    let Fitted { model, fit } = found?;
+    let found = question.answer(args, &caller)?;
     progress.finish();
-    let model_text = || model.to_json_fitted(&fitted_to(&recordings, !args.half));
-    let report_text = || report::to_json(&fit, &model, &recordings, &options);
     let filled = [
-        output.map(|output| output.with(&model_text())),
-        report.map(|report| report.with(&report_text())),
+        output.map(|output| output.with(&found.model)),
+        report.map(|report| report.with(&found.report)),
     ];
     let filled: Result<Vec<_>, _> = filled.into_iter().flatten().collect();
     let written = filled.and_then(finish_all);
     if !args.quiet {
         // Also after a failed write, so that minutes of work are not lost.
-        let text = summary::text(&fit, &recordings, started.elapsed().as_secs_f64());
+        let seconds = started.elapsed().as_secs_f64();
+        let text = summary::text(&found.fit, &question.recordings, seconds);
         print_beside(&text, &[&args.output, &args.report])?;
     }
     written

@@ -2,10 +2,10 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::output::print;
+use crate::fit::catalogue::{self, DEFAULT_FREE};
+use crate::fit::sensor::SensorParameter;
+use crate::vehicle::{ModelParameter, Specification};
 use std::fmt::Write;
-use ugv_terrain::fit::catalogue::{self, DEFAULT_FREE};
-use ugv_terrain::fit::sensor::SensorParameter;
-use ugv_terrain::vehicle::{ModelParameter, Specification};
 
 /// The parameters to fit, each once.
 pub struct FreeNames {

@@ -1,10 +1,10 @@
 //! The report, format `ugv-fit/1`: all results, in SI units and radians.
 
+use crate::fit::starts::{OtherMinimum, Starts};
+use crate::fit::{Estimate, Fit, NoiseEstimate, Options};
+use crate::recording::Recording;
+use crate::vehicle::Specification;
 use serde_json::{Value, json};
-use ugv_terrain::fit::starts::{OtherMinimum, Starts};
-use ugv_terrain::fit::{Estimate, Fit, NoiseEstimate, Options};
-use ugv_terrain::recording::Recording;
-use ugv_terrain::vehicle::Specification;
 
 pub fn to_json(
     fitted: &Fit,

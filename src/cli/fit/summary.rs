@@ -1,12 +1,12 @@
 //! The summary for people.
 
+use crate::display::visible_line;
+use crate::fit::Fit;
+use crate::fit::starts::Starts;
+use crate::recording::Recording;
+use crate::report::aligned;
+use crate::report::number::{digits, shown};
 use std::fmt::Write;
-use ugv_terrain::display::visible_line;
-use ugv_terrain::fit::Fit;
-use ugv_terrain::fit::starts::Starts;
-use ugv_terrain::recording::Recording;
-use ugv_terrain::report::aligned;
-use ugv_terrain::report::number::{digits, shown};
 
 /// A larger overdispersion means that the model lacks something.
 const LACKING: f64 = 3.0;

@@ -1,11 +1,11 @@
 //! Models predict the same windows.
 
 use super::models::ComparedModel;
-use rayon::prelude::*;
-use ugv_terrain::identification::{
+use crate::identification::{
     DataSplit, ErrorSummary, Latencies, PoseError, PredictionWindow, WindowOptions, WindowSet,
     common, summarise,
 };
+use rayon::prelude::*;
 
 /// A recording's windows and the models that predict them.
 pub struct ModelComparison {

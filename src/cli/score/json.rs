@@ -1,9 +1,9 @@
 //! Scores as JSON, format `ugv-score/1`.
 
 use super::comparison::{ComparisonResult, ModelScores, PooledResult};
+use crate::identification::{ErrorSummary, Latency};
+use crate::recording::IntervalEstimate;
 use serde_json::{Map, Value, json};
-use ugv_terrain::identification::{ErrorSummary, Latency};
-use ugv_terrain::recording::IntervalEstimate;
 
 pub fn render(
     horizon: f64,

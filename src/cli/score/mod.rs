@@ -5,20 +5,22 @@ mod json;
 mod models;
 mod table;
 
+use super::answer::{Answer, Caller};
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::NominalArgs;
-use super::output::{Output, is_stream, notify, print};
+use super::output::{Output, is_stream, notify_all, print};
 use super::progress::ProgressLine;
 use super::recordings;
-use comparison::{ComparisonResult, ModelComparison, pool};
-use models::{ComparedModel, GivenModel};
-use rayon::prelude::*;
-use std::path::PathBuf;
-use ugv_terrain::identification::{
+use crate::identification::{
     HeadingSource, Latencies, Signals, WindowOptions, cut, heading_noise, split,
 };
-use ugv_terrain::recording::{Recording, different_names};
+use crate::recording::{Recording, different_names};
+use comparison::{ComparisonResult, ModelComparison, pool};
+use models::{ComparedModel, GivenModel};
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::path::PathBuf;
 
 /// A recorded heading that differs more from the gyro's within a second is worse than the gyro's
 /// integral \[rad\].
@@ -86,36 +88,81 @@ enum HeadingChoice {
     Gyro,
 }
 
+/// Recordings prepared for all models.
+struct Question {
+    comparisons: Vec<ModelComparison>,
+    threads: ThreadPool,
+}
+
+impl Question {
+    /// Reads the files. What the user has to know is added to the notes.
+    fn of(args: &Args, notes: &mut Vec<String>) -> Result<Self, Failure> {
+        let given = GivenModel::load(&args.model)?;
+        let threads = jobs::pool(args.jobs)?;
+        let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
+            let named = &given.named;
+            let (recording, notes) =
+                recordings::read(path, named.vehicle.as_ref(), &named.columns)?;
+            let comparison = prepare(args, &recording, &given)?;
+            let within_a_run = comparison.halves.within_a_run;
+            let doubt = given.doubt(&recording, &comparison.cut, within_a_run);
+            let warnings = notes.into_iter().chain(recording.warnings()).chain(doubt);
+            Ok((warnings.collect(), comparison))
+        };
+        // Collected in the order of the arguments, so that the first error is always the same.
+        let all: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
+        let mut comparisons = Vec::new();
+        for recording in all {
+            let (warnings, comparison) = recording?;
+            notes.extend(warnings);
+            comparisons.push(comparison);
+        }
+        different_names(comparisons.iter().map(|one| one.name.as_str()))?;
+        Ok(Self {
+            comparisons,
+            threads,
+        })
+    }
+
+    fn answer(&self, done: impl Fn() + Sync) -> Vec<ComparisonResult<'_>> {
+        let run = || self.comparisons.iter().map(|one| one.run(&done));
+        self.threads.install(|| run().collect())
+    }
+}
+
+/// The scores and their table, for a caller that writes no files.
+pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
+    let mut notes = Vec::new();
+    let question = Question::of(args, &mut notes)?;
+    (caller.step)("predicting all windows");
+    let results = question.answer(|| ());
+    let pooled = pool(&results);
+    let texts = vec![
+        (
+            "score.json",
+            json::render(args.horizon, args.spacing, &results, pooled.as_deref()),
+        ),
+        (
+            "summary",
+            table::render(args.horizon, &results, pooled.as_deref()),
+        ),
+    ];
+    Ok(Answer { texts, notes })
+}
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     let files = args.model.files();
     let inputs = || args.recordings.iter().chain(&files);
     let json = args.json.as_deref();
     let output = json.map(|path| Output::from_inputs(Some(path), inputs()));
     let output = output.transpose()?;
-    let given = GivenModel::load(&args.model)?;
-    let threads = jobs::pool(args.jobs)?;
-    let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
-        let named = &given.named;
-        let (recording, notes) = recordings::read(path, named.vehicle.as_ref(), &named.columns)?;
-        let comparison = prepare(args, &recording, &given)?;
-        let within_a_run = comparison.halves.within_a_run;
-        let doubt = given.doubt(&recording, &comparison.cut, within_a_run);
-        let warnings = notes.into_iter().chain(recording.warnings()).chain(doubt);
-        Ok((warnings.collect(), comparison))
-    };
-    // Collected in the order of the arguments, so that the first error is always the same.
-    let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
-    let mut comparisons = Vec::new();
-    for recording in prepared {
-        let (warnings, comparison) = recording?;
-        warnings.iter().for_each(|warning| notify(warning));
-        comparisons.push(comparison);
-    }
-    different_names(comparisons.iter().map(|one| one.name.as_str()))?;
-    let work = comparisons.iter().map(ModelComparison::work).sum();
+    let mut notes = Vec::new();
+    let question = Question::of(args, &mut notes);
+    notify_all(&notes, args.quiet);
+    let question = question?;
+    let work = question.comparisons.iter().map(ModelComparison::work).sum();
     let progress = ProgressLine::counting(work, args.quiet);
-    let run = || comparisons.iter().map(|one| one.run(|| progress.count()));
-    let results: Vec<ComparisonResult> = threads.install(|| run().collect());
+    let results = question.answer(|| progress.count());
     progress.finish();
     let pooled = pool(&results);
     if !json.is_some_and(is_stream) {

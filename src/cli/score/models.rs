@@ -2,14 +2,14 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::nominal::{DEFAULT_TERRAIN, NamedModel, NominalArgs};
-use std::sync::Arc;
-use ugv_terrain::identification::{
+use crate::identification::{
     FittedKinematics, Kinematics, KinematicsForm, MotionModel, PredictionWindow, WindowOptions,
 };
-use ugv_terrain::recording::IntervalEstimate;
-use ugv_terrain::recording::Recording;
-use ugv_terrain::terrain::Terrain;
-use ugv_terrain::vehicle::{Specification, Vehicle, VehicleModel};
+use crate::recording::IntervalEstimate;
+use crate::recording::Recording;
+use crate::terrain::Terrain;
+use crate::vehicle::{Specification, Vehicle, VehicleModel};
+use std::sync::Arc;
 
 /// A fitted number with its unit.
 pub struct NamedEstimate {

@@ -1,11 +1,11 @@
 //! Scores as a text for the terminal.
 
 use super::comparison::{ComparisonResult, ModelScores, PooledResult};
+use crate::display::visible_line;
+use crate::identification::Latency;
+use crate::recording::IntervalEstimate;
+use crate::report::aligned;
 use std::fmt::Write;
-use ugv_terrain::display::visible_line;
-use ugv_terrain::identification::Latency;
-use ugv_terrain::recording::IntervalEstimate;
-use ugv_terrain::report::aligned;
 
 pub fn render(
     horizon: f64,

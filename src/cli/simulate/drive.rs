@@ -1,9 +1,9 @@
 //! Steps a simulation along a recording's wheel speeds.
 
 use crate::cli::failure::Failure;
-use ugv_terrain::recording::Drive;
-use ugv_terrain::simulation::{Simulation, SimulationError, State, WheelSpeeds};
-use ugv_terrain::vehicle::Wrench;
+use crate::recording::Drive;
+use crate::simulation::{Simulation, SimulationError, State, WheelSpeeds};
+use crate::vehicle::Wrench;
 
 /// A point of the drive: a row of the input or of the output.
 pub struct DrivePoint<'a> {
@@ -153,8 +153,8 @@ fn at_recording_time(mut error: SimulationError, start: f64) -> SimulationError 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ugv_terrain::terrain::Terrain;
-    use ugv_terrain::vehicle::{Vehicle, VehicleModel};
+    use crate::terrain::Terrain;
+    use crate::vehicle::{Vehicle, VehicleModel};
 
     fn recording(time: &[f64]) -> Drive {
         Drive {

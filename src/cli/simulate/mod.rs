@@ -11,15 +11,15 @@ use super::input::{doubts, filled, read_file, read_input};
 use super::model::{ModelArgs, names};
 use super::output::{Output, finish_all, notify};
 use super::progress::ProgressLine;
+use crate::effects::EffectKind;
+use crate::recording::{Drive, read_poses};
+use crate::simulation::{Simulation, SimulationError, State};
+use crate::vehicle::{VehicleModel, seen_from};
 use drive::{DrivePoint, Schedule, drive};
 use plot::Trace;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use ugv_terrain::effects::EffectKind;
-use ugv_terrain::recording::{Drive, read_poses};
-use ugv_terrain::simulation::{Simulation, SimulationError, State};
-use ugv_terrain::vehicle::{VehicleModel, seen_from};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,9 +1,9 @@
 //! A picture of a drive: path, speeds, slips, resistance and moments.
 
 use super::drive::DrivePoint;
-use ugv_terrain::report::chart::{Chart, Line, Stroke, Underlay, sheet};
-use ugv_terrain::simulation::{State, WheelSpeeds};
-use ugv_terrain::vehicle::Vehicle;
+use crate::report::chart::{Chart, Line, Stroke, Underlay, sheet};
+use crate::simulation::{State, WheelSpeeds};
+use crate::vehicle::Vehicle;
 
 /// Longest turn \[rad\] in one step of the path without slip: Simpson's rule then has an error below 1e-6 of its length.
 const LONGEST_TURN: f64 = 0.2;

@@ -1,9 +1,9 @@
 //! The motion as CSV.
 
 use super::drive::DrivePoint;
+use crate::declaration::{Causality, Configuration, Variable, variables};
+use crate::vehicle::Vehicle;
 use std::io::{self, Write};
-use ugv_terrain::declaration::{Causality, Configuration, Variable, variables};
-use ugv_terrain::vehicle::Vehicle;
 
 /// The columns after the time: inputs and outputs of the FMU.
 pub fn columns(vehicle: &Vehicle) -> Vec<Variable> {

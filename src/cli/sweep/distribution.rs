@@ -1,8 +1,8 @@
 //! The values of a parameter: `NAME=DISTRIBUTION` of `--vary`.
 
+use crate::display;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::str::FromStr;
-use ugv_terrain::display;
 
 const FORMS: &str = "uniform:LOW,HIGH, log-uniform:LOW,HIGH, normal:MEAN,SD[,LOW,HIGH], \
                      log-normal:MEDIAN,FACTOR[,LOW,HIGH], list:A,B,... or grid:LOW,HIGH,COUNT";

@@ -1,9 +1,9 @@
 //! One drive, and its result.
 
+use crate::simulation::State;
+use crate::simulation::batch::Rollout;
+use crate::vehicle::Wrench;
 use std::io::{self, Write};
-use ugv_terrain::simulation::State;
-use ugv_terrain::simulation::batch::Rollout;
-use ugv_terrain::vehicle::Wrench;
 
 /// Columns of the result, after the parameters.
 pub const COLUMNS: &str = "time,x,y,heading,v_x,v_y,yaw_rate,distance,largest_slip,mean_slip,\

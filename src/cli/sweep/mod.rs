@@ -13,6 +13,8 @@ use super::jobs;
 use super::model::ModelArgs;
 use super::output::{Output, notify};
 use super::progress::ProgressLine;
+use crate::recording::Drive;
+use crate::simulation::batch::each;
 use distribution::{VariedParameter, VariedValues};
 use drive::{COLUMNS, DriveResult, drive};
 use parameters::{ParameterRow, ParameterTable};
@@ -21,8 +23,6 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
-use ugv_terrain::recording::Drive;
-use ugv_terrain::simulation::batch::each;
 
 /// Drives between two writes: few enough for a small memory, enough to keep all threads busy.
 const BLOCK: usize = 4096;

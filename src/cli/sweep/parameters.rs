@@ -3,11 +3,11 @@
 use super::distribution::{VariedParameter, VariedValues};
 use crate::cli::failure::Failure;
 use crate::cli::input::read_file;
+use crate::display::shortened;
+use crate::recording::read_bytes;
 use std::collections::HashSet;
 use std::io::{self, Write};
 use std::path::Path;
-use ugv_terrain::display::shortened;
-use ugv_terrain::recording::read_bytes;
 
 /// Column that numbers the rows.
 const INDEX: &str = "index";

@@ -3,16 +3,16 @@
 use super::parameters::{ParameterRow, ParameterTable};
 use crate::cli::failure::Failure;
 use crate::cli::initial::{InitialArgument, check, initial_state};
+use crate::declaration::{Causality, Configuration, Kind, Quantity, variables};
+use crate::display::shortened;
+use crate::parameter::ParameterError;
+use crate::recording::Drive;
+use crate::simulation::batch::{Rollout, WheelSpeedTable};
+use crate::simulation::{Simulation, State};
+use crate::spelling::nearest;
+use crate::vehicle::{Specification, VehicleModel};
 use std::path::Path;
 use std::sync::Arc;
-use ugv_terrain::declaration::{Causality, Configuration, Kind, Quantity, variables};
-use ugv_terrain::display::shortened;
-use ugv_terrain::parameter::ParameterError;
-use ugv_terrain::recording::Drive;
-use ugv_terrain::simulation::batch::{Rollout, WheelSpeedTable};
-use ugv_terrain::simulation::{Simulation, State};
-use ugv_terrain::spelling::nearest;
-use ugv_terrain::vehicle::{Specification, VehicleModel};
 
 /// What all drives have in common.
 pub struct Setup<'a> {
