@@ -37,7 +37,13 @@ pub fn statement(finding: &Finding) -> String {
     } else {
         format!("; most visible regime: {regime}")
     };
-    format!("{what}{place}{regime}")
+    let mended = if finding.mended_by.is_empty() {
+        String::new()
+    } else {
+        let terms = residual_model(&finding.mended_by);
+        format!("; its formula differs from the catalogue's: {terms} mends it")
+    };
+    format!("{what}{place}{regime}{mended}")
 }
 
 /// The recording of a place, with the label of its run.

@@ -4,16 +4,18 @@
 //! accepted effects. The one with the largest log odds is accepted if it exceeds the threshold and predicts held-out
 //! data no worse (blocked cross-validation, see `held_out`). Then everything is screened again beside it.
 
+use super::accepted::{NOTHING, TAKE};
 use super::initial_guess::{
     LOST, after_steps, cheapest, compared, continued, is_unseen, on_given_soil, settled,
 };
-use super::proposal::Proposal;
+use super::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, LONG_PARTIAL_FIT, PARTIAL_FIT, fit_restarted, fit_until,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::region::Region;
+use crate::diagnosis::screening::shape;
 use crate::effects::{self, ParameterName, Window};
 use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
@@ -41,22 +43,28 @@ pub struct FittedCandidate<'a> {
     pub fit: FittedHypothesis,
     /// How it predicts what it was not fitted to.
     pub scores: Option<Scores>,
-    /// Log Bayes factor against the hypothesis without it.
+    /// Log Bayes factor against the hypothesis without it, by the catalogue's formulas.
     pub gain: f64,
+    /// What the shape freedom of all formulas adds to that; zero for an empirical residual model, which mends formulas.
+    pub shape: f64,
+    /// Whether it only mends the formulas of the effects accepted so far: their shape freedom explains it as well.
+    pub mends: bool,
 }
 
 impl FittedCandidate<'_> {
     /// Log odds against the hypothesis without it.
     #[must_use]
     pub fn odds(&self) -> f64 {
-        self.gain + self.proposal.log_prior()
+        self.gain + self.shape + self.proposal.log_prior()
     }
 
     /// An unfinished candidate: it cannot be accepted, and is no likelier than the likeliest finished one.
     #[must_use]
     pub fn behind(self, likeliest: f64) -> Self {
         Self {
-            gain: self.gain.min(likeliest - self.proposal.log_prior()),
+            gain: self
+                .gain
+                .min(likeliest - self.shape - self.proposal.log_prior()),
             scores: None,
             ..self
         }
@@ -128,6 +136,8 @@ impl<'a> PartialFit<'a> {
     pub fn unfinished(self) -> FittedCandidate<'a> {
         FittedCandidate {
             gain: self.promise() - self.proposal.log_prior(),
+            shape: 0.0,
+            mends: false,
             proposal: self.proposal,
             problem: self.problem,
             fit: self.fit,
@@ -234,10 +244,16 @@ pub fn finish<'a>(
     let PartialFit {
         proposal, problem, ..
     } = partial_fit;
-    let fit = fit_restarted(&problem, &partial_fit.fit, noise);
+    let mut fit = fit_restarted(&problem, &partial_fit.fit, noise);
     let without = negative_log_evidence_without(&problem, &proposal, &fit, before, noise);
+    let gain = without - fit.negative_log_evidence - proposal.price;
+    fit.shape_gain = shape::gain_at(&problem, &fit.coefficients, &fit.solution, noise);
+    let shape = fit.shape_gain - before.shape_gain;
+    let is_residual_model = proposal.kind() == ProposalKind::ResidualModel;
     Some(FittedCandidate {
-        gain: without - fit.negative_log_evidence - proposal.price,
+        gain,
+        shape: if is_residual_model { 0.0 } else { shape },
+        mends: is_residual_model && gain + shape + proposal.log_prior() < NOTHING + TAKE,
         scores: scores(&problem, &fit, noise),
         proposal,
         problem,

@@ -86,8 +86,9 @@ impl<'a> Path<'a> {
         } else {
             walk(self, fitted, Prefer::Nothing)?
         };
-        let residual_model =
-            |effect: &AcceptedEffect| effect.proposal.kind() == ProposalKind::ResidualModel;
+        let residual_model = |effect: &AcceptedEffect| {
+            effect.proposal.kind() == ProposalKind::ResidualModel && !effect.mends
+        };
         if let Some(residual_model) = path.accepted.iter().position(residual_model)
             && path.accepted.len() > 1
             && !progress.is_late()
@@ -118,6 +119,7 @@ impl<'a> Path<'a> {
                 proposal: best.proposal,
                 gain: self.on_whole(best.gain),
                 rivals: self.rivals(&fitted),
+                mends: best.mends,
             });
             let (placed, fit) = self.narrowed(best.problem, best.fit);
             self.stage = self.rescreened(placed, fit, options, progress)?;
@@ -309,7 +311,9 @@ impl<'a> Path<'a> {
                 continue;
             };
             let close = self.accepted[index].close();
-            if close.len() < 2 || progress.is_late() {
+            // Beside what mends one formula, other names look alike.
+            let mended = self.accepted.iter().any(|effect| effect.mends);
+            if close.len() < 2 || mended || progress.is_late() {
                 continue;
             }
             progress.step("refitting close rivals")?;
