@@ -5,7 +5,7 @@
 //! step; of order 2 with any matrix in place of the Jacobian, so that one Jacobian serves
 //! several steps; and its last stage is the next step's first, so that a step costs two
 //! evaluations of the forces. Where the step is so short that the forces are linear over it, its middle stage is taken
-//! from the Jacobian, and the evaluation at the end tells whether that holds.
+//! from the Jacobian, and the evaluation at the end checks it.
 
 use super::integrator::{
     ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
