@@ -77,6 +77,8 @@ impl Simulation {
             wrench: Wrench::for_model(&model),
             derivative: StateVector::zeros(),
             memory_rates: vec![0.0; model.memory_count()],
+            beside: StateVector::zeros(),
+            memory_beside: vec![0.0; model.memory_count()],
         };
         let trend = Trend::of_wheels(model.vehicle().wheel_count());
         let work = Work::new(&model, &now);

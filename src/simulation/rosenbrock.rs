@@ -257,8 +257,8 @@ impl Simulation {
     ///
     /// # Algorithm
     /// With W = I - h d A, A = df/dy (of any accuracy), T = df/dt, d and e_32 of the method:
-    /// 1. f_0 at the start; of a `short` step that of the last step's end, moved along the Jacobian to the wheel speeds
-    ///    that hold now.
+    /// 1. f_0 at the start, moved along A by how far that lies beside where the forces were evaluated; of a `short` step
+    ///    those of the last step's end, moved to the wheel speeds that hold now as well.
     /// 2. W k_1 = f_0 + h d T.
     /// 3. f_1 = f(t + h/2, y + h/2 k_1); of a short step f_0 + h/2 (A k_1 + T).
     /// 4. W (k_2 - k_1) = f_1 - k_1, and the new state is y + h k_2.
@@ -322,9 +322,16 @@ impl Simulation {
             self.inputs.right - start.motion.omega_right,
         ];
         let jumped = if short { jump } else { [0.0; 2] };
-        let f0 = start.derivative + by_input * nalgebra::Vector2::from(jumped);
+        let (beside, memory_beside) = (&start.beside, &start.memory_beside);
+        let mut f0 = start.derivative + a * beside + by_input * nalgebra::Vector2::from(jumped);
+        let own = coupling.accelerations(memory_beside.iter().copied());
+        for axis in 0..3 {
+            f0[3 + axis] += own[axis];
+        }
         for i in 0..count {
-            g0[i] = start.memory_rates[i] + coupling.by_input(i, jumped);
+            g0[i] = start.memory_rates[i]
+                + coupling.by_motion(i, beside, memory_beside[i])
+                + coupling.by_input(i, jumped);
         }
         // 2.
         for i in 0..count {
@@ -406,7 +413,9 @@ impl Simulation {
             return Ok((end, worst / tolerance, nonlinear / tolerance));
         }
         slopes[1] += missed / h;
+        at_end.beside = missed;
         for i in 0..count {
+            at_end.memory_beside[i] = l3[i] * 0.5 * h;
             new_memory[i] += l3[i] * 0.5 * h;
         }
         let end = State::from_array((y + k2 * h + missed).into());
