@@ -82,6 +82,8 @@ pub struct PartialFit<'a> {
     pub(super) fit: FittedHypothesis,
     /// Log Bayes factor against the hypothesis without it, as far as it has come.
     pub(super) gain: f64,
+    /// What the shape freedom of all formulas adds to that, see [`FittedCandidate::shape`].
+    pub(super) shape: f64,
     /// Factor of the gain, if the fit is to a subsample.
     pub(super) scale: f64,
 }
@@ -108,14 +110,26 @@ impl<'a> PartialFit<'a> {
             proposal: proposal.clone(),
             problem: problem.clone(),
             fit,
+            shape: 0.0,
             scale: 1.0,
         }
+    }
+
+    /// With the shape freedom of the formulas that are on.
+    #[must_use]
+    fn shaped(mut self, before: &FittedHypothesis, noise: &NoiseModel) -> Self {
+        if self.proposal.kind() != ProposalKind::ResidualModel {
+            let FittedHypothesis { coefficients, solution, .. } = &self.fit;
+            let gain = shape::gain_at(&self.problem, coefficients, solution, noise);
+            self.shape = gain - before.shape_gain;
+        }
+        self
     }
 
     /// Log odds against the hypothesis without it, as far as it has come.
     #[must_use]
     pub fn odds(&self) -> f64 {
-        self.gain + self.proposal.log_prior()
+        self.gain + self.shape + self.proposal.log_prior()
     }
 
     /// Whether it is the same proposal at the same optimum.
@@ -135,8 +149,8 @@ impl<'a> PartialFit<'a> {
     /// The unfinished candidate with its predicted odds.
     pub fn unfinished(self) -> FittedCandidate<'a> {
         FittedCandidate {
-            gain: self.promise() - self.proposal.log_prior(),
-            shape: 0.0,
+            gain: self.promise() - self.shape - self.proposal.log_prior(),
+            shape: self.shape,
             mends: false,
             proposal: self.proposal,
             problem: self.problem,
@@ -231,7 +245,7 @@ pub fn partial_fit<'a>(
         );
     }
     let fit = fit.filter(|fit| fit.negative_log_evidence.is_finite())?;
-    Some(PartialFit::new(proposal, &problem, fit, before))
+    Some(PartialFit::new(proposal, &problem, fit, before).shaped(before, noise))
 }
 
 /// Finishes a fit.

@@ -19,6 +19,8 @@ use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::problem::NoiseModel;
 
+/// Log prior odds that what the neighbourhood of a name explains is that mechanism and none outside the catalogue.
+const CATALOGUED: f64 = 5.0;
 /// Maximum number of rounds.
 const ROUNDS: usize = 4;
 
@@ -383,7 +385,12 @@ impl<'a> Path<'a> {
     fn or(self, mut candidate: Self) -> Self {
         let advantage = candidate.advantage(&self);
         let advantage = candidate.on_whole(advantage);
+        if std::env::var_os("DEBUG_PATH").is_some() {
+            let show = |p: &Self| p.accepted.iter().map(|a| format!("{} {:.1} mends {} ({} terms)", a.proposal.subject.name(), a.gain, a.mends, a.proposal.coefficients.len())).collect::<Vec<_>>();
+            eprintln!("or: {:?} nle {} shape {} against candidate {:?} nle {} shape {}: advantage {advantage}", show(&self), self.stage.fit.negative_log_evidence, self.stage.fit.shape_gain, show(&candidate), candidate.stage.fit.negative_log_evidence, candidate.stage.fit.shape_gain);
+        }
         // Fits that were cut short do not compare.
+        let advantage = advantage + CATALOGUED;
         if advantage < 0.0 || self.stage.problem.deadline.is_over() {
             return self;
         }
@@ -402,6 +409,7 @@ impl<'a> Path<'a> {
         let negative_log_evidence = |path: &Self, noise: &NoiseModel| -> f64 {
             let stage = &path.stage;
             continue_fit(&stage.problem, &stage.fit, noise, HELD).negative_log_evidence
+                - stage.fit.shape_gain
                 + price(path)
         };
         [&self.noise, &other.noise]
