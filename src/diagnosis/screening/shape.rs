@@ -37,6 +37,8 @@ const AXES: usize = 3;
 const DIRECTION: f64 = 0.5;
 const EXPONENT: f64 = 0.5;
 const BEND: f64 = 0.15;
+/// No shape comes near this.
+const FARTHEST: f64 = 1e3;
 /// Logarithms of arguments are held within this of their mean: the effect is small where its argument is.
 const RANGE: f64 = 2.0;
 /// Arguments below these count as these: \[m/s\], \[-\], \[m\].
@@ -174,8 +176,8 @@ pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut Syste
                 median: 0.0,
                 deviation: *deviation,
             },
-            low: f64::MIN,
-            high: f64::MAX,
+            low: -FARTHEST,
+            high: FARTHEST,
         });
         system.append(&columns, parameters.collect());
         shapes.unknowns.extend(first..system.parameters.len());
