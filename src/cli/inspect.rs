@@ -1,10 +1,11 @@
 //! `ugv inspect`: the quality of a recording, before a model is fitted to it.
 
+use super::columns::ColumnArgs;
 use super::failure::Failure;
-use super::output::{Output, finish_all, print_beside};
+use super::output::{Output, finish_all, notify, print_beside};
+use super::recordings;
 use std::path::PathBuf;
 use ugv_terrain::inspection::inspect;
-use ugv_terrain::recording::read_recording;
 use ugv_terrain::report::inspection::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -14,8 +15,10 @@ Examples:
 
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
          [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A
-         column `run` separates runs. Other columns are ignored. drive.json beside drive.csv may
-         hold vehicle, terrain and sensors.
+         column `run` separates runs. Names and units in common use are known, such as yaw_deg
+         or wl [rpm]; --column names others. Other columns are ignored. A log is imported first:
+         MCAP, .db3, .bag, the folder of a bag. drive.json beside drive.csv may hold vehicle,
+         terrain and sensors.
 Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected if they are
          unambiguous, with a note. Otherwise the file is refused.
 Delays:  positive if the first signal is behind the second. A delay behind the wheels includes the
@@ -28,6 +31,9 @@ pub struct Args {
     /// The recording
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
+
+    #[command(flatten)]
+    columns: ColumnArgs,
 
     /// Write all results as JSON; - writes to standard output
     #[arg(long, value_name = "FILE.json")]
@@ -50,7 +56,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let [json, page] = &files[..] {
         json.check_distinct(page, "--json and --page")?;
     }
-    let recording = read_recording(&args.recording)?;
+    let (recording, notes) = recordings::read(&args.recording, None, &args.columns.columns)?;
+    notes.iter().for_each(|note| notify(note));
     let inspection = inspect(&recording);
     let texts = [
         args.json.as_ref().map(|_| json(&recording, &inspection)),

@@ -257,8 +257,8 @@ impl Simulation {
     ///
     /// # Algorithm
     /// With W = I - h d A, A = df/dy (of any accuracy), T = df/dt, d and e_32 of the method:
-    /// 1. f_0 at the start, moved along A by how far that lies beside where the forces were evaluated; of a `short` step
-    ///    those of the last step's end, moved to the wheel speeds that hold now as well.
+    /// 1. f_0 at the start. The forces may be those of a state nearby: A times the distance is added. A `short` step takes
+    ///    them from the last step's end, and adds the change of the wheel speeds since.
     /// 2. W k_1 = f_0 + h d T.
     /// 3. f_1 = f(t + h/2, y + h/2 k_1); of a short step f_0 + h/2 (A k_1 + T).
     /// 4. W (k_2 - k_1) = f_1 - k_1, and the new state is y + h k_2.
@@ -324,10 +324,7 @@ impl Simulation {
         let jumped = if short { jump } else { [0.0; 2] };
         let (beside, memory_beside) = (&start.beside, &start.memory_beside);
         let mut f0 = start.derivative + a * beside + by_input * nalgebra::Vector2::from(jumped);
-        let own = coupling.accelerations(memory_beside.iter().copied());
-        for axis in 0..3 {
-            f0[3 + axis] += own[axis];
-        }
+        coupling.add_accelerations(memory_beside.iter().copied(), &mut f0);
         for i in 0..count {
             g0[i] = start.memory_rates[i]
                 + coupling.by_motion(i, beside, memory_beside[i])
@@ -341,10 +338,7 @@ impl Simulation {
         // 3. What the linear forces are at a displacement from the start, after a time.
         let linear = |moved: StateVector, remembered: &[f64], time: f64| {
             let mut f = f0 + a * moved + by_time * time;
-            let own = coupling.accelerations(remembered.iter().map(|slope| time * slope));
-            for axis in 0..3 {
-                f[3 + axis] += own[axis];
-            }
+            coupling.add_accelerations(remembered.iter().map(|slope| time * slope), &mut f);
             f
         };
         let f1 = if short {
@@ -416,7 +410,7 @@ impl Simulation {
         at_end.beside = missed;
         for i in 0..count {
             at_end.memory_beside[i] = l3[i] * 0.5 * h;
-            new_memory[i] += l3[i] * 0.5 * h;
+            new_memory[i] += at_end.memory_beside[i];
         }
         let end = State::from_array((y + k2 * h + missed).into());
         Ok((end, worst / tolerance, nonlinear / tolerance))

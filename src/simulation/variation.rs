@@ -43,8 +43,8 @@ fn delayed(simulation: &Simulation) -> Vector2<f64> {
 }
 
 impl Variation {
-    /// At the simulation's present state. The integrator has a Jacobian of its own: derivatives change no bit of the
-    /// motion, so that a fit compares predictions with and without them.
+    /// Linearises at the present state. The integrator does not use this Jacobian: trajectories with and without
+    /// derivatives are bit-identical, and fits compare the two.
     pub fn linearise(&mut self, simulation: &mut Simulation) -> Linearised {
         simulation.differentiate(&mut self.directions, &mut self.results);
         let rows = self.by.nrows();

@@ -1,7 +1,7 @@
 //! The integrator: accuracy for any communication step, work, determinism, no allocation.
 
 use crate::common::{accelerate_then_turn_right, drive, paper_model, speeds, starting_at};
-use ugv_terrain::effects::{CATALOGUE, EffectKind, ParameterName};
+use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects, ParameterName};
 use ugv_terrain::simulation::{
     SensitiveSimulation, Simulation, SimulationError, SnapshotError, State,
 };
@@ -186,6 +186,30 @@ fn rounding_of_the_steps_does_not_grow() {
     for (one, other) in one.iter().zip(other) {
         assert!((one - other).abs() < 1e-9, "{one} {other}");
     }
+}
+
+#[test]
+fn a_time_that_differs_by_rounding_is_no_other_time() {
+    let effects = Effects::default().with("grade.slope_east", 0.05).unwrap();
+    let terrain = Terrain::preset("dry_sand").unwrap();
+    let specification = Specification {
+        effects,
+        ..Specification::plain(Vehicle::tran2007(), terrain)
+    };
+    let end = |other: f64| {
+        let model = VehicleModel::from_specification(&specification).unwrap();
+        let mut simulation = Simulation::new(model);
+        simulation.set_wheel_speeds(speeds(4.0, 3.0)).unwrap();
+        for k in 0..200 {
+            let time = 0.01 * f64::from(k);
+            simulation.set_time(time * (1.0 + other)).unwrap();
+            simulation.step(0.01).unwrap();
+        }
+        (simulation.state().to_array(), simulation.counters())
+    };
+    let ((one, cost), (other, same)) = (end(0.0), end(f64::EPSILON));
+    assert_eq!(cost, same);
+    assert_eq!(one, other);
 }
 
 #[test]

@@ -10,6 +10,7 @@ use super::jobs;
 use super::nominal::NominalArgs;
 use super::output::{Output, is_stream, notify, print};
 use super::progress::ProgressLine;
+use super::recordings;
 use comparison::{ComparisonResult, ModelComparison, pool};
 use models::{ComparedModel, GivenModel};
 use rayon::prelude::*;
@@ -17,7 +18,7 @@ use std::path::PathBuf;
 use ugv_terrain::identification::{
     HeadingSource, Latencies, Signals, WindowOptions, cut, heading_noise, split,
 };
-use ugv_terrain::recording::{Recording, different_names, read_recording_of};
+use ugv_terrain::recording::{Recording, different_names};
 
 /// A recorded heading that differs more from the gyro's within a second is worse than the gyro's
 /// integral \[rad\].
@@ -94,11 +95,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let given = GivenModel::load(&args.model)?;
     let threads = jobs::pool(args.jobs)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
-        let recording = read_recording_of(path, given.named.vehicle.as_ref())?;
+        let named = &given.named;
+        let (recording, notes) = recordings::read(path, named.vehicle.as_ref(), &named.columns)?;
         let comparison = prepare(args, &recording, &given)?;
         let within_a_run = comparison.halves.within_a_run;
         let doubt = given.doubt(&recording, &comparison.cut, within_a_run);
-        Ok((recording.warnings().chain(doubt).collect(), comparison))
+        let warnings = notes.into_iter().chain(recording.warnings()).chain(doubt);
+        Ok((warnings.collect(), comparison))
     };
     // Collected in the order of the arguments, so that the first error is always the same.
     let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
