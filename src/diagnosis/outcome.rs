@@ -102,6 +102,8 @@ pub struct Quantity {
     pub low: f64,
     /// Upper end of the 90 % interval.
     pub high: f64,
+    /// Where the effect does nothing.
+    pub off: f64,
     /// Unit.
     pub unit: &'static str,
 }

@@ -12,7 +12,7 @@ effect! {
     source "quadratic drag; Wong, Theory of Ground Vehicles, 3.2",
     varies with Speed,
     {
-        coefficient ["N s^2/m^2"] 0.0..200.0, off 0.0, lognormal(10.0, 1.2), "Coefficient k";
+        coefficient ["N s^2/m^2"] 0.0..1000.0, off 0.0, lognormal(10.0, 1.5), "Coefficient k";
     }
 }
 

@@ -15,8 +15,8 @@ effect! {
     source "dry friction of a dragged load; moments about the centre of mass derived here, cf. Wong, Theory of Ground Vehicles, 3.1",
     varies with Speed,
     {
-        force ["N"] 0.0..20000.0, off 0.0, lognormal(200.0, 0.9), "Force D";
-        hitch_behind ["m"] -10.0..10.0, shape 1.0, normal(1.0, 0.3), "Distance of the hitch behind the centroid", estimated;
+        force ["N"] 0.0..20000.0, off 0.0, lognormal(200.0, 1.2), "Force D";
+        hitch_behind ["m"] -10.0..10.0, shape 1.0, normal(0.7, 0.7), "Distance of the hitch behind the centroid", estimated;
         hitch_height ["m"] 0.0..5.0, shape 0.3, normal(0.3, 0.1), "Height of the hitch above the ground";
     }
 }

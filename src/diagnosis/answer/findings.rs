@@ -77,6 +77,7 @@ fn quantities(
                 value: parameter.value(at),
                 low,
                 high,
+                off: parameter.value(about.off()),
                 unit: parameter.unit,
             },
         ));

@@ -146,7 +146,10 @@ pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut Syste
         let each = system.segments.par_iter().map(|segment| {
             let start = &at.starts[segment.index];
             let data = &problem.segments[segment.index];
-            acting(problem, effect, at, data, start, &segment.edges).unwrap_or_default()
+            let all = problem.candidates.coefficients.iter().enumerate();
+            let own = all.filter(|(_, one)| one.effect == effect);
+            let own: Vec<usize> = own.map(|(place, _)| place).collect();
+            acting(problem, &own, at, data, start, &segment.edges).unwrap_or_default()
         });
         let each: Vec<Vec<Acting>> = each.collect();
         let arguments = CATALOGUE[effect].varies_with;
@@ -224,10 +227,29 @@ fn features(each: &[Vec<Acting>], arguments: usize) -> impl Fn(&Acting) -> Vec<f
     }
 }
 
-/// What an effect does in each time bin of a segment. `None` if the model cannot follow the segment.
+/// Mean squares of the wrench that some coefficients exert along, across and about the vehicle, as shares of the weight,
+/// of the moment of the weight times half the track.
+#[must_use]
+pub fn exerted(problem: &Problem, coefficients: &[usize], at: &Solution) -> [f64; AXES] {
+    const BINS: usize = 20;
+    let each = problem.segments.par_iter().zip(&at.starts);
+    let each = each.map(|(segment, start)| {
+        let length = segment.end - segment.start;
+        let edges: Vec<f64> = (0..=BINS)
+            .map(|k| segment.start + length * k as f64 / BINS as f64)
+            .collect();
+        acting(problem, coefficients, at, segment, start, &edges).unwrap_or_default()
+    });
+    let all: Vec<Acting> = each.flatten().collect();
+    let count = all.len().max(1) as f64;
+    std::array::from_fn(|axis| all.iter().map(|one| one.wrench[axis].powi(2)).sum::<f64>() / count)
+}
+
+/// What some coefficients do in each time bin of a segment. Arguments are those of the first one's effect. `None` if the
+/// model cannot follow the segment.
 fn acting(
     problem: &Problem,
-    effect: usize,
+    coefficients: &[usize],
     at: &Solution,
     segment: &Segment,
     start: &[f64; State::COUNT],
@@ -235,11 +257,17 @@ fn acting(
 ) -> Option<Vec<Acting>> {
     let with = problem.specification(at, segment.recording).ok()?;
     let mut off = at.clone();
-    for (place, coefficient) in problem.candidates.coefficients.iter().enumerate() {
-        if coefficient.effect == effect {
-            off.coefficients[segment.recording][place] = coefficient.off();
-        }
+    for &place in coefficients {
+        off.coefficients[segment.recording][place] = problem.candidates[place].off();
     }
+    let effects = coefficients
+        .iter()
+        .map(|place| problem.candidates[*place].effect);
+    let memory = effects.clone().any(|effect| CATALOGUE[effect].memory);
+    let arguments = effects
+        .clone()
+        .next()
+        .map_or(&[][..], |effect| CATALOGUE[effect].varies_with);
     let without = problem.specification(&off, segment.recording).ok()?;
     let mut sensors: SensorValues = [0.0; SensorParameter::ALL.len()];
     let coordinates = &at.coefficients[segment.recording];
@@ -278,7 +306,6 @@ fn acting(
         speeds.after(rates, since)
     };
     let [mut with, mut without] = [standing(&with)?, standing(&without)?];
-    let memory = CATALOGUE[effect].memory;
     let vehicle = &problem.nominal.vehicle;
     let each = (1..times.len()).map(|k| {
         let state = State::from_array(predicted.states[k]);
@@ -304,8 +331,7 @@ fn acting(
                 (on[4] - off[4]) / GRAVITY,
                 (on[5] - off[5]) * inertia,
             ],
-            arguments: CATALOGUE[effect]
-                .varies_with
+            arguments: arguments
                 .iter()
                 .map(|argument| {
                     value(*argument, &state, speeds, vehicle, sinkage)

@@ -119,7 +119,11 @@ impl<'a> PartialFit<'a> {
     #[must_use]
     fn shaped(mut self, before: &FittedHypothesis, noise: &NoiseModel) -> Self {
         if self.proposal.kind() != ProposalKind::ResidualModel {
-            let FittedHypothesis { coefficients, solution, .. } = &self.fit;
+            let FittedHypothesis {
+                coefficients,
+                solution,
+                ..
+            } = &self.fit;
             let gain = shape::gain_at(&self.problem, coefficients, solution, noise);
             self.shape = gain - before.shape_gain;
         }
