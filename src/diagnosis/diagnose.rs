@@ -3,6 +3,7 @@
 use super::answer::account::{account, doubts, read};
 use super::answer::augmented::model;
 use super::answer::candidates::{candidates, empty, others};
+use super::answer::claims::claims;
 use super::answer::errors::compare;
 use super::answer::findings::findings;
 use super::answer::traces::traces;
@@ -164,8 +165,9 @@ pub fn diagnose(
         statement: String::new(),
         cautions,
         recordings: problem.names.clone(),
-        findings: found,
         leading: judgement.leading,
+        claims: claims(&searched, &judgement, &found),
+        findings: found,
         candidates,
         held_out: held,
         soil: soil(&searched),
@@ -212,6 +214,7 @@ pub fn insufficient(
         recordings: recordings.iter().map(|r| r.name.clone()).collect(),
         findings: Vec::new(),
         leading: None,
+        claims: Vec::new(),
         candidates: vec![
             nothing(Subject::Nothing, 0.5),
             nothing(Subject::Unknown, 0.5),

@@ -16,8 +16,9 @@ pub use caution::Caution;
 pub use diagnose::{diagnose, insufficient};
 pub use error::DiagnosisError;
 pub use outcome::{
-    Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
-    Manoeuvre, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
+    Account, Candidate, Channel, Claim, ClaimLevel, Diagnosis, Errors, Finding, HeldOut,
+    Insufficient, Interval, Manoeuvre, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict,
+    WrenchTrace,
 };
 pub use progress::Progress;
 

@@ -102,6 +102,8 @@ pub struct Quantity {
     pub low: f64,
     /// Upper end of the 90 % interval.
     pub high: f64,
+    /// Where the effect does nothing.
+    pub off: f64,
     /// Unit.
     pub unit: &'static str,
 }
@@ -189,8 +191,46 @@ pub struct Finding {
     pub local: bool,
     /// The terms of the empirical residual model, if it is unknown.
     pub law: Vec<Term>,
+    /// Forces that mend its formula, where the catalogue's is not quite that of these recordings.
+    pub mended_by: Vec<Term>,
     /// The finding in one sentence.
     pub statement: String,
+}
+
+/// How far a claim goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ClaimLevel {
+    /// What kind of thing differs, and in which direction it acts.
+    Where,
+    /// Which mechanism it is.
+    Mechanism,
+    /// By which formula it acts.
+    Formula,
+}
+
+impl ClaimLevel {
+    /// The name in `diagnosis.json`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Where => "where",
+            Self::Mechanism => "mechanism",
+            Self::Formula => "formula",
+        }
+    }
+}
+
+/// A claim about what is missing. Each of a diagnosis' claims includes the next one, which is less likely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Claim {
+    /// How far it goes.
+    pub level: ClaimLevel,
+    /// Its name, as `resistance_along` or `drag`.
+    pub name: &'static str,
+    /// The claim in plain words.
+    pub statement: String,
+    /// Its probability.
+    pub probability: f64,
 }
 
 /// Results for one candidate.
@@ -366,6 +406,8 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// Index of the finding that the verdict is about.
     pub leading: Option<usize>,
+    /// What can be claimed of that finding, from the safest claim to the boldest one.
+    pub claims: Vec<Claim>,
     /// All candidates, with "nothing missing" and "unknown"; their probabilities sum to 1.
     pub candidates: Vec<Candidate>,
     /// Held-out errors; `None` if there was too little data to hold out.

@@ -131,6 +131,36 @@ impl ParameterDeclaration {
     }
 }
 
+/// What kind of thing an effect changes, whatever its name: the coarsest claim that a diagnosis can make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Class {
+    /// What resists the motion.
+    Resistance,
+    /// The weight and its place.
+    Weight,
+    /// Gravity on a slope.
+    Gravity,
+    /// How far a wheel rolls in a turn.
+    RollingRadius,
+    /// Ground that differs from place to place.
+    Ground,
+    /// What the sensors report.
+    Sensor,
+}
+
+/// What the formula of an effect depends on: by this, another formula of the same mechanism may differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Argument {
+    /// Speed of the vehicle \[m/s\].
+    Speed,
+    /// Lateral speed of the outer rows \[m/s\].
+    SideSpeed,
+    /// Longitudinal slip of the wheels \[-\].
+    Slip,
+    /// Sinkage of the wheels \[m\].
+    Sinkage,
+}
+
 /// One effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Declaration {
@@ -150,6 +180,10 @@ pub struct Declaration {
     pub equation: &'static str,
     /// Where the equation comes from.
     pub source: &'static str,
+    /// What kind of thing it changes.
+    pub class: Class,
+    /// What its formula depends on, besides its parameters; empty where the mechanism has one formula only.
+    pub varies_with: &'static [Argument],
     /// Its parameters.
     pub parameters: &'static [ParameterDeclaration],
 }
@@ -175,6 +209,8 @@ macro_rules! effect {
         lifts $lifts:literal,
         equation $equation:literal,
         source $source:literal,
+        $(class $class:ident,)?
+        $(varies with $($argument:ident)+,)?
         {
             $($field:ident [$unit:literal] $low:literal..$high:literal, $role:ident $default:literal,
                 $prior:ident($centre:literal, $deviation:literal), $what:literal
@@ -198,6 +234,8 @@ macro_rules! effect {
                 lifts: $lifts,
                 equation: $equation,
                 source: $source,
+                class: effect!(@class $acts $($class)?),
+                varies_with: &[$($($crate::effects::Argument::$argument),+)?],
                 parameters: &[$($crate::effects::ParameterDeclaration {
                     name: stringify!($field),
                     unit: $unit,
@@ -227,6 +265,11 @@ macro_rules! effect {
             }
         }
     };
+    (@class Sensors) => { $crate::effects::Class::Sensor };
+    (@class Slope) => { $crate::effects::Class::Gravity };
+    (@class SoilByPlace) => { $crate::effects::Class::Ground };
+    (@class $acts:ident) => { $crate::effects::Class::Resistance };
+    (@class $acts:ident $class:ident) => { $crate::effects::Class::$class };
     (@memory memory) => { true };
     (@memory) => { false };
     (@step first_step_to($value:expr)) => { $crate::effects::FirstStep::To($value) };

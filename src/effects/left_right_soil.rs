@@ -11,6 +11,8 @@ effect! {
     lifts "homogeneous ground across the track",
     equation "c, tan phi and k times sqrt(ratio) on the left, over sqrt(ratio) on the right",
     source "modelling assumption: the geometric mean of both sides is the terrain",
+    class Ground,
+    varies with Slip Sinkage,
     {
         ratio ["1"] 0.1..10.0, off 1.0, lognormal(1.0, 0.4), "Strength and stiffness of the left soil over the right one's";
     }

@@ -11,6 +11,7 @@ effect! {
     lifts "known mass, inertia and centre of mass",
     equation "m += m_p; centre of mass at sum m x / sum m; I_Z about it by the parallel-axis rule",
     source "rigid-body mechanics",
+    class Weight,
     {
         mass ["kg"] 0.0..1e5, off 0.0, lognormal(50.0, 0.9), "Mass m_p";
         ahead ["m"] -20.0..20.0, shape 0.0, normal(0.0, 0.4), "Its place ahead of the centroid", estimated;

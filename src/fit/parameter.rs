@@ -48,11 +48,13 @@ impl FreeParameter {
         }
     }
 
-    /// The value of a coordinate.
+    /// The value of a coordinate. That of a bound's coordinate is the bound, whatever rounding does.
     #[must_use]
     pub fn value(&self, coordinate: f64) -> f64 {
         match self.scale {
             Scale::Linear => coordinate,
+            Scale::Log if coordinate == self.high.ln() => self.high,
+            Scale::Log if coordinate == self.low.ln() => self.low,
             Scale::Log => coordinate.exp(),
         }
     }
@@ -120,5 +122,18 @@ mod tests {
         let at = parameter.coordinate(value);
         let slope = (parameter.value(at + h) - parameter.value(at - h)) / (2.0 * h);
         assert!((slope - parameter.slope(value)).abs() < 1e-8);
+        for bound in [0.1, 3.0, 7.3] {
+            let (low, high) = (bound, 2.0 * bound);
+            let parameter = FreeParameter {
+                low,
+                high,
+                ..parameter.clone()
+            };
+            let (lowest, highest) = parameter.bounds();
+            assert_eq!(
+                (parameter.value(lowest), parameter.value(highest)),
+                (low, high)
+            );
+        }
     }
 }

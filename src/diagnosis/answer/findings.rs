@@ -12,6 +12,7 @@ use crate::diagnosis::screening::region::Region;
 use crate::diagnosis::screening::residual_model::{channel as pushed, group};
 use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::screening::wrench::smooth;
+use crate::diagnosis::search::accepted::is_mended;
 use crate::diagnosis::search::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::search::{AcceptedEffect, SearchResult};
 use crate::fit::parameter::{FreeParameter, NORMAL_95};
@@ -29,7 +30,7 @@ pub fn findings(searched: &SearchResult, judged: &[JudgedFinding]) -> Vec<Findin
     }
     let covariance = scattered(&searched.placed, &searched.augmented, &searched.noise);
     let one = |judged: &JudgedFinding| match judged.effect {
-        Some(effect) => named(searched, &searched.accepted[effect], judged, &covariance),
+        Some(effect) => named(searched, effect, judged, &covariance),
         None => latent_wrench(searched, judged),
     };
     judged.iter().map(one).collect()
@@ -76,6 +77,7 @@ fn quantities(
                 value: parameter.value(at),
                 low,
                 high,
+                off: parameter.value(about.off()),
                 unit: parameter.unit,
             },
         ));
@@ -87,10 +89,11 @@ fn quantities(
 
 fn named(
     searched: &SearchResult,
-    effect: &AcceptedEffect,
+    index: usize,
     judged: &JudgedFinding,
     covariance: &DMatrix<f64>,
 ) -> Finding {
+    let effect = &searched.accepted[index];
     let proposal = &effect.proposal;
     let (problem, fit) = (&searched.placed, &searched.augmented);
     let parameters = quantities(problem, fit, proposal, covariance);
@@ -112,10 +115,26 @@ fn named(
         places,
         local,
         law,
+        mended_by: if is_mended(&searched.accepted, index) {
+            mending(searched, covariance)
+        } else {
+            Vec::new()
+        },
         statement: String::new(),
     };
     finding.statement = statement(&finding);
     finding
+}
+
+/// The terms of the residual models that mend a formula.
+fn mending(searched: &SearchResult, covariance: &DMatrix<f64>) -> Vec<Term> {
+    let (problem, fit) = (&searched.placed, &searched.augmented);
+    let mending = searched.accepted.iter().filter(|effect| effect.mends);
+    let terms = mending.flat_map(|effect| {
+        let parameters = quantities(problem, fit, &effect.proposal, covariance);
+        law(problem, &effect.proposal, &parameters)
+    });
+    terms.collect()
 }
 
 /// Distances of coefficients from "off", for each recording.
@@ -372,6 +391,7 @@ fn latent_wrench(searched: &SearchResult, judged: &JudgedFinding) -> Finding {
         places,
         local: false,
         law: Vec::new(),
+        mended_by: Vec::new(),
         statement: format!(
             "a time-varying {what} of about {amount} that no effect of the catalogue explains{strongest}"
         ),

@@ -3,6 +3,7 @@
 pub mod account;
 pub mod augmented;
 pub mod candidates;
+pub mod claims;
 pub mod errors;
 pub mod findings;
 pub mod posterior;

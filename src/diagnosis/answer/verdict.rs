@@ -47,6 +47,8 @@ pub struct JudgedFinding {
     pub set: Vec<(Subject, f64)>,
     /// Probability that nothing acts in its place.
     pub nothing: f64,
+    /// Probabilities of all that was fitted in its place.
+    pub posterior: Vec<(Subject, f64)>,
 }
 
 /// The judgement of all findings.
@@ -124,7 +126,13 @@ impl Evidence<'_> {
                 _ => posterior.with(Subject::Unknown, doubt),
             }
         };
-        let judged = accepted.iter().enumerate();
+        // What mends a name's formula is no finding of its own.
+        let named = |effect: &&AcceptedEffect| effect.proposal.subject != Subject::Unknown;
+        let mends = |effect: &AcceptedEffect| effect.mends && accepted.iter().any(|o| named(&o));
+        let judged = accepted
+            .iter()
+            .enumerate()
+            .filter(|(_, effect)| !mends(effect));
         let judged = judged.map(|(index, effect)| judge_effect(index, effect, posterior(effect)));
         let mut findings: Vec<JudgedFinding> = judged.collect();
         let is_local = |effect: &AcceptedEffect| effect.proposal.kind() == ProposalKind::Local;
@@ -134,6 +142,7 @@ impl Evidence<'_> {
             || (local && *latent > 0.5 * MAIN * explained);
         let each: Vec<(Posterior, f64)> = accepted
             .iter()
+            .filter(|effect| !mends(effect))
             .map(|m| (posterior(m), m.gain.max(0.0)))
             .collect();
         let mut posterior = mean(&each).unwrap_or_else(|| Posterior::new(self.refused, NOTHING));
@@ -155,6 +164,7 @@ impl Evidence<'_> {
                 } else {
                     1.0 - something
                 },
+                posterior: vec![(Subject::Unknown, something)],
             });
             if main {
                 findings.rotate_right(1);
@@ -245,8 +255,8 @@ impl JudgedFinding {
 /// Doubt of a name: the share of the evidence that residual models and the latent wrench explain.
 fn doubt(accepted: &[AcceptedEffect], explained: f64, latent: f64) -> f64 {
     let residual_models = accepted.iter();
-    let residual_models =
-        residual_models.filter(|effect| effect.proposal.subject == Subject::Unknown);
+    let residual_models = residual_models
+        .filter(|effect| effect.proposal.subject == Subject::Unknown && !effect.mends);
     let residual_models: f64 = residual_models.map(|effect| effect.gain.max(0.0)).sum();
     unnamed_share(residual_models, explained, latent).min(MAX_DOUBT)
 }
@@ -288,6 +298,7 @@ fn judge_effect(index: usize, effect: &AcceptedEffect, posterior: Posterior) -> 
         physics: posterior.physics(),
         set,
         nothing: posterior.of(Subject::Nothing),
+        posterior: posterior.0,
     }
 }
 
@@ -349,6 +360,7 @@ mod tests {
             physics: probability,
             set: Vec::new(),
             nothing: 0.0,
+            posterior: Vec::new(),
         };
         let verdict = |findings: &[JudgedFinding]| findings[leading(findings).unwrap()].verdict();
         let (late, drag) = (one(sensor, 0.97), one(Subject::Effect(0), 0.9));
@@ -389,12 +401,14 @@ mod tests {
             own in odds(),
             gain in odds(),
             mut rivals in rivals(5),
+            mends in any::<bool>(),
         ) -> AcceptedEffect {
             rivals.push((subject, own));
             AcceptedEffect {
                 proposal: Proposal::new(subject, vec![0]),
                 gain,
                 rivals,
+                mends: mends && subject == Subject::Unknown,
             }
         }
     }

@@ -20,8 +20,7 @@ pub fn phrase(subject: Subject) -> String {
 #[must_use]
 pub fn statement(finding: &Finding) -> String {
     let what = if finding.law.is_empty() {
-        let numbers: Vec<String> = finding.parameters.iter().map(number).collect();
-        format!("{}: {}", phrase(finding.subject), numbers.join(", "))
+        numbers(finding)
     } else {
         residual_model(&finding.law)
     };
@@ -37,7 +36,28 @@ pub fn statement(finding: &Finding) -> String {
     } else {
         format!("; most visible regime: {regime}")
     };
-    format!("{what}{place}{regime}")
+    let mended = if finding.mended_by.is_empty() {
+        String::new()
+    } else {
+        let terms = residual_model(&finding.mended_by);
+        format!("; its formula differs from the catalogue's, which this mends: {terms}")
+    };
+    format!("{what}{place}{regime}{mended}")
+}
+
+/// The subject of a finding with its numbers. Where another formula takes the place of the catalogue's, there are none.
+#[must_use]
+pub fn numbers(finding: &Finding) -> String {
+    let is_replaced = !finding.mended_by.is_empty()
+        && finding
+            .parameters
+            .iter()
+            .all(|one| one.low <= one.off && one.off <= one.high);
+    if is_replaced {
+        return phrase(finding.subject);
+    }
+    let numbers: Vec<String> = finding.parameters.iter().map(number).collect();
+    format!("{}: {}", phrase(finding.subject), numbers.join(", "))
 }
 
 /// The recording of a place, with the label of its run.
@@ -86,6 +106,7 @@ fn number(quantity: &Quantity) -> String {
         high,
         unit,
         recording,
+        ..
     } = quantity;
     let whose = recording
         .as_ref()

@@ -33,6 +33,9 @@ pub struct FittedHypothesis {
     pub covariance: DMatrix<f64>,
     /// Residuals of each segment and their derivatives.
     pub tables: Vec<Tables>,
+    /// Log Bayes factor of the neighbourhood of its effects' formulas, see [`crate::diagnosis::screening::shape`]; zero
+    /// until it is computed.
+    pub shape_gain: f64,
 }
 
 /// Factor on the standard deviations of the fit, which neglect other modes and model errors. Calibrated on 100
@@ -176,6 +179,7 @@ impl<'s, 'p> Start<'s, 'p> {
             predicted_reduction: 0.5 * outcome.predicted_reduction,
             covariance,
             tables: outcome.tables,
+            shape_gain: 0.0,
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod residual_model;
 pub mod scan;
 pub mod screen;
 pub mod sensitivity;
+pub mod shape;
 pub mod slow;
 pub mod system;
 pub mod time_bins;

@@ -36,6 +36,8 @@ pub struct Layout {
     secants: Vec<usize>,
     /// Length of a time bin \[s\], about.
     time_bin: f64,
+    /// Number of whole columns that were appended to the linearised problem.
+    pub appended: usize,
 }
 
 /// Residuals of a segment with derivatives by everything.
@@ -64,6 +66,7 @@ impl Layout {
             throughout: Vec::new(),
             secants: Vec::new(),
             time_bin: GATE,
+            appended: 0,
         };
         for (place, coefficient) in coefficients.iter().enumerate() {
             if !matches!(coefficient.target, Target::Model(_)) {
@@ -99,10 +102,25 @@ impl Layout {
         layout
     }
 
+    /// The columns of the coefficients that are on, and of a force and moment in each time bin. Columns of other
+    /// coefficients, except the sensors', are zero.
+    #[must_use]
+    pub fn beside(problem: &Problem, on: &[usize]) -> Self {
+        let mut layout = Self::new(problem, on);
+        let forces = problem.candidates.residual_models();
+        let forces: Vec<usize> = forces.filter(|k| layout.binned.contains(k)).collect();
+        layout
+            .binned
+            .retain(|k| on.contains(k) || forces.contains(k));
+        layout.throughout.retain(|k| on.contains(k));
+        layout.secants.clear();
+        layout
+    }
+
     /// Number of whole columns, the residual and the start not counted.
     #[must_use]
     pub fn whole(&self) -> usize {
-        self.soil + self.coefficients
+        self.soil + self.coefficients + self.appended
     }
 
     /// Number of binned columns of one time bin.

@@ -200,6 +200,46 @@ impl System {
         step
     }
 
+    /// Appends unknowns that act along combinations of each segment's columns: a matrix for each segment, with a row
+    /// for each of its columns. They stand between the whole columns and the binned ones.
+    pub fn append(&mut self, combinations: &[DMatrix<f64>], unknowns: Vec<FreeParameter>) {
+        let (whole, count) = (self.layout.whole(), unknowns.len());
+        for (segment, combination) in self.segments.iter_mut().zip(combinations) {
+            let bent = &segment.matrix * combination;
+            let own = combination.tr_mul(&bent);
+            let pull = combination.tr_mul(&segment.gradient);
+            let size = segment.gradient.len();
+            let mut matrix = std::mem::take(&mut segment.matrix)
+                .insert_rows(whole, count, 0.0)
+                .insert_columns(whole, count, 0.0);
+            let place = |k: usize| if k < whole { k } else { k + count };
+            for k in 0..size {
+                for new in 0..count {
+                    matrix[(place(k), whole + new)] = bent[(k, new)];
+                    matrix[(whole + new, place(k))] = bent[(k, new)];
+                }
+            }
+            matrix
+                .view_mut((whole, whole), (count, count))
+                .copy_from(&own);
+            segment.matrix = matrix;
+            let gradient = std::mem::take(&mut segment.gradient);
+            segment.gradient = gradient.insert_rows(whole, count, 0.0);
+            segment.gradient.rows_mut(whole, count).copy_from(&pull);
+        }
+        let first = self.parameters.len();
+        for places in &mut self.places {
+            places.extend((first..first + count).map(Some));
+        }
+        let precision = unknowns.iter().map(|one| one.prior.deviation.powi(-2));
+        let precision = self.precision.iter().copied().chain(precision);
+        self.precision = DVector::from_vec(precision.collect());
+        // Off, where their priors pull them.
+        self.pull = self.pull.clone().insert_rows(first, count, 0.0);
+        self.parameters.extend(unknowns);
+        self.layout.appended += count;
+    }
+
     /// Unknowns of the soil.
     #[must_use]
     pub fn soil(&self) -> Range<usize> {

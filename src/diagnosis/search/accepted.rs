@@ -3,6 +3,7 @@
 use super::proposal::Proposal;
 use super::rerank::close_to;
 use crate::diagnosis::Subject;
+use crate::effects::CATALOGUE;
 
 /// Margin of log odds over "nothing more" for acceptance, prior included.
 pub const TAKE: f64 = 0.5;
@@ -18,6 +19,15 @@ pub struct AcceptedEffect {
     pub gain: f64,
     /// What else was fitted in its place, with log Bayes factors and priors.
     pub rivals: Vec<(Subject, f64)>,
+    /// Whether it only mends the formulas of the others, as a residual model does within their shape freedom.
+    pub mends: bool,
+}
+
+/// Whether a name has a residual model beside it that mends its formula.
+#[must_use]
+pub fn is_mended(accepted: &[AcceptedEffect], index: usize) -> bool {
+    let named = |effect: &AcceptedEffect| matches!(effect.proposal.subject, Subject::Effect(k) if !CATALOGUE[k].varies_with.is_empty());
+    named(&accepted[index]) && accepted.iter().any(|effect| effect.mends)
 }
 
 impl AcceptedEffect {
@@ -90,6 +100,7 @@ mod tests {
             proposal: Proposal::new(Subject::Effect(0), Vec::new()),
             gain: rivals[0].1,
             rivals: rivals.iter().map(subject).collect(),
+            mends: false,
         }
     }
 

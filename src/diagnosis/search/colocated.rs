@@ -273,9 +273,12 @@ mod tests {
                 predicted_reduction: 0.0,
                 covariance: DMatrix::zeros(0, 0),
                 tables: Vec::new(),
+                shape_gain: 0.0,
             },
             scores: None,
             gain,
+            shape: 0.0,
+            mends: false,
         }
     }
 

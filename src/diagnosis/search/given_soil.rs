@@ -13,6 +13,7 @@ use crate::diagnosis::hypothesis::likelihood::{
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
+use crate::diagnosis::screening::shape::Shapes;
 use crate::diagnosis::screening::system::linearise;
 use crate::fit::problem::NoiseModel;
 
@@ -40,7 +41,7 @@ pub fn seen_from_given_soil(
     let tables = sensitivities(problem, &layout, &at);
     let system = linearise(problem, &layout, &tables, &at, noise);
     drop(tables);
-    let Some(view) = View::new(problem, &system, on, noise) else {
+    let Some(view) = View::new(problem, &system, on, &Shapes::default(), noise) else {
         return Vec::new();
     };
     let screened = screened(&view);

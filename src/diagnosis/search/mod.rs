@@ -238,6 +238,8 @@ mod tests {
             scores: None,
             proposal,
             gain,
+            shape: 0.0,
+            mends: false,
         };
         // Already optimal: no reason to repeat.
         assert!(unstuck(&stage, std::slice::from_ref(&beside), &noise).is_none());

@@ -4,16 +4,18 @@
 //! accepted effects. The one with the largest log odds is accepted if it exceeds the threshold and predicts held-out
 //! data no worse (blocked cross-validation, see `held_out`). Then everything is screened again beside it.
 
+use super::accepted::{NOTHING, TAKE};
 use super::initial_guess::{
     LOST, after_steps, cheapest, compared, continued, is_unseen, on_given_soil, settled,
 };
-use super::proposal::Proposal;
+use super::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, LONG_PARTIAL_FIT, PARTIAL_FIT, fit_restarted, fit_until,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::region::Region;
+use crate::diagnosis::screening::shape;
 use crate::effects::{self, ParameterName, Window};
 use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
@@ -41,22 +43,28 @@ pub struct FittedCandidate<'a> {
     pub fit: FittedHypothesis,
     /// How it predicts what it was not fitted to.
     pub scores: Option<Scores>,
-    /// Log Bayes factor against the hypothesis without it.
+    /// Log Bayes factor against the hypothesis without it, by the catalogue's formulas.
     pub gain: f64,
+    /// What the shape freedom of all formulas adds to that; zero for an empirical residual model, which mends formulas.
+    pub shape: f64,
+    /// Whether it only mends the formulas of the effects accepted so far: their shape freedom explains it as well.
+    pub mends: bool,
 }
 
 impl FittedCandidate<'_> {
     /// Log odds against the hypothesis without it.
     #[must_use]
     pub fn odds(&self) -> f64 {
-        self.gain + self.proposal.log_prior()
+        self.gain + self.shape + self.proposal.log_prior()
     }
 
     /// An unfinished candidate: it cannot be accepted, and is no likelier than the likeliest finished one.
     #[must_use]
     pub fn behind(self, likeliest: f64) -> Self {
         Self {
-            gain: self.gain.min(likeliest - self.proposal.log_prior()),
+            gain: self
+                .gain
+                .min(likeliest - self.shape - self.proposal.log_prior()),
             scores: None,
             ..self
         }
@@ -74,6 +82,8 @@ pub struct PartialFit<'a> {
     pub(super) fit: FittedHypothesis,
     /// Log Bayes factor against the hypothesis without it, as far as it has come.
     pub(super) gain: f64,
+    /// What the shape freedom of all formulas adds to that, see [`FittedCandidate::shape`].
+    pub(super) shape: f64,
     /// Factor of the gain, if the fit is to a subsample.
     pub(super) scale: f64,
 }
@@ -100,14 +110,30 @@ impl<'a> PartialFit<'a> {
             proposal: proposal.clone(),
             problem: problem.clone(),
             fit,
+            shape: 0.0,
             scale: 1.0,
         }
+    }
+
+    /// With the shape freedom of the formulas that are on.
+    #[must_use]
+    fn shaped(mut self, before: &FittedHypothesis, noise: &NoiseModel) -> Self {
+        if self.proposal.kind() != ProposalKind::ResidualModel {
+            let FittedHypothesis {
+                coefficients,
+                solution,
+                ..
+            } = &self.fit;
+            let gain = shape::gain_at(&self.problem, coefficients, solution, noise);
+            self.shape = gain - before.shape_gain;
+        }
+        self
     }
 
     /// Log odds against the hypothesis without it, as far as it has come.
     #[must_use]
     pub fn odds(&self) -> f64 {
-        self.gain + self.proposal.log_prior()
+        self.gain + self.shape + self.proposal.log_prior()
     }
 
     /// Whether it is the same proposal at the same optimum.
@@ -127,7 +153,9 @@ impl<'a> PartialFit<'a> {
     /// The unfinished candidate with its predicted odds.
     pub fn unfinished(self) -> FittedCandidate<'a> {
         FittedCandidate {
-            gain: self.promise() - self.proposal.log_prior(),
+            gain: self.promise() - self.shape - self.proposal.log_prior(),
+            shape: self.shape,
+            mends: false,
             proposal: self.proposal,
             problem: self.problem,
             fit: self.fit,
@@ -221,7 +249,7 @@ pub fn partial_fit<'a>(
         );
     }
     let fit = fit.filter(|fit| fit.negative_log_evidence.is_finite())?;
-    Some(PartialFit::new(proposal, &problem, fit, before))
+    Some(PartialFit::new(proposal, &problem, fit, before).shaped(before, noise))
 }
 
 /// Finishes a fit.
@@ -234,10 +262,16 @@ pub fn finish<'a>(
     let PartialFit {
         proposal, problem, ..
     } = partial_fit;
-    let fit = fit_restarted(&problem, &partial_fit.fit, noise);
+    let mut fit = fit_restarted(&problem, &partial_fit.fit, noise);
     let without = negative_log_evidence_without(&problem, &proposal, &fit, before, noise);
+    let gain = without - fit.negative_log_evidence - proposal.price;
+    fit.shape_gain = shape::gain_at(&problem, &fit.coefficients, &fit.solution, noise);
+    let shape = fit.shape_gain - before.shape_gain;
+    let is_residual_model = proposal.kind() == ProposalKind::ResidualModel;
     Some(FittedCandidate {
-        gain: without - fit.negative_log_evidence - proposal.price,
+        gain,
+        shape: if is_residual_model { 0.0 } else { shape },
+        mends: is_residual_model && gain + shape + proposal.log_prior() < NOTHING + TAKE,
         scores: scores(&problem, &fit, noise),
         proposal,
         problem,

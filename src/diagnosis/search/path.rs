@@ -19,6 +19,8 @@ use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::problem::NoiseModel;
 
+/// Log prior odds that what the neighbourhood of a name explains is that mechanism and none outside the catalogue.
+const CATALOGUED: f64 = 5.0;
 /// Maximum number of rounds.
 const ROUNDS: usize = 4;
 
@@ -86,8 +88,9 @@ impl<'a> Path<'a> {
         } else {
             walk(self, fitted, Prefer::Nothing)?
         };
-        let residual_model =
-            |effect: &AcceptedEffect| effect.proposal.kind() == ProposalKind::ResidualModel;
+        let residual_model = |effect: &AcceptedEffect| {
+            effect.proposal.kind() == ProposalKind::ResidualModel && !effect.mends
+        };
         if let Some(residual_model) = path.accepted.iter().position(residual_model)
             && path.accepted.len() > 1
             && !progress.is_late()
@@ -118,6 +121,7 @@ impl<'a> Path<'a> {
                 proposal: best.proposal,
                 gain: self.on_whole(best.gain),
                 rivals: self.rivals(&fitted),
+                mends: best.mends,
             });
             let (placed, fit) = self.narrowed(best.problem, best.fit);
             self.stage = self.rescreened(placed, fit, options, progress)?;
@@ -309,7 +313,9 @@ impl<'a> Path<'a> {
                 continue;
             };
             let close = self.accepted[index].close();
-            if close.len() < 2 || progress.is_late() {
+            // Beside what mends one formula, other names look alike.
+            let mended = self.accepted.iter().any(|effect| effect.mends);
+            if close.len() < 2 || mended || progress.is_late() {
                 continue;
             }
             progress.step("refitting close rivals")?;
@@ -379,7 +385,33 @@ impl<'a> Path<'a> {
     fn or(self, mut candidate: Self) -> Self {
         let advantage = candidate.advantage(&self);
         let advantage = candidate.on_whole(advantage);
+        if std::env::var_os("DEBUG_PATH").is_some() {
+            let show = |p: &Self| {
+                p.accepted
+                    .iter()
+                    .map(|a| {
+                        format!(
+                            "{} {:.1} mends {} ({} terms)",
+                            a.proposal.subject.name(),
+                            a.gain,
+                            a.mends,
+                            a.proposal.coefficients.len()
+                        )
+                    })
+                    .collect::<Vec<_>>()
+            };
+            eprintln!(
+                "or: {:?} nle {} shape {} against candidate {:?} nle {} shape {}: advantage {advantage}",
+                show(&self),
+                self.stage.fit.negative_log_evidence,
+                self.stage.fit.shape_gain,
+                show(&candidate),
+                candidate.stage.fit.negative_log_evidence,
+                candidate.stage.fit.shape_gain
+            );
+        }
         // Fits that were cut short do not compare.
+        let advantage = advantage + CATALOGUED;
         if advantage < 0.0 || self.stage.problem.deadline.is_over() {
             return self;
         }
@@ -398,6 +430,7 @@ impl<'a> Path<'a> {
         let negative_log_evidence = |path: &Self, noise: &NoiseModel| -> f64 {
             let stage = &path.stage;
             continue_fit(&stage.problem, &stage.fit, noise, HELD).negative_log_evidence
+                - stage.fit.shape_gain
                 + price(path)
         };
         [&self.noise, &other.noise]

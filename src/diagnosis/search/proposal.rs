@@ -69,6 +69,7 @@ pub fn screened(view: &View) -> Vec<ScreenedCandidate> {
         projection,
         noise,
         on,
+        ..
     } = view;
     let subjects = problem.candidates.subjects.iter();
     subjects
@@ -144,7 +145,7 @@ pub fn proposals(
         found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
         all.extend(found);
     }
-    if let Some(residual_model) = residual_model(problem, system, projection.nuisance(), seed) {
+    if let Some(residual_model) = residual_model(problem, system, view.exact.nuisance(), seed) {
         all.push(unnamed(view, residual_model));
     }
     all.retain(|proposal| proposal.evidence > FAINT);
@@ -274,7 +275,7 @@ fn unnamed(view: &View, residual_model: ResidualModel) -> Proposal {
     let View {
         problem,
         system,
-        projection,
+        exact: projection,
         ..
     } = view;
     let coefficients = residual_model.coefficients;

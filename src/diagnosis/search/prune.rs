@@ -1,6 +1,6 @@
 //! Removal of redundant effects.
 
-use super::accepted::{AcceptedEffect, NOTHING};
+use super::accepted::{AcceptedEffect, NOTHING, is_mended};
 use super::proposal::{Proposal, ProposalKind};
 use super::stage::Stage;
 use super::trial::CLOSE;
@@ -29,6 +29,11 @@ pub fn prune(
     }
     let mut index = 0;
     while index < accepted.len() {
+        if is_mended(accepted, index) {
+            // With another formula it explains what the residual model would imitate without it.
+            index += 1;
+            continue;
+        }
         let removed = &accepted[index].proposal;
         let price = NOTHING - removed.log_prior() + removed.price;
         let loss = linear_loss(stage, &removed.coefficients);
@@ -248,6 +253,7 @@ mod tests {
             proposal,
             gain,
             rivals,
+            mends: false,
         }];
         prune(&mut stage, &mut accepted, &noise, 1.0);
         let on = stage

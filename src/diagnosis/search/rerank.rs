@@ -47,7 +47,9 @@ pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
                 .negative_log_evidence
         };
         let sum: f64 = noises.iter().map(under).sum();
-        sum / noises.len() as f64 + candidate.proposal.price - candidate.proposal.log_prior()
+        sum / noises.len() as f64 + candidate.proposal.price
+            - candidate.proposal.log_prior()
+            - candidate.shape
     };
     let totals: Vec<f64> = (0..count).map(total).collect();
     let places = (0..count).filter(|place| totals[*place].is_finite());
@@ -61,6 +63,6 @@ pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
     let odds = close[winner].odds();
     for (place, candidate) in close.iter_mut().enumerate() {
         let behind = totals[place] - totals[winner];
-        candidate.gain = odds - behind.min(odds) - candidate.proposal.log_prior();
+        candidate.gain = odds - behind.min(odds) - candidate.shape - candidate.proposal.log_prior();
     }
 }

@@ -10,6 +10,7 @@ use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::screening::noise;
 use crate::diagnosis::screening::screen::chance;
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
+use crate::diagnosis::screening::shape;
 use crate::diagnosis::screening::system::{System, linearise, weigh};
 use crate::diagnosis::screening::wrench::{LatentWrench, latent_wrench};
 use crate::diagnosis::{DiagnosisError, Options, Progress};
@@ -102,10 +103,14 @@ pub fn screen<'a>(
         }
     }
     in_time()?;
-    let system = linearise(&problem, &layout, &tables, &at, &own);
+    let mut system = linearise(&problem, &layout, &tables, &at, &own);
     drop(tables);
     in_time()?;
-    let view = View::new(&problem, &system, &on, &own).ok_or(DiagnosisError::NotFinite)?;
+    let shapes = shape::append(&problem, &on, &at, &mut system);
+    let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
+    let mut again = again;
+    again.shape_gain = shapes.gain(&system, &further);
+    let view = View::new(&problem, &system, &on, &shapes, &own).ok_or(DiagnosisError::NotFinite)?;
     progress.step("screening and scanning for regions")?;
     let screened = screened(&view);
     let equations: Vec<_> = screened.iter().map(|one| one.projected.clone()).collect();
@@ -115,7 +120,10 @@ pub fn screen<'a>(
     let all = proposals(&view, &screened, soil, seed);
     in_time()?;
     let mut proposals: Vec<Proposal> = shortlist(&all).into_iter().cloned().collect();
-    let latent_wrench = latent_wrench(&problem, &system);
+    let latent_wrench = match shapes.followed(&system, &further) {
+        Some(shaped) => latent_wrench(&problem, &shaped),
+        None => latent_wrench(&problem, &system),
+    };
     let took = progress.elapsed().saturating_sub(began);
     if on.is_empty() {
         proposals.extend(hidden(&view, &screened));

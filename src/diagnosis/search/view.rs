@@ -2,6 +2,7 @@
 
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::screening::screen::Projection;
+use crate::diagnosis::screening::shape::Shapes;
 use crate::diagnosis::screening::system::System;
 use crate::fit::problem::NoiseModel;
 
@@ -12,8 +13,10 @@ pub struct View<'a, 'g> {
     pub problem: &'a Problem<'g>,
     /// The normal equations.
     pub system: &'a System,
-    /// Soil and what is on, projected out.
+    /// Soil, what is on and the shapes of its formulas, projected out.
     pub projection: Projection<'a>,
+    /// Soil and what is on, projected out: an empirical residual model may mend a formula.
+    pub exact: Projection<'a>,
     /// The noise.
     pub noise: &'a NoiseModel,
     /// Coefficients that are on.
@@ -27,11 +30,15 @@ impl<'a, 'g> View<'a, 'g> {
         problem: &'a Problem<'g>,
         system: &'a System,
         on: &'a [usize],
+        shapes: &Shapes,
         noise: &'a NoiseModel,
     ) -> Option<Self> {
-        let further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
+        let mut further: Vec<usize> = on.iter().flat_map(|k| system.unknowns(*k)).collect();
+        let exact = Projection::over_all(system, &further)?;
+        further.extend(&shapes.unknowns);
         let projection = Projection::over_all(system, &further)?;
         Some(Self {
+            exact,
             problem,
             system,
             projection,

@@ -4,8 +4,8 @@
 
 use super::words;
 use crate::diagnosis::{
-    Candidate, Caution, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval, Manoeuvre,
-    Quantity, Subject, Term,
+    Candidate, Caution, Claim, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
+    Manoeuvre, Quantity, Subject, Term,
 };
 use crate::fit::{Estimate, NoiseEstimate};
 use serde_json::{Map, Value, json as object};
@@ -23,6 +23,7 @@ pub fn json(diagnosis: &Diagnosis) -> String {
         "cautions": diagnosis.cautions.iter().map(caution).collect::<Vec<_>>(),
         "recordings": diagnosis.recordings,
         "findings": diagnosis.findings.iter().map(|f| finding(f, diagnosis)).collect::<Vec<_>>(),
+        "claims": diagnosis.claims.iter().map(claim).collect::<Vec<_>>(),
         "candidates": diagnosis.candidates.iter().map(candidate).collect::<Vec<_>>(),
         "fit": {
             "held_out": diagnosis.held_out.as_ref().map(held_out),
@@ -45,6 +46,15 @@ pub fn json(diagnosis: &Diagnosis) -> String {
     });
     // This value always has a text.
     serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+}
+
+fn claim(claim: &Claim) -> Value {
+    object!({
+        "level": claim.level.name(),
+        "name": claim.name,
+        "statement": claim.statement,
+        "probability": claim.probability,
+    })
 }
 
 fn caution(caution: &Caution) -> Value {
@@ -77,6 +87,7 @@ fn finding(finding: &Finding, diagnosis: &Diagnosis) -> Value {
         "where": finding.places.iter().map(place).collect::<Vec<_>>(),
         "local": finding.local,
         "law": finding.law.iter().map(term).collect::<Vec<_>>(),
+        "mended_by": finding.mended_by.iter().map(term).collect::<Vec<_>>(),
         "statement": finding.statement,
     })
 }

@@ -70,6 +70,7 @@ pub fn sample(verdict: Verdict) -> Diagnosis {
         recordings,
         candidates: candidates(verdict, &findings),
         leading: (!findings.is_empty()).then_some(0),
+        claims: Vec::new(),
         findings,
         held_out: (verdict != Verdict::InsufficientData).then(|| held_out(verdict)),
         soil: soil(verdict),
@@ -116,6 +117,7 @@ fn findings(verdict: Verdict) -> (Vec<Finding>, &'static str) {
         places: Vec::new(),
         local: false,
         law: Vec::new(),
+        mended_by: Vec::new(),
         statement: String::new(),
     };
     match verdict {
