@@ -42,7 +42,6 @@ def through_fmpy(fmu: Path, time: np.ndarray, omega: np.ndarray, count: int) -> 
             slave.doStep(time[row], time[row + 1] - time[row])
             slave.getReal(outputs)
         slave.reset()
-    slave.terminate()
     slave.freeInstance()
 
 
