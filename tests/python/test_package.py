@@ -85,7 +85,7 @@ class Drives(unittest.TestCase):
         (folder / "model.json").write_text(model.to_json())
         time, omega = wheels()
         rows = np.column_stack([time, omega])
-        np.savetxt(folder / "wheels.csv", rows, "%r", ",", header="time,omega_left,omega_right", comments="")
+        np.savetxt(folder / "wheels.csv", rows, "%.17g", ",", header="time,omega_left,omega_right", comments="")
         table = tool("simulate", "--input", "wheels.csv", "--model", "model.json", "--quiet", folder=folder)
         header, *lines = table.strip().splitlines()
         columns = dict(zip(header.split(","), np.array([line.split(",") for line in lines], float).T, strict=True))
@@ -182,7 +182,7 @@ class Analyses(unittest.TestCase):
         table = np.column_stack(list(columns.values()))
         # The name of the recording is part of the answer.
         path = folder / "recording.csv"
-        np.savetxt(path, table, "%r", ",", header=",".join(columns), comments="")
+        np.savetxt(path, table, "%.17g", ",", header=",".join(columns), comments="")
         (folder / "plain.json").write_text(plain.to_json())
         steps: list[str] = []
         found = ugv.diagnose(columns, model=plain, progress=steps.append)

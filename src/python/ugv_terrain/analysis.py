@@ -200,7 +200,7 @@ class Score(_Answer):
     def plot(self, axes: Any = None) -> Any:
         """Draws the median position errors of the first recording; needs matplotlib. Returns the axes."""
         models = [one for one in self.recordings[0]["models"] if one.get("position_m")]
-        errors = [one["position_m"]["median"] for one in models]
+        errors = [one["position_m"]["median"]["value"] for one in models]
         return _bars(axes, [one["model"] for one in models], errors, "median position error [m]")
 
 
