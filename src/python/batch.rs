@@ -19,6 +19,9 @@ type Driven<'py> = (
     Vec<Option<String>>,
 );
 
+/// States of all after a step, and why some could not go on.
+type Stepped<'py> = (Bound<'py, PyArray2<f64>>, Vec<Option<String>>);
+
 /// A member of a batch.
 struct Member {
     simulation: Simulation,
@@ -147,7 +150,7 @@ impl Batch {
         py: Python<'py>,
         seconds: f64,
         speeds: PyReadonlyArray2<f64>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Vec<Option<String>>)> {
+    ) -> PyResult<Stepped<'py>> {
         let speeds = speeds.as_slice()?.to_vec();
         let simulations = &mut self.simulations;
         let results = py.detach(|| {
