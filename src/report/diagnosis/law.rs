@@ -112,6 +112,7 @@ mod tests {
                 value,
                 low: value - 0.01,
                 high: value + 0.01,
+                off: 0.0,
                 unit: "1",
             },
             stability: 0.9,

@@ -89,6 +89,7 @@ fn quantity(name: &str, value: f64, half: f64, unit: &'static str) -> Quantity {
         value,
         low: value - half,
         high: value + half,
+        off: 0.0,
         unit,
     }
 }
