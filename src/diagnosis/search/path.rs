@@ -385,31 +385,6 @@ impl<'a> Path<'a> {
     fn or(self, mut candidate: Self) -> Self {
         let advantage = candidate.advantage(&self);
         let advantage = candidate.on_whole(advantage);
-        if std::env::var_os("DEBUG_PATH").is_some() {
-            let show = |p: &Self| {
-                p.accepted
-                    .iter()
-                    .map(|a| {
-                        format!(
-                            "{} {:.1} mends {} ({} terms)",
-                            a.proposal.subject.name(),
-                            a.gain,
-                            a.mends,
-                            a.proposal.coefficients.len()
-                        )
-                    })
-                    .collect::<Vec<_>>()
-            };
-            eprintln!(
-                "or: {:?} nle {} shape {} against candidate {:?} nle {} shape {}: advantage {advantage}",
-                show(&self),
-                self.stage.fit.negative_log_evidence,
-                self.stage.fit.shape_gain,
-                show(&candidate),
-                candidate.stage.fit.negative_log_evidence,
-                candidate.stage.fit.shape_gain
-            );
-        }
         // Fits that were cut short do not compare.
         let advantage = advantage + CATALOGUED;
         if advantage < 0.0 || self.stage.problem.deadline.is_over() {

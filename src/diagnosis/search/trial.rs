@@ -94,19 +94,6 @@ pub fn try_all<'a>(
         rerank(&mut fitted, noise);
     }
     let largest = best(&fitted);
-    if std::env::var_os("DEBUG_PATH").is_some() {
-        for one in &fitted {
-            eprintln!(
-                "fitted {} {:?}: gain {:.1} shape {:.1} odds {:.1} mends {}",
-                one.proposal.subject.name(),
-                one.proposal.extent,
-                one.gain,
-                one.shape,
-                one.odds(),
-                one.mends
-            );
-        }
-    }
     let unfinished = unfinished.into_iter();
     fitted.extend(unfinished.map(|candidate| candidate.behind(largest)));
     Ok(fitted)
