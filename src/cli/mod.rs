@@ -2,6 +2,7 @@
 
 mod completions;
 mod diagnose;
+mod doubts;
 mod effects;
 mod failure;
 mod fit;

@@ -7,6 +7,7 @@ use super::answer::errors::compare;
 use super::answer::findings::findings;
 use super::answer::traces::traces;
 use super::answer::verdict::judge;
+use super::doubts::Doubts;
 use super::hypothesis::Problem;
 use super::hypothesis::likelihood::FittedHypothesis;
 use super::hypothesis::prepare::prepare;
@@ -29,6 +30,9 @@ use crate::vehicle::Specification;
 /// A diagnosis takes half a minute to some minutes on rayon's current pool.
 ///
 /// # Algorithm
+/// 0. *Doubts.* The data themselves are questioned first ([`crate::inspection::doubts`]): a wrong gear, a pose from the
+///    wheels, a frozen encoder. Frozen samples are left out. From a probability of 0.5 on the likeliest doubt is the
+///    verdict, and all other probabilities shrink by the rest.
 /// 1. *Segments.* Recordings are cut into segments of some seconds (multiple shooting). Every segment has a free
 ///    initial state with a Gaussian prior around the measured one, so errors do not accumulate over a drive.
 ///    Rest, gaps and segments that the model cannot follow are dropped.
@@ -120,6 +124,11 @@ pub fn diagnose(
     }
     let deadline = progress.answer_deadline();
     progress.in_time(deadline)?;
+    progress.step("doubts about the data")?;
+    let doubted = Doubts::of(recordings, &nominal.vehicle, progress);
+    let remaining = doubted.remaining(recordings);
+    let recordings = remaining.as_deref().unwrap_or(recordings);
+    progress.in_time(deadline)?;
     let mut problem = Problem::until(nominal, recordings, deadline);
     progress.in_time(deadline)?;
     let (prepared, noise) = prepare(&mut problem, options, progress)?;
@@ -176,6 +185,7 @@ pub fn diagnose(
         model,
     };
     diagnosis.statement = statement(&diagnosis);
+    doubted.put_before(&mut diagnosis);
     diagnosis.account.steps = progress.seconds();
     Ok(diagnosis)
 }
@@ -200,7 +210,7 @@ pub fn insufficient(
         probability,
         ..empty(subject)
     };
-    Diagnosis {
+    let mut diagnosis = Diagnosis {
         verdict: Verdict::InsufficientData,
         insufficient: Some(if out_of_time {
             Insufficient::TimeUp
@@ -234,7 +244,9 @@ pub fn insufficient(
         },
         nominal: nominal.clone(),
         model: nominal.clone(),
-    }
+    };
+    Doubts::quick(recordings, &nominal.vehicle).put_before(&mut diagnosis);
+    diagnosis
 }
 
 /// The soil refitted alone, and beside the findings.

@@ -4,6 +4,7 @@ mod names;
 mod report;
 mod summary;
 
+use super::doubts;
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
@@ -111,8 +112,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let named = args.nominal.load()?;
     let mut recordings = named.read(&args.recordings)?;
-    for recording in &recordings {
+    let mut doubted = Vec::new();
+    for recording in &mut recordings {
         recording.warnings().for_each(|warning| notify(&warning));
+        let (rest, found) = doubts::settled(std::mem::take(recording), named.vehicle.as_ref());
+        doubts::show(&rest.name, &found);
+        doubted.push((rest.name.clone(), found));
+        *recording = rest;
     }
     if args.half {
         for recording in &mut recordings {
@@ -149,7 +155,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let Fitted { model, fit } = found?;
     progress.finish();
     let model_text = || model.to_json_fitted(&fitted_to(&recordings, !args.half));
-    let report_text = || report::to_json(&fit, &model, &recordings, &options);
+    let report_text = || report::to_json(&fit, &model, &recordings, &options, &doubted);
     let filled = [
         output.map(|output| output.with(&model_text())),
         report.map(|report| report.with(&report_text())),

@@ -6,10 +6,13 @@ use ugv_terrain::identification::{
     DataSplit, ErrorSummary, Latencies, PoseError, PredictionWindow, WindowOptions, WindowSet,
     common, summarise,
 };
+use ugv_terrain::inspection::Doubt;
 
 /// A recording's windows and the models that predict them.
 pub struct ModelComparison {
     pub name: String,
+    /// Doubts about its data.
+    pub doubts: Vec<Doubt>,
     pub latencies: Latencies,
     /// How the windows are cut.
     pub cut: WindowOptions,

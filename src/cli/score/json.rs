@@ -4,6 +4,7 @@ use super::comparison::{ComparisonResult, ModelScores, PooledResult};
 use serde_json::{Map, Value, json};
 use ugv_terrain::identification::{ErrorSummary, Latency};
 use ugv_terrain::recording::IntervalEstimate;
+use ugv_terrain::report::inspection::doubt_json;
 
 pub fn render(
     horizon: f64,
@@ -46,6 +47,7 @@ fn recording(all: &ComparisonResult) -> Value {
         });
     json!({
         "recording": comparison.name,
+        "doubts": comparison.doubts.iter().map(doubt_json).collect::<Vec<_>>(),
         "windows": comparison.set.windows.len(),
         "left_out": {
             "standing": comparison.set.rejected.standing,

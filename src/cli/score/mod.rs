@@ -5,6 +5,7 @@ mod json;
 mod models;
 mod table;
 
+use super::doubts;
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::NominalArgs;
@@ -95,10 +96,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let threads = jobs::pool(args.jobs)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
         let recording = read_recording_of(path, given.named.vehicle.as_ref())?;
-        let comparison = prepare(args, &recording, &given)?;
+        let (recording, found) = doubts::settled(recording, given.named.vehicle.as_ref());
+        let mut comparison = prepare(args, &recording, &given)?;
         let within_a_run = comparison.halves.within_a_run;
-        let doubt = given.doubt(&recording, &comparison.cut, within_a_run);
-        Ok((recording.warnings().chain(doubt).collect(), comparison))
+        let overlap = given.doubt(&recording, &comparison.cut, within_a_run);
+        let warnings = recording.warnings();
+        let warnings = warnings.chain(doubts::lines(&recording.name, &found));
+        let warnings = warnings.chain(overlap).collect();
+        comparison.doubts = found;
+        Ok((warnings, comparison))
     };
     // Collected in the order of the arguments, so that the first error is always the same.
     let prepared: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
@@ -157,6 +163,7 @@ fn prepare(
     let models = ComparedModel::all(&set.windows, &halves.fitted, nominal, given);
     Ok(ModelComparison {
         name: recording.name.clone(),
+        doubts: Vec::new(),
         latencies,
         cut: how,
         heading_noise: noise,

@@ -1,0 +1,376 @@
+//! What the given vehicle would do with the recorded wheel speeds, on the soils of the paper and on stiffer, softer,
+//! stronger and weaker ones.
+//!
+//! A few stretches are driven from a guessed state; their first seconds, in which the guess is forgotten, do not count.
+
+use crate::recording::{Cumulated, Drive, Run, Series};
+use crate::simulation::{Simulation, State, WheelSpeeds};
+use crate::terrain::Terrain;
+use crate::vehicle::{Vehicle, VehicleModel};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Length of a stretch, the part that does not count, and the margin at its end for delays \[s\].
+const LENGTH: f64 = 6.0;
+const FORGET: f64 = 1.5;
+const MARGIN: f64 = 0.35;
+/// Maximum number of stretches.
+const MAX_STRETCHES: usize = 6;
+/// Window of the mean rates, and from one window to the next \[s\].
+const WINDOW: f64 = 1.0;
+const SPACING: f64 = 0.25;
+/// Rows of the wheel speeds: interval, and the mean that they are \[s\].
+const ROW: f64 = 0.05;
+const ROW_MEAN: f64 = 0.1;
+/// Slower wheels stand \[rad/s\].
+const STANDING: f64 = 0.3;
+/// Delays of the measurement behind the model \[s\], beyond those behind the wheels.
+const SHIFTS: [f64; 7] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3];
+/// Errors of the model on real ground, as a share of the motion: smaller differences prove nothing.
+const MODEL_ERROR: f64 = 0.03;
+/// First steps of the search in the logarithms of strength, shear modulus and stiffness, and of the factor.
+const STEPS: [f64; 4] = [0.35, 0.5, 0.7, 0.15];
+/// Their ranges around a soil of the paper.
+const RANGES: [f64; 3] = [1.0, 1.4, 2.5];
+/// Halvings of the steps, and the maximum number of drives.
+const HALVINGS: usize = 3;
+const MAX_DRIVES: usize = 60;
+
+/// The measured motion: speed ahead \[m/s\] and yaw rate \[rad/s\], with their delays behind the wheels.
+pub struct Measured {
+    /// Integrals of each run, if measured.
+    pub signals: [Vec<Option<Cumulated>>; 2],
+    /// Delays \[s\].
+    pub delays: [f64; 2],
+    /// Ratios to the motion without slip, for the guess of the first state.
+    pub ratios: [Option<f64>; 2],
+}
+
+/// What a factor stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scaled {
+    /// Nothing: the vehicle as it is given.
+    Nothing,
+    /// The wheel speeds, or the radius.
+    Wheels,
+    /// The track.
+    Track,
+}
+
+/// The best soil for a hypothesis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Explained {
+    /// Log likelihood, up to a constant.
+    pub likelihood: f64,
+    /// The factor, 1 without one.
+    pub factor: f64,
+    /// Errors as shares of the motion: speed, yaw rate; `None` if not measured.
+    pub errors: [Option<f64>; 2],
+    /// Measured over predicted.
+    pub ratios: [Option<f64>; 2],
+}
+
+/// A stretch of driving.
+struct Stretch {
+    drive: Drive,
+    run: usize,
+    /// Its start in the recording \[s\].
+    start: f64,
+}
+
+/// The stretches of a recording, and what was measured in them.
+pub struct Expectation<'a> {
+    vehicle: &'a Vehicle,
+    measured: &'a Measured,
+    stretches: Vec<Stretch>,
+    is_over: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Sums of one channel at one shift.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    measured: f64,
+    predicted: f64,
+    both: f64,
+    count: usize,
+}
+
+impl Sums {
+    fn push(&mut self, measured: f64, predicted: f64) {
+        self.measured += measured * measured;
+        self.predicted += predicted * predicted;
+        self.both += measured * predicted;
+        self.count += 1;
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            measured: self.measured + other.measured,
+            predicted: self.predicted + other.predicted,
+            both: self.both + other.both,
+            count: self.count + other.count,
+        }
+    }
+
+    /// Root mean square error, as a share of the measured motion.
+    fn error(&self) -> f64 {
+        let square = self.measured - 2.0 * self.both + self.predicted;
+        (square.max(0.0) / self.measured).sqrt()
+    }
+}
+
+type Table = [[Sums; SHIFTS.len()]; 2];
+
+impl<'a> Expectation<'a> {
+    /// Chooses stretches spread evenly over the driving; `None` without any.
+    pub fn new(
+        runs: &[Run],
+        vehicle: &'a Vehicle,
+        measured: &'a Measured,
+        is_over: &'a (dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let mut stretches: Vec<Stretch> = Vec::new();
+        for (index, run) in runs.iter().enumerate() {
+            stretches.extend(stretches_of(index, run));
+        }
+        let count = stretches.len();
+        let kept = count.min(MAX_STRETCHES);
+        let chosen: Vec<usize> = (0..kept)
+            .map(|k| (2 * k + 1) * count / (2 * kept))
+            .collect();
+        let mut index = 0;
+        stretches.retain(|_| {
+            index += 1;
+            chosen.contains(&(index - 1))
+        });
+        (!stretches.is_empty()).then_some(Self {
+            vehicle,
+            measured,
+            stretches,
+            is_over,
+        })
+    }
+
+    /// The best soil without a factor, or with one that starts here.
+    pub fn explain(&self, scaled: Scaled, start: f64) -> Option<Explained> {
+        let bases = Terrain::PRESETS
+            .iter()
+            .filter_map(|name| Terrain::preset(name));
+        let free = if scaled == Scaled::Nothing { 3 } else { 4 };
+        let first = [0.0, 0.0, 0.0, start.ln()];
+        let tried = bases.filter_map(|base| Some((base, self.at(&base, scaled, &first)?)));
+        let better = |a: &(Terrain, Explained), b: &(Terrain, Explained)| {
+            a.1.likelihood.total_cmp(&b.1.likelihood)
+        };
+        let (base, mut best) = tried.max_by(better)?;
+        // A pattern search: the likelihood has kinks where another delay fits better.
+        let (mut at, mut scale, mut drives) = (first, 1.0, 0);
+        for _ in 0..=HALVINGS {
+            loop {
+                let before = best.likelihood;
+                for dimension in 0..free {
+                    for direction in [1.0, -1.0] {
+                        let mut other = at;
+                        other[dimension] += direction * scale * STEPS[dimension];
+                        let range = RANGES.get(dimension).copied().unwrap_or(f64::INFINITY);
+                        if other[dimension].abs() > range || drives >= MAX_DRIVES {
+                            continue;
+                        }
+                        drives += 1;
+                        if let Some(found) = self.at(&base, scaled, &other)
+                            && found.likelihood > best.likelihood
+                        {
+                            (best, at) = (found, other);
+                            break;
+                        }
+                    }
+                }
+                if best.likelihood < before + 0.2 {
+                    break;
+                }
+            }
+            scale *= 0.5;
+        }
+        Some(best)
+    }
+
+    /// Drives the stretches on a soil; `None` if the vehicle cannot.
+    fn at(&self, base: &Terrain, scaled: Scaled, at: &[f64; 4]) -> Option<Explained> {
+        if (self.is_over)() {
+            return None;
+        }
+        let [strength, shear, stiffness, factor] = at.map(f64::exp);
+        let soil = Terrain {
+            cohesion: base.cohesion * strength,
+            friction_angle: (base.friction_angle.tan() * strength).atan(),
+            shear_modulus: base.shear_modulus * shear,
+            frictional_modulus: base.frictional_modulus * stiffness,
+            ..*base
+        };
+        let mut vehicle = self.vehicle.clone();
+        let mut wheels = 1.0;
+        match scaled {
+            Scaled::Nothing => {}
+            Scaled::Wheels => wheels = factor,
+            Scaled::Track => {
+                vehicle.half_track *= factor;
+                // The wheels stay within the vehicle.
+                vehicle.wheel_width = vehicle.wheel_width.min(2.0 * vehicle.half_track);
+            }
+        }
+        let model = Arc::new(VehicleModel::new(vehicle, soil).ok()?);
+        let tables: Vec<Option<Table>> = self
+            .stretches
+            .par_iter()
+            .map(|stretch| self.table(&model, stretch, wheels))
+            .collect();
+        let lost = tables.iter().filter(|table| table.is_none()).count();
+        if 2 * lost >= tables.len() {
+            return None;
+        }
+        let mut sums: Table = Default::default();
+        for table in tables.into_iter().flatten() {
+            for (channel, shifts) in sums.iter_mut().zip(table) {
+                for (sum, other) in channel.iter_mut().zip(shifts) {
+                    *sum = sum.and(other);
+                }
+            }
+        }
+        let best = sums.map(|shifts| {
+            let used = shifts
+                .into_iter()
+                .filter(|sum| sum.measured > 0.0 && sum.count > 0);
+            used.min_by(|a, b| a.error().total_cmp(&b.error()))
+        });
+        // Windows overlap; a second or two of driving is independent of the next.
+        let likelihood = best.iter().flatten().map(|sum| {
+            let seconds = sum.count as f64 * SPACING;
+            -0.25 * seconds * (sum.error().powi(2) + MODEL_ERROR.powi(2)).ln()
+        });
+        Some(Explained {
+            likelihood: likelihood.sum(),
+            factor: if scaled == Scaled::Nothing {
+                1.0
+            } else {
+                factor
+            },
+            errors: best.map(|sum| Some(sum?.error())),
+            ratios: best.map(|sum| sum.map(|sum| sum.both / sum.predicted)),
+        })
+    }
+
+    /// Drives one stretch and compares it with what was measured.
+    fn table(&self, model: &Arc<VehicleModel>, stretch: &Stretch, factor: f64) -> Option<Table> {
+        let motion = drive(model, &stretch.drive, factor, self.measured.ratios)?;
+        let mut table: Table = Default::default();
+        let last = LENGTH - MARGIN - WINDOW / 2.0;
+        let count = ((last - FORGET - WINDOW / 2.0) / SPACING).floor() as usize;
+        for (channel, sums) in table.iter_mut().enumerate() {
+            let measured = self.measured.signals[channel][stretch.run].as_ref();
+            let Some(measured) = measured else { continue };
+            for k in 0..=count {
+                let centre = FORGET + WINDOW / 2.0 + SPACING * k as f64;
+                let at = stretch.start + centre + self.measured.delays[channel];
+                let Some(found) = measured.mean_rate(at, WINDOW) else {
+                    continue;
+                };
+                for (sum, shift) in sums.iter_mut().zip(SHIFTS) {
+                    if let Some(predicted) = motion[channel].mean_rate(centre + shift, WINDOW) {
+                        sum.push(found, predicted);
+                    }
+                }
+            }
+        }
+        Some(table)
+    }
+}
+
+/// Stretches of a run in which the wheels turn and have no gap.
+fn stretches_of(index: usize, run: &Run) -> Vec<Stretch> {
+    let Some(drive) = run.drive() else {
+        return Vec::new();
+    };
+    let gaps = run.wheel_gaps(ROW_MEAN.max(0.5));
+    let side = |speeds: &[f64]| {
+        let series: Series = drive
+            .time
+            .iter()
+            .copied()
+            .zip(speeds.iter().copied())
+            .collect();
+        Cumulated::of_rate(&series)
+    };
+    let sides = [side(&drive.omega_left), side(&drive.omega_right)];
+    let first = drive.time[0];
+    let count = (drive.duration() / LENGTH).floor() as usize;
+    let stretch = |k: usize| {
+        let start = first + LENGTH * k as f64;
+        let overlaps = |gap: &[f64; 2]| gap[0] < start + LENGTH && gap[1] > start;
+        if gaps.iter().any(overlaps) {
+            return None;
+        }
+        let rows = (LENGTH / ROW).round() as usize;
+        let time: Vec<f64> = (0..=rows).map(|row| ROW * row as f64).collect();
+        let speeds = |sum: &Cumulated| -> Option<Vec<f64>> {
+            let last = drive.time[drive.len() - 1] - ROW_MEAN / 2.0;
+            let at = |t: &f64| (start + t).clamp(first + ROW_MEAN / 2.0, last);
+            time.iter()
+                .map(|t| sum.mean_rate(at(t), ROW_MEAN))
+                .collect()
+        };
+        let drive = Drive {
+            omega_left: speeds(&sides[0])?,
+            omega_right: speeds(&sides[1])?,
+            time: time.clone(),
+            filled_rows: 0,
+        };
+        let size = |row: usize| drive.wheel_speeds(row).map(f64::abs).iter().sum::<f64>() / 2.0;
+        let mean = (0..drive.len()).map(size).sum::<f64>() / drive.len() as f64;
+        (mean > STANDING).then_some(Stretch {
+            drive,
+            run: index,
+            start,
+        })
+    };
+    (0..count).filter_map(stretch).collect()
+}
+
+/// Distance ahead and angle turned over time, with the wheel speeds times a factor; `None` if the vehicle cannot drive.
+fn drive(
+    model: &Arc<VehicleModel>,
+    drive: &Drive,
+    factor: f64,
+    ratios: [Option<f64>; 2],
+) -> Option<[Cumulated; 2]> {
+    let vehicle = model.vehicle();
+    let speeds = |row: usize| drive.wheel_speeds(row).map(|speed| factor * speed);
+    let [left, right] = speeds(0);
+    let guess = |ratio: Option<f64>, usual: f64| {
+        ratio.map_or(usual, |ratio| (ratio / factor).clamp(0.1, 1.0))
+    };
+    let (radius, half_track) = (vehicle.wheel_radius, vehicle.half_track);
+    let start = State {
+        v_x: guess(ratios[0], 0.8) * radius * 0.5 * (left + right),
+        yaw_rate: guess(ratios[1], 0.5) * radius * (right - left) / (2.0 * half_track),
+        ..State::default()
+    };
+    let mut simulation = Simulation::new(Arc::clone(model));
+    simulation.set_state(start).ok()?;
+    let mut motion: [Vec<(f64, f64)>; 2] = Default::default();
+    for row in 0..drive.len() {
+        let state = simulation.state();
+        motion[0].push((drive.time[row], state.v_x));
+        motion[1].push((drive.time[row], state.yaw_rate));
+        let Some(next) = drive.time.get(row + 1) else {
+            break;
+        };
+        let [left, right] = speeds(row);
+        let rates = drive.wheel_accelerations(row).map(|rate| factor * rate);
+        let wheels = |[left, right]: [f64; 2]| WheelSpeeds { left, right };
+        simulation.set_wheel_speeds(wheels([left, right])).ok()?;
+        simulation.set_wheel_accelerations(wheels(rates)).ok()?;
+        simulation.step(next - drive.time[row]).ok()?;
+    }
+    let sum = |rates: Vec<(f64, f64)>| Cumulated::of_rate(&rates.into_iter().collect::<Series>());
+    Some(motion.map(sum))
+}

@@ -1,0 +1,259 @@
+//! Whether a recording can be what it claims: doubts about its data, to be asked before any name of physics.
+
+mod commands;
+mod constant;
+mod expected;
+mod jumps;
+mod odometry;
+mod pairs;
+mod provenance;
+mod ratios;
+mod signs;
+
+use crate::recording::{Channel, Recording, Series};
+use crate::vehicle::Vehicle;
+use std::fmt;
+
+/// From this probability on a doubt goes before the names of physics.
+pub const PROBABLE: f64 = 0.5;
+/// From this probability on the recording is unfit as it is.
+const NEARLY_SURE: f64 = 0.9;
+/// Less likely doubts are not reported.
+const WORTH_SAYING: f64 = 0.2;
+
+/// What may be wrong with a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum DoubtKind {
+    /// The pose, or a part of it, was computed from the wheel speeds.
+    OwnOdometry,
+    /// A side counts backwards.
+    MirroredSide,
+    /// Only the magnitude of a velocity was recorded.
+    Unsigned,
+    /// Wheel speeds and distance do not belong together: radius, gear ratio, ticks, unit.
+    RollingRatio,
+    /// Wheel difference and turning do not belong together: track.
+    TurningRatio,
+    /// Heading and yaw rate differ by a factor.
+    HeadingFactor,
+    /// A channel repeats one value for seconds.
+    Frozen,
+    /// A channel is cut off at its largest value.
+    Saturated,
+    /// A channel has coarse steps.
+    Quantised,
+    /// The pose jumps.
+    Jump,
+    /// The wheel speeds are commands, not measurements.
+    Commanded,
+    /// Times are wrong.
+    Clock,
+    /// The importer doubted a source.
+    Source,
+}
+
+impl DoubtKind {
+    /// The name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::OwnOdometry => "own_odometry",
+            Self::MirroredSide => "mirrored_side",
+            Self::Unsigned => "unsigned",
+            Self::RollingRatio => "rolling_ratio",
+            Self::TurningRatio => "turning_ratio",
+            Self::HeadingFactor => "heading_factor",
+            Self::Frozen => "frozen",
+            Self::Saturated => "saturated",
+            Self::Quantised => "quantised",
+            Self::Jump => "jump",
+            Self::Commanded => "commanded",
+            Self::Clock => "clock",
+            Self::Source => "source",
+        }
+    }
+}
+
+/// A time interval of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Index of the run.
+    pub run: usize,
+    /// Time of the first sample concerned \[s\].
+    pub start: f64,
+    /// Time of the last one \[s\].
+    pub end: f64,
+}
+
+/// A hypothesis about the data that competes with physics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doubt {
+    /// What may be wrong.
+    pub kind: DoubtKind,
+    /// The channels concerned; none if it concerns times or sources.
+    pub channels: Vec<Channel>,
+    /// Where, if it concerns a part only.
+    pub span: Option<Span>,
+    /// Probability that this is wrong with the data.
+    pub probability: f64,
+    /// Whether fit, score and diagnosis leave these samples out.
+    pub left_out: bool,
+    /// The evidence, in a sentence.
+    pub evidence: String,
+    /// What to check or do, in a sentence.
+    pub remedy: String,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            evidence, remedy, ..
+        } = self;
+        write!(f, "{evidence}. {remedy}.")
+    }
+}
+
+/// Whether a recording can be diagnosed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fitness {
+    /// Nothing speaks against it.
+    Fit,
+    /// Something may be wrong, or is left out.
+    WithDoubts,
+    /// What is recorded cannot be right, or is too little.
+    Unfit,
+}
+
+impl Fitness {
+    /// The name in files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fit => "yes",
+            Self::WithDoubts => "with doubts",
+            Self::Unfit => "no",
+        }
+    }
+}
+
+/// The doubts about a recording of a vehicle, the likeliest first.
+///
+/// Without a vehicle, ratios of wheel speeds to motion cannot be judged.
+///
+/// # Algorithm
+/// 1. *Pairs.* Two sensors of one motion are compared by their mean rates over a second, at the delay of the highest
+///    correlation. Their *ratio* goes through the origin; what it leaves unexplained is measured against the variation.
+/// 2. *Copies.* Distance and heading that follow from the wheel speeds more exactly than slip allows were computed from
+///    them.
+/// 3. *Ratios.* Slip makes wheels roll further than the vehicle goes, by a share that depends on the soil, on
+///    acceleration and on turning. The wheel speeds therefore drive the given vehicle over the soils of the paper, of
+///    several stiffnesses. A factor on the wheel speeds, or on the track, is doubted only if the best soil without it is
+///    much worse than the best one with it, and if it is larger than the model's own errors.
+/// 4. *Values.* Stretches of one value, cut-off or coarse values and jumps are judged against the same channel elsewhere.
+/// 5. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
+///
+/// A doubt that another one explains is dropped: a pose from the wheels fits neither the gyro nor any soil.
+#[must_use]
+pub fn doubts(recording: &Recording, vehicle: Option<&Vehicle>) -> Vec<Doubt> {
+    doubts_until(recording, vehicle, &|| false)
+}
+
+/// The same within a time: once `is_over`, wheel speeds are no longer compared with soils.
+#[must_use]
+pub fn doubts_until(
+    recording: &Recording,
+    vehicle: Option<&Vehicle>,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> Vec<Doubt> {
+    let vehicle = vehicle.or(recording.about.vehicle.as_ref());
+    let frozen = constant::frozen(recording);
+    let alive = without(recording, &frozen);
+    let mut found = odometry::doubts(&alive);
+    let is_own = found.iter().any(|doubt| doubt.probability >= PROBABLE);
+    found.extend(signs::doubts(&alive));
+    let is_signed = !found.iter().any(|doubt| {
+        matches!(doubt.kind, DoubtKind::MirroredSide | DoubtKind::Unsigned)
+            && doubt.probability >= PROBABLE
+    });
+    if !is_own {
+        found.extend(ratios::heading(&alive));
+    }
+    if is_signed {
+        found.extend(vehicle.and_then(|vehicle| ratios::wheels(&alive, vehicle, is_own, is_over)));
+    }
+    found.extend(frozen);
+    found.extend(constant::coarse(recording));
+    found.extend(jumps::doubts(&alive));
+    found.extend(commands::doubts(&alive));
+    found.extend(provenance::doubts(recording));
+    found.retain(|doubt| doubt.probability >= WORTH_SAYING);
+    found.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    found
+}
+
+/// Whether a recording can be diagnosed, and why not, in a clause.
+#[must_use]
+pub fn fitness(recording: &Recording, doubts: &[Doubt]) -> (Fitness, String) {
+    let moved = Channel::ALL.into_iter().filter(|c| !c.is_required());
+    let mut moved = moved.filter(|channel| !matches!(channel, Channel::AX | Channel::AY));
+    if !moved.any(|channel| recording.has(channel)) {
+        let why =
+            "no motion is recorded beside the wheel speeds: add x, y and heading, or yaw_rate";
+        return (Fitness::Unfit, why.into());
+    }
+    let Some(first) = doubts.first() else {
+        return (Fitness::Fit, "nothing in it contradicts itself".into());
+    };
+    let others = match doubts.len() - 1 {
+        0 => String::new(),
+        1 => " (and 1 more doubt)".into(),
+        more => format!(" (and {more} more doubts)"),
+    };
+    let is_open = |doubt: &&Doubt| !doubt.left_out && doubt.probability >= NEARLY_SURE;
+    let is_source = |doubt: &&Doubt| doubt.kind != DoubtKind::Source;
+    let unfit = doubts.iter().filter(is_open).find(is_source);
+    match unfit {
+        Some(worst) => (Fitness::Unfit, format!("{}{others}", worst.evidence)),
+        None if first.probability >= PROBABLE => {
+            let left_out = if first.left_out { "; left out" } else { "" };
+            let why = format!("{}{left_out}{others}", first.evidence);
+            (Fitness::WithDoubts, why)
+        }
+        None => {
+            let why = format!(
+                "no doubt is likely; the likeliest: {}{others}",
+                first.evidence
+            );
+            (Fitness::Fit, why)
+        }
+    }
+}
+
+/// The recording without the samples that doubts leave out.
+#[must_use]
+pub fn without(recording: &Recording, doubts: &[Doubt]) -> Recording {
+    let mut rest = recording.clone();
+    for doubt in doubts.iter().filter(|doubt| doubt.left_out) {
+        let Some(Span { run, start, end }) = doubt.span else {
+            continue;
+        };
+        for channel in &doubt.channels {
+            let Some(series) = rest.runs[run].series(*channel) else {
+                continue;
+            };
+            let kept = series.samples();
+            let kept: Series = kept.filter(|(t, _)| *t < start || *t > end).collect();
+            let shortened = std::mem::take(&mut rest.runs[run]).with(*channel, kept);
+            rest.runs[run] = shortened;
+        }
+    }
+    rest
+}
+
+/// Probability of a fault from how far a measure exceeds its limit, in units of the limit's width: 0.5 at the limit.
+fn logistic(excess: f64) -> f64 {
+    1.0 / (1.0 + (-excess).exp())
+}
+
+#[cfg(test)]
+mod tests;

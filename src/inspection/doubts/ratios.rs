@@ -1,0 +1,239 @@
+//! Factors between sensors of one motion.
+
+use super::expected::{Expectation, Explained, Measured, Scaled};
+use super::pairs::{Pairs, Ratio};
+use super::{Doubt, DoubtKind, logistic};
+use crate::inspection::signals::MotionSignal;
+use crate::recording::{Channel, Recording};
+use crate::vehicle::Vehicle;
+use std::f64::consts::{PI, TAU};
+
+/// A heading and a yaw rate that are proportional leave less unexplained.
+const PROPORTIONAL: f64 = 0.15;
+/// Gyros and headings agree within this factor; width of the transition in its logarithm.
+const SCALE: f64 = 1.1;
+const SCALE_WIDTH: f64 = 0.02;
+/// Factors within this one are left to the fit: worn tyres, the model's own errors.
+const NEAR: f64 = 1.25;
+/// Width of the transition in its logarithm.
+const NEAR_WIDTH: f64 = 0.03;
+/// If the best soil predicts the motion with a smaller error, as a share of it, no factor is tried.
+const EXPECTED: f64 = 0.06;
+/// A factor explains the motion if the error, as a share of it, is below this.
+const EXPLAINED: f64 = 0.2;
+/// Log prior odds of a wrong factor.
+const PRIOR: f64 = -3.0;
+/// Two hypotheses within this log likelihood are both named.
+const CLOSE: f64 = 3.0;
+/// Largest factor between a number and that of a unit.
+const UNIT: f64 = 1.08;
+/// Weaker correlations show no relation between wheels and motion.
+const RELATED: f64 = 0.6;
+
+/// Heading and yaw rate of different size.
+pub fn heading(recording: &Recording) -> Option<Doubt> {
+    let pairs = Pairs::of(
+        &recording.runs,
+        MotionSignal::Heading,
+        MotionSignal::YawRate,
+    )?;
+    let ratio = pairs.ratio()?;
+    if ratio.unexplained > PROPORTIONAL || ratio.value <= 0.0 {
+        return None;
+    }
+    let excess = ratio.value.ln().abs() - SCALE.ln();
+    let probability = logistic(excess / SCALE_WIDTH);
+    Some(Doubt {
+        kind: DoubtKind::HeadingFactor,
+        channels: vec![Channel::Heading, Channel::YawRate],
+        span: None,
+        probability,
+        left_out: false,
+        evidence: format!(
+            "heading turns {:.2} times as far as yaw_rate says, at a correlation of {:.2}",
+            ratio.value, ratio.correlation
+        ),
+        remedy: format!(
+            "Check the scale of the gyro, the unit of time ({:.2} s a second would fit) and the source of the heading",
+            1.0 / ratio.value
+        ),
+    })
+}
+
+/// Wheel speeds, or a track, that fit the motion on no soil. `is_own` says that the pose is of the wheels, so that only
+/// the gyro is a witness.
+pub fn wheels(
+    recording: &Recording,
+    vehicle: &Vehicle,
+    is_own: bool,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> Option<Doubt> {
+    let runs = &recording.runs;
+    let speeds: &[MotionSignal] = if is_own {
+        &[]
+    } else {
+        &[MotionSignal::Distance, MotionSignal::Velocity]
+    };
+    let turns: &[MotionSignal] = if is_own {
+        &[MotionSignal::YawRate]
+    } else {
+        &[MotionSignal::YawRate, MotionSignal::Heading]
+    };
+    let of = |signals: &[MotionSignal], wheels| {
+        signals.iter().find_map(|signal| {
+            let pairs = Pairs::of(runs, *signal, wheels)?;
+            let ratio = pairs.ratio()?;
+            let is_related = ratio.correlation >= RELATED || ratio.scatter <= 1.0 - RELATED;
+            is_related.then_some((*signal, pairs.delay, ratio))
+        })
+    };
+    let ahead = of(speeds, MotionSignal::WheelMean);
+    let turn = of(turns, MotionSignal::WheelDifference);
+    let by_radius = 1.0 / vehicle.wheel_radius;
+    let by_track = 2.0 * vehicle.half_track / vehicle.wheel_radius;
+    let measured = Measured {
+        signals: [&ahead, &turn].map(|found| {
+            let signal = |run| found.as_ref().and_then(|(signal, ..)| signal.of(run));
+            runs.iter().map(signal).collect()
+        }),
+        delays: [&ahead, &turn].map(|found| found.as_ref().map_or(0.0, |found| found.1)),
+        ratios: [
+            ahead.map(|found| found.2.value * by_radius),
+            turn.map(|found| found.2.value * by_track),
+        ],
+    };
+    if measured.ratios.iter().all(Option::is_none) {
+        return None;
+    }
+    let expectation = Expectation::new(runs, vehicle, &measured, is_over)?;
+    let given = expectation.explain(Scaled::Nothing, 1.0);
+    if let Some(given) = &given
+        && given
+            .errors
+            .iter()
+            .flatten()
+            .all(|error| *error <= EXPECTED)
+    {
+        return None;
+    }
+    // The kinematic ratios beside those that the best soil leaves: where a factor starts.
+    let left = given.map_or([None; 2], |given| given.ratios);
+    let starts = [left[0].or(left[1]), left[1]];
+    let starts = starts.map(|start| start.filter(|s| *s > 0.0));
+    let kinematic = measured.ratios[0].map(|r| r / 0.85);
+    let kinematic = kinematic.or(measured.ratios[1].map(|r| r / 0.5));
+    let wheels = [starts[0], kinematic].into_iter().flatten();
+    let wheels = wheels.filter_map(|start| expectation.explain(Scaled::Wheels, start));
+    let wheels = wheels.max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
+    let track = starts[1].map(|start| (1.0 / start).clamp(0.25, 4.0));
+    let track = track.and_then(|start| expectation.explain(Scaled::Track, start));
+    let given = given.map_or(f64::NEG_INFINITY, |given| given.likelihood);
+    let judged = [(Scaled::Wheels, wheels), (Scaled::Track, track)];
+    let judged = judged.into_iter().filter_map(|(scaled, found)| {
+        let found = found?;
+        let size = logistic((found.factor.ln().abs() - NEAR.ln()) / NEAR_WIDTH);
+        let is_explained = found
+            .errors
+            .iter()
+            .flatten()
+            .all(|error| *error <= EXPLAINED);
+        let odds = found.likelihood - given + PRIOR;
+        let probability = if is_explained {
+            size * logistic(odds)
+        } else {
+            0.0
+        };
+        Some((scaled, found, probability))
+    });
+    let judged: Vec<(Scaled, Explained, f64)> = judged.collect();
+    // An unfinished comparison shows nothing.
+    if is_over() {
+        return None;
+    }
+    let best = judged.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let is_close = |one: &&(Scaled, Explained, f64)| {
+        one.0 != best.0 && one.1.likelihood > best.1.likelihood - CLOSE && one.2 > 0.2
+    };
+    let other = judged.iter().find(is_close);
+    let ratios = Ratios {
+        ahead: ahead.map(|found| (found.2, by_radius)),
+        turn: turn.map(|found| (found.2, by_track)),
+    };
+    Some(doubt(best, other, &ratios, vehicle))
+}
+
+/// Measured ratios of motion to wheels, with the factors that make them 1 without slip.
+struct Ratios {
+    ahead: Option<(Ratio, f64)>,
+    turn: Option<(Ratio, f64)>,
+}
+
+fn doubt(
+    (scaled, found, probability): &(Scaled, Explained, f64),
+    other: Option<&(Scaled, Explained, f64)>,
+    ratios: &Ratios,
+    vehicle: &Vehicle,
+) -> Doubt {
+    let ahead = ratios.ahead.map(|(ratio, unit)| {
+        format!(
+            "the vehicle covers {:.2} of what its wheels roll, at a correlation of {:.2}",
+            ratio.value * unit,
+            ratio.correlation
+        )
+    });
+    let turn = ratios.turn.map(|(ratio, unit)| {
+        format!(
+            "it turns at {:.2} of the rate without slip, at a correlation of {:.2}",
+            ratio.value * unit,
+            ratio.correlation
+        )
+    });
+    let facts: Vec<String> = [ahead, turn].into_iter().flatten().collect();
+    let evidence = format!(
+        "{}: on no soil does the given vehicle move like that",
+        facts.join(", and ")
+    );
+    let mut remedies = vec![remedy(*scaled, found.factor, vehicle)];
+    remedies.extend(other.map(|other| remedy(other.0, other.1.factor, vehicle)));
+    Doubt {
+        kind: if *scaled == Scaled::Track {
+            DoubtKind::TurningRatio
+        } else {
+            DoubtKind::RollingRatio
+        },
+        channels: vec![Channel::OmegaLeft, Channel::OmegaRight],
+        span: None,
+        probability: *probability,
+        left_out: false,
+        evidence,
+        remedy: remedies.join(", or "),
+    }
+}
+
+/// What a factor would mean.
+fn remedy(scaled: Scaled, factor: f64, vehicle: &Vehicle) -> String {
+    if scaled == Scaled::Track {
+        return format!(
+            "Check the track: half_track = {:.3} m would fit, not {} m",
+            factor * vehicle.half_track,
+            vehicle.half_track
+        );
+    }
+    let units = [
+        ("m/s of the rim", 1.0 / vehicle.wheel_radius),
+        ("rpm", PI / 30.0),
+        ("degrees per second", PI / 180.0),
+        ("turns per second", TAU),
+    ];
+    let near = |(_, unit): &(&str, f64)| (factor / unit).ln().abs() < UNIT.ln();
+    let unit = units.into_iter().find(near);
+    let unit = unit.map_or(String::new(), |(name, _)| {
+        format!(" (they may be in {name})")
+    });
+    format!(
+        "Check wheel radius, gear ratio, ticks per turn and unit: wheel speeds {factor:.2} times as large would fit{unit}, or \
+         wheel_radius = {:.3} m, not {} m",
+        factor * vehicle.wheel_radius,
+        vehicle.wheel_radius
+    )
+}
