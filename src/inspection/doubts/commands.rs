@@ -9,6 +9,9 @@ const HELD: f64 = 0.6;
 const STEP: f64 = 0.2;
 const SUDDEN: f64 = 0.25;
 const MIN_STEPS: usize = 3;
+/// Minimum share of steps among the changes: a measurement that is logged faster than it is made also repeats its values, but
+/// changes little by little.
+const STEPWISE: f64 = 0.25;
 /// Slower wheels stand \[rad/s\].
 const STANDING: f64 = 0.1;
 const MIN_SAMPLES: usize = 100;
@@ -18,7 +21,7 @@ const MEASURED: f64 = 0.1;
 /// Whether the wheel speeds jump and stay, while the motion is measured.
 pub fn doubts(recording: &Recording) -> Vec<Doubt> {
     let sides = [Channel::OmegaLeft, Channel::OmegaRight];
-    let (mut held, mut moving, mut steps) = (0, 0, 0);
+    let (mut held, mut moving, mut steps, mut changed) = (0, 0, 0, 0);
     let mut is_measured = false;
     for run in &recording.runs {
         for series in sides.iter().filter_map(|side| run.series(*side)) {
@@ -26,11 +29,13 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
             held += found[0];
             moving += found[1];
             steps += found[2];
+            changed += found[3];
         }
         is_measured |= motion_is_measured(run);
     }
     let share = held as f64 / moving.max(1) as f64;
-    if moving < MIN_SAMPLES || share < HELD || steps < MIN_STEPS || !is_measured {
+    let is_stepwise = steps >= MIN_STEPS && steps as f64 >= STEPWISE * changed as f64;
+    if moving < MIN_SAMPLES || share < HELD || !is_stepwise || !is_measured {
         return Vec::new();
     }
     vec![Doubt {
@@ -49,20 +54,21 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
     }]
 }
 
-/// Numbers of unchanged samples, of samples in motion, and of steps.
-fn changes(series: &Series) -> [usize; 3] {
+/// Numbers of unchanged samples in motion, of samples in motion, of steps, and of all changes.
+fn changes(series: &Series) -> [usize; 4] {
     let [low, high] = range(series.value.iter().copied());
     let large = STEP * (high - low);
-    let (mut held, mut moving, mut steps) = (0, 0, 0);
+    let (mut held, mut moving, mut steps, mut changed) = (0, 0, 0, 0);
     for (pair, interval) in series.value.windows(2).zip(series.intervals()) {
         let change = (pair[1] - pair[0]).abs();
         if pair[1].abs() > STANDING {
             moving += 1;
             held += usize::from(change == 0.0);
         }
+        changed += usize::from(change > 0.0);
         steps += usize::from(change > large && large > 0.0 && interval <= SUDDEN);
     }
-    [held, moving, steps]
+    [held, moving, steps, changed]
 }
 
 /// Whether some channel of the motion changes from sample to sample, as measurements do.

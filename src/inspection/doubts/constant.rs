@@ -9,6 +9,8 @@ const MANY: usize = 10;
 /// Minimum number of samples elsewhere, and maximum share of repeated values among them.
 const ALIVE_SAMPLES: usize = 40;
 const ALIVE: f64 = 0.15;
+/// Minimum share of changes back and forth of a channel with noise.
+const NOISY: f64 = 0.2;
 /// Probability by chance of as many repeats below which the stretch is no coincidence.
 const CHANCE: f64 = 1e-9;
 /// Faster wheels or yaw rates show that the vehicle moves \[rad/s\].
@@ -38,7 +40,8 @@ pub fn frozen(recording: &Recording) -> Vec<Doubt> {
             let elsewhere = (series.len() - 1).saturating_sub(inside);
             let short = stretches.iter().map(|[from, to]| to - from).sum::<usize>() - inside;
             let repeats = short as f64 / elsewhere.max(1) as f64;
-            if elsewhere < ALIVE_SAMPLES || repeats > ALIVE {
+            let is_alive = elsewhere >= ALIVE_SAMPLES && repeats <= ALIVE;
+            if !is_alive || noise_share(series) < NOISY {
                 continue;
             }
             let by_chance = |count: usize| {
@@ -46,7 +49,9 @@ pub fn frozen(recording: &Recording) -> Vec<Doubt> {
             };
             for [from, to] in long {
                 let (start, end) = (series.time[from], series.time[to]);
-                if by_chance(to - from) < CHANCE && moves(run, channel, start, end) {
+                // A locked wheel reads exactly nothing.
+                let is_rest = series.value[from] == 0.0;
+                if !is_rest && by_chance(to - from) < CHANCE && moves(run, channel, start, end) {
                     // The first sample may be a measurement; the last one is followed by another value.
                     found.push(frozen_doubt(
                         index,
@@ -76,6 +81,15 @@ fn frozen_doubt(run: usize, channel: Channel, value: f64, [start, end]: [f64; 2]
             "These samples of {channel} are left out; check the sensor, its bus and its driver"
         ),
     }
+}
+
+/// Share of the changes from sample to sample that go the other way than the one before: two thirds for white noise, none for
+/// a smooth or computed course. Only noise shows that a constant value is no measurement.
+fn noise_share(series: &Series) -> f64 {
+    let changes = series.value.windows(2).map(|pair| pair[1] - pair[0]);
+    let changes: Vec<f64> = changes.filter(|change| *change != 0.0).collect();
+    let back = changes.windows(2).filter(|pair| pair[0] * pair[1] < 0.0);
+    back.count() as f64 / changes.len().max(1) as f64
 }
 
 /// Index of first and last sample of each stretch of equal values without a gap.
@@ -145,7 +159,8 @@ fn saturated(recording: &Recording, channel: Channel) -> Option<Doubt> {
         }
     }
     let share = cut as f64 / count.max(1) as f64;
-    let is_alive = (repeats as f64) < 0.3 * ALIVE * (count - cut) as f64;
+    let is_noisy = runs().all(|series| noise_share(series) >= NOISY);
+    let is_alive = is_noisy && (repeats as f64) < 0.3 * ALIVE * (count - cut) as f64;
     let is_cut = largest > 0.0 && share >= CUT_SHARE && count - cut >= ALIVE_SAMPLES;
     (is_cut && is_alive).then(|| Doubt {
         kind: DoubtKind::Saturated,

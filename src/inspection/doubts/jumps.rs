@@ -1,12 +1,15 @@
 //! Positions and headings that jump further than the vehicle can move.
 
-use super::{Doubt, DoubtKind, Span};
+use super::{Doubt, DoubtKind, Span, logistic};
 use crate::recording::{Channel, Recording, Run, Series, longest_interval, median};
 
 /// A jump exceeds this distance \[m\] or angle \[rad\], and this multiple of the usual step.
 const FAR: f64 = 0.5;
 const TURNED: f64 = 0.5;
 const USUAL: f64 = 8.0;
+/// Size of a jump at even odds \[m, rad\], as robust fits bear smaller ones; width of the transition in its logarithm.
+const CLEAR: f64 = 1.5;
+const WIDTH: f64 = 0.3;
 /// Largest speed of a vehicle beyond its wheels' fastest, and fastest turn without a gyro \[rad/s\].
 const FASTEST_TURN: f64 = 6.0;
 /// Jumps in more of the samples are the sensor's noise.
@@ -69,7 +72,7 @@ fn of(
         kind: DoubtKind::Jump,
         channels,
         span: Some(*span),
-        probability: 0.6,
+        probability: logistic((size / CLEAR).ln() / WIDTH),
         left_out: false,
         evidence: format!(
             "{what} jumps {count} by {:.1} {unit} between {:.2} and {:.2} s, which the vehicle cannot",

@@ -47,10 +47,9 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
     });
     let pose = match (turn, distance) {
         (Some(turn), Some(distance)) if turn.probability.min(distance.probability) >= PROBABLE => {
-            let evidence = format!(
-                "the pose is the vehicle's own wheel odometry: {}, and {}",
-                turn.evidence, distance.evidence
-            );
+            let evidence = "the pose is the vehicle's own wheel odometry: heading follows from the difference of the wheel \
+                            speeds, and x and y from their mean, more exactly than slip allows"
+                .into();
             vec![Doubt {
                 channels: vec![Channel::X, Channel::Y, Channel::Heading],
                 probability: turn.probability.max(distance.probability),

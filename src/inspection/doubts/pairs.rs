@@ -7,6 +7,8 @@ use crate::recording::{Cumulated, Moments, Run, TimeGrid};
 const WINDOW: f64 = 1.0;
 const STEP: f64 = 0.05;
 const SHIFTS: std::ops::RangeInclusive<isize> = -12..=20;
+/// Parts of a step in which the best delay is refined.
+const FINE: isize = 5;
 /// Fewer windows, which overlap, prove nothing.
 const MIN_WINDOWS: usize = 160;
 
@@ -58,21 +60,31 @@ impl Pairs {
         let best = SHIFTS.map(|shift| (correlation(shift), shift));
         // Nearest to no delay where nothing correlates.
         let best = best.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.abs().cmp(&a.1.abs())))?;
-        let shift = best.1;
-        let mut values = Vec::new();
-        for (a, b) in &rates {
-            for (index, second) in b.iter().enumerate() {
-                let first = index.checked_add_signed(shift);
-                let first = first.and_then(|at| *a.get(at)?);
-                if let (Some(first), Some(second)) = (first, second) {
-                    values.push((first, *second));
-                }
+        // A copy is exact at its own delay only, so it is found to a fraction of the step.
+        let fine = -FINE..=FINE;
+        let fine = fine.map(|k| (best.1 as f64 + k as f64 / FINE as f64) * STEP);
+        let at = |delay: f64| {
+            let pairs = integrals.iter().flat_map(|(a, b)| {
+                let grid = TimeGrid::over(a, b, STEP);
+                let times = grid
+                    .into_iter()
+                    .flat_map(|grid| (0..grid.count).map(move |index| grid.time(index)));
+                times.filter_map(move |time| {
+                    Some((
+                        a.mean_rate(time + delay, WINDOW)?,
+                        b.mean_rate(time, WINDOW)?,
+                    ))
+                })
+            });
+            Self {
+                values: pairs.collect(),
+                delay,
             }
-        }
-        (values.len() >= MIN_WINDOWS).then(|| Self {
-            values,
-            delay: shift as f64 * STEP,
-        })
+        };
+        let correlation = |pairs: &Self| pairs.ratio().map_or(0.0, |ratio| ratio.correlation.abs());
+        let found = fine.map(at).map(|pairs| (correlation(&pairs), pairs));
+        let best = found.max_by(|a, b| a.0.total_cmp(&b.0))?.1;
+        (best.values.len() >= MIN_WINDOWS).then_some(best)
     }
 
     /// Their relation; `None` if either does not move.

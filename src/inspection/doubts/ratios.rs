@@ -106,7 +106,7 @@ pub fn wheels(
         return None;
     }
     let expectation = Expectation::new(runs, vehicle, &measured, is_over)?;
-    let given = expectation.explain(Scaled::Nothing, 1.0);
+    let given = expectation.explain(Scaled::Nothing, None);
     if let Some(given) = &given
         && given
             .errors
@@ -116,17 +116,8 @@ pub fn wheels(
     {
         return None;
     }
-    // The kinematic ratios beside those that the best soil leaves: where a factor starts.
-    let left = given.map_or([None; 2], |given| given.ratios);
-    let starts = [left[0].or(left[1]), left[1]];
-    let starts = starts.map(|start| start.filter(|s| *s > 0.0));
-    let kinematic = measured.ratios[0].map(|r| r / 0.85);
-    let kinematic = kinematic.or(measured.ratios[1].map(|r| r / 0.5));
-    let wheels = [starts[0], kinematic].into_iter().flatten();
-    let wheels = wheels.filter_map(|start| expectation.explain(Scaled::Wheels, start));
-    let wheels = wheels.max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
-    let track = starts[1].map(|start| (1.0 / start).clamp(0.25, 4.0));
-    let track = track.and_then(|start| expectation.explain(Scaled::Track, start));
+    let wheels = expectation.explain(Scaled::Wheels, given.as_ref());
+    let track = expectation.explain(Scaled::Track, given.as_ref());
     let given = given.map_or(f64::NEG_INFINITY, |given| given.likelihood);
     let judged = [(Scaled::Wheels, wheels), (Scaled::Track, track)];
     let judged = judged.into_iter().filter_map(|(scaled, found)| {
@@ -214,7 +205,7 @@ fn doubt(
 fn remedy(scaled: Scaled, factor: f64, vehicle: &Vehicle) -> String {
     if scaled == Scaled::Track {
         return format!(
-            "Check the track: half_track = {:.3} m would fit, not {} m",
+            "Check the track: half_track = {:.2} m would fit, not {} m",
             factor * vehicle.half_track,
             vehicle.half_track
         );
