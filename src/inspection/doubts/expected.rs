@@ -290,7 +290,7 @@ impl<'a> Expectation<'a> {
 
     /// Drives one stretch and compares it with what was measured.
     fn table(&self, model: &Arc<VehicleModel>, stretch: &Stretch, factor: f64) -> Option<Table> {
-        let motion = drive(model, &stretch.drive, factor, self.measured.ratios)?;
+        let motion = self.drive(model, &stretch.drive, factor)?;
         let mut table: Table = Default::default();
         let last = LENGTH - MARGIN - WINDOW / 2.0;
         let count = ((last - FORGET - WINDOW / 2.0) / SPACING).floor() as usize;
@@ -311,6 +311,51 @@ impl<'a> Expectation<'a> {
             }
         }
         Some(table)
+    }
+
+    /// Distance ahead and angle turned over time, with the wheel speeds times a factor; `None` if the vehicle cannot drive.
+    fn drive(
+        &self,
+        model: &Arc<VehicleModel>,
+        drive: &Drive,
+        factor: f64,
+    ) -> Option<[Cumulated; 2]> {
+        let ratios = self.measured.ratios;
+        let vehicle = model.vehicle();
+        let speeds = |row: usize| drive.wheel_speeds(row).map(|speed| factor * speed);
+        let [left, right] = speeds(0);
+        let guess = |ratio: Option<f64>, usual: f64| {
+            ratio.map_or(usual, |ratio| (ratio / factor).clamp(0.1, 1.0))
+        };
+        let (radius, half_track) = (vehicle.wheel_radius, vehicle.half_track);
+        let start = State {
+            v_x: guess(ratios[0], 0.8) * radius * 0.5 * (left + right),
+            yaw_rate: guess(ratios[1], 0.5) * radius * (right - left) / (2.0 * half_track),
+            ..State::default()
+        };
+        let mut simulation = Simulation::new(Arc::clone(model));
+        simulation.set_state(start).ok()?;
+        let mut motion: [Vec<(f64, f64)>; 2] = Default::default();
+        for row in 0..drive.len() {
+            let state = simulation.state();
+            motion[0].push((drive.time[row], state.v_x));
+            motion[1].push((drive.time[row], state.yaw_rate));
+            let Some(next) = drive.time.get(row + 1) else {
+                break;
+            };
+            if (self.is_over)() {
+                return None;
+            }
+            let [left, right] = speeds(row);
+            let rates = drive.wheel_accelerations(row).map(|rate| factor * rate);
+            let wheels = |[left, right]: [f64; 2]| WheelSpeeds { left, right };
+            simulation.set_wheel_speeds(wheels([left, right])).ok()?;
+            simulation.set_wheel_accelerations(wheels(rates)).ok()?;
+            simulation.step(next - drive.time[row]).ok()?;
+        }
+        let sum =
+            |rates: Vec<(f64, f64)>| Cumulated::of_rate(&rates.into_iter().collect::<Series>());
+        Some(motion.map(sum))
     }
 }
 
@@ -362,44 +407,4 @@ fn stretches_of(index: usize, run: &Run) -> Vec<Stretch> {
         })
     };
     (0..count).filter_map(stretch).collect()
-}
-
-/// Distance ahead and angle turned over time, with the wheel speeds times a factor; `None` if the vehicle cannot drive.
-fn drive(
-    model: &Arc<VehicleModel>,
-    drive: &Drive,
-    factor: f64,
-    ratios: [Option<f64>; 2],
-) -> Option<[Cumulated; 2]> {
-    let vehicle = model.vehicle();
-    let speeds = |row: usize| drive.wheel_speeds(row).map(|speed| factor * speed);
-    let [left, right] = speeds(0);
-    let guess = |ratio: Option<f64>, usual: f64| {
-        ratio.map_or(usual, |ratio| (ratio / factor).clamp(0.1, 1.0))
-    };
-    let (radius, half_track) = (vehicle.wheel_radius, vehicle.half_track);
-    let start = State {
-        v_x: guess(ratios[0], 0.8) * radius * 0.5 * (left + right),
-        yaw_rate: guess(ratios[1], 0.5) * radius * (right - left) / (2.0 * half_track),
-        ..State::default()
-    };
-    let mut simulation = Simulation::new(Arc::clone(model));
-    simulation.set_state(start).ok()?;
-    let mut motion: [Vec<(f64, f64)>; 2] = Default::default();
-    for row in 0..drive.len() {
-        let state = simulation.state();
-        motion[0].push((drive.time[row], state.v_x));
-        motion[1].push((drive.time[row], state.yaw_rate));
-        let Some(next) = drive.time.get(row + 1) else {
-            break;
-        };
-        let [left, right] = speeds(row);
-        let rates = drive.wheel_accelerations(row).map(|rate| factor * rate);
-        let wheels = |[left, right]: [f64; 2]| WheelSpeeds { left, right };
-        simulation.set_wheel_speeds(wheels([left, right])).ok()?;
-        simulation.set_wheel_accelerations(wheels(rates)).ok()?;
-        simulation.step(next - drive.time[row]).ok()?;
-    }
-    let sum = |rates: Vec<(f64, f64)>| Cumulated::of_rate(&rates.into_iter().collect::<Series>());
-    Some(motion.map(sum))
 }

@@ -13,9 +13,12 @@ mod signs;
 use crate::recording::{Channel, Recording, Series};
 use crate::vehicle::Vehicle;
 use std::fmt;
+use std::time::{Duration, Instant};
 
 /// From this probability on a doubt goes before the names of physics.
 pub const PROBABLE: f64 = 0.5;
+/// Maximum time for comparing wheel speeds with soils: stiff soils may take long.
+pub const PATIENCE: Duration = Duration::from_secs(20);
 /// From this probability on the recording is unfit as it is.
 const NEARLY_SURE: f64 = 0.9;
 /// Less likely doubts are not reported.
@@ -138,7 +141,7 @@ impl Fitness {
 
 /// The doubts about a recording of a vehicle, the likeliest first.
 ///
-/// Without a vehicle, ratios of wheel speeds to motion cannot be judged.
+/// Without a vehicle, ratios of wheel speeds to motion cannot be judged; nor if that takes longer than [`PATIENCE`].
 ///
 /// # Algorithm
 /// 1. *Pairs.* Two sensors of one motion are compared by their mean rates over a second, at the delay of the highest
@@ -155,7 +158,8 @@ impl Fitness {
 /// A doubt that another one explains is dropped: a pose from the wheels fits neither the gyro nor any soil.
 #[must_use]
 pub fn doubts(recording: &Recording, vehicle: Option<&Vehicle>) -> Vec<Doubt> {
-    doubts_until(recording, vehicle, &|| false)
+    let start = Instant::now();
+    doubts_until(recording, vehicle, &|| start.elapsed() > PATIENCE)
 }
 
 /// The same within a time: once `is_over`, wheel speeds are no longer compared with soils.

@@ -21,8 +21,8 @@ const NEAR_WIDTH: f64 = 0.03;
 const EXPECTED: f64 = 0.06;
 /// A factor explains the motion if the error, as a share of it, is below this.
 const EXPLAINED: f64 = 0.2;
-/// Log prior odds of a wrong factor.
-const PRIOR: f64 = -3.0;
+/// Log prior odds of a wrong factor. They are low, as what the model lacks may look like a factor for a while.
+const PRIOR: f64 = -5.0;
 /// Two hypotheses within this log likelihood are both named.
 const CLOSE: f64 = 3.0;
 /// Largest factor between a number and that of a unit.
