@@ -245,7 +245,12 @@ pub fn insufficient(
         nominal: nominal.clone(),
         model: nominal.clone(),
     };
-    Doubts::quick(recordings, &nominal.vehicle).put_before(&mut diagnosis);
+    let doubted = if out_of_time {
+        Doubts::quick(recordings, &nominal.vehicle)
+    } else {
+        Doubts::whole(recordings, &nominal.vehicle)
+    };
+    doubted.put_before(&mut diagnosis);
     diagnosis
 }
 

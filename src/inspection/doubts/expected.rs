@@ -31,6 +31,8 @@ const STANDING: f64 = 0.3;
 const SHIFTS: [f64; 7] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3];
 /// Errors of the model on real ground, as a share of the motion: smaller differences prove nothing.
 const MODEL_ERROR: f64 = 0.03;
+/// Errors as a share of the motion up to which nothing is left for a factor to explain.
+const EXPECTED: f64 = 0.06;
 /// First steps of the search in the logarithms of strength, shear modulus and stiffness, and of the factor.
 const STEPS: [f64; 4] = [0.35, 0.5, 0.7, 0.15];
 /// Their ranges around a soil of the paper.
@@ -38,11 +40,20 @@ const RANGES: [f64; 3] = [1.0, 1.4, 1.4];
 /// Halvings of the steps, and the maximum number of drives.
 const HALVINGS: usize = 2;
 const MAX_DRIVES: usize = 30;
+/// Maximum number of the integrator's steps: for a second of a drive, which is given up beyond, and for a hypothesis, whose
+/// search ends there. These bound the work rather than the time, so that the result does not depend on the machine.
+const STEPS_PER_SECOND: f64 = 400.0;
+const STEPS_PER_SEARCH: u64 = 60_000;
 /// A round of the search that gains less log likelihood is the last of its step.
 const GAIN: f64 = 0.3;
 /// Factors below this one are not refined, nor is what explains less by this log likelihood.
 const SMALL: f64 = 1.15;
 const HOPELESS: f64 = 5.0;
+/// Drives to find the factor at which a search starts, the logarithm of a ratio that is near enough to 1, and the smallest
+/// slope of that over the logarithm of the factor.
+const SECANTS: usize = 4;
+const CLOSE: f64 = 0.02;
+const FLATTEST: f64 = 0.3;
 /// Factors at which a search starts.
 const START: std::ops::RangeInclusive<f64> = 0.005..=200.0;
 
@@ -78,6 +89,13 @@ pub struct Explained {
     pub errors: [Option<f64>; 2],
     /// Measured over predicted.
     pub ratios: [Option<f64>; 2],
+}
+
+impl Explained {
+    /// Whether the motion is predicted as well as a model does.
+    pub fn is_expected(&self) -> bool {
+        self.errors.iter().flatten().all(|error| *error <= EXPECTED)
+    }
 }
 
 /// A stretch of driving.
@@ -164,25 +182,22 @@ impl<'a> Expectation<'a> {
         };
         let soils = Terrain::PRESETS.iter();
         let soils = soils.filter_map(|name| Terrain::preset(name));
-        let driven = soils
-            .filter_map(|soil| Some((soil, expectation.at(&soil, Scaled::Nothing, &[0.0; 4])?)));
+        let mut steps = 0;
+        let driven = soils.filter_map(|soil| {
+            let found = expectation.at(&soil, Scaled::Nothing, &[0.0; 4], &mut steps)?;
+            Some((soil, found))
+        });
         expectation.bases = driven.collect();
         (!expectation.bases.is_empty()).then_some(expectation)
     }
 
     /// The best soil without a factor, or with one. The search for a factor ends early if it starts near 1, or explains less
-    /// than `given`.
+    /// than `given`; the one without a factor ends where it is as good as [expected](Explained::is_expected).
     pub fn explain(&self, scaled: Scaled, given: Option<&Explained>) -> Option<Explained> {
-        // The model hardly depends on the rate: what it falls short by on a soil is where the factor starts.
-        let start = |found: &Explained| match scaled {
-            Scaled::Nothing => Some(1.0),
-            Scaled::Wheels => found.ratios[0].or(found.ratios[1]),
-            Scaled::Track => found.ratios[1].map(|ratio| 1.0 / ratio),
-        };
+        let mut steps = 0;
         let tried = self.bases.iter().filter_map(|(base, found)| {
-            let start = start(found).filter(|start| START.contains(start))?;
-            let first = [0.0, 0.0, 0.0, start.ln()];
-            Some((base, first, self.at(base, scaled, &first)?))
+            let (first, found) = self.start(base, found, scaled, &mut steps)?;
+            Some((base, [0.0, 0.0, 0.0, first], found))
         });
         let (base, first, mut best) =
             tried.max_by(|a, b| a.2.likelihood.total_cmp(&b.2.likelihood))?;
@@ -194,19 +209,21 @@ impl<'a> Expectation<'a> {
         // A pattern search: the likelihood has kinks where another delay fits better.
         let free = if scaled == Scaled::Nothing { 3 } else { 4 };
         let (mut at, mut scale, mut drives) = (first, 1.0, 0);
+        let is_done = |best: &Explained| scaled == Scaled::Nothing && best.is_expected();
         for _ in 0..=HALVINGS {
-            loop {
+            while !is_done(&best) {
                 let before = best.likelihood;
                 for dimension in 0..free {
                     for direction in [1.0, -1.0] {
                         let mut other = at;
                         other[dimension] += direction * scale * STEPS[dimension];
                         let range = RANGES.get(dimension).copied().unwrap_or(f64::INFINITY);
-                        if other[dimension].abs() > range || drives >= MAX_DRIVES {
+                        let is_spent = drives >= MAX_DRIVES || steps >= STEPS_PER_SEARCH;
+                        if other[dimension].abs() > range || is_spent {
                             continue;
                         }
                         drives += 1;
-                        if let Some(found) = self.at(base, scaled, &other)
+                        if let Some(found) = self.at(base, scaled, &other, &mut steps)
                             && found.likelihood > best.likelihood
                         {
                             (best, at) = (found, other);
@@ -223,8 +240,56 @@ impl<'a> Expectation<'a> {
         Some(best)
     }
 
-    /// Drives the stretches on a soil; `None` if the vehicle cannot.
-    fn at(&self, base: &Terrain, scaled: Scaled, at: &[f64; 4]) -> Option<Explained> {
+    /// The logarithm of the factor with which the vehicle moves as far as measured on a soil, by secants from what it falls
+    /// short by without a factor; with what it explains. The resistance to turning depends on the track, so that the
+    /// first guess may be far off.
+    fn start(
+        &self,
+        base: &Terrain,
+        unscaled: &Explained,
+        scaled: Scaled,
+        steps: &mut u64,
+    ) -> Option<(f64, Explained)> {
+        // What is measured falls short of the prediction as the factor grows, or the other way round.
+        let (slope, short_by): (f64, fn(&Explained) -> Option<f64>) = match scaled {
+            Scaled::Nothing => return Some((0.0, *unscaled)),
+            Scaled::Wheels => (-1.0, |found| found.ratios[0].or(found.ratios[1])),
+            Scaled::Track => (1.0, |found| found.ratios[1]),
+        };
+        let short_by = |found: &Explained| {
+            let ratio = short_by(found).filter(|ratio| START.contains(ratio))?;
+            Some(ratio.ln())
+        };
+        let (mut last, mut short) = (0.0, short_by(unscaled)?);
+        let mut slope = slope;
+        let mut best: Option<(f64, Explained)> = None;
+        for _ in 0..SECANTS {
+            let next = last - short / slope;
+            let Some(found) = self.at(base, scaled, &[0.0, 0.0, 0.0, next], steps) else {
+                break;
+            };
+            if best.is_none_or(|(_, best)| found.likelihood > best.likelihood) {
+                best = Some((next, found));
+            }
+            let Some(rest) = short_by(&found).filter(|rest| rest.abs() > CLOSE) else {
+                break;
+            };
+            // The slope keeps its sign, and no secant goes further than a few times the plain guess.
+            let secant = (rest - short) / (next - last);
+            slope = slope.signum() * (secant * slope.signum()).clamp(FLATTEST, 1.0);
+            (last, short) = (next, rest);
+        }
+        best
+    }
+
+    /// Drives the stretches on a soil, and adds the integrator's steps; `None` if the vehicle cannot.
+    fn at(
+        &self,
+        base: &Terrain,
+        scaled: Scaled,
+        at: &[f64; 4],
+        steps: &mut u64,
+    ) -> Option<Explained> {
         if (self.is_over)() {
             return None;
         }
@@ -248,11 +313,13 @@ impl<'a> Expectation<'a> {
             }
         }
         let model = Arc::new(VehicleModel::new(vehicle, soil).ok()?);
-        let tables: Vec<Option<Table>> = self
+        let driven: Vec<(Option<Table>, u64)> = self
             .stretches
             .par_iter()
             .map(|stretch| self.table(&model, stretch, wheels))
             .collect();
+        *steps += driven.iter().map(|(_, steps)| steps).sum::<u64>();
+        let tables: Vec<Option<Table>> = driven.into_iter().map(|(table, _)| table).collect();
         let lost = tables.iter().filter(|table| table.is_none()).count();
         if 2 * lost >= tables.len() {
             return None;
@@ -288,9 +355,23 @@ impl<'a> Expectation<'a> {
         })
     }
 
-    /// Drives one stretch and compares it with what was measured.
-    fn table(&self, model: &Arc<VehicleModel>, stretch: &Stretch, factor: f64) -> Option<Table> {
-        let motion = self.drive(model, &stretch.drive, factor)?;
+    /// Drives one stretch and compares it with what was measured; with the integrator's steps.
+    fn table(
+        &self,
+        model: &Arc<VehicleModel>,
+        stretch: &Stretch,
+        factor: f64,
+    ) -> (Option<Table>, u64) {
+        let mut simulation = Simulation::new(Arc::clone(model));
+        simulation.limit_work(STEPS_PER_SECOND);
+        let motion = self.drive(&mut simulation, &stretch.drive, factor);
+        let counters = simulation.counters();
+        let table = motion.map(|motion| self.compare(&motion, stretch));
+        (table, counters.steps + counters.rejected)
+    }
+
+    /// Compares the motion of a stretch with what was measured.
+    fn compare(&self, motion: &[Cumulated; 2], stretch: &Stretch) -> Table {
         let mut table: Table = Default::default();
         let last = LENGTH - MARGIN - WINDOW / 2.0;
         let count = ((last - FORGET - WINDOW / 2.0) / SPACING).floor() as usize;
@@ -310,18 +391,18 @@ impl<'a> Expectation<'a> {
                 }
             }
         }
-        Some(table)
+        table
     }
 
     /// Distance ahead and angle turned over time, with the wheel speeds times a factor; `None` if the vehicle cannot drive.
     fn drive(
         &self,
-        model: &Arc<VehicleModel>,
+        simulation: &mut Simulation,
         drive: &Drive,
         factor: f64,
     ) -> Option<[Cumulated; 2]> {
         let ratios = self.measured.ratios;
-        let vehicle = model.vehicle();
+        let vehicle = simulation.model().vehicle();
         let speeds = |row: usize| drive.wheel_speeds(row).map(|speed| factor * speed);
         let [left, right] = speeds(0);
         let guess = |ratio: Option<f64>, usual: f64| {
@@ -333,7 +414,6 @@ impl<'a> Expectation<'a> {
             yaw_rate: guess(ratios[1], 0.5) * radius * (right - left) / (2.0 * half_track),
             ..State::default()
         };
-        let mut simulation = Simulation::new(Arc::clone(model));
         simulation.set_state(start).ok()?;
         let mut motion: [Vec<(f64, f64)>; 2] = Default::default();
         for row in 0..drive.len() {

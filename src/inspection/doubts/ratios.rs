@@ -17,8 +17,6 @@ const SCALE_WIDTH: f64 = 0.02;
 const NEAR: f64 = 1.25;
 /// Width of the transition in its logarithm.
 const NEAR_WIDTH: f64 = 0.03;
-/// If the best soil predicts the motion with a smaller error, as a share of it, no factor is tried.
-const EXPECTED: f64 = 0.06;
 /// A factor explains the motion if the error, as a share of it, is below this.
 const EXPLAINED: f64 = 0.2;
 /// Log prior odds of a wrong factor. They are low, as what the model lacks may look like a factor for a while.
@@ -107,13 +105,7 @@ pub fn wheels(
     }
     let expectation = Expectation::new(runs, vehicle, &measured, is_over)?;
     let given = expectation.explain(Scaled::Nothing, None);
-    if let Some(given) = &given
-        && given
-            .errors
-            .iter()
-            .flatten()
-            .all(|error| *error <= EXPECTED)
-    {
+    if given.as_ref().is_some_and(Explained::is_expected) {
         return None;
     }
     let wheels = expectation.explain(Scaled::Wheels, given.as_ref());

@@ -155,6 +155,21 @@ fn factors_on_the_wheel_speeds_are_doubted_on_firm_and_on_slipping_soil() {
 }
 
 #[test]
+fn the_number_of_threads_does_not_change_a_probability() {
+    let rows = with(&drive("sandy_loam", &robot(), 1.0), |row| {
+        row[1] *= 1.4;
+        row[2] *= 1.4;
+    });
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| of(&rows))
+    };
+    let alone = on(1);
+    assert!(!alone.is_empty());
+    assert_eq!(on(3), alone);
+}
+
+#[test]
 fn without_a_pose_the_gyro_shows_a_factor() {
     let rows = drive("sandy_loam", &robot(), 1.0);
     let rims = with(&rows, |row| {
