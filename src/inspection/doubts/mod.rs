@@ -138,7 +138,7 @@ impl Fitness {
 
 /// The doubts about a recording of a vehicle, the likeliest first.
 ///
-/// Without a vehicle, ratios of wheel speeds to motion cannot be judged. The work is bounded: a second or two.
+/// Without a vehicle, ratios of wheel speeds to motion cannot be judged. The work is bounded: usually a second, some on stiff ground.
 ///
 /// # Algorithm
 /// 1. *Pairs.* Two sensors of one motion are compared by their mean rates over a second, at the delay of the highest
