@@ -25,6 +25,18 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     })
 }
 
+/// As [`nearest`], but only a candidate that is likely meant: at most a third of the letters of the word differ.
+#[must_use]
+pub fn nearest_within<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let found = nearest(word, candidates)?;
+    let short = |word: &str| -> String { word.to_lowercase().chars().take(MAX_LETTERS).collect() };
+    let (word, near) = (short(word), short(found));
+    (3 * strsim::osa_distance(&word, &near) <= word.chars().count()).then_some(found)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,6 +49,16 @@ mod tests {
         assert_eq!(nearest("vx", ["x", "v_x"]), Some("v_x"));
         assert_eq!(nearest("amss", ["mss", "mass"]), Some("mass"));
         assert_eq!(nearest("x", []), None);
+    }
+
+    #[test]
+    fn an_unlike_name_is_not_meant() {
+        assert_eq!(
+            nearest_within("omega_left", ["x", "omega_lef"]),
+            Some("omega_lef")
+        );
+        assert_eq!(nearest_within("heading", ["x", "y", "yaw"]), None);
+        assert_eq!(nearest_within("time", ["x", "y"]), None);
     }
 
     #[test]

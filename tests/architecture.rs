@@ -36,7 +36,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "vehicle",
         ],
     ),
-    ("import", &["display", "recording", "spelling"]),
+    ("import", &["display", "recording", "spelling", "vehicle"]),
     (
         "recording",
         &["display", "json", "spelling", "terrain", "vehicle"],

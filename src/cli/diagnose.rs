@@ -20,9 +20,10 @@ Examples:
   ugv diagnose there.csv back.csv --vehicle mine.json     # the way back separates slope from drag
   ugv simulate --input other.csv --model diagnosis/model.json --output motion.csv
 
-Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
-         yaw_rate [s, m, rad]. Several recordings share vehicle and soil; each has its slopes,
-         latencies and biases. Best is a minute with turns both ways, straights and several speeds.
+Input:   CSV with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,yaw_rate
+         [s, m, rad], or logs (MCAP, .db3, .bag, the folder of a bag). Several recordings share
+         vehicle and soil; each has its slopes, latencies and biases. Best is a minute with turns
+         both ways, straights and several speeds.
 Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the refitted soil with the
          findings, for `ugv simulate`, `score` and `package`), DIR/report.html, and a summary.
          The same seed gives the same answer with any number of threads. At a time limit the
@@ -32,8 +33,8 @@ Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the refitt
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Recordings; NAME.json beside NAME.csv may hold the vehicle
-    #[arg(required = true, value_name = "REC.csv")]
+    /// Recordings, or logs, which are imported first; NAME.json beside NAME.csv may hold the vehicle
+    #[arg(required = true, value_name = "REC.csv|LOG")]
     recordings: Vec<PathBuf>,
 
     #[command(flatten)]

@@ -10,8 +10,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use ugv_terrain::display::visible_line;
 use ugv_terrain::import::{
-    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, PoseChoice, Survey,
-    TopicRequest,
+    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, PoseChoice, Preset,
+    Survey, TopicRequest,
 };
 use ugv_terrain::json::read_file;
 
@@ -21,12 +21,17 @@ Examples:
   ugv import drive.mcap --output drive.csv
   ugv import drive.bag --output drive.csv --topics odometry=/ins/odom imu=none
   ugv import drive.bag --output drive.csv --left fl,rl --right fr,rr --invert right
+  ugv import bag_folder --output drive.csv --preset husky --frames map,base_link
 
-Input:   MCAP (ROS 2 or ROS 1 messages) or a ROS 1 bag, with any of
-           joints    sensor_msgs/JointState  omega_left, omega_right (required)
-           odometry  nav_msgs/Odometry       x, y, heading, v_x, v_y
-           imu       sensor_msgs/Imu         yaw_rate, a_x, a_y
-           fix       sensor_msgs/NavSatFix   x, y: metres east and north of the first fix
+Input:   MCAP, a ROS 2 bag in SQLite (.db3) or a ROS 1 bag, packed with zstd or not. Or the folder
+         of a bag, whose files are one recording. It may hold any of
+           joints    sensor_msgs/JointState; Feedback of jackal_msgs, clearpath_platform_msgs
+                     omega_left, omega_right (required), effort_* [N m] or current_* [A] of a side
+           odometry  nav_msgs/Odometry: x, y, heading, v_x, v_y; without velocities:
+                     geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped, /tf
+           imu       sensor_msgs/Imu: yaw_rate, a_x, a_y
+           fix       sensor_msgs/NavSatFix: x, y, metres east and north of the first fix
+           twist     geometry_msgs/TwistStamped: v_x, v_y, yaw_rate, if odometry has none
 Output:  CSV in SI units and radians: time, omega_left, omega_right, then the other columns. It has
          a row for every time with a measurement, and empty cells for the others. FILE.json beside
          FILE.csv gets the origin of each column under `source` and `provenance`, and keeps its
@@ -39,11 +44,12 @@ Choice:  of several topics of a type: one with wheels (joints); one whose name s
          their velocities are used, or else the differences of their positions. yaw_rate is about
          the vertical, which follows from gravity in the accelerations of the IMU.";
 
-/// Make a recording from a robot's log: MCAP or ROS 1 bag in, CSV out.
+/// Make a recording from a robot's log: a bag of ROS 1 or ROS 2 in, CSV out.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// MCAP file or ROS 1 bag
+    /// MCAP file, ROS 2 bag in SQLite (.db3), ROS 1 bag, each perhaps packed with zstd; or the folder
+    /// of a bag
     #[arg(value_name = "FILE")]
     input: PathBuf,
 
@@ -55,7 +61,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 
-    /// Topics for any of joints, odometry, imu, fix; `none` omits a kind
+    /// Topics for any of joints, odometry, imu, fix, twist; `none` omits a kind
     #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
     topics: Vec<(MessageKind, TopicRequest)>,
 
@@ -66,6 +72,18 @@ pub struct Args {
     /// Joints of the right wheels [default: by name]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     right: Vec<String>,
+
+    /// Where the joints are, in their order, if they have no names: FL,FR,RL,RR; - for no wheel
+    #[arg(long, value_name = "PLACE,...", value_delimiter = ',')]
+    wheels: Vec<String>,
+
+    /// Frames of a pose from transforms [default: from map, world or odom to base_link]
+    #[arg(long, value_name = "PARENT,CHILD", value_parser = frames)]
+    frames: Option<[String; 2]>,
+
+    /// A known vehicle: prefer its topics, and write its dimensions to FILE.json
+    #[arg(long, value_name = "NAME", value_parser = preset())]
+    preset: Option<Preset>,
 
     /// Change the sign of mirrored wheel speeds
     #[arg(long, value_name = "SIDE", value_parser = choice(&SIDES))]
@@ -123,6 +141,21 @@ fn choice<T: Copy + Send + Sync>(
     })
 }
 
+/// Parses the name of a known vehicle.
+fn preset() -> impl TypedValueParser<Value = Preset> {
+    let names = PossibleValuesParser::new(Preset::NAMES);
+    names.try_map(|text| Preset::of_name(&text).ok_or("an unknown name"))
+}
+
+fn frames(text: &str) -> Result<[String; 2], String> {
+    match text.split(',').map(str::trim).collect::<Vec<_>>()[..] {
+        [parent, child] if !parent.is_empty() && !child.is_empty() => {
+            Ok([parent, child].map(|frame| frame.trim_start_matches('/').to_owned()))
+        }
+        _ => Err("expected PARENT,CHILD, such as map,base_link".into()),
+    }
+}
+
 fn topic(text: &str) -> Result<(MessageKind, TopicRequest), String> {
     let names = MessageKind::ALL.map(MessageKind::name).join(", ");
     let expected = format!("expected KIND=TOPIC with a KIND of {names}");
@@ -146,6 +179,9 @@ impl Args {
                 left: self.left.clone(),
                 right: self.right.clone(),
             },
+            order: self.wheels.clone(),
+            frames: self.frames.clone(),
+            preset: self.preset,
             invert: self.invert.unwrap_or_default(),
             pose: self.pose,
             heading: self.heading,
@@ -172,7 +208,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     });
     progress.finish();
     let imported = imported?;
-    let rows = files.write(&imported, &args.input, &survey)?;
+    let rows = files.write(&imported, args, &survey)?;
     if !args.quiet {
         summarise(&imported, rows);
     }
@@ -207,12 +243,13 @@ impl RecordingFiles {
     }
 
     /// Writes both and returns the number of rows.
-    fn write(mut self, imported: &Imported, input: &Path, survey: &Survey) -> Result<u64, Failure> {
+    fn write(mut self, imported: &Imported, args: &Args, survey: &Survey) -> Result<u64, Failure> {
         let written = imported.write_csv(&mut self.table);
         let rows = written.map_err(|source| self.table.failure(source))?;
         let mut outputs = vec![self.table];
         if let Some(beside) = self.beside {
-            outputs.push(beside.filled(imported.provenance(input, survey))?);
+            let provenance = imported.provenance(&args.input, survey);
+            outputs.push(beside.filled(provenance, args.preset)?);
         }
         finish_all(outputs)?;
         Ok(rows)
@@ -237,7 +274,15 @@ impl BesideFile {
         Ok(Self { output, content })
     }
 
-    fn filled(mut self, provenance: Value) -> Result<Output, Failure> {
+    fn filled(mut self, provenance: Value, preset: Option<Preset>) -> Result<Output, Failure> {
+        if let Some(preset) = preset
+            && !self.content.contains_key("vehicle")
+            && let Ok(vehicle) = serde_json::from_str(&preset.vehicle().to_json())
+        {
+            // One that stands there was measured, perhaps.
+            self.content.insert("vehicle".into(), vehicle);
+            self.content["vehicle"]["assumed"] = Value::String(preset.source().into());
+        }
         let source = format!(
             "{} ({})",
             provenance["file"].as_str().unwrap_or_default(),
@@ -255,7 +300,7 @@ fn summarise(imported: &Imported, rows: u64) {
     for column in &imported.columns {
         notify(&format!(
             "{:<11} {:>7} samples from {}: {}",
-            column.channel.name(),
+            column.name,
             column.samples.len(),
             column.topic,
             column.conversion
@@ -272,13 +317,18 @@ fn summarise(imported: &Imported, rows: u64) {
     notify(&format!("{rows} rows over {:.2} s", imported.seconds()));
 }
 
+/// Number of pairs of frames that a list shows.
+const MOST_FRAMES: usize = 40;
+
 /// Prints the topics; a star marks those that an import uses.
 fn list(input: &Path, survey: &Survey, options: &ImportOptions) -> Result<(), Failure> {
-    let mut used = Vec::new();
+    let (mut used, mut reasons) = (Vec::new(), Vec::new());
     for kind in MessageKind::ALL {
-        let wish = options.topics.get(&kind).unwrap_or(&TopicRequest::Any);
-        let choice = import::choose(survey, kind, wish, &options.wheels)?;
-        used.extend(choice.map(|choice| (choice.topic, kind)));
+        let choice = import::choose(survey, kind, options)?;
+        if let Some(choice) = choice {
+            used.push((choice.topic, kind));
+            reasons.push(choice.reason());
+        }
     }
     let start = survey.logged().map_or(0, |[first, _]| first);
     let since = |time: i64| (time - start) as f64 * 1e-9;
@@ -317,11 +367,24 @@ fn list(input: &Path, survey: &Survey, options: &ImportOptions) -> Result<(), Fa
             let joints: Vec<_> = topic.joints.iter().map(|name| visible_line(name)).collect();
             let _ = writeln!(text, "{:name_width$}  joints: {}", "", joints.join(", "));
         }
+        if !topic.transforms.is_empty() {
+            let pairs = topic.transforms.keys().take(MOST_FRAMES);
+            let pairs = pairs.map(|[child, parent]| format!("{parent},{child}"));
+            let pairs: Vec<String> = pairs.map(|pair| visible_line(&pair).into_owned()).collect();
+            let _ = writeln!(text, "{:name_width$}  frames: {}", "", pairs.join(" "));
+        }
+    }
+    for reason in reasons {
+        let _ = writeln!(text, "{}", visible_line(&reason));
     }
     print(&text)?;
-    if let Ending::Broken { offset, reason } = &survey.ending {
+    survey
+        .notes
+        .iter()
+        .for_each(|note| notify(&format!("note: {note}")));
+    if let Ending::Broken { place, reason } = &survey.ending {
         notify(&format!(
-            "warning: {} is damaged near byte {offset}: {reason}; the list has the topics before the damage",
+            "warning: {} is damaged {place}: {reason}; the list has the topics before the damage",
             input.display()
         ));
     }

@@ -1,11 +1,12 @@
 //! Wheel speeds that drive a simulation.
 
+use super::columns::ColumnArgs;
 use super::failure::Failure;
-use super::output::is_stream;
+use super::output::{is_stream, notify};
 use std::fs::File;
 use std::io;
 use std::path::Path;
-use ugv_terrain::recording::{CsvError, Drive, read_drive, upper_median};
+use ugv_terrain::recording::{CsvError, Drive, TableOptions, read_drive_of, upper_median};
 
 /// Wheel speeds above this cause a warning \[rad/s\]. `ugv inspect` takes it as the limit of a ground vehicle, too.
 const FAST: f64 = 200.0;
@@ -16,12 +17,29 @@ const MIN_ROWS: usize = 20;
 /// A gap causes a warning from this length on \[s\], and from this multiple of the median interval on.
 const GAP: (f64, f64) = (10.0, 50.0);
 
-/// Reads wheel speeds from a file, or from standard input for `-`.
-pub fn read_input(path: &Path) -> Result<Drive, Failure> {
-    if is_stream(path) {
-        return Ok(read_drive("standard input", io::stdin().lock())?);
+/// Reads wheel speeds from a file, or from standard input for `-`. The wheel radius \[m\] converts speeds of rims. Notes
+/// name the columns of other names.
+pub fn read_input(
+    path: &Path,
+    columns: &ColumnArgs,
+    wheel_radius: f64,
+    quiet: bool,
+) -> Result<Drive, Failure> {
+    let options = TableOptions {
+        columns: &columns.columns,
+        wheel_radius: Some(wheel_radius),
+    };
+    let (drive, notes) = if is_stream(path) {
+        read_drive_of("standard input", io::stdin().lock(), &options)?
+    } else {
+        read_file(path, |file, input| read_drive_of(file, input, &options))?
+    };
+    if !quiet {
+        notes
+            .iter()
+            .for_each(|note| notify(&format!("note: {note}")));
     }
-    read_file(path, read_drive)
+    Ok(drive)
 }
 
 /// Reads a file; errors have its name.

@@ -1,11 +1,12 @@
 //! `ugv inspect`: whether a recording can be diagnosed, and its quality.
 
+use super::columns::ColumnArgs;
 use super::failure::Failure;
 use super::model::load_vehicle;
-use super::output::{Output, finish_all, print_beside};
+use super::output::{Output, finish_all, notify, print_beside};
+use super::recordings;
 use std::path::PathBuf;
 use ugv_terrain::inspection::inspect;
-use ugv_terrain::recording::read_recording_of;
 use ugv_terrain::report::inspection::{json, page, text};
 
 const EXAMPLES: &str = "\
@@ -16,8 +17,10 @@ Examples:
 
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
          [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A
-         column `run` separates runs. Other columns are ignored. drive.json beside drive.csv may
-         hold vehicle, terrain and sensors.
+         column `run` separates runs. Names and units in common use are known, such as yaw_deg
+         or wl [rpm]; --column names others. Other columns are ignored. A log is imported first:
+         MCAP, .db3, .bag, the folder of a bag. drive.json beside drive.csv may hold vehicle,
+         terrain and sensors.
 Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected if they are
          unambiguous, with a note. Otherwise the file is refused.
 Doubts:  what is wrong with the data rather than with the model, each with its probability, evidence
@@ -38,6 +41,9 @@ pub struct Args {
     /// Vehicle that drove [default: that of REC.json]
     #[arg(long, value_name = "FILE.json")]
     vehicle: Option<PathBuf>,
+
+    #[command(flatten)]
+    columns: ColumnArgs,
 
     /// Write all results as JSON; - writes to standard output
     #[arg(long, value_name = "FILE.json")]
@@ -62,8 +68,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         json.check_distinct(page, "--json and --page")?;
     }
     let vehicle = args.vehicle.as_deref().map(load_vehicle).transpose()?;
-    let recording = read_recording_of(&args.recording, vehicle.as_ref())?;
-    let inspection = inspect(&recording, vehicle.as_ref());
+    let vehicle = vehicle.as_ref();
+    let (recording, notes) = recordings::read(&args.recording, vehicle, &args.columns.columns)?;
+    notes.iter().for_each(|note| notify(note));
+    let inspection = inspect(&recording, vehicle);
     let texts = [
         args.json.as_ref().map(|_| json(&recording, &inspection)),
         args.page.as_ref().map(|_| page(&recording, &inspection)),

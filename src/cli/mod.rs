@@ -1,5 +1,6 @@
 //! Arguments and output; no physics. One file per subcommand.
 
+mod columns;
 mod completions;
 mod diagnose;
 mod doubts;
@@ -17,6 +18,7 @@ mod output;
 mod package;
 mod presets;
 mod progress;
+mod recordings;
 mod score;
 mod simulate;
 mod sweep;

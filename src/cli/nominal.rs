@@ -1,14 +1,16 @@
 //! The model that recordings are compared with: from the arguments, or from the JSON files beside the recordings.
 
+use super::columns::ColumnArgs;
 use super::failure::Failure;
 use super::model::{
     check_piecewise, drop_sensors, load_effects, load_fitted, load_terrain, load_vehicle,
 };
 use super::output::notify;
+use super::recordings;
 use std::path::PathBuf;
 use ugv_terrain::effects::Effects;
 use ugv_terrain::json::FittedTo;
-use ugv_terrain::recording::{Recording, different_names, read_recording_of};
+use ugv_terrain::recording::{ColumnRequest, Recording, different_names};
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Specification, Vehicle};
 
@@ -34,6 +36,9 @@ pub struct NominalArgs {
     /// Effects beyond the paper's physics, as printed by `ugv effects NAME` [default: the model's]
     #[arg(long, value_name = "FILE.json")]
     effects: Option<PathBuf>,
+
+    #[command(flatten)]
+    columns: ColumnArgs,
 }
 
 /// What the arguments name.
@@ -43,6 +48,8 @@ pub struct NamedModel {
     pub effects: Option<Effects>,
     /// What a model from one file was fitted to.
     pub fitted_to: Vec<FittedTo>,
+    /// Columns of recordings that have another name or unit.
+    pub columns: Vec<ColumnRequest>,
 }
 
 impl NominalArgs {
@@ -53,6 +60,7 @@ impl NominalArgs {
             terrain: self.terrain.as_deref().map(load_terrain).transpose()?,
             effects: self.effects.as_deref().map(load_effects).transpose()?,
             fitted_to: Vec::new(),
+            columns: self.columns.columns.clone(),
         };
         if let Some(path) = &self.model {
             let (model, fitted_to) = load_fitted(path)?;
@@ -95,8 +103,12 @@ impl NamedModel {
     /// the vehicle of the JSON file, or else by the named one.
     pub fn read(&self, paths: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
         let vehicle = self.vehicle.as_ref();
-        let each = paths.iter().map(|path| read_recording_of(path, vehicle));
-        let recordings: Vec<Recording> = each.collect::<Result<_, _>>()?;
+        let mut recordings = Vec::new();
+        for path in paths {
+            let (recording, notes) = recordings::read(path, vehicle, &self.columns)?;
+            notes.iter().for_each(|note| notify(note));
+            recordings.push(recording);
+        }
         different_names(recordings.iter().map(|one| one.name.as_str()))?;
         Ok(recordings)
     }

@@ -2,8 +2,9 @@
 
 use super::failure::Failure;
 use super::model::ModelArgs;
-use super::output::write_stdout;
+use super::output::{notify, write_stdout};
 use clap::builder::PossibleValuesParser;
+use ugv_terrain::import::Preset;
 use ugv_terrain::terrain::Terrain;
 use ugv_terrain::vehicle::{Vehicle, VehicleModel};
 
@@ -23,12 +24,17 @@ pub struct TerrainsArgs {
 
 const VEHICLE_EXAMPLES: &str = "\
 Examples:
-  ugv vehicle > mine.json              # edit it, then: ugv simulate --vehicle mine.json ...";
+  ugv vehicle > mine.json              # edit it, then: ugv simulate --vehicle mine.json ...
+  ugv vehicle husky > husky.json       # without payload: add its mass and inertia";
 
-/// Print the preset vehicle as JSON, as --vehicle takes it.
+/// Print a preset vehicle as JSON, as --vehicle takes it [default: the paper's].
 #[derive(clap::Args)]
 #[command(after_help = VEHICLE_EXAMPLES)]
-pub struct VehicleArgs {}
+pub struct VehicleArgs {
+    /// Print this one, by its maker's published model
+    #[arg(value_parser = PossibleValuesParser::new(Preset::NAMES))]
+    name: Option<String>,
+}
 
 const MODEL_EXAMPLES: &str = "\
 Examples:
@@ -58,8 +64,16 @@ pub fn terrains(args: &TerrainsArgs) -> Result<(), Failure> {
     }
 }
 
-pub fn vehicle(_: &VehicleArgs) -> Result<(), Failure> {
-    write_stdout(&Vehicle::tran2007().to_json())
+pub fn vehicle(args: &VehicleArgs) -> Result<(), Failure> {
+    let preset = args.name.as_deref().and_then(Preset::of_name);
+    if let Some(preset) = preset {
+        notify(&format!("note: {}", preset.source()));
+    }
+    write_stdout(
+        &preset
+            .map_or_else(Vehicle::tran2007, Preset::vehicle)
+            .to_json(),
+    )
 }
 
 fn all_terrains() -> String {

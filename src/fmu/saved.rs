@@ -10,7 +10,7 @@ use std::ffi::c_void;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The first bytes of every serialized state: its kind and version.
-const MAGIC: &[u8; 8] = b"ugvstat2";
+const MAGIC: &[u8; 8] = b"ugvstat3";
 
 impl Instance {
     fn restore(&mut self, saved: &Core) -> Outcome {

@@ -1,23 +1,15 @@
 //! The choice of topics.
 
 use super::error::ImportError;
-use super::message::MessageKind;
-use super::side::{WheelJoints, guess};
+use super::message::{MessageKind, is_transforms, unnamed};
+use super::options::ImportOptions;
+use super::request::TopicRequest;
+use super::side::{Side, WheelJoints, guess, side};
 use super::survey::{Survey, Topic};
+use super::transforms;
 use crate::spelling::nearest;
 use std::cmp::Reverse;
-
-/// The topic that the user requests.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum TopicRequest {
-    /// The best one.
-    #[default]
-    Any,
-    /// No topic.
-    Without,
-    /// This one.
-    Named(String),
-}
+use std::collections::BTreeSet;
 
 /// The chosen topic of a kind, and the alternatives.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +39,21 @@ impl TopicChoice<'_> {
             self.others.join(", ")
         ))
     }
+
+    /// Why this topic serves.
+    #[must_use]
+    pub fn reason(&self) -> String {
+        let (kind, topic) = (self.kind.name(), &self.topic.name);
+        match (self.named, self.others.is_empty()) {
+            (true, _) => format!("{kind}: {topic}, as requested"),
+            (false, true) => format!("{kind}: {topic}, the only topic of its types"),
+            (false, false) => format!(
+                "{kind}: {topic}, {}; instead of {}",
+                rule(self.kind),
+                self.others.join(", ")
+            ),
+        }
+    }
 }
 
 /// The order of preference, in words.
@@ -54,14 +61,16 @@ fn rule(kind: MessageKind) -> &'static str {
     match kind {
         MessageKind::Joints => "the topic with left and right wheels and the most messages",
         MessageKind::Odometry => {
-            "names of GPS, INS, lidar or motion capture go first, those of wheels last, then the most \
-             messages decide"
+            "names of GPS, INS, lidar or motion capture go first, those of wheels last, then the type \
+             decides (Odometry, PoseWithCovarianceStamped, PoseStamped, TransformStamped, /tf), then the most \
+             messages"
         }
         MessageKind::Imu => {
             "topics that are not raw go first, those of a camera or a lidar last, then the most messages \
              decide"
         }
         MessageKind::Fix => "raw and filtered data last, then the most messages decide",
+        MessageKind::Twist => "the most messages decide",
     }
 }
 
@@ -77,12 +86,36 @@ pub(super) enum Origin {
 }
 
 /// Words in names of independent poses; words of four letters and more also count within other words.
-const INDEPENDENT: &str = "truth gps gnss rtk ins lidar laser lio slam icp loam mocap vicon optitrack visual vio vo map total_station mapping";
+const INDEPENDENT: &str = "amcl vrpn natnet qualisys totalstation theodolite truth gps gnss rtk ins lidar laser lio slam icp loam mocap vicon optitrack visual vio vo map total_station mapping";
 /// The same for dead reckoning by wheels.
 const WHEELS: &str = "wheel encoder diff_drive diffdrive controller chassis dead_reckoning";
 
 /// The same for inertial sensors within another sensor, which may have any orientation.
 const ELSEWHERE: &str = "camera realsense zed oak optical lidar livox ouster velodyne";
+
+/// Words in names of topics that are commands or goals, not measurements.
+const COMMANDS: &str =
+    "cmd command commands goal initialpose target setpoint desired reference waypoint plan static";
+
+/// Whether a topic has commands, goals or static transforms, by a whole word of its name.
+fn is_command(topic: &Topic) -> bool {
+    let name = topic.name.to_lowercase();
+    let mut words = name.split(|letter: char| !letter.is_alphabetic());
+    words.any(|word| COMMANDS.split(' ').any(|token| token == word))
+}
+
+/// Topics of a kind that are not taken unless requested, because their names are those of commands.
+pub(super) fn set_aside(survey: &Survey, kind: MessageKind) -> Option<String> {
+    let topics = survey.topics.iter();
+    let topics = topics.filter(|topic| topic.kind() == Some(kind) && is_command(topic));
+    let names: Vec<&str> = topics.map(|topic| topic.name.as_str()).collect();
+    let first = names.first()?;
+    Some(format!(
+        "{kind}: {} not taken, by the name a command, a goal or static (--topics {kind}={first} takes it)",
+        names.join(", "),
+        kind = kind.name()
+    ))
+}
 
 /// Whether a name has one of the words.
 fn has_word(name: &str, tokens: &str) -> bool {
@@ -101,12 +134,40 @@ pub(super) fn origin(topic: &str) -> Origin {
     }
 }
 
+/// The same for a topic with its frames: transforms from the map are localisation, those from `odom` alone are not.
+pub(super) fn source(topic: &Topic) -> Origin {
+    if !is_transforms(&topic.message_type) {
+        return origin(&topic.name);
+    }
+    // The frame is known once the transforms were read.
+    let parent = match transforms::path(topic, None) {
+        _ if !topic.frame.is_empty() => topic.frame.clone(),
+        Ok(Some(path)) => path.parent(),
+        _ => String::new(),
+    };
+    if has_word(&parent, INDEPENDENT) {
+        Origin::Independent
+    } else {
+        Origin::Unknown
+    }
+}
+
 /// Rank of a topic; a smaller one is better.
 fn standing(kind: MessageKind, topic: &Topic, wheels: &WheelJoints) -> u8 {
     let name = topic.name.to_lowercase();
     match kind {
-        MessageKind::Joints => u8::from(pick_wheels(topic, wheels).is_err()),
-        MessageKind::Odometry => origin(&name) as u8,
+        MessageKind::Joints => {
+            let options = ImportOptions {
+                wheels: wheels.clone(),
+                ..ImportOptions::default()
+            };
+            u8::from(pick_wheels([topic], &options).is_err())
+        }
+        MessageKind::Odometry => {
+            let place = kind.place(&topic.message_type).min(15);
+            16 * source(topic) as u8 + place as u8
+        }
+        MessageKind::Twist => u8::from(origin(&name) == Origin::Wheels),
         MessageKind::Imu => {
             let elsewhere = has_word(&name, ELSEWHERE) || has_word(&topic.frame, ELSEWHERE);
             2 * u8::from(elsewhere) + u8::from(name.contains("raw"))
@@ -115,22 +176,30 @@ fn standing(kind: MessageKind, topic: &Topic, wheels: &WheelJoints) -> u8 {
     }
 }
 
-/// The topic of a kind, if any. `wheels` may name the wheels' joints.
+/// The topic of a kind, if any: the requested one, that of the preset, or the best one that is no command.
 ///
 /// # Errors
 /// A named topic that is missing or has another type.
 pub fn choose<'s>(
     survey: &'s Survey,
     kind: MessageKind,
-    wish: &TopicRequest,
-    wheels: &WheelJoints,
+    options: &ImportOptions,
 ) -> Result<Option<TopicChoice<'s>>, ImportError> {
+    let wheels = &options.wheels;
     let mut fitting: Vec<&Topic> = survey.topics.iter().collect();
     fitting.retain(|topic| topic.kind() == Some(kind));
     fitting.sort_by_key(|topic| (standing(kind, topic, wheels), Reverse(topic.messages)));
+    let of_preset = |topic: &Topic| options.preset?.place(kind, &topic.name);
+    let wish = options.topics.get(&kind).unwrap_or(&TopicRequest::Any);
     let topic = match wish {
         TopicRequest::Without => None,
-        TopicRequest::Any => fitting.first().copied(),
+        TopicRequest::Any => {
+            fitting.retain(|topic| !is_command(topic));
+            let known = fitting.iter().copied();
+            let known = known.filter_map(|topic| Some((of_preset(topic)?, topic)));
+            let best = known.min_by_key(|(place, _)| *place);
+            best.map(|(_, topic)| topic).or(fitting.first().copied())
+        }
         TopicRequest::Named(name) => Some(named(survey, kind, name, &fitting)?),
     };
     Ok(topic.map(|topic| {
@@ -142,6 +211,45 @@ pub fn choose<'s>(
             others: others.filter(|name| *name != topic.name).collect(),
         }
     }))
+}
+
+/// Topics with other wheels than the chosen one, such as those of the rear axle. A requested topic stands alone.
+pub(super) fn joined<'s>(
+    survey: &'s Survey,
+    choice: &TopicChoice<'s>,
+    wheels: &WheelJoints,
+) -> Vec<&'s Topic> {
+    let is_other = |topic: &&Topic| {
+        topic.kind() == Some(MessageKind::Joints)
+            && topic.name != choice.topic.name
+            && topic.message_type == choice.topic.message_type
+            && !is_command(topic)
+            && !topic.has_unnamed_joints()
+    };
+    if choice.named || choice.topic.has_unnamed_joints() {
+        return Vec::new();
+    }
+    let mut others: Vec<&Topic> = survey.topics.iter().filter(is_other).collect();
+    others.sort_by_key(|topic| Reverse(topic.messages));
+    let mut names: BTreeSet<String> = choice.topic.joints.clone();
+    names.extend(others.iter().flat_map(|topic| topic.joints.iter().cloned()));
+    let guessed = guess(&names);
+    let all = [&guessed, wheels]
+        .into_iter()
+        .flat_map(|one| one.left.iter().chain(&one.right));
+    let wanted: BTreeSet<&String> = all.collect();
+    let mut taken: BTreeSet<&String> = choice.topic.joints.iter().collect();
+    others.retain(|topic| {
+        let has_wheels = topic.joints.iter().any(|joint| wanted.contains(joint));
+        let is_new = topic
+            .joints
+            .is_disjoint(&taken.iter().map(|name| (*name).clone()).collect());
+        if has_wheels && is_new {
+            taken.extend(&topic.joints);
+        }
+        has_wheels && is_new
+    });
+    others
 }
 
 fn named<'s>(
@@ -165,7 +273,7 @@ fn named<'s>(
     };
     let candidates = fitting.iter().map(|topic| topic.name.as_str());
     let remedy = nearest(name, candidates).map_or_else(
-        || format!("no topic is of type {}", kind.message_type()),
+        || format!("no topic is of type {}", kind.message_types().join(" or ")),
         |near| format!("--topics {}={near}", kind.name()),
     );
     Err(ImportError::Topic {
@@ -176,17 +284,39 @@ fn named<'s>(
     })
 }
 
-/// The wheels' joints of a topic: the requested ones, or by their names.
+/// The wheels' joints of topics: the requested ones, or by their names.
 ///
 /// # Errors
-/// A side without joints, or joints that the topic lacks.
-pub(super) fn pick_wheels(topic: &Topic, named: &WheelJoints) -> Result<WheelJoints, ImportError> {
-    let failed = |reason| ImportError::Joints {
-        topic: topic.name.clone(),
+/// A side without joints, joints that the topics lack, and joints without names whose order is unknown.
+pub(super) fn pick_wheels<'t>(
+    topics: impl IntoIterator<Item = &'t Topic>,
+    options: &ImportOptions,
+) -> Result<WheelJoints, ImportError> {
+    let topics: Vec<&Topic> = topics.into_iter().collect();
+    let names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
+    let joints: BTreeSet<String> = topics
+        .iter()
+        .flat_map(|topic| topic.joints.iter().cloned())
+        .collect();
+    let failed = |reason, remedy: &str| ImportError::Joints {
+        topic: names.join(", "),
         reason,
-        found: topic.joints.iter().cloned().collect(),
+        found: joints.iter().cloned().collect(),
+        remedy: remedy.into(),
     };
-    let mut wheels = guess(&topic.joints);
+    if topics.iter().any(|topic| topic.has_unnamed_joints()) {
+        return by_order(joints.len(), &options.order)
+            .map_err(|reason| failed(reason, "name their order: --wheels FL,FR,RL,RR"));
+    }
+    let name_them = "name the wheels' joints: --left NAME,... --right NAME,...";
+    if !options.order.is_empty() {
+        return Err(failed(
+            "its joints have names, so that --wheels has no use".into(),
+            name_them,
+        ));
+    }
+    let named = &options.wheels;
+    let mut wheels = guess(&joints);
     // A joint that is requested for one side is not guessed for the other.
     wheels.left.retain(|joint| !named.right.contains(joint));
     wheels.right.retain(|joint| !named.left.contains(joint));
@@ -197,11 +327,14 @@ pub(super) fn pick_wheels(topic: &Topic, named: &WheelJoints) -> Result<WheelJoi
         if !named.is_empty() {
             side.clone_from(named);
         }
-        if let Some(joint) = side.iter().find(|joint| !topic.joints.contains(*joint)) {
-            return Err(failed(format!("it has no joint `{joint}`")));
+        if let Some(joint) = side.iter().find(|joint| !joints.contains(*joint)) {
+            return Err(failed(format!("it has no joint `{joint}`"), name_them));
         }
         if side.is_empty() {
-            return Err(failed(format!("no joint has the name of a {name} wheel")));
+            return Err(failed(
+                format!("no joint has the name of a {name} wheel"),
+                name_them,
+            ));
         }
     }
     match wheels
@@ -209,9 +342,39 @@ pub(super) fn pick_wheels(topic: &Topic, named: &WheelJoints) -> Result<WheelJoi
         .iter()
         .find(|joint| wheels.right.contains(joint))
     {
-        Some(joint) => Err(failed(format!("joint `{joint}` is named for both sides"))),
+        Some(joint) => Err(failed(
+            format!("joint `{joint}` is named for both sides"),
+            name_them,
+        )),
         None => Ok(wheels),
     }
+}
+
+/// The wheels among joints without names, by where they are: `FL`, `rear_right`, `-` for none.
+fn by_order(joints: usize, order: &[String]) -> Result<WheelJoints, String> {
+    if order.is_empty() {
+        return Err(format!("its {joints} joints have no names"));
+    }
+    if order.len() != joints {
+        return Err(format!(
+            "its {joints} joints have no names, and --wheels has {}",
+            order.len()
+        ));
+    }
+    let mut wheels = WheelJoints::default();
+    for (index, place) in order.iter().enumerate() {
+        let joint = unnamed(index);
+        match side(place) {
+            Some(Side::Left) => wheels.left.push(joint),
+            Some(Side::Right) => wheels.right.push(joint),
+            None if place == "-" => {}
+            None => return Err(format!("`{place}` in --wheels is no left or right wheel")),
+        }
+    }
+    if wheels.left.is_empty() || wheels.right.is_empty() {
+        return Err("--wheels names one side only".into());
+    }
+    Ok(wheels)
 }
 
 #[cfg(test)]
@@ -238,6 +401,8 @@ mod tests {
             |name, messages, joints| topic(name, "sensor_msgs/JointState", messages, joints);
         Survey {
             container: Container::Mcap,
+            files: Vec::new(),
+            notes: Vec::new(),
             topics: vec![
                 joints("/arm", 900, "left_arm elbow"),
                 joints("/wheels", 300, "fl fr"),
@@ -249,9 +414,16 @@ mod tests {
         }
     }
 
+    fn requesting(kind: MessageKind, wish: &TopicRequest) -> ImportOptions {
+        ImportOptions {
+            topics: [(kind, wish.clone())].into(),
+            ..ImportOptions::default()
+        }
+    }
+
     fn chosen(kind: MessageKind, wish: &TopicRequest) -> Option<String> {
         let survey = survey();
-        let choice = choose(&survey, kind, wish, &WheelJoints::default()).unwrap();
+        let choice = choose(&survey, kind, &requesting(kind, wish)).unwrap();
         choice.map(|choice| choice.topic.name.clone())
     }
 
@@ -311,13 +483,7 @@ mod tests {
         };
         let mut survey = survey();
         let chosen = |survey: &Survey| -> String {
-            let choice = choose(
-                survey,
-                MessageKind::Imu,
-                &TopicRequest::Any,
-                &WheelJoints::default(),
-            )
-            .unwrap();
+            let choice = choose(survey, MessageKind::Imu, &ImportOptions::default()).unwrap();
             choice.unwrap().topic.name.clone()
         };
         survey.topics = vec![
@@ -336,8 +502,8 @@ mod tests {
     #[test]
     fn a_choice_among_several_is_noted() {
         let survey = survey();
-        let none = WheelJoints::default();
-        let choice = choose(&survey, MessageKind::Odometry, &TopicRequest::Any, &none)
+        let kind = MessageKind::Odometry;
+        let choice = choose(&survey, kind, &ImportOptions::default())
             .unwrap()
             .unwrap();
         let note = choice.note().unwrap();
@@ -346,7 +512,7 @@ mod tests {
             "{note}"
         );
         let named = TopicRequest::Named("/odom".into());
-        let choice = choose(&survey, MessageKind::Odometry, &named, &none)
+        let choice = choose(&survey, kind, &requesting(kind, &named))
             .unwrap()
             .unwrap();
         assert_eq!(choice.note(), None);
@@ -359,17 +525,21 @@ mod tests {
             left: left.iter().map(|name| (*name).into()).collect(),
             right: right.iter().map(|name| (*name).into()).collect(),
         };
-        let wheels = pick_wheels(&topic, &named(&[], &["l_b"])).unwrap();
+        let pick = |wheels: WheelJoints| {
+            let options = ImportOptions {
+                wheels,
+                ..ImportOptions::default()
+            };
+            pick_wheels([&topic], &options)
+        };
+        let wheels = pick(named(&[], &["l_b"])).unwrap();
         assert_eq!(wheels, named(&["l_a"], &["l_b"]));
         for wrong in [
             named(&[], &[]),
             named(&["y"], &["x"]),
             named(&["x"], &["x"]),
         ] {
-            assert!(matches!(
-                pick_wheels(&topic, &wrong),
-                Err(ImportError::Joints { .. })
-            ));
+            assert!(matches!(pick(wrong), Err(ImportError::Joints { .. })));
         }
     }
 }

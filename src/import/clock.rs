@@ -1,34 +1,7 @@
 //! Times of samples: header or log.
 
 use super::collect::{StampedSample, Stream};
-
-/// The clock of the samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-pub enum Clock {
-    /// The time of measurement, in each message's header
-    #[default]
-    Header,
-    /// The time of logging
-    Log,
-}
-
-impl Clock {
-    /// Name for the user.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Header => "header",
-            Self::Log => "log",
-        }
-    }
-
-    fn of<T>(self, sample: &StampedSample<T>) -> i64 {
-        match self {
-            Self::Header => sample.stamp,
-            Self::Log => sample.logged,
-        }
-    }
-}
+pub use super::sample::Clock;
 
 /// Topics may have different clocks if their delays from measurement to logging differ by more than this \[ns\].
 const LARGEST_DELAY_DIFFERENCE: i64 = 200_000_000;
@@ -221,6 +194,7 @@ mod tests {
         };
         Stream {
             topic: crate::import::survey::Topic::new(&channel, 0),
+            joined: Vec::new(),
             child_frame: String::new(),
             samples: times.iter().enumerate().map(sample).collect(),
         }
@@ -250,7 +224,11 @@ mod tests {
             note.unwrap()
                 .ends_with("with what it lacked from the others")
         );
-        let joint = |position, velocity| crate::import::collect::JointSample { position, velocity };
+        let joint = |position, velocity| crate::import::collect::JointSample {
+            position,
+            velocity,
+            load: 0.5,
+        };
         let mut arm = joint(f64::NAN, 2.0);
         assert!(arm.fill_from(&joint(1.0, 3.0)));
         assert_eq!(arm, joint(1.0, 2.0));

@@ -1,8 +1,9 @@
 //! The columns of the recording, each from the samples of one topic.
 
 use super::attitude::{Yaw, unwrap};
-use super::collect::{FixSample, ImuSample, OdometrySample, TimedValues};
+use super::collect::{FixSample, ImuSample, OdometrySample, TimedValues, WheelSample};
 use super::geodesy::LocalPlane;
+use super::message::Load;
 use super::mounting::Mounting;
 use super::twist::is_in_world;
 use crate::recording::Channel;
@@ -10,8 +11,12 @@ use crate::recording::Channel;
 /// A column of the recording with its source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its channel.
-    pub channel: Channel,
+    /// Its channel; `None` if the recording's reader does not know it.
+    pub channel: Option<Channel>,
+    /// Its name.
+    pub name: &'static str,
+    /// Unit of its values.
+    pub unit: &'static str,
     /// The topic.
     pub topic: String,
     /// The field of the topic's messages and its conversion.
@@ -39,13 +44,26 @@ impl ColumnBuilder {
         conversion: &str,
         samples: TimedValues,
     ) -> bool {
+        let names = (channel.name(), channel.unit());
+        self.push_named(Some(channel), names, topic, conversion, samples)
+    }
+
+    /// The same with name and unit, for a column that may be no channel.
+    fn push_named(
+        &mut self,
+        channel: Option<Channel>,
+        (name, unit): (&'static str, &'static str),
+        topic: &str,
+        conversion: &str,
+        samples: TimedValues,
+    ) -> bool {
         let before = samples.len();
         let finite = |(_, value): &(i64, f64)| value.is_finite();
         let samples: TimedValues = samples.into_iter().filter(finite).collect();
         let lost = before - samples.len();
         if lost > 0 {
             self.notes.push(format!(
-                "{channel}: {lost} of {before} values of {topic} are no finite numbers; left out"
+                "{name}: {lost} of {before} values of {topic} are no finite numbers; left out"
             ));
         }
         if samples.is_empty() {
@@ -53,6 +71,8 @@ impl ColumnBuilder {
         }
         self.columns.push(Column {
             channel,
+            name,
+            unit,
             topic: topic.into(),
             conversion: conversion.into(),
             samples,
@@ -123,16 +143,35 @@ impl ColumnBuilder {
         }
     }
 
+    /// Sums of the joints' efforts or currents of a side; nothing if no joint measures them.
+    pub fn loads(&mut self, topic: &str, load: Load, samples: &[(i64, WheelSample)], left: usize) {
+        let (names, unit, field) = match load {
+            Load::Effort => (["effort_left", "effort_right"], "N m", "effort"),
+            Load::Current => (["current_left", "current_right"], "A", "current"),
+        };
+        for (side, name) in names.into_iter().enumerate() {
+            let sum = |sample: &WheelSample| -> f64 {
+                let joints = if side == 0 {
+                    &sample[..left]
+                } else {
+                    &sample[left..]
+                };
+                joints.iter().map(|joint| joint.load).sum()
+            };
+            let known = |(_, value): &(i64, f64)| value.is_finite();
+            let values: TimedValues = series(samples, sum).into_iter().filter(known).collect();
+            if values.iter().any(|(_, value)| *value != 0.0) {
+                let conversion = format!("{field}, sum of the side's joints");
+                self.push_named(None, (name, unit), topic, &conversion, values);
+            }
+        }
+    }
+
     /// Position of odometry.
     pub fn position(&mut self, topic: &str, samples: &[(i64, OdometrySample)]) {
         for (axis, channel) in [Channel::X, Channel::Y].into_iter().enumerate() {
             let values = series(samples, |sample| sample.position[axis]);
-            self.push(
-                channel,
-                topic,
-                &format!("pose.pose.position.{channel}"),
-                values,
-            );
+            self.push(channel, topic, &format!("position.{channel}"), values);
         }
     }
 
@@ -147,13 +186,13 @@ impl ColumnBuilder {
             let fields = [(Channel::VX, "x"), (Channel::VY, "y")];
             for (axis, (channel, field)) in fields.into_iter().enumerate() {
                 let values = series(samples, |sample| sample.velocity[axis]);
-                let conversion = format!("twist.twist.linear.{field}");
+                let conversion = format!("twist.linear.{field}");
                 self.push_measured(channel, topic, &conversion, values);
             }
         }
         if with_yaw_rate {
             let values = series(samples, |sample| sample.yaw_rate);
-            self.push_measured(Channel::YawRate, topic, "twist.twist.angular.z", values);
+            self.push_measured(Channel::YawRate, topic, "twist.angular.z", values);
         }
     }
 
@@ -229,7 +268,8 @@ impl ColumnBuilder {
 
     /// The columns in the recording's order.
     pub fn sorted(mut self) -> (Vec<Column>, Vec<String>) {
-        self.columns.sort_by_key(|column| column.channel);
+        self.columns
+            .sort_by_key(|column| (column.channel.is_none(), column.channel));
         (self.columns, self.notes)
     }
 }
@@ -281,7 +321,7 @@ mod tests {
         assert!(columns.push(Channel::OmegaLeft, "/b", "", vec![(0, 1.0)]));
         assert!(!columns.push(Channel::Y, "/a", "", vec![(0, f64::NAN)]));
         let (columns, notes) = columns.sorted();
-        let names: Vec<&str> = columns.iter().map(|column| column.channel.name()).collect();
+        let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
         assert_eq!(names, ["omega_left", "x"]);
         assert_eq!(columns[1].samples, [(0, 1.0)]);
         assert!(notes[0].contains("x: 2 of 3 values"), "{notes:?}");
@@ -298,7 +338,7 @@ mod tests {
         let mut columns = ColumnBuilder::default();
         columns.twist("/odom", &[(0, sample.clone()), (1, sample)], true);
         let (columns, notes) = columns.sorted();
-        let names: Vec<&str> = columns.iter().map(|column| column.channel.name()).collect();
+        let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
         assert_eq!((names, notes.len()), (vec!["v_x"], 2));
     }
 
@@ -347,7 +387,7 @@ mod tests {
         columns.imu("/camera/imu", &samples, mounting, false);
         let (columns, notes) = columns.sorted();
         assert_eq!(columns.len(), 1, "accelerations are left out");
-        assert_eq!(columns[0].channel, Channel::YawRate);
+        assert_eq!(columns[0].channel, Some(Channel::YawRate));
         assert!(columns[0].samples.iter().all(|(_, rate)| *rate == 0.5));
         assert!(notes[0].starts_with("warning: "), "{notes:?}");
         // A sensor upside down has the right sign without an option.

@@ -1,5 +1,6 @@
 //! Conversion of samples to columns.
 
+use super::choose::{Origin, origin};
 use super::clock::{Clock, Times, settle};
 use super::collect::{Collected, ImuSample, OdometrySample};
 use super::columns::{Column, ColumnBuilder};
@@ -30,10 +31,12 @@ pub(super) fn convert(
     // Unused topics do not affect the clock.
     all.odometry = all.odometry.filter(|_| plan.has_odometry());
     all.fix = all.fix.filter(|_| plan.pose == Some(PoseChoice::Fix));
+    all.twist = all.twist.filter(|_| !plan.velocities);
     let mut times = vec![Times::of(&all.joints)];
     times.extend(all.odometry.as_ref().map(Times::of));
     times.extend(all.imu.as_ref().map(Times::of));
     times.extend(all.fix.as_ref().map(Times::of));
+    times.extend(all.twist.as_ref().map(Times::of));
     let (clock, notes) = settle(options.clock, &times);
     columns.notes.extend(notes);
     let joints = Track::of_joints(all.joints, clock, &mut columns.notes);
@@ -47,7 +50,17 @@ pub(super) fn convert(
         .fix
         .map(|stream| Track::of(stream, clock, &mut columns.notes));
 
+    let twist = all
+        .twist
+        .map(|stream| Track::of(stream, clock, &mut columns.notes));
+
     let speeds = wheels(&joints, &all.wheels, options.invert, &mut columns)?;
+    columns.loads(
+        &joints.topic,
+        all.load,
+        &joints.samples,
+        all.wheels.left.len(),
+    );
     if let Some(fix) = &fix {
         columns.fixes(&fix.topic, &fix.samples);
     }
@@ -57,6 +70,9 @@ pub(super) fn convert(
     }
     if let Some(odometry) = &odometry {
         write(odometry, plan, &mut columns);
+    }
+    if let Some(twist) = &twist {
+        write_twist(twist, &mut columns);
     }
     write_heading(
         plan,
@@ -80,10 +96,27 @@ fn write(odometry: &Track<OdometrySample>, plan: Plan, columns: &mut ColumnBuild
         columns.position(&odometry.topic, &odometry.samples);
     }
     if plan.velocities {
-        let mut channels = columns.columns.iter().map(|column| column.channel);
-        let has_yaw_rate = channels.any(|channel| channel == Channel::YawRate);
+        let has_yaw_rate = has(columns, Channel::YawRate);
         columns.twist(&odometry.topic, &odometry.samples, !has_yaw_rate);
     }
+}
+
+fn has(columns: &ColumnBuilder, channel: Channel) -> bool {
+    let mut channels = columns.columns.iter().filter_map(|column| column.channel);
+    channels.any(|known| known == channel)
+}
+
+/// Adds the velocities of a topic that has nothing else.
+fn write_twist(twist: &Track<OdometrySample>, columns: &mut ColumnBuilder) {
+    if origin(&twist.topic) != Origin::Independent {
+        columns.notes.push(format!(
+            "warning: the name of {} does not show the source of its velocities; if it is wheel odometry, they are no \
+             ground truth for slip (--topics twist=none leaves them out)",
+            twist.topic
+        ));
+    }
+    let has_yaw_rate = has(columns, Channel::YawRate);
+    columns.twist(&twist.topic, &twist.samples, !has_yaw_rate);
 }
 
 /// Adds the heading.
@@ -160,7 +193,7 @@ fn note_missing_overlap(columns: &mut ColumnBuilder) {
         .columns
         .iter()
         .filter(beside)
-        .map(|column| column.channel.name())
+        .map(|column| column.name)
         .collect();
     if !names.is_empty() {
         columns.notes.push(format!(

@@ -30,14 +30,14 @@ pub enum ImportError {
     },
     /// A truncated or damaged file.
     #[error(
-        "{} is damaged near byte {offset}: {reason}; {messages} messages over {seconds:.3} s come before",
+        "{} is damaged {place}: {reason}; {messages} messages over {seconds:.3} s come before",
         path.display()
     )]
     Broken {
         /// The file.
         path: PathBuf,
-        /// Where \[bytes\].
-        offset: u64,
+        /// Where.
+        place: String,
         /// The damage.
         reason: String,
         /// Number of messages before it.
@@ -71,7 +71,8 @@ pub enum ImportError {
     },
     /// No topic has wheel speeds.
     #[error(
-        "no topic has wheel speeds (sensor_msgs/JointState); the file has {}",
+        "no topic has wheel speeds ({}); the file has {}",
+        MessageKind::Joints.message_types().join(", "),
         or_none(topics.join(", "))
     )]
     NoWheelSpeeds {
@@ -90,6 +91,8 @@ pub enum ImportError {
         reason: String,
         /// The joints.
         found: Vec<String>,
+        /// What to do.
+        remedy: String,
     },
     /// Requested columns that are not available.
     #[error("{reason}")]
@@ -108,6 +111,7 @@ impl ImportError {
         match self {
             Self::Format { remedy, .. }
             | Self::Topic { remedy, .. }
+            | Self::Joints { remedy, .. }
             | Self::Missing { remedy, .. } => Some(remedy.clone()),
             Self::Broken { messages: 0, .. } => None,
             Self::Broken { .. } => Some("--partial imports what comes before".into()),
@@ -116,9 +120,6 @@ impl ImportError {
                  wheels' joints"
                     .into(),
             ),
-            Self::Joints { .. } => {
-                Some("name the wheels' joints: --left NAME,... --right NAME,...".into())
-            }
             Self::Message { message_type, .. } => {
                 let kind = MessageKind::of_type(message_type)
                     .filter(|kind| *kind != MessageKind::Joints)?;

@@ -1,56 +1,111 @@
-//! The four message types of a recording. Their definitions have not changed since 2010, except for the header's counter,
-//! which ROS 2 dropped.
+//! The messages of a recording. Their definitions have not changed since 2010, except for the header's counter, which
+//! ROS 2 dropped.
 
 use super::wire::{DecodeError, Encoding, Wire};
 use std::borrow::Cow;
 
-/// Kind of a topic's messages.
+/// What a topic's messages serve for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MessageKind {
-    /// `sensor_msgs/JointState`: wheel speeds.
+    /// Wheel speeds.
     Joints,
-    /// `nav_msgs/Odometry`: pose and velocities.
+    /// Pose, and velocities in `nav_msgs/Odometry`.
     Odometry,
     /// `sensor_msgs/Imu`: yaw rate, accelerations, attitude.
     Imu,
     /// `sensor_msgs/NavSatFix`: position on the earth.
     Fix,
+    /// Velocities alone.
+    Twist,
+}
+
+/// Name of each kind, and the type names of ROS 1, the best first.
+const KINDS: [(&str, &[&str]); 5] = [
+    (
+        "joints",
+        &[
+            "sensor_msgs/JointState",
+            "clearpath_platform_msgs/Feedback",
+            "jackal_msgs/Feedback",
+        ],
+    ),
+    (
+        "odometry",
+        &[
+            "nav_msgs/Odometry",
+            "geometry_msgs/PoseWithCovarianceStamped",
+            "geometry_msgs/PoseStamped",
+            "geometry_msgs/TransformStamped",
+            "tf2_msgs/TFMessage",
+            "tf/tfMessage",
+        ],
+    ),
+    ("imu", &["sensor_msgs/Imu"]),
+    ("fix", &["sensor_msgs/NavSatFix"]),
+    (
+        "twist",
+        &[
+            "geometry_msgs/TwistStamped",
+            "geometry_msgs/TwistWithCovarianceStamped",
+        ],
+    ),
+];
+
+/// A type name of ROS 1 (`sensor_msgs/Imu`) from that or one of ROS 2 (`sensor_msgs/msg/Imu`).
+fn ros1_name(name: &str) -> String {
+    name.replacen("/msg/", "/", 1)
 }
 
 impl MessageKind {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Joints, Self::Odometry, Self::Imu, Self::Fix];
+    pub const ALL: [Self; 5] = [
+        Self::Joints,
+        Self::Odometry,
+        Self::Imu,
+        Self::Fix,
+        Self::Twist,
+    ];
 
     /// Name in the options.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Joints => "joints",
-            Self::Odometry => "odometry",
-            Self::Imu => "imu",
-            Self::Fix => "fix",
-        }
+        KINDS[self as usize].0
     }
 
-    /// Type name of ROS 1.
+    /// Type names of ROS 1.
     #[must_use]
-    pub fn message_type(self) -> &'static str {
-        match self {
-            Self::Joints => "sensor_msgs/JointState",
-            Self::Odometry => "nav_msgs/Odometry",
-            Self::Imu => "sensor_msgs/Imu",
-            Self::Fix => "sensor_msgs/NavSatFix",
-        }
+    pub fn message_types(self) -> &'static [&'static str] {
+        KINDS[self as usize].1
     }
 
-    /// From a type name of ROS 1 (`sensor_msgs/Imu`) or ROS 2 (`sensor_msgs/msg/Imu`).
+    /// From a type name of ROS 1 or ROS 2.
     #[must_use]
     pub fn of_type(name: &str) -> Option<Self> {
-        let name = name.replacen("/msg/", "/", 1);
+        let name = ros1_name(name);
         Self::ALL
             .into_iter()
-            .find(|kind| kind.message_type() == name)
+            .find(|kind| kind.message_types().contains(&name.as_str()))
     }
+
+    /// The place of a type among those of this kind; the first is the best.
+    pub(super) fn place(self, name: &str) -> usize {
+        let name = ros1_name(name);
+        let mut types = self.message_types().iter();
+        types.position(|known| *known == name).unwrap_or(usize::MAX)
+    }
+}
+
+/// Whether messages of a type hold transforms between many frames.
+pub(super) fn is_transforms(message_type: &str) -> bool {
+    matches!(
+        ros1_name(message_type).as_str(),
+        "tf2_msgs/TFMessage" | "tf/tfMessage"
+    )
+}
+
+/// Whether messages of a type have velocities beside the pose.
+pub(super) fn has_twist(message_type: &str) -> bool {
+    ros1_name(message_type) == "nav_msgs/Odometry"
 }
 
 /// Time and frame of a measurement.
@@ -194,7 +249,101 @@ impl<'a> Decode<'a> for Fix<'a> {
     }
 }
 
-/// `sensor_msgs/JointState` without its efforts. A list that was not measured is empty.
+/// Passes over the covariance matrix behind a pose or a twist, if the type has one.
+fn skip_covariance(message_type: &str, wire: &mut Wire) -> Result<(), DecodeError> {
+    if message_type.contains("Covariance") {
+        let _covariance: [f64; 36] = wire.f64s()?;
+    }
+    Ok(())
+}
+
+/// A pose, with the frames that it relates.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pose<'a> {
+    pub header: MessageHeader<'a>,
+    /// The frame at this pose; empty if the message does not name it.
+    pub child_frame: Cow<'a, str>,
+    /// In the header's frame \[m\].
+    pub position: [f64; 3],
+    /// x, y, z, w: from the child's frame to the header's.
+    pub orientation: [f64; 4],
+}
+
+impl<'a> Pose<'a> {
+    /// The poses in a message of one of the types without velocities.
+    pub fn decode_all(
+        message_type: &str,
+        encoding: Encoding,
+        bytes: &'a [u8],
+    ) -> Result<Vec<Self>, DecodeError> {
+        let mut wire = Wire::new(encoding, bytes)?;
+        let name = ros1_name(message_type);
+        let poses = match name.as_str() {
+            "geometry_msgs/PoseStamped" | "geometry_msgs/PoseWithCovarianceStamped" => {
+                let pose = Self {
+                    header: MessageHeader::read(&mut wire)?,
+                    child_frame: "".into(),
+                    position: wire.f64s()?,
+                    orientation: wire.f64s()?,
+                };
+                skip_covariance(&name, &mut wire)?;
+                vec![pose]
+            }
+            "geometry_msgs/TransformStamped" => vec![Self::transform(&mut wire)?],
+            _ => wire.list(Self::transform)?,
+        };
+        wire.finish()?;
+        Ok(poses)
+    }
+
+    fn transform(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
+        Ok(Self {
+            header: MessageHeader::read(wire)?,
+            child_frame: wire.text()?,
+            position: wire.f64s()?,
+            orientation: wire.f64s()?,
+        })
+    }
+}
+
+/// `geometry_msgs/TwistStamped`, or with covariance.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Twist<'a> {
+    pub header: MessageHeader<'a>,
+    /// \[m/s\].
+    pub velocity: [f64; 3],
+    /// \[rad/s\].
+    pub angular_velocity: [f64; 3],
+}
+
+impl<'a> Twist<'a> {
+    pub fn decode_type(
+        message_type: &str,
+        encoding: Encoding,
+        bytes: &'a [u8],
+    ) -> Result<Self, DecodeError> {
+        let mut wire = Wire::new(encoding, bytes)?;
+        let twist = Self {
+            header: MessageHeader::read(&mut wire)?,
+            velocity: wire.f64s()?,
+            angular_velocity: wire.f64s()?,
+        };
+        skip_covariance(message_type, &mut wire)?;
+        wire.finish()?;
+        Ok(twist)
+    }
+}
+
+/// What a side's load is measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Load {
+    /// Torque, or force \[N m\].
+    Effort,
+    /// Current of the motor \[A\].
+    Current,
+}
+
+/// `sensor_msgs/JointState`, or the feedback of two drives. A list that was not measured is empty.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Joints<'a> {
     pub header: MessageHeader<'a>,
@@ -203,21 +352,85 @@ pub(super) struct Joints<'a> {
     pub positions: Vec<f64>,
     /// \[rad/s\].
     pub velocities: Vec<f64>,
+    pub loads: Vec<f64>,
+    pub load: Load,
 }
 
-impl<'a> Decode<'a> for Joints<'a> {
-    fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
-        let (header, names) = (MessageHeader::read(wire)?, wire.list(Wire::text)?);
+impl<'a> Joints<'a> {
+    /// A message of one of the types with wheel speeds. Joints without names are called by their number.
+    pub fn decode_type(
+        message_type: &str,
+        encoding: Encoding,
+        bytes: &'a [u8],
+    ) -> Result<Self, DecodeError> {
+        let mut wire = Wire::new(encoding, bytes)?;
+        let header = MessageHeader::read(&mut wire)?;
+        let joints = match ros1_name(message_type).as_str() {
+            "jackal_msgs/Feedback" => Self::drives(header, &mut wire, 2)?,
+            "clearpath_platform_msgs/Feedback" => Self::drives(header, &mut wire, 0)?,
+            _ => Self::states(header, &mut wire)?,
+        };
+        wire.finish()?;
+        Ok(joints)
+    }
+
+    fn states(header: MessageHeader<'a>, wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
+        let mut names = wire.list(Wire::text)?;
         let (positions, velocities) = (wire.list(Wire::f64)?, wire.list(Wire::f64)?);
-        let _efforts = wire.list(Wire::f64)?;
+        let loads = wire.list(Wire::f64)?;
+        if names.is_empty() || names.iter().all(|name| name.is_empty()) {
+            let count = positions.len().max(velocities.len());
+            names = (0..count).map(|index| unnamed(index).into()).collect();
+        }
         Ok(Self {
             header,
             names,
             positions,
             velocities,
+            loads,
+            load: Load::Effort,
         })
     }
+
+    /// The feedback of Clearpath's drives, left and right, with so many temperatures behind them (jackal_msgs,
+    /// clearpath_platform_msgs).
+    fn drives(
+        header: MessageHeader<'a>,
+        wire: &mut Wire<'a>,
+        temperatures: usize,
+    ) -> Result<Self, DecodeError> {
+        let mut joints = Self {
+            header,
+            names: vec!["left_drive".into(), "right_drive".into()],
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            loads: Vec::new(),
+            load: Load::Current,
+        };
+        for _ in 0..2 {
+            joints.loads.push(wire.f32()?.into());
+            for _duty_cycle_and_temperatures in 0..3 {
+                wire.f32()?;
+            }
+            joints.velocities.push(wire.f32()?.into());
+            joints.positions.push(wire.f32()?.into());
+            let _fault = wire.u8()?;
+        }
+        for _ in 0..temperatures {
+            wire.f32()?;
+        }
+        let (_commanded_mode, _actual_mode) = (wire.u8()?, wire.u8()?);
+        Ok(joints)
+    }
 }
+
+/// What a joint without a name is called, from its place.
+pub(super) fn unnamed(index: usize) -> String {
+    format!("{UNNAMED}{}", index + 1)
+}
+
+/// Start of the names of joints without a name.
+pub(super) const UNNAMED: &str = "joint without name ";
 
 #[cfg(test)]
 mod tests {
@@ -286,7 +499,9 @@ mod tests {
         );
         assert_eq!(MessageKind::of_type("sensor_msgs/msg/Image"), None);
         for kind in MessageKind::ALL {
-            assert_eq!(MessageKind::of_type(kind.message_type()), Some(kind));
+            for name in kind.message_types() {
+                assert_eq!(MessageKind::of_type(name), Some(kind));
+            }
         }
     }
 
@@ -338,7 +553,7 @@ mod tests {
     fn joint_states_of_another_writer() {
         for (encoding, text) in JOINTS {
             let bytes = bytes(text);
-            let joints = Joints::decode(encoding, &bytes).unwrap();
+            let joints = Joints::decode_type("sensor_msgs/JointState", encoding, &bytes).unwrap();
             assert_eq!((joints.header.stamp, &*joints.header.frame), (STAMP, ""));
             assert_eq!(joints.names, ["left", "right"]);
             assert_eq!(joints.positions, [0.25, 0.5]);
@@ -355,7 +570,7 @@ mod tests {
             }
             assert!(Imu::decode(encoding, &bytes).is_err());
             assert!(Odometry::decode(encoding, &bytes).is_err());
-            assert!(Joints::decode(encoding, &bytes).is_err());
+            assert!(Joints::decode_type("sensor_msgs/JointState", encoding, &bytes).is_err());
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Recordings from robots' logs: MCAP files and ROS 1 bags with joint states, odometry, inertial measurements and satellite
-//! fixes.
+//! Recordings from robots' logs: MCAP files and bags of ROS 1 and ROS 2 with joint states, poses, inertial measurements and
+//! satellite fixes.
 //!
-//! A file is read twice from front to back: first for its topics ([`survey()`]), then for the samples of the chosen ones
+//! A log is read twice from front to back: first for its topics ([`survey()`]), then for the samples of the chosen ones
 //! ([`import`]). Memory holds a chunk of the file and the samples.
 
 mod attitude;
@@ -19,21 +19,27 @@ mod message;
 mod mounting;
 mod options;
 mod plan;
+mod preset;
+mod request;
+mod sample;
 mod side;
 mod survey;
 mod table;
 mod track;
+mod transforms;
 mod twist;
 mod wheels;
 mod wire;
 
-pub use choose::{TopicChoice, TopicRequest, choose};
+pub use choose::{TopicChoice, choose};
 pub use clock::Clock;
 pub use columns::Column;
-pub use container::{Container, Ending, ReadProgress};
+pub use container::{Container, Ending, ReadProgress, is_log};
 pub use error::ImportError;
 pub use message::MessageKind;
 pub use options::{HeadingChoice, ImportOptions, PoseChoice};
+pub use preset::Preset;
+pub use request::TopicRequest;
 pub use side::WheelJoints;
 pub use survey::{Survey, Topic, survey};
 pub use wire::{DecodeError, Encoding};
@@ -79,11 +85,11 @@ pub fn import(
     options: &ImportOptions,
     progress: &mut ReadProgress,
 ) -> Result<Imported, ImportError> {
-    let mut notes = Vec::new();
-    if let Ending::Broken { offset, reason } = &survey.ending {
+    let mut notes = survey.notes.clone();
+    if let Ending::Broken { place, reason } = &survey.ending {
         let error = ImportError::Broken {
             path: path.into(),
-            offset: *offset,
+            place: place.clone(),
             reason: reason.clone(),
             messages: survey.messages(),
             seconds: survey
@@ -97,15 +103,27 @@ pub fn import(
     }
     let choices = choices(survey, options)?;
     notes.extend(choices.all().filter_map(TopicChoice::note));
-    let collected = collect(path, survey, &choices, progress)?;
+    notes.extend(choices.notes());
+    let is_taken = |kind: MessageKind| choices.all().any(|choice| choice.kind == kind);
+    let is_refused = |kind: &MessageKind| {
+        !is_taken(*kind) && options.topics.get(kind) != Some(&TopicRequest::Without)
+    };
+    let missing = MessageKind::ALL.into_iter().filter(is_refused);
+    notes.extend(missing.filter_map(|kind| choose::set_aside(survey, kind)));
+    let collected = collect(survey, &choices, progress)?;
     let child_frame = |kind| match &collected.odometry {
         Some(odometry) if kind == MessageKind::Odometry => odometry.child_frame.clone(),
         _ => String::new(),
     };
-    let topics = choices.all().map(|choice| UsedTopic {
-        kind: choice.kind,
-        topic: choice.topic.clone(),
-        child_frame: child_frame(choice.kind),
+    let joined = choices
+        .joined
+        .iter()
+        .map(|topic| (MessageKind::Joints, *topic));
+    let topics = choices.all().map(|choice| (choice.kind, choice.topic));
+    let topics = topics.chain(joined).map(|(kind, topic)| UsedTopic {
+        kind,
+        topic: topic.clone(),
+        child_frame: child_frame(kind),
     });
     let topics = topics.collect();
     let converted = convert::convert(collected, options)?;
@@ -125,11 +143,7 @@ pub fn import(
 
 /// The topics of the recording.
 fn choices<'s>(survey: &'s Survey, options: &ImportOptions) -> Result<Choices<'s>, ImportError> {
-    let wheels = &options.wheels;
-    let pick = |kind: MessageKind| {
-        let wish = options.topics.get(&kind).unwrap_or(&TopicRequest::Any);
-        choose(survey, kind, wish, wheels)
-    };
+    let pick = |kind: MessageKind| choose(survey, kind, options);
     let Some(joints) = pick(MessageKind::Joints)? else {
         let describe = |topic: &Topic| match topic.kind() {
             None if MessageKind::of_type(&topic.message_type).is_some() => format!(
@@ -141,12 +155,21 @@ fn choices<'s>(survey: &'s Survey, options: &ImportOptions) -> Result<Choices<'s
         let topics = survey.topics.iter().map(describe).collect();
         return Err(ImportError::NoWheelSpeeds { topics });
     };
+    let joined = choose::joined(survey, &joints, &options.wheels);
+    let topics = std::iter::once(joints.topic).chain(joined.iter().copied());
+    let odometry = pick(MessageKind::Odometry)?;
+    let path = odometry
+        .as_ref()
+        .map(|choice| transforms::path(choice.topic, options.frames.as_ref()));
     Ok(Choices {
-        wheels: choose::pick_wheels(joints.topic, wheels)?,
+        wheels: choose::pick_wheels(topics, options)?,
         joints,
-        odometry: pick(MessageKind::Odometry)?,
+        joined,
+        path: path.transpose()?.flatten(),
+        odometry,
         imu: pick(MessageKind::Imu)?,
         fix: pick(MessageKind::Fix)?,
+        twist: pick(MessageKind::Twist)?,
     })
 }
 
@@ -178,10 +201,10 @@ impl Imported {
             let origin = json!({
                 "topic": column.topic,
                 "conversion": column.conversion,
-                "unit": column.channel.unit(),
+                "unit": column.unit,
                 "samples": column.samples.len(),
             });
-            (column.channel.name().to_owned(), origin)
+            (column.name.to_owned(), origin)
         });
         let name = path.file_name().unwrap_or(path.as_os_str());
         json!({

@@ -1,8 +1,9 @@
 //! Options of an import.
 
-use super::choose::TopicRequest;
-use super::clock::Clock;
 use super::message::MessageKind;
+use super::preset::Preset;
+use super::request::TopicRequest;
+use super::sample::Clock;
 use super::side::WheelJoints;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
@@ -29,12 +30,18 @@ pub enum HeadingChoice {
 }
 
 /// Options of an import; the default requests nothing.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ImportOptions {
     /// Requested topics; for other kinds the best one.
     pub topics: BTreeMap<MessageKind, TopicRequest>,
     /// The wheels' joints; a side without names is found by the joints' names.
     pub wheels: WheelJoints,
+    /// Where the joints without names are, in their order: `FL,FR,RL,RR`.
+    pub order: Vec<String>,
+    /// The frames of the pose in topics of transforms: the parent and the child.
+    pub frames: Option<[String; 2]>,
+    /// A known vehicle, whose topics are preferred.
+    pub preset: Option<Preset>,
     /// Whether the speeds of the left and the right wheels change their sign.
     pub invert: [bool; 2],
     /// Source of the pose; by default the best one.

@@ -1,13 +1,13 @@
 //! Sources of pose, heading and velocities.
 
 use super::checks::{COMPUTED, COMPUTED_DESPITE_NAME, Follows, follows};
-use super::choose::{Origin, origin};
+use super::choose::{Origin, source};
 use super::clock::{Times, settle};
 use super::collect::{Collected, OdometrySample, Stream};
 use super::columns::ColumnBuilder;
 use super::error::ImportError;
 use super::fixes::Fixes;
-use super::message::MessageKind;
+use super::message::{MessageKind, has_twist};
 use super::options::{HeadingChoice, ImportOptions, PoseChoice};
 use super::track::{Track, wheels};
 
@@ -23,6 +23,7 @@ pub(super) struct Plan {
 /// An odometry with the source of its pose and the reason for that judgement.
 struct Odometry<'a> {
     topic: &'a str,
+    has_twist: bool,
     origin: Origin,
     reason: String,
 }
@@ -43,7 +44,7 @@ fn judge<'a>(
     let [left, right] = wheels(&joints, &all.wheels, options.invert, &mut unused)?;
     let speeds = odometry.map(|sample| sample.velocity[0]);
     let v_x = Track::of(speeds, clock, &mut unused.notes);
-    let by_name = origin(&v_x.topic);
+    let by_name = source(&odometry.topic);
     let computed = match by_name {
         Origin::Independent => COMPUTED_DESPITE_NAME,
         Origin::Unknown | Origin::Wheels => COMPUTED,
@@ -66,6 +67,7 @@ fn judge<'a>(
     };
     Ok(Odometry {
         topic: &odometry.topic.name,
+        has_twist: has_twist(&odometry.topic.message_type),
         origin,
         reason,
     })
@@ -119,7 +121,10 @@ impl Sources<'_> {
         notes: &mut Vec<String>,
     ) -> Result<Option<PoseChoice>, ImportError> {
         let missing = |option: &str, kind: MessageKind| ImportError::Missing {
-            reason: format!("{option} needs valid messages of {}", kind.message_type()),
+            reason: format!(
+                "{option} needs valid messages of {}",
+                kind.message_types().join(" or ")
+            ),
             remedy: "ugv import FILE --list shows what the file has".into(),
         };
         let pose = match (requested, &self.odometry, &self.fixes) {
@@ -161,7 +166,13 @@ impl Sources<'_> {
 
     /// Whether the velocities of odometry are used.
     fn velocities(&self, pose: Option<PoseChoice>, notes: &mut Vec<String>) -> bool {
-        let Some(Odometry { topic, origin, .. }) = &self.odometry else {
+        let Some(Odometry {
+            topic,
+            origin,
+            has_twist: true,
+            ..
+        }) = &self.odometry
+        else {
             return false;
         };
         if pose == Some(PoseChoice::Odometry) {
@@ -200,6 +211,7 @@ fn better(
         topic,
         origin,
         reason,
+        ..
     }: &Odometry,
     fixes: &Fixes,
 ) -> (PoseChoice, String) {
@@ -237,6 +249,7 @@ mod tests {
     use crate::import::collect::{FixSample, JointSample, StampedSample, WheelSample};
     use crate::import::container::Connection;
     use crate::import::convert::convert;
+    use crate::import::message::Load;
     use crate::import::side::WheelJoints;
     use crate::import::survey::Topic;
 
@@ -246,7 +259,7 @@ mod tests {
     fn stream<T>(kind: MessageKind, name: &str, value: impl Fn(f64) -> T) -> Stream<T> {
         let channel = Connection {
             topic: name.into(),
-            message_type: kind.message_type().into(),
+            message_type: kind.message_types()[0].into(),
             encoding: "cdr".into(),
         };
         let sample = |k: i64| StampedSample {
@@ -256,6 +269,7 @@ mod tests {
         };
         Stream {
             topic: Topic::new(&channel, 0),
+            joined: Vec::new(),
             child_frame: String::new(),
             samples: (1..200).map(sample).collect(),
         }
@@ -271,6 +285,7 @@ mod tests {
             let joint = JointSample {
                 position: f64::NAN,
                 velocity: wheel_speed(time),
+                load: f64::NAN,
             };
             Box::new([joint; 2])
         };
@@ -295,6 +310,9 @@ mod tests {
                 place: [48.0, 11.0, 500.0],
                 deviation,
             })),
+            twist: None,
+            load: Load::Effort,
+            steps: Vec::new(),
         }
     }
 
@@ -364,11 +382,7 @@ mod tests {
         // The times of fixes count if they are used.
         let converted = without_stamps("/wheel/odom");
         assert_eq!(converted.clock, Clock::Log, "{:?}", converted.notes);
-        let names: Vec<&str> = converted
-            .columns
-            .iter()
-            .map(|column| column.channel.name())
-            .collect();
+        let names: Vec<&str> = converted.columns.iter().map(|column| column.name).collect();
         assert_eq!(names, ["omega_left", "omega_right", "x", "y"]);
     }
 }

@@ -27,8 +27,9 @@ const OTHERS: [&str; 12] = [
     "camera", "flipper",
 ];
 
-#[derive(Clone, Copy, PartialEq)]
-enum Side {
+/// The side of a wheel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Side {
     Left,
     Right,
 }
@@ -62,7 +63,7 @@ fn contains(name: &str, fragments: &[&str]) -> bool {
 }
 
 /// The side in a name; `None` for neither or both.
-fn side(name: &str) -> Option<Side> {
+pub(super) fn side(name: &str) -> Option<Side> {
     let lower = name.to_lowercase();
     match (lower.contains("left"), lower.contains("right")) {
         (true, false) => return Some(Side::Left),

@@ -1,9 +1,9 @@
 //! The topics of a file of messages.
 
-use super::container::{self, Connection, Container, Ending, ReadProgress};
+use super::container::{self, Connection, Container, Ending, LogFile, ReadProgress};
 use super::error::ImportError;
-use super::message::{Decode, Joints, MessageHeader, MessageKind};
-use super::wire::Encoding;
+use super::message::{Joints, MessageHeader, MessageKind, Pose, UNNAMED, is_transforms};
+use super::wire::{Encoding, unpacked};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -24,7 +24,12 @@ pub struct Topic {
     pub frame: String,
     /// Its joints, if it has any.
     pub joints: BTreeSet<String>,
+    /// Its transforms, from each child's frame to its parent's, with their numbers.
+    pub transforms: BTreeMap<[String; 2], u64>,
 }
+
+/// Number of joints or frames beyond which a topic is not searched for more.
+const MOST: usize = 10_000;
 
 impl Topic {
     pub(super) fn new(channel: &Connection, time: i64) -> Self {
@@ -36,6 +41,37 @@ impl Topic {
             logged: [time; 2],
             frame: String::new(),
             joints: BTreeSet::new(),
+            transforms: BTreeMap::new(),
+        }
+    }
+
+    /// Whether its joints have no names.
+    pub(super) fn has_unnamed_joints(&self) -> bool {
+        self.joints.iter().any(|name| name.starts_with(UNNAMED))
+    }
+
+    /// Adds the names in a message. One that does not decode is reported when the topic is read.
+    fn learn(&mut self, encoding: Encoding, data: &[u8]) {
+        match self.kind() {
+            Some(MessageKind::Joints) if self.joints.len() < MOST => {
+                let joints = Joints::decode_type(&self.message_type, encoding, data);
+                for name in joints.map_or(Vec::new(), |joints| joints.names) {
+                    if !self.joints.contains(name.as_ref()) {
+                        self.joints.insert(name.into_owned());
+                    }
+                }
+            }
+            Some(MessageKind::Odometry) if is_transforms(&self.message_type) => {
+                let poses = Pose::decode_all(&self.message_type, encoding, data);
+                for pose in poses.unwrap_or_default() {
+                    let frames = [pose.child_frame, pose.header.frame];
+                    let frames = frames.map(|frame| bare(&frame).to_owned());
+                    if self.transforms.len() < MOST || self.transforms.contains_key(&frames) {
+                        *self.transforms.entry(frames).or_default() += 1;
+                    }
+                }
+            }
+            _ => {}
         }
     }
 
@@ -60,11 +96,20 @@ impl Topic {
     }
 }
 
-/// The content of a file of messages.
-#[derive(Debug, Clone, PartialEq)]
+/// A frame's name without the slash that ROS 1 may put before it.
+pub(super) fn bare(frame: &str) -> &str {
+    frame.trim_start_matches('/')
+}
+
+/// The content of a log.
+#[derive(Debug, Clone)]
 pub struct Survey {
-    /// The file's format.
+    /// The format of its first file.
     pub container: Container,
+    /// Its files.
+    pub(super) files: Vec<LogFile>,
+    /// What the choice of files needs to say.
+    pub notes: Vec<String>,
     /// Its topics in alphabetical order.
     pub topics: Vec<Topic>,
     /// How the reading ended.
@@ -87,17 +132,26 @@ impl Survey {
     }
 }
 
-/// Reads a file for its topics.
+/// Reads a log for its topics: a file, or the folder of a bag.
 ///
 /// # Errors
 /// A file that cannot be read or is no file of messages. Damage is no error: the survey ends there.
 pub fn survey(path: &Path, progress: &mut ReadProgress) -> Result<Survey, ImportError> {
-    let container = container::container(path)?;
+    let (files, notes) = container::open(path)?;
     let mut topics: BTreeMap<Connection, Topic> = BTreeMap::new();
-    let ending = container::read(path, container, progress, &mut |channel, time, data| {
+    let mut buffer = Vec::new();
+    let ending = container::read(&files, progress, &mut |channel, time, data| {
+        let encoding = Encoding::of_name(&channel.encoding);
+        let is_known = MessageKind::of_type(&channel.message_type).is_some();
+        let data = if is_known {
+            unpacked(data, &mut buffer)
+        } else {
+            data
+        };
         if !topics.contains_key(channel) {
             let mut topic = Topic::new(channel, time);
-            if let (Some(_), Some(encoding)) = (topic.kind(), Encoding::of_name(&topic.encoding))
+            if let (Some(_), Some(encoding)) = (topic.kind(), encoding)
+                && !is_transforms(&topic.message_type)
                 && let Ok(header) = MessageHeader::decode(encoding, data)
             {
                 topic.frame = header.frame.into_owned();
@@ -109,20 +163,15 @@ pub fn survey(path: &Path, progress: &mut ReadProgress) -> Result<Survey, Import
         };
         topic.messages += 1;
         topic.logged = [topic.logged[0].min(time), topic.logged[1].max(time)];
-        if let (Some(MessageKind::Joints), Some(encoding)) =
-            (topic.kind(), Encoding::of_name(&topic.encoding))
-        {
-            // A message that does not decode is reported when the topic is read.
-            for name in Joints::decode(encoding, data).map_or(Vec::new(), |joints| joints.names) {
-                if !topic.joints.contains(name.as_ref()) {
-                    topic.joints.insert(name.into_owned());
-                }
-            }
+        if let Some(encoding) = encoding {
+            topic.learn(encoding, data);
         }
         Ok(())
     })?;
     Ok(Survey {
-        container,
+        container: files.first().map_or(Container::Mcap, |file| file.container),
+        files,
+        notes,
         topics: topics.into_values().collect(),
         ending,
     })

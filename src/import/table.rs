@@ -12,7 +12,7 @@ pub(super) fn write(columns: &[Column], start: i64, to: impl Write) -> io::Resul
         .from_writer(to);
     writer.write_field("time")?;
     for column in columns {
-        writer.write_field(column.channel.name())?;
+        writer.write_field(column.name)?;
     }
     writer.write_record(None::<&[u8]>)?;
     let mut places = vec![0; columns.len()];
@@ -64,7 +64,9 @@ mod tests {
 
     fn column(channel: Channel, samples: &[(i64, f64)]) -> Column {
         Column {
-            channel,
+            channel: Some(channel),
+            name: channel.name(),
+            unit: channel.unit(),
             topic: String::new(),
             conversion: String::new(),
             samples: samples.to_vec(),

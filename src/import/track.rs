@@ -6,7 +6,7 @@ use super::collect::{Stream, TimedValues, WheelSample};
 use super::columns::ColumnBuilder;
 use super::error::ImportError;
 use super::side::WheelJoints;
-use super::wheels::{JointSpeeds, Source, wheel_speeds};
+use super::wheels::{JointSpeeds, Source, together, wheel_speeds};
 use crate::recording::Channel;
 
 /// A topic's samples by time.
@@ -36,6 +36,10 @@ impl<T> Track<T> {
 impl Track<WheelSample> {
     /// Arm and wheels, or the two sides, may publish messages with equal times.
     pub fn of_joints(stream: Stream<WheelSample>, clock: Clock, notes: &mut Vec<String>) -> Self {
+        let mut stream = stream;
+        for joined in &stream.joined {
+            stream.topic.name += &format!(", {}", joined.name);
+        }
         Self::filling(stream, clock, notes, |first, other| {
             let pairs = first.iter_mut().zip(other);
             pairs.fold(false, |filled, (a, b)| a.fill_from(b) | filled)
@@ -54,7 +58,17 @@ pub(super) fn wheels(
     columns: &mut ColumnBuilder,
 ) -> Result<[TimedValues; 2], ImportError> {
     let topic = &joints.topic;
-    let speeds = wheel_speeds(&joints.samples, names.left.len());
+    let together = together(&joints.samples, names.left.len());
+    if together.is_some() {
+        columns.notes.push(format!(
+            "{topic}: the wheels of a side come in separate messages; each is taken linear between its own, at the times \
+             of all"
+        ));
+    }
+    let speeds = wheel_speeds(
+        together.as_ref().unwrap_or(&joints.samples),
+        names.left.len(),
+    );
     let JointSpeeds {
         left,
         right,
@@ -66,6 +80,7 @@ pub(super) fn wheels(
         reason: "no message has the velocities, and no two the positions, of all wheels of a side"
             .into(),
         found: names.left.iter().chain(&names.right).cloned().collect(),
+        remedy: "name the wheels' joints: --left NAME,... --right NAME,...".into(),
     })?;
     let all: Vec<&String> = names.left.iter().chain(&names.right).collect();
     let still: Vec<&str> = still.iter().map(|joint| all[*joint].as_str()).collect();

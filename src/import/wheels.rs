@@ -91,6 +91,75 @@ pub(super) fn wheel_speeds(samples: &[(i64, WheelSample)], left: usize) -> Optio
     })
 }
 
+/// The samples with each joint's missing values between its own samples, if the joints of a side mostly come in separate
+/// messages: those of the front and of the rear axle, for example. `None` if they come together.
+pub(super) fn together(
+    samples: &[(i64, WheelSample)],
+    left: usize,
+) -> Option<Vec<(i64, WheelSample)>> {
+    let joints = samples.first()?.1.len();
+    let known = |joint: &JointSample| joint.velocity.is_finite() || joint.position.is_finite();
+    let is_apart = |side: std::ops::Range<usize>| {
+        let count = |joint: usize| samples.iter().filter(|(_, all)| known(&all[joint])).count();
+        let rarest = side.clone().map(count).min().unwrap_or(0);
+        let whole = samples
+            .iter()
+            .filter(|(_, all)| all[side.clone()].iter().all(known))
+            .count();
+        rarest > 0 && 2 * whole < rarest
+    };
+    if !is_apart(0..left) && !is_apart(left..joints) {
+        return None;
+    }
+    // Messages without any wheel, such as those of an arm, are at other times.
+    let wheels = samples.iter().filter(|(_, all)| all.iter().any(known));
+    let mut filled: Vec<(i64, WheelSample)> = wheels.cloned().collect();
+    for joint in 0..joints {
+        let wrapped = is_wrapped(samples, joint);
+        fill(&mut filled, wrapped, |all| &mut all[joint].position);
+        fill(&mut filled, false, |all| &mut all[joint].velocity);
+        fill(&mut filled, false, |all| &mut all[joint].load);
+    }
+    Some(filled)
+}
+
+/// Fills missing values linear between known ones that are not too far apart.
+fn fill(
+    samples: &mut [(i64, WheelSample)],
+    wrapped: bool,
+    value: impl Fn(&mut WheelSample) -> &mut f64,
+) {
+    let known = samples.iter_mut().enumerate();
+    let known = known.map(|(index, (time, all))| (index, *time, *value(all)));
+    let known: Vec<(usize, i64, f64)> = known.filter(|(.., value)| value.is_finite()).collect();
+    let mut steps: Vec<i64> = known.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
+    steps.sort_unstable();
+    let Some(usual) = steps.get(steps.len() / 2).copied() else {
+        return;
+    };
+    for pair in known.windows(2) {
+        let ((first, from, before), (last, to, after)) = (pair[0], pair[1]);
+        if (to - from) / LONGEST_GAP >= usual {
+            continue;
+        }
+        let after = if wrapped {
+            unwrap(before, after)
+        } else {
+            after
+        };
+        for (time, all) in &mut samples[first + 1..last] {
+            let share = (*time - from) as f64 / (to - from) as f64;
+            let between = before + share * (after - before);
+            // A wrapped angle stays within its turn.
+            *value(all) = if wrapped {
+                unwrap(0.0, between)
+            } else {
+                between
+            };
+        }
+    }
+}
+
 /// The joints of each side that count, and the others; if no joint of a side would count, all do.
 fn used(
     states: &[JointState],
@@ -199,6 +268,7 @@ mod tests {
         let joint = |(position, velocity): &(f64, f64)| JointSample {
             position: *position,
             velocity: *velocity,
+            load: f64::NAN,
         };
         (time * MS, joints.iter().map(joint).collect())
     }
@@ -295,5 +365,62 @@ mod tests {
         let none = sample(0, &[(f64::NAN, f64::NAN); 2]);
         assert_eq!(wheel_speeds(&[none.clone(), none], 1), None);
         assert_eq!(wheel_speeds(&[], 1), None);
+    }
+
+    #[test]
+    fn wheels_in_separate_messages_are_joined() {
+        // Front at even times, rear 10 ms later; the right side comes with the front.
+        let nan = f64::NAN;
+        let row = |index: i64| {
+            let time = 10 * index;
+            let angle = |speed: f64| speed * time as f64 * 1e-3;
+            let wrapped = unwrap(0.0, angle(30.0));
+            match index % 2 {
+                0 => sample(time, &[(wrapped, 30.0), (nan, nan), (nan, 2.0), (nan, nan)]),
+                _ => sample(
+                    time,
+                    &[(nan, nan), (angle(3.0), 3.0), (nan, nan), (nan, 4.0)],
+                ),
+            }
+        };
+        let apart: Vec<_> = (0..200).map(row).collect();
+        let joined = together(&apart, 2).unwrap();
+        let speeds = wheel_speeds(&joined, 2).unwrap();
+        assert_eq!((speeds.left.len(), speeds.right.len()), (198, 198));
+        assert!(
+            speeds
+                .left
+                .iter()
+                .all(|(_, speed)| (speed - 16.5).abs() < 1e-9)
+        );
+        assert!(
+            speeds
+                .right
+                .iter()
+                .all(|(_, speed)| (speed - 3.0).abs() < 1e-9)
+        );
+        let within = |(_, all): &(i64, WheelSample)| all[0].position.abs() <= PI + 1e-9;
+        assert!(
+            joined
+                .iter()
+                .filter(|(_, all)| all[0].position.is_finite())
+                .all(within)
+        );
+        // Nothing across a gap, and nothing where all come together.
+        let mut cut = apart.clone();
+        cut.retain(|(time, _)| !(500..1500).contains(&(time / MS)));
+        let gap = together(&cut, 2).unwrap();
+        let times: Vec<i64> = wheel_speeds(&gap, 2)
+            .unwrap()
+            .left
+            .iter()
+            .map(|(time, _)| time / MS)
+            .collect();
+        assert!(
+            !times.iter().any(|time| (495..1505).contains(time)),
+            "{times:?}"
+        );
+        let all = [(0.0, 1.0); 4];
+        assert_eq!(together(&[sample(0, &all), sample(10, &all)], 2), None);
     }
 }

@@ -4,6 +4,7 @@
 //! states the byte order, and every number is aligned to its size from the end of that header.
 
 use std::borrow::Cow;
+use std::io::Read;
 use thiserror::Error;
 
 /// Serialisation of messages.
@@ -55,9 +56,7 @@ pub enum DecodeError {
 impl DecodeError {
     fn representation([high, low]: [u8; 2]) -> String {
         if [high, low] == ZSTD_START {
-            "it is compressed with zstd by itself (ros2 bag record --compression-mode message); unpack the file with \
-             ros2 bag convert"
-                .into()
+            "it is compressed with zstd by itself, and does not unpack".into()
         } else {
             format!("its CDR representation {high:#04x}{low:02x} is none of 0x0000 and 0x0001")
         }
@@ -66,6 +65,27 @@ impl DecodeError {
 
 /// First bytes of messages that are compressed one by one.
 const ZSTD_START: [u8; 2] = [0x28, 0xb5];
+/// Largest message that is unpacked, and the logarithm of the largest window of its compression \[bytes\].
+const LARGEST: u64 = 16 << 20;
+const WINDOW_LOG: u32 = 24;
+
+/// A message that may be compressed by itself (`ros2 bag record --compression-mode message`). `buffer` holds the content.
+/// One that does not unpack stays as it is, and does not decode.
+pub(super) fn unpacked<'a>(data: &'a [u8], buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    if !data.starts_with(&ZSTD_START) {
+        return data;
+    }
+    buffer.clear();
+    let read = zstd::stream::read::Decoder::with_buffer(data).and_then(|mut decoder| {
+        decoder.window_log_max(WINDOW_LOG)?;
+        decoder.take(LARGEST + 1).read_to_end(buffer)
+    });
+    match read {
+        Ok(length) if length as u64 <= LARGEST => buffer,
+        _ => data,
+    }
+}
+
 /// CDR rounds a message up to this many bytes.
 const CDR_PADDING: usize = 8;
 
@@ -148,6 +168,10 @@ impl<'a> Wire<'a> {
 
     pub fn i32(&mut self) -> Result<i32, DecodeError> {
         self.number().map(i32::from_le_bytes)
+    }
+
+    pub fn f32(&mut self) -> Result<f32, DecodeError> {
+        self.number().map(f32::from_le_bytes)
     }
 
     pub fn f64(&mut self) -> Result<f64, DecodeError> {
@@ -247,6 +271,24 @@ mod tests {
         assert_eq!(xcdr2, Some(DecodeError::Representation { identifier }));
         assert!(Wire::new(Encoding::Cdr, &[0]).is_err());
         let packed = Wire::new(Encoding::Cdr, &[0x28, 0xb5, 0x2f, 0xfd]).err();
-        assert!(packed.unwrap().to_string().contains("ros2 bag convert"));
+        assert!(packed.unwrap().to_string().contains("does not unpack"));
+    }
+
+    #[test]
+    fn messages_that_are_compressed_one_by_one_are_unpacked() {
+        let message = [0, 1, 0, 0, 7];
+        let packed = zstd::encode_all(&message[..], 1).unwrap();
+        let mut buffer = Vec::new();
+        assert_eq!(unpacked(&packed, &mut buffer), message);
+        assert_eq!(unpacked(&message, &mut buffer), message);
+        let cut = &packed[..packed.len() - 2];
+        assert_eq!(unpacked(cut, &mut buffer), cut);
+        // A bomb: a gigabyte of zeros.
+        let bomb = zstd::encode_all(std::io::repeat(0).take(1 << 30), 1).unwrap();
+        let used = allocation_counter::measure(|| {
+            let mut buffer = Vec::new();
+            assert_eq!(unpacked(&bomb, &mut buffer), bomb);
+        });
+        assert!(used.bytes_max < 4 * LARGEST, "{used:?}");
     }
 }

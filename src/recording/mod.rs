@@ -20,13 +20,18 @@ mod statistics;
 
 pub use about::About;
 pub use channel::Channel;
-pub use csv::{Cell, CsvError, read_bytes, read_drive, read_poses};
+pub use csv::{
+    Cell, ColumnRequest, CsvError, FoundColumns, TableOptions, read_bytes, read_drive,
+    read_drive_of, read_poses,
+};
 pub use cumulated::{Cumulated, TimeGrid, longest_interval, stretches};
 pub use drive::Drive;
 pub use fault::{RecordingFault, SameName, SeriesFault, different_names};
 pub use note::{Note, NoteKind};
 pub use pose_history::{PoseHistory, distance_along_heading};
-pub use reading::{RecordingError, read_recording, read_recording_of};
+pub use reading::{
+    RecordingError, read_recording, read_recording_of, read_recording_with, recording_of_table,
+};
 pub use run::{Recording, Run};
 pub use series::Series;
 pub use statistics::{

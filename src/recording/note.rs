@@ -6,6 +6,8 @@ use std::fmt;
 /// Kinds of changes and findings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum NoteKind {
+    /// A column of another name or unit was taken.
+    Column,
     /// A wrapped heading was unwrapped.
     Unwrapped,
     /// Cells with `nan` or `null` were taken as missing.

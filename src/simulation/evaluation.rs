@@ -15,6 +15,11 @@ pub(super) struct Evaluation {
     pub derivative: StateVector,
     /// Rates of what is remembered.
     pub memory_rates: Vec<f64>,
+    /// How far the state lies beside the one at which this was evaluated: a step of one evaluation is put right at its
+    /// end.
+    pub beside: StateVector,
+    /// The same of what is remembered.
+    pub memory_beside: Vec<f64>,
 }
 
 impl Evaluation {
@@ -30,6 +35,8 @@ impl Evaluation {
     ) -> Result<(), SimulationError> {
         self.valid = false;
         self.motion = motion;
+        self.beside.fill(0.0);
+        self.memory_beside.fill(0.0);
         let prepared = model.prepare(&motion, &state.surroundings(time, memory, tracks));
         model
             .solve_prepared(&motion, &prepared, &mut self.balance)
@@ -64,5 +71,7 @@ impl Evaluation {
         self.wrench.copy_from(&other.wrench);
         self.derivative = other.derivative;
         self.memory_rates.copy_from_slice(&other.memory_rates);
+        self.beside = other.beside;
+        self.memory_beside.copy_from_slice(&other.memory_beside);
     }
 }

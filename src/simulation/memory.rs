@@ -92,15 +92,17 @@ impl MemoryJacobian {
         self.diagonal[index] * own + by_state.map(|(by, change)| by * change).sum::<f64>()
     }
 
-    /// Change of the accelerations with what is remembered.
-    pub fn accelerations(&self, changes: impl Iterator<Item = f64>) -> [f64; 3] {
+    /// Adds the change of the accelerations with what is remembered to the rates of the state.
+    pub fn add_accelerations(&self, changes: impl Iterator<Item = f64>, rates: &mut StateVector) {
         let mut sum = [0.0; 3];
         for (by, change) in self.accelerations.iter().zip(changes) {
             for axis in 0..3 {
                 sum[axis] += by[axis] * change;
             }
         }
-        sum
+        for axis in 0..3 {
+            rates[3 + axis] += sum[axis];
+        }
     }
 }
 

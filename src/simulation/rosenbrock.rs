@@ -5,7 +5,7 @@
 //! step; of order 2 with any matrix in place of the Jacobian, so that one Jacobian serves
 //! several steps; and its last stage is the next step's first, so that a step costs two
 //! evaluations of the forces. Where the step is so short that the forces are linear over it, its middle stage is taken
-//! from the Jacobian, and the evaluation at the end tells whether that holds.
+//! from the Jacobian, and the evaluation at the end checks it.
 
 use super::integrator::{
     ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
@@ -257,8 +257,8 @@ impl Simulation {
     ///
     /// # Algorithm
     /// With W = I - h d A, A = df/dy (of any accuracy), T = df/dt, d and e_32 of the method:
-    /// 1. f_0 at the start; of a `short` step that of the last step's end, moved along the Jacobian to the wheel speeds
-    ///    that hold now.
+    /// 1. f_0 at the start. The forces may be those of a state nearby: A times the distance is added. A `short` step takes
+    ///    them from the last step's end, and adds the change of the wheel speeds since.
     /// 2. W k_1 = f_0 + h d T.
     /// 3. f_1 = f(t + h/2, y + h/2 k_1); of a short step f_0 + h/2 (A k_1 + T).
     /// 4. W (k_2 - k_1) = f_1 - k_1, and the new state is y + h k_2.
@@ -322,9 +322,13 @@ impl Simulation {
             self.inputs.right - start.motion.omega_right,
         ];
         let jumped = if short { jump } else { [0.0; 2] };
-        let f0 = start.derivative + by_input * nalgebra::Vector2::from(jumped);
+        let (beside, memory_beside) = (&start.beside, &start.memory_beside);
+        let mut f0 = start.derivative + a * beside + by_input * nalgebra::Vector2::from(jumped);
+        coupling.add_accelerations(memory_beside.iter().copied(), &mut f0);
         for i in 0..count {
-            g0[i] = start.memory_rates[i] + coupling.by_input(i, jumped);
+            g0[i] = start.memory_rates[i]
+                + coupling.by_motion(i, beside, memory_beside[i])
+                + coupling.by_input(i, jumped);
         }
         // 2.
         for i in 0..count {
@@ -334,10 +338,7 @@ impl Simulation {
         // 3. What the linear forces are at a displacement from the start, after a time.
         let linear = |moved: StateVector, remembered: &[f64], time: f64| {
             let mut f = f0 + a * moved + by_time * time;
-            let own = coupling.accelerations(remembered.iter().map(|slope| time * slope));
-            for axis in 0..3 {
-                f[3 + axis] += own[axis];
-            }
+            coupling.add_accelerations(remembered.iter().map(|slope| time * slope), &mut f);
             f
         };
         let f1 = if short {
@@ -406,8 +407,10 @@ impl Simulation {
             return Ok((end, worst / tolerance, nonlinear / tolerance));
         }
         slopes[1] += missed / h;
+        at_end.beside = missed;
         for i in 0..count {
-            new_memory[i] += l3[i] * 0.5 * h;
+            at_end.memory_beside[i] = l3[i] * 0.5 * h;
+            new_memory[i] += at_end.memory_beside[i];
         }
         let end = State::from_array((y + k2 * h + missed).into());
         Ok((end, worst / tolerance, nonlinear / tolerance))

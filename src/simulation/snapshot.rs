@@ -53,12 +53,6 @@ impl Simulation {
             return Err(SnapshotError::Numbers);
         }
         *self = restored;
-        self.now.wrench.wheels.fill_with(Default::default);
-        let surroundings = self
-            .state
-            .surroundings(self.time, &self.memory, self.left.tracks());
-        let prepared = self.model.prepare(&self.now.motion, &surroundings);
-        self.now.finish(&self.state, &prepared);
         Ok(())
     }
 
@@ -67,8 +61,7 @@ impl Simulation {
     fn is_sound(&self) -> bool {
         let mut numbers = self.clone();
         if !numbers.now.valid {
-            numbers.now.balance = numbers.anchor.balance.clone();
-            numbers.now.motion = Motion::default();
+            numbers.now = numbers.anchor.clone();
         }
         let angles = |balance: &Balance| {
             let mut wheels = balance.wheels.iter();
@@ -97,10 +90,14 @@ impl Simulation {
             let mut motion = evaluation.motion.to_array();
             motion.iter_mut().for_each(&mut *visit);
             evaluation.motion = Motion::from_array(motion);
+            evaluation.derivative.iter_mut().for_each(&mut *visit);
+            evaluation.memory_rates.iter_mut().for_each(&mut *visit);
+            evaluation.beside.iter_mut().for_each(&mut *visit);
+            evaluation.memory_beside.iter_mut().for_each(&mut *visit);
             visit_flag(&mut evaluation.valid, visit);
         }
-        self.anchor.derivative.iter_mut().for_each(&mut *visit);
-        self.anchor.memory_rates.iter_mut().for_each(&mut *visit);
+        // A step that was taken with one evaluation ends a little beside the state whose forces these are.
+        self.now.wrench.visit(visit);
         self.trend.visit(visit);
         let integrator = &mut self.integrator;
         visit(&mut integrator.next_step);

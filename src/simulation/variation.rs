@@ -43,10 +43,10 @@ fn delayed(simulation: &Simulation) -> Vector2<f64> {
 }
 
 impl Variation {
-    /// At the simulation's present state, for the integrator as well.
+    /// Linearises at the present state. The integrator does not use this Jacobian: trajectories with and without
+    /// derivatives are bit-identical, and fits compare the two.
     pub fn linearise(&mut self, simulation: &mut Simulation) -> Linearised {
         simulation.differentiate(&mut self.directions, &mut self.results);
-        simulation.take_jacobian(self.directions.list(), &self.results);
         let rows = self.by.nrows();
         let mut by_state = DMatrix::zeros(rows, rows);
         let mut by_speeds = DMatrix::zeros(rows, 2);

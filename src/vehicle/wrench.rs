@@ -123,6 +123,28 @@ impl Wrench {
         }
     }
 
+    /// Visits every number, those of the whole vehicle first.
+    pub(crate) fn visit(&mut self, visit: &mut impl FnMut(&mut f64)) {
+        for total in [
+            &mut self.a_x,
+            &mut self.a_y,
+            &mut self.yaw_acceleration,
+            &mut self.rolling_resistance,
+            &mut self.turning_resistance_moment,
+            &mut self.turning_moment,
+            &mut self.torque_left,
+            &mut self.torque_right,
+            &mut self.power,
+        ] {
+            visit(total);
+        }
+        for wheel in &mut self.wheels {
+            let mut numbers = wheel.to_array();
+            numbers.iter_mut().for_each(&mut *visit);
+            *wheel = WheelOutputs::from_array(numbers);
+        }
+    }
+
     /// Sets the numbers of the whole vehicle, in the order of the fields.
     pub(super) fn set_totals(&mut self, totals: [f64; Self::TOTALS]) {
         [

@@ -267,7 +267,7 @@ fn wrong_arguments_and_files_are_refused() {
         "time,omega_left,omega_right,x\n0,1,1,0\n0.1,1,x,0\n",
     );
     for (arguments, expected) in [
-        ("diagnose", "<REC.csv>..."),
+        ("diagnose", "<REC.csv|LOG>..."),
         ("diagnose nowhere.csv", "nowhere.csv"),
         (
             "diagnose bad.csv",

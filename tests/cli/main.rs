@@ -20,6 +20,7 @@ mod score;
 mod simulate;
 mod streams;
 mod sweep;
+mod tables;
 
 use assert_cmd::Command;
 use std::fs;

@@ -58,9 +58,9 @@ fn malformed_input_is_located_and_touches_nothing() {
             "a time later than 1 s",
         ),
         (
-            "time;omega_left;omega_right\n0;1;2\n",
-            "line 1, column 2",
-            "no column `time`",
+            "time;omega_left;v\n0;1;2\n",
+            "line 1, column 4",
+            "no column `omega_right`",
             "a header",
         ),
     ] {

@@ -49,9 +49,24 @@ const BATCH: &[&str] = &[
     "rayon_core",
 ];
 
-/// What fitting and diagnosing add to batches: `csv`, `fastrand`, `statrs`, `textwrap`, and theirs; no argument parsing, plots or C.
+/// What fitting and diagnosing add to batches: `csv`, `encoding_rs`, `fastrand`, `jiff`, `statrs`, `textwrap`, and
+/// theirs; no argument parsing, plots or C.
 const ANALYSIS: &[&str] = &[
-    "csv", "csv_core", "fastrand", "libm", "ryu", "statrs", "textwrap",
+    "cfg_if",
+    "core_detect",
+    "csv",
+    "csv_core",
+    "encoding_rs",
+    "fastrand",
+    "jiff",
+    "jiff_core",
+    "libm",
+    "multiversion_no_op",
+    "ryu",
+    "scopeguard",
+    "simdutf8",
+    "statrs",
+    "textwrap",
 ];
 
 /// What the C interface adds: the standard's types (`fmi_sys`, and theirs), percent-encoded paths.

@@ -13,6 +13,8 @@ import numpy as np
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as BagWriter
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+from rosbags.rosbag2 import Writer as Bag2Writer
 from rosbags.typesys import Stores, get_typestore
 
 START = 1_700_000_000_000_000_000  # ns
@@ -150,6 +152,7 @@ class Factory:
         time: int,
         velocities: dict[str, float] | None,
         positions: dict[str, float] | None = None,
+        efforts: dict[str, float] | None = None,
     ) -> Any:
         """`sensor_msgs/JointState`."""
 
@@ -162,7 +165,7 @@ class Factory:
             name=list(velocities or positions or {}),
             position=listed(positions),
             velocity=listed(velocities),
-            effort=np.array([], dtype=np.float64),
+            effort=listed(efforts),
         )
 
     def odometry(self, time: int, s: Truth, length: float = 1.0) -> Any:
@@ -190,6 +193,48 @@ class Factory:
                 "geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=covariance
             ),
         )
+
+    def pose(self, s: Truth) -> Any:
+        """`geometry_msgs/Pose`."""
+        point = self.make("geometry_msgs/msg/Point", x=s.x, y=s.y, z=0.4)
+        return self.make(
+            "geometry_msgs/msg/Pose", position=point, orientation=self.quaternion(s.heading)
+        )
+
+    def pose_stamped(self, time: int, s: Truth, with_covariance: bool = False) -> Any:
+        """`geometry_msgs/PoseStamped`, or with covariance."""
+        header, pose = self.header(time, "map"), self.pose(s)
+        if not with_covariance:
+            return self.make("geometry_msgs/msg/PoseStamped", header=header, pose=pose)
+        pose = self.make(
+            "geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=np.arange(36.0)
+        )
+        return self.make("geometry_msgs/msg/PoseWithCovarianceStamped", header=header, pose=pose)
+
+    def transform(
+        self, time: int, parent: str, child: str, x: float, y: float, heading: float
+    ) -> Any:
+        """`geometry_msgs/TransformStamped`."""
+        return self.make(
+            "geometry_msgs/msg/TransformStamped",
+            header=self.header(time, parent),
+            child_frame_id=child,
+            transform=self.make(
+                "geometry_msgs/msg/Transform",
+                translation=self.vector(x, y, 0.0),
+                rotation=self.quaternion(heading),
+            ),
+        )
+
+    def twist_stamped(self, time: int, s: Truth) -> Any:
+        """`geometry_msgs/TwistStamped`."""
+        twist = self.make(
+            "geometry_msgs/msg/Twist",
+            linear=self.vector(s.v_x, s.v_y, 0.0),
+            angular=self.vector(0.0, 0.0, s.yaw_rate),
+        )
+        header = self.header(time, "base_link")
+        return self.make("geometry_msgs/msg/TwistStamped", header=header, twist=twist)
 
     def imu(
         self, time: int, s: Truth, up: float = 1.0, known: bool = True, optical: bool = False
@@ -236,6 +281,9 @@ class Factory:
 
 JOINT_STATE, ODOMETRY = "sensor_msgs/msg/JointState", "nav_msgs/msg/Odometry"
 IMU, FIX = "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix"
+POSE, TWIST = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TwistStamped"
+POSE_COVARIANCE = "geometry_msgs/msg/PoseWithCovarianceStamped"
+TRANSFORM, TRANSFORMS = "geometry_msgs/msg/TransformStamped", "tf2_msgs/msg/TFMessage"
 
 
 def velocities(s: Truth) -> dict[str, float]:
@@ -329,6 +377,29 @@ def write_mcap(
                 data=bytes(serialize(message.content, message.type)),
             )
         writer.finish()
+
+
+def write_bag2(
+    path: Path,
+    messages: list[Message],
+    storage: StoragePlugin = StoragePlugin.SQLITE3,
+    mode: CompressionMode = CompressionMode.NONE,
+    store: Any = ROS2,
+) -> Path:
+    """The folder of a ROS 2 bag; returns its file of messages."""
+    writer = Bag2Writer(path, version=9, storage_plugin=storage)
+    writer.set_compression(mode, CompressionFormat.ZSTD)
+    connections: dict[str, Any] = {}
+    with writer:
+        for message in messages:
+            if message.topic not in connections:
+                connections[message.topic] = writer.add_connection(
+                    message.topic, message.type, typestore=store
+                )
+            data = store.serialize_cdr(message.content, message.type)
+            writer.write(connections[message.topic], logged(message), data)
+    (file,) = (file for file in path.iterdir() if file.suffix != ".yaml")
+    return file
 
 
 def main(folder: Path) -> None:

@@ -171,19 +171,22 @@ class Remembering(unittest.TestCase):
                 self.assertEqual(one.outputs(), other.outputs())
 
     def test_output_derivatives_know_the_time_and_what_is_remembered(self) -> None:
-        seconds, tolerance = 1e-3, 2e-3
+        # The forces at the end of a short step are those of a state some 1e-8 beside: 1e-5 in a difference over 2 ms.
+        seconds, tolerance, beside = 1e-3, 2e-3, 3e-5
         place = {"grade": {"profile": {"over": "distance", "points": [[0, 0, 0], [3, 0.1, 0.1]]}}}
         for effects in (REMEMBERING, place):
             arguments = with_effects(effects)
             with Instance(**arguments).start(SPEEDS) as instance:
                 instance.step(0.2)
+                # The forces at the end of a step are those of a state beside it, the more so the longer it was.
+                instance.step(seconds)
                 before = np.array(instance.outputs())
                 instance.step(seconds)
                 middle = np.array(instance.outputs())
                 exact = np.array(instance.output_derivatives(fmu().outputs))
                 instance.step(seconds)
                 differences = (np.array(instance.outputs()) - before) / (2.0 * seconds)
-                allowed = tolerance * (np.abs(exact) + np.abs(middle))
+                allowed = tolerance * (np.abs(exact) + np.abs(middle)) + beside
                 for name, one, other, limit in zip(
                     fmu().outputs, exact, differences, allowed, strict=True
                 ):

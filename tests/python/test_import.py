@@ -39,7 +39,7 @@ class Run:
 
     status: int
     printed: str
-    told: str
+    stderr: str
 
 
 def ugv(*arguments: object) -> Run:
@@ -84,18 +84,18 @@ class ImportCase(unittest.TestCase):
         """Imports what can be imported."""
         output = self.folder / "out.csv"
         run = ugv(log, "--output", output, *arguments)
-        self.assertEqual(run.status, 0, run.told)
-        self.told = run.told
+        self.assertEqual(run.status, 0, run.stderr)
+        self.stderr = run.stderr
         return Recording(output)
 
     def refused(self, log: Path, *arguments: object) -> str:
         """Why a log is refused; nothing is written."""
         output = self.folder / "refused.csv"
         run = ugv(log, "--output", output, *arguments)
-        self.assertEqual(run.status, BAD_INPUT, run.told)
+        self.assertEqual(run.status, BAD_INPUT, run.stderr)
         self.assertFalse(output.exists())
-        self.assertNotIn("panicked", run.told)
-        return run.told
+        self.assertNotIn("panicked", run.stderr)
+        return run.stderr
 
     def joints(self, speeds: dict[str, float] | None = None) -> list[Message]:
         """Joint states."""
@@ -191,7 +191,7 @@ class Drive(ImportCase):
     def test_list_shows_the_topics(self) -> None:
         for log in ("drive_bz2.bag", "drive_ros1.mcap"):
             run = ugv(self.logs / log, "--list")
-            self.assertEqual(run.status, 0, run.told)
+            self.assertEqual(run.status, 0, run.stderr)
             lines = {line.split()[0]: line for line in run.printed.splitlines()}
             self.assertIn("sensor_msgs/Imu", lines["/imu/data"].replace("/msg/", "/"))
             for word in ("ros1", "2000", "100.00", "0.00 .. 19.99", "imu *"):
@@ -210,9 +210,9 @@ class Drive(ImportCase):
             cut = self.folder / name
             cut.write_bytes(whole[: len(whole) // 2])
             with self.subTest(name):
-                told = self.refused(cut)
-                self.assertIn("is damaged near byte", told)
-                self.assertIn("--partial imports what comes before", told)
+                stderr = self.refused(cut)
+                self.assertIn("is damaged near byte", stderr)
+                self.assertIn("--partial imports what comes before", stderr)
                 recording = self.imported(cut, "--partial")
                 self.assertTrue(recording.beside["provenance"]["damaged"])
                 self.assertIn("these were imported", recording.notes)
@@ -234,8 +234,8 @@ class Drive(ImportCase):
                 broken[place : place + 16] = bytes([255]) * 16
                 path.write_bytes(broken)
                 run = ugv(path, "--partial", "--output", self.folder / "out.csv")
-                self.assertIn(run.status, (0, BAD_INPUT), f"{name} {part}: {run.told}")
-                self.assertNotIn("panicked", run.told)
+                self.assertIn(run.status, (0, BAD_INPUT), f"{name} {part}: {run.stderr}")
+                self.assertNotIn("panicked", run.stderr)
 
     def test_what_stands_in_the_json_stays(self) -> None:
         beside = self.folder / "out.json"
@@ -246,12 +246,12 @@ class Drive(ImportCase):
         beside.write_text("[1]")
         run = ugv(self.logs / "drive_lz4.bag", "--output", self.folder / "out.csv")
         self.assertEqual(run.status, BAD_INPUT)
-        self.assertIn("not a JSON object", run.told)
+        self.assertIn("not a JSON object", run.stderr)
         self.assertEqual(beside.read_text(), "[1]")
 
     def test_standard_output_has_the_table(self) -> None:
         run = ugv(self.logs / "drive_lz4.bag", "--quiet")
-        self.assertEqual((run.status, run.told), (0, ""))
+        self.assertEqual((run.status, run.stderr), (0, ""))
         self.assertTrue(run.printed.startswith("time,omega_left,omega_right,x,y,"))
 
 
@@ -277,7 +277,7 @@ class Wheels(ImportCase):
                 self.assertEqual(len(recording.columns[name]), 999)
                 self.assert_column(recording, name, lambda t: getattr(truth(t + 0.01), name), 1e-4)
 
-    def test_mirrored_wheels_are_told_and_turned(self) -> None:
+    def test_mirrored_wheels_are_noted_and_turned(self) -> None:
         mirrored = [
             Message("/joint_states", JOINT_STATE, t, self.ros2.joints(t, {"fl": 4.0, "fr": -5.0}))
             for t, _ in make_bags.ticks(50)
@@ -290,9 +290,9 @@ class Wheels(ImportCase):
 
     def test_joints_that_tell_no_side_are_named(self) -> None:
         log = self.log(self.joints({"m1": 1.0, "m2": 2.0, "m3": 3.0, "m4": 5.0}))
-        told = self.refused(log)
+        stderr = self.refused(log)
         for word in ("m1, m2, m3, m4", "--left NAME", "left wheel"):
-            self.assertIn(word, told)
+            self.assertIn(word, stderr)
         recording = self.imported(log, "--left", "m1,m2", "--right", "m3,m4")
         self.assertEqual(set(recording.columns["omega_left"].values()), {1.5})
         self.assertEqual(set(recording.columns["omega_right"].values()), {4.0})
@@ -300,9 +300,9 @@ class Wheels(ImportCase):
         self.assertIn("both sides", self.refused(log, "--left", "m3", "--right", "m3"))
 
     def test_no_joint_states(self) -> None:
-        told = self.refused(self.log(self.odometry()))
-        self.assertIn("wheel speeds are required", told)
-        self.assertIn("/ins/odom (nav_msgs/msg/Odometry)", told)
+        stderr = self.refused(self.log(self.odometry()))
+        self.assertIn("wheel speeds are required", stderr)
+        self.assertIn("/ins/odom (nav_msgs/msg/Odometry)", stderr)
 
 
 class Choices(ImportCase):
@@ -325,9 +325,9 @@ class Choices(ImportCase):
         recording = self.imported(log, "--topics", "odometry=none")
         self.assertEqual(recording.names, ["time", "omega_left", "omega_right"])
         self.assertIn("no pose", recording.notes)
-        told = self.refused(log, "--topics", "odometry=/wheel/odm")
-        self.assertIn("no such topic", told)
-        self.assertIn("--topics odometry=/wheel/odom", told)
+        stderr = self.refused(log, "--topics", "odometry=/wheel/odm")
+        self.assertIn("no such topic", stderr)
+        self.assertIn("--topics odometry=/wheel/odom", stderr)
         self.assertIn("it is of type", self.refused(log, "--topics", "imu=/wheel/odom"))
         self.assertIn("KIND=TOPIC", self.refused(log, "--topics", "laser=/scan"))
         self.assertIn("--pose fix needs", self.refused(log, "--pose", "fix"))
@@ -492,15 +492,18 @@ class Choices(ImportCase):
     def test_files_of_other_formats(self) -> None:
         for content, words in (
             (b"", "is empty"),
-            (b"time,omega_left,omega_right\n", "is no MCAP file and no ROS 1 bag"),
-            (b"SQLite format 3\0 and more", "ros2 bag convert"),
+            (b"time,omega_left,omega_right\n", "is no MCAP file and no bag of ROS 1 or ROS 2"),
+            (b"SQLite format 3\0 and more", "is damaged behind message 0"),
+            (b"\x1f\x8b and more", "gunzip"),
+            (b"ULog\x01\x12\x35 and more", "PX4"),
             (b"#ROSBAG V1.2\n", "rosbag migrate"),
         ):
             log = self.folder / "other"
             log.write_bytes(content)
             with self.subTest(content):
                 self.assertIn(words, " ".join(self.refused(log).split()))
-        self.assertIn("is a folder", self.refused(self.folder))
+        (self.folder / "empty").mkdir()
+        self.assertIn("a folder without .mcap", self.refused(self.folder / "empty"))
         self.assertIn("cannot read", self.refused(self.folder / "nowhere.bag"))
         json_log = self.log(self.joints(), encoding="json", compression=CompressionType.NONE)
         self.assertIn("encoding `json`", self.refused(json_log))

@@ -11,6 +11,7 @@ use super::jobs;
 use super::nominal::NominalArgs;
 use super::output::{Output, is_stream, notify, print};
 use super::progress::ProgressLine;
+use super::recordings;
 use comparison::{ComparisonResult, ModelComparison, pool};
 use models::{ComparedModel, GivenModel};
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use std::path::PathBuf;
 use ugv_terrain::identification::{
     HeadingSource, Latencies, Signals, WindowOptions, cut, heading_noise, split,
 };
-use ugv_terrain::recording::{Recording, different_names, read_recording_of};
+use ugv_terrain::recording::{Recording, different_names};
 
 /// A recorded heading that differs more from the gyro's within a second is worse than the gyro's
 /// integral \[rad\].
@@ -95,12 +96,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let given = GivenModel::load(&args.model)?;
     let threads = jobs::pool(args.jobs)?;
     let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
-        let recording = read_recording_of(path, given.named.vehicle.as_ref())?;
-        let (recording, found) = doubts::settled(recording, given.named.vehicle.as_ref());
+        let named = &given.named;
+        let vehicle = named.vehicle.as_ref();
+        let (recording, notes) = recordings::read(path, vehicle, &named.columns)?;
+        let (recording, found) = doubts::settled(recording, vehicle);
         let mut comparison = prepare(args, &recording, &given)?;
         let within_a_run = comparison.halves.within_a_run;
         let overlap = given.doubt(&recording, &comparison.cut, within_a_run);
-        let warnings = recording.warnings();
+        let warnings = notes.into_iter().chain(recording.warnings());
         let warnings = warnings.chain(doubts::lines(&recording.name, &found));
         let warnings = warnings.chain(overlap).collect();
         comparison.doubts = found;

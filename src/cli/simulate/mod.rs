@@ -4,6 +4,7 @@ mod drive;
 mod plot;
 mod table;
 
+use super::columns::ColumnArgs;
 use super::failure::Failure;
 use super::initial::{InitialArgument, initial_state};
 use super::input::{doubts, filled, read_file, read_input};
@@ -45,6 +46,9 @@ pub struct Args {
     /// CSV file with the columns time,omega_left,omega_right; - reads standard input
     #[arg(long, value_name = "FILE.csv")]
     input: PathBuf,
+
+    #[command(flatten)]
+    columns: ColumnArgs,
 
     #[command(flatten)]
     model: ModelArgs,
@@ -92,7 +96,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let specification = args.model.specification()?;
     let effects = names(&specification.effects, EffectKind::Physics);
     let model = VehicleModel::from_specification(&specification)?;
-    let recording = read_input(&args.input)?;
+    let recording = read_input(
+        &args.input,
+        &args.columns,
+        model.vehicle().wheel_radius,
+        args.quiet,
+    )?;
     doubts(&recording).iter().for_each(|doubt| notify(doubt));
     let state = initial_state(
         &args.initial,

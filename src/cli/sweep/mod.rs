@@ -5,6 +5,7 @@ mod drive;
 mod parameters;
 mod setup;
 
+use super::columns::ColumnArgs;
 use super::failure::Failure;
 use super::initial::InitialArgument;
 use super::input::{doubts, filled, read_input};
@@ -56,6 +57,9 @@ pub struct Args {
         required_unless_present = "samples_only"
     )]
     input: Option<PathBuf>,
+
+    #[command(flatten)]
+    columns: ColumnArgs,
 
     #[command(flatten)]
     model: ModelArgs,
@@ -111,7 +115,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let specification = args.model.specification()?;
     let drive = match &args.input {
-        Some(path) => read_input(path)?,
+        Some(path) => read_input(
+            path,
+            &args.columns,
+            specification.vehicle.wheel_radius,
+            args.quiet,
+        )?,
         None => standstill(),
     };
     doubts(&drive).iter().for_each(|doubt| notify(doubt));

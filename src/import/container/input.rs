@@ -12,8 +12,8 @@ pub enum Ending {
     Whole,
     /// At damage; everything before it was read.
     Broken {
-        /// Start of the damaged record, or near it \[bytes\].
-        offset: u64,
+        /// Start of the damaged record, or near it, such as "near byte 5000".
+        place: String,
         /// The damage.
         reason: String,
     },
@@ -69,7 +69,7 @@ impl<'a> Input<'a> {
             return Err(ImportError::Format {
                 path: path.into(),
                 found: "a folder".into(),
-                remedy: "name the .mcap or .bag file in it".into(),
+                remedy: "name a file of messages, or the folder of a bag".into(),
             });
         }
         Ok(Self {

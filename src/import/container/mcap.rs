@@ -49,7 +49,7 @@ pub(super) fn read(
 
 fn broken(input: &Input, reason: String) -> Ending {
     Ending::Broken {
-        offset: input.place,
+        place: format!("near byte {}", input.place),
         reason,
     }
 }

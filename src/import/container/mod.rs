@@ -1,103 +1,91 @@
 //! Files of messages, read from front to back with one chunk in memory.
 
+mod files;
 mod input;
+mod kind;
 mod mcap;
 mod ros1;
+mod sqlite;
 
+pub(super) use files::{LogFile, open};
 pub(super) use input::{Connection, Visit};
 pub use input::{Ending, ReadProgress};
+pub use kind::Container;
 
 use super::error::ImportError;
 use input::Input;
 use std::path::Path;
 
-/// Format of a file of messages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Container {
-    /// MCAP, the format of ROS 2; it may contain other encodings.
-    Mcap,
-    /// The bag of ROS 1, version 2.0.
-    Ros1Bag,
-}
-
-impl Container {
-    /// Name for the user.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mcap => "MCAP",
-            Self::Ros1Bag => "ROS 1 bag",
-        }
-    }
-}
-
-/// Magic bytes of other files, their format, and a remedy.
-const OTHERS: [(&[u8], &str, &str); 5] = [
-    (
-        b"SQLite format 3\0",
-        "a ROS 2 bag in SQLite (.db3)",
-        "convert it to MCAP: ros2 bag convert, or mcap convert",
-    ),
-    (
-        b"#ROSBAG V1",
-        "a ROS 1 bag of version 1",
-        "convert it: rosbag migrate",
-    ),
-    (
+/// Whether a path is a log rather than a table: a folder, or a file with the first bytes of one, packed or not.
+#[must_use]
+pub fn is_log(path: &Path) -> bool {
+    let starts: [&[u8]; 4] = [
+        ::mcap::MAGIC,
+        b"#ROSBAG V",
+        sqlite::MAGIC,
         b"\x28\xb5\x2f\xfd",
-        "compressed as a whole with zstd",
-        "unpack it: zstd -d",
-    ),
-    (
-        b"\x1f\x8b",
-        "compressed as a whole with gzip",
-        "unpack it: gunzip",
-    ),
-    (b"PK\x03\x04", "a zip archive", "unpack it: unzip"),
-];
-
-/// The format of a file, from its first bytes.
-///
-/// # Errors
-/// A file that cannot be read, or has another format.
-pub(super) fn container(path: &Path) -> Result<Container, ImportError> {
+    ];
     let mut start = [0; 16];
-    let mut input = Input::open(path)?;
-    let length = input.read(&mut start)?;
-    let start = &start[..length];
-    if start.starts_with(::mcap::MAGIC) {
-        return Ok(Container::Mcap);
+    let read = || {
+        Input::open(path)
+            .and_then(|mut input| input.read(&mut start))
+            .ok()
+    };
+    if path.is_dir() {
+        return true;
     }
-    if start.starts_with(ros1::MAGIC) {
-        return Ok(Container::Ros1Bag);
-    }
-    let known = OTHERS.iter().find(|(magic, ..)| start.starts_with(magic));
-    let (found, remedy) = known.map_or(
-        ("no MCAP file and no ROS 1 bag", "name a .mcap or .bag file"),
-        |(_, found, remedy)| (*found, *remedy),
-    );
-    Err(ImportError::Format {
-        path: path.into(),
-        found: if length == 0 { "empty" } else { found }.into(),
-        remedy: remedy.into(),
+    let mut read = read;
+    read().is_some_and(|length| {
+        starts
+            .iter()
+            .any(|magic| start[..length].starts_with(magic))
     })
 }
 
-/// Visits every message of a file in order.
+/// Visits every message of a log, file by file.
 ///
 /// # Errors
 /// A file that cannot be read, and the errors of the visitor. A truncated or damaged file is no error: see [`Ending`].
+/// Nothing behind the damage is read.
 pub(super) fn read(
-    path: &Path,
-    container: Container,
+    files: &[LogFile],
     progress: &mut ReadProgress,
     visit: &mut Visit,
 ) -> Result<Ending, ImportError> {
-    let input = Input::open(path)?;
-    match container {
-        Container::Mcap => mcap::read(input, progress, visit),
-        Container::Ros1Bag => ros1::read(input, progress, visit),
+    let lengths: Vec<u64> = files
+        .iter()
+        .map(|file| Input::open(file.path()).map(|input| input.length))
+        .collect::<Result<_, _>>()?;
+    let all: u64 = lengths.iter().sum();
+    let mut before = 0;
+    for (file, length) in files.iter().zip(&lengths) {
+        let mut within = |done: u64, _: u64| progress(before + done.min(*length), all);
+        let ending = match file.container {
+            Container::Mcap => mcap::read(Input::open(file.path())?, &mut within, visit)?,
+            Container::Ros1Bag => ros1::read(Input::open(file.path())?, &mut within, visit)?,
+            Container::Ros2Sqlite => sqlite::read(file.path(), &mut within, visit)?,
+        };
+        let ending = match (ending, &file.damage) {
+            (Ending::Whole, None) => {
+                before += length;
+                continue;
+            }
+            (Ending::Whole, Some(reason)) => Ending::Broken {
+                place: "near its end".into(),
+                reason: reason.clone(),
+            },
+            (broken, _) => broken,
+        };
+        return Ok(match ending {
+            Ending::Broken { place, reason } if files.len() > 1 => {
+                let name = file.shown.file_name().unwrap_or_default().to_string_lossy();
+                let place = format!("{place} of {name}");
+                Ending::Broken { place, reason }
+            }
+            other => other,
+        });
     }
+    Ok(Ending::Whole)
 }
 
 #[cfg(test)]
@@ -112,8 +100,8 @@ mod tests {
         std::fs::write(&path, bytes).unwrap();
         let mut reason = String::new();
         let used = allocation_counter::measure(|| {
-            let kind = container(&path).unwrap();
-            let ending = read(&path, kind, &mut |_, _| {}, &mut |_, _, _| Ok(())).unwrap();
+            let (files, _) = open(&path).unwrap();
+            let ending = read(&files, &mut |_, _| {}, &mut |_, _, _| Ok(())).unwrap();
             reason = format!("{ending:?}");
         });
         (reason, used.bytes_max)

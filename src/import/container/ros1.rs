@@ -53,7 +53,10 @@ pub(super) fn read(
         match bag.next(&mut input, &mut record, visit) {
             Ok(()) => progress(input.place, input.length),
             Err(Stop::Refused(error)) => return Err(error),
-            Err(Stop::Broken(reason)) => return Ok(Ending::Broken { offset, reason }),
+            Err(Stop::Broken(reason)) => {
+                let place = format!("near byte {offset}");
+                return Ok(Ending::Broken { place, reason });
+            }
         }
     }
     Ok(Ending::Whole)

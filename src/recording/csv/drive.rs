@@ -1,7 +1,9 @@
 //! A drive from CSV: the input of a simulation, without any corrections.
 
 use super::error::{CsvError, malformed};
+use super::request::TableOptions;
 use super::table::{ColumnSpec, RUN, TableHeader, TableRow, quoted, read_bytes, read_table};
+use super::unit::Quantity;
 use crate::display::number;
 use crate::recording::channel::Channel;
 use crate::recording::drive::Drive;
@@ -13,9 +15,9 @@ const OMEGA_RIGHT: usize = 2;
 const RUN_INDEX: usize = 3;
 /// The columns at the indices above.
 const COLUMNS: [ColumnSpec; 4] = [
-    ColumnSpec::required("time", "s"),
-    ColumnSpec::required("omega_left", "rad/s"),
-    ColumnSpec::required("omega_right", "rad/s"),
+    ColumnSpec::required("time", "s", Quantity::Time),
+    ColumnSpec::required("omega_left", "rad/s", Quantity::WheelSpeed),
+    ColumnSpec::required("omega_right", "rad/s", Quantity::WheelSpeed),
     RUN,
 ];
 
@@ -29,10 +31,25 @@ const FASTEST: f64 = 1e6;
 /// # Errors
 /// The first malformed cell, with its line and column.
 pub fn read_drive(file: &str, input: impl Read) -> Result<Drive, CsvError> {
+    Ok(read_drive_of(file, input, &TableOptions::default())?.0)
+}
+
+/// The same for columns that the user names, with notes: what was taken as what.
+///
+/// # Errors
+/// As [`read_drive`].
+pub fn read_drive_of(
+    file: &str,
+    input: impl Read,
+    options: &TableOptions,
+) -> Result<(Drive, Vec<String>), CsvError> {
     let bytes = read_bytes(file, input)?;
     let mut rows = Rows::default();
-    let header = read_table(file, &bytes, &COLUMNS, |row| rows.push(row))?;
-    rows.finish(&header)
+    let header = read_table(file, &bytes, &COLUMNS, options, |row| rows.push(row))?;
+    let findings = header.findings().iter();
+    let notes =
+        findings.map(|finding| format!("{}: {}", COLUMNS[finding.index].name, finding.text));
+    Ok((rows.finish(&header)?, notes.collect()))
 }
 
 /// A wheel speed; `None` for an empty cell.
@@ -142,6 +159,106 @@ mod tests {
         }
     }
 
+    /// Reads with columns that the user names.
+    fn read_named(text: &str, columns: &[&str]) -> Result<(Drive, Vec<String>), CsvError> {
+        let columns: Vec<_> = columns.iter().map(|one| one.parse().unwrap()).collect();
+        let options = TableOptions {
+            columns: &columns,
+            wheel_radius: Some(0.5),
+        };
+        read_drive_of("drive.csv", text.as_bytes(), &options)
+    }
+
+    #[test]
+    fn reads_what_programs_write() {
+        let plain = read("time,omega_left,omega_right\n0,1.5,2\n0.5,3,4\n").unwrap();
+        for text in [
+            "sep=;\ntime;omega_left;omega_right\n0;1,5;2\n0,5;3;4\n",
+            "\"sep=\t\"\r\ntime\tomega_left\tomega_right\r\n0\t1.5\t2\r\n0.5\t3\t4\r\n",
+            "# robot 7\ntime,omega_left,omega_right\n0,1.5,2\n# a stop, with \"quotes\"\n0.5,3,4\n",
+            "time,omega_left,omega_right,\n0,1.5,2,\n0.5,3,4,\n",
+            "time,omega_left,omega_right\n0,1.5,2,\n0.5,3,4,,\n",
+            "time,omega_left,omega_right,\n0,1.5,2\n0.5,3,4\n",
+            "# time omega_left omega_right\n0.0e+00 1.5e+00 2\n5.0e-01 3 4\n",
+            "time,omega_left,omega_right\ns,rad/s,rad/s\n0,1.5,2\n0.5,3,4\n",
+            "time,omega_left,omega_right\n[ms],[mrad/s],rad/s\n0,1500,2\n500,3000,4\n",
+        ] {
+            assert_eq!(read(text).unwrap(), plain, "{text:?}");
+        }
+        let utf16 = |start: &[u8], bytes: fn(u16) -> [u8; 2]| {
+            let text = "time,omega_left,omega_right\r\n0,1.5,2\r\n0.5,3,4\r\n";
+            let mut all = start.to_vec();
+            all.extend(text.encode_utf16().flat_map(bytes));
+            all
+        };
+        for bytes in [
+            utf16(b"\xff\xfe", u16::to_le_bytes),
+            utf16(b"\xfe\xff", u16::to_be_bytes),
+            utf16(b"", u16::to_le_bytes),
+            utf16(b"", u16::to_be_bytes),
+        ] {
+            assert_eq!(read_drive("drive.csv", &bytes[..]).unwrap(), plain);
+        }
+    }
+
+    #[test]
+    fn columns_are_named_with_their_units() {
+        let (drive, notes) = read_named(
+            "clock,fl,rl,right:rpm\n0,10,30,60\n1000,20,,120\n",
+            &[
+                "time=clock:ms",
+                "omega_left=fl+rl:deg/s",
+                "omega_right=right:rpm:rpm",
+            ],
+        )
+        .unwrap();
+        assert_eq!(drive.time, [0.0, 1.0]);
+        assert!((drive.omega_left[0] - 20f64.to_radians()).abs() < 1e-15);
+        assert!((drive.omega_right[1] - 4.0 * std::f64::consts::PI).abs() < 1e-12);
+        assert!(
+            notes[1].contains("the mean of columns `fl`, `rl` [deg/s]"),
+            "{notes:?}"
+        );
+        let numbers = ["time=#1", "omega_left=#3:m/s", "omega_right=#2"];
+        let (drive, _) = read_named("0,1,2\n1,3,4\n", &numbers).unwrap();
+        assert_eq!(
+            (drive.omega_left, drive.omega_right),
+            (vec![4.0, 8.0], vec![1.0, 3.0])
+        );
+        for (column, expected) in [
+            (
+                "omega_left=fi",
+                "found no column `fi`, expected the column that `--column omega_left=fi` names (the nearest is `fl`)",
+            ),
+            (
+                "omega_left=fl:m",
+                "found the unit `m` in `--column omega_left=fl:m`, expected one of rad/s",
+            ),
+        ] {
+            let error = read_named("time,fl,omega_right\n0,1,1\n", &[column]);
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+        for text in ["omega=x", "heading", "x="] {
+            assert!(
+                text.parse::<super::super::ColumnRequest>().is_err(),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn other_files_are_named() {
+        for (bytes, found) in [
+            (&b"PK\x03\x04rest"[..], "a spreadsheet"),
+            (b"SQLite format 3\0", "ugv import"),
+            (b"\x89MCAP0\r\n", "ugv import"),
+        ] {
+            let error = read_drive("log.csv", bytes).unwrap_err().to_string();
+            assert!(error.contains(found), "{error}");
+        }
+    }
+
     #[test]
     fn one_row_is_a_drive() {
         let drive = read("time,omega_left,omega_right\n2,1,1\n").unwrap();
@@ -217,22 +334,42 @@ mod tests {
             (
                 error("time,omega_lft,omega_right\n0,1,2\n"),
                 "drive.csv: line 1, column 4: found no column `omega_left` among `time`, `omega_lft`, `omega_right`, \
-                 expected a header with time, omega_left, omega_right (the nearest is `omega_lft`)",
+                 expected a header with time, omega_left, omega_right (`omega_lft` may be it: --column omega_left=omega_lft:UNIT)",
             ),
             (
-                error("Time [s],omega_left,omega_right\n0,1,2\n"),
-                "drive.csv: line 1, column 4: found no column `time` among `Time [s]`, `omega_left`, `omega_right`, \
-                 expected a header with time, omega_left, omega_right (name the column `time` instead of `Time [s]`)",
+                error("time,v_left,v_right,x,y\n0,1,2,0,0\n"),
+                "drive.csv: line 1, column 6: found no column `omega_left` among `time`, `v_left`, `v_right`, `x`, `y`, \
+                 expected a header with time, omega_left, omega_right (`v_left` may be it: \
+                 --column omega_left=v_left:UNIT)",
             ),
             (
-                error("time;omega_left;omega_right\n0;1;2\n"),
-                "drive.csv: line 1, column 2: found no column `time` among `time;omega_left;omega_right`, \
-                 expected a header with time, omega_left, omega_right (separate the cells by commas)",
+                error("when,omega_left,omega_right,x\n0,1,2,3\n"),
+                "drive.csv: line 1, column 5: found no column `time` among `when`, `omega_left`, `omega_right`, `x`, \
+                 expected a header with time, omega_left, omega_right (--column time=NAME names it)",
             ),
             (
                 error("0,1,2\n1,1,2\n"),
-                "drive.csv: line 1, column 4: found no column `time` among `0`, `1`, `2`, \
-                 expected a header with time, omega_left, omega_right (put the header above the first row of numbers)",
+                "drive.csv: line 1, column 1: found a row without a header, expected a header above it, such as \
+                 time,omega_left,omega_right, or the numbers of the columns: --column time=#1 --column omega_left=#2 \
+                 --column omega_right=#3",
+            ),
+            (
+                error("time,omega_left [m],omega_right\n0,1,2\n"),
+                "drive.csv: line 1, column 2 (omega_left [m]): found the unit `m`, expected one of rad/s, \
+                 deg/s, mrad/s, rpm, rev/s, m/s, cm/s, mm/s, km/h, mph, ft/s (or --column omega_left=NAME:UNIT)",
+            ),
+            (
+                error("time,omega_left [m/s],omega_right\n0,1,2\n"),
+                "drive.csv: line 1, column 2 (omega_left [m/s]): found the speed of rims [m/s], expected rad/s, deg/s or \
+                 rpm, or a vehicle whose wheel radius converts it (--vehicle FILE.json, or NAME.json beside the recording)",
+            ),
+            (
+                error("time,omega_left,omega_right\n2024-10-27T00:00:00Z,1,2\n1,1,2\n"),
+                "drive.csv: line 3, column 1 (time): found `1`, expected a date and time as in the first row",
+            ),
+            (
+                error("time,omega_left,omega_right\nnoon,1,2\n"),
+                "drive.csv: line 2, column 1 (time): found `noon`, expected a number [s] or an ISO 8601 date and time",
             ),
             (
                 error("time,time,omega_left,omega_right\n0,1,2,3\n"),

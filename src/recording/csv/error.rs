@@ -1,7 +1,6 @@
 //! Errors of CSV files, with their place.
 
 use crate::display::{listed, shortened};
-use crate::spelling::nearest;
 use std::fmt;
 use std::io;
 use thiserror::Error;
@@ -56,7 +55,7 @@ pub enum CsvError {
     /// The header lacks a column.
     #[error(
         "{cell}: found no column `{missing}` among `{}`, expected a header with {}{}",
-        listed(found, "`, `"), required.join(", "), remedy(missing, required, found)
+        listed(&found.names, "`, `"), required.join(", "), remedy(missing, &found.names, &found.likely)
     )]
     MissingColumn {
         /// After the header's last cell.
@@ -65,8 +64,8 @@ pub enum CsvError {
         missing: &'static str,
         /// All required columns.
         required: Box<[&'static str]>,
-        /// The header's cells.
-        found: Vec<String>,
+        /// What the header has instead.
+        found: Box<FoundColumns>,
     },
     /// An unexpected cell.
     #[error("{cell}: found {found}, expected {expected}")]
@@ -80,35 +79,37 @@ pub enum CsvError {
     },
 }
 
-/// How to repair a header that lacks a column, in brackets; empty if unknown.
-fn remedy(missing: &str, required: &[&str], found: &[String]) -> String {
-    let has = |signs: &[char]| found.iter().any(|name| name.contains(signs));
-    if has(&['\0']) {
-        return " (save the file as UTF-8)".into();
-    }
-    if has(&[';', '\t']) {
-        return " (separate the cells by commas)".into();
-    }
-    if found.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return " (put the header above the first row of numbers)".into();
-    }
-    let others = || {
-        let names = found.iter().map(String::as_str);
-        names.filter(|name| !required.contains(name))
-    };
-    if let Some(meant) = others().find(|name| plain(name) == missing) {
-        let meant = shortened(meant);
-        return format!(" (name the column `{missing}` instead of `{meant}`)");
-    }
-    nearest(missing, others()).map_or_else(String::new, |near| {
-        format!(" (the nearest is `{}`)", shortened(near))
-    })
+/// The columns of a header that lacks one.
+#[derive(Debug)]
+pub struct FoundColumns {
+    /// The header's cells.
+    pub names: Vec<String>,
+    /// Those that are probably meant.
+    pub likely: Vec<String>,
 }
 
-/// A column's name in small letters, without a unit in brackets.
-pub fn plain(name: &str) -> String {
-    let name = name.split(['[', '(']).next().unwrap_or_default();
-    name.trim().to_lowercase().replace([' ', '-'], "_")
+/// How to repair a header that lacks a column, in brackets.
+fn remedy(missing: &str, found: &[String], likely: &[String]) -> String {
+    if found.iter().any(|name| name.contains('\0')) {
+        return " (save the file as UTF-8)".into();
+    }
+    let unit = if missing.starts_with("omega") {
+        ":UNIT"
+    } else {
+        ""
+    };
+    match likely {
+        [] => format!(" (--column {missing}=NAME{unit} names it)"),
+        [one] => format!(
+            " (`{0}` may be it: --column {missing}={0}{unit})",
+            shortened(one)
+        ),
+        several => format!(
+            " (`{}` may be it: --column {missing}=NAME{unit}, or their mean: --column {missing}={}{unit})",
+            listed(several, "`, `"),
+            listed(several, "+")
+        ),
+    }
 }
 
 pub fn malformed(cell: Cell, found: impl Into<String>, expected: impl Into<String>) -> CsvError {

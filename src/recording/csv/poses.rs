@@ -1,13 +1,15 @@
 //! Poses from CSV: the path that a vehicle has driven before the start of a drive.
 
 use super::error::CsvError;
+use super::request::TableOptions;
 use super::table::{ColumnSpec, read_bytes, read_table};
+use super::unit::Quantity;
 use std::io::Read;
 
 const COLUMNS: [ColumnSpec; 3] = [
-    ColumnSpec::required("x", "m"),
-    ColumnSpec::required("y", "m"),
-    ColumnSpec::required("heading", "rad"),
+    ColumnSpec::required("x", "m", Quantity::Length),
+    ColumnSpec::required("y", "m", Quantity::Length),
+    ColumnSpec::required("heading", "rad", Quantity::Angle),
 ];
 
 /// Reads poses x, y \[m\] and heading \[rad\], a row each. `file` names it in errors.
@@ -17,7 +19,7 @@ const COLUMNS: [ColumnSpec; 3] = [
 pub fn read_poses(file: &str, input: impl Read) -> Result<Vec<[f64; 3]>, CsvError> {
     let bytes = read_bytes(file, input)?;
     let mut poses = Vec::new();
-    let header = read_table(file, &bytes, &COLUMNS, |row| {
+    let header = read_table(file, &bytes, &COLUMNS, &TableOptions::default(), |row| {
         let [x, y, heading] = [0, 1, 2].map(|index| row.required_number(index));
         poses.push([x?, y?, heading?]);
         Ok(())

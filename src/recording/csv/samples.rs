@@ -1,7 +1,9 @@
 //! All channels of a file before any correction, run by run, each sample with its line.
 
 use super::error::{Cell, CsvError, malformed};
+use super::request::TableOptions;
 use super::table::{ColumnSpec, RUN, TableHeader, TableRow, read_table};
+use super::unit::Quantity;
 use crate::recording::channel::Channel;
 use crate::recording::note::{Note, NoteKind};
 use crate::recording::series::Series;
@@ -13,13 +15,21 @@ const RUN_INDEX: usize = CHANNELS + Channel::ALL.len();
 
 /// Time, every channel, and the run.
 const COLUMNS: [ColumnSpec; RUN_INDEX + 1] = {
-    let mut columns = [ColumnSpec::required("time", "s"); RUN_INDEX + 1];
+    let mut columns = [ColumnSpec::required("time", "s", Quantity::Time); RUN_INDEX + 1];
     let mut index = 0;
     while index < Channel::ALL.len() {
         let channel = Channel::ALL[index];
         columns[CHANNELS + index] = ColumnSpec {
             name: channel.name(),
             unit: channel.unit(),
+            quantity: match channel {
+                Channel::OmegaLeft | Channel::OmegaRight => Quantity::WheelSpeed,
+                Channel::X | Channel::Y => Quantity::Length,
+                Channel::Heading => Quantity::Angle,
+                Channel::VX | Channel::VY => Quantity::Velocity,
+                Channel::YawRate => Quantity::AngularVelocity,
+                Channel::AX | Channel::AY => Quantity::Acceleration,
+            },
             is_required: channel.is_required(),
         };
         index += 1;
@@ -104,8 +114,6 @@ pub struct RawSamples {
     pub runs: Vec<RawRun>,
     /// For each channel, the cells with a word for "missing".
     pub words: [Occurrences; Channel::ALL.len()],
-    /// Unknown columns, with the channels that they are probably meant for.
-    pub misnamed: Vec<(Channel, String)>,
     /// Clocks that restarted under the same label.
     pub restarts: Occurrences,
     /// The corrections so far.
@@ -179,12 +187,16 @@ impl RawSamples {
 ///
 /// # Errors
 /// The first malformed cell, with its line and column.
-pub fn read_samples(file: &str, bytes: &[u8]) -> Result<RawSamples, CsvError> {
+pub fn read_samples(
+    file: &str,
+    bytes: &[u8],
+    options: &TableOptions,
+) -> Result<RawSamples, CsvError> {
     let mut runs: Vec<RawRun> = Vec::new();
     let mut known: HashMap<Vec<u8>, usize> = HashMap::new();
     let mut words = [Occurrences::default(); Channel::ALL.len()];
     let mut restarts = Occurrences::default();
-    let header = read_table(file, bytes, &COLUMNS, |row| {
+    let header = read_table(file, bytes, &COLUMNS, options, |row| {
         let label = row.bytes(RUN_INDEX);
         let has_runs = row.header().has(RUN.name);
         if label.is_empty() && has_runs {
@@ -211,9 +223,8 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<RawSamples, CsvError> {
     let samples = RawSamples {
         runs,
         words,
-        misnamed: misnamed(&header),
         restarts,
-        notes: Vec::new(),
+        notes: notes(&header),
         places: std::array::from_fn(|index| header.cell(1, index)),
     };
     for channel in Channel::ALL {
@@ -224,12 +235,23 @@ pub fn read_samples(file: &str, bytes: &[u8]) -> Result<RawSamples, CsvError> {
     Ok(samples)
 }
 
-fn misnamed(header: &TableHeader) -> Vec<(Channel, String)> {
-    let meant = |channel: Channel| {
-        let name = header.meant(CHANNELS + channel.index())?;
-        Some((channel, name.to_owned()))
-    };
-    Channel::ALL.into_iter().filter_map(meant).collect()
+fn notes(header: &TableHeader) -> Vec<Note> {
+    let findings = header.findings().iter();
+    let notes = findings.map(|finding| Note {
+        kind: if finding.is_doubt {
+            NoteKind::Suspicion
+        } else {
+            NoteKind::Column
+        },
+        channel: finding
+            .index
+            .checked_sub(CHANNELS)
+            .and_then(|index| Channel::ALL.get(index).copied()),
+        count: 1,
+        line: finding.line,
+        text: finding.text.clone(),
+    });
+    notes.collect()
 }
 
 fn push(

@@ -10,10 +10,9 @@ mod units;
 
 use super::about::About;
 use super::channel::Channel;
-use super::csv::{CsvError, Occurrences, RawSamples, read_bytes, read_samples};
+use super::csv::{ColumnRequest, CsvError, RawSamples, TableOptions, read_bytes, read_samples};
 use super::note::NoteKind;
 use super::run::{Recording, Run};
-use crate::display::shortened;
 use crate::json::{self, JsonError};
 use crate::vehicle::Vehicle;
 use std::fs::File;
@@ -53,6 +52,18 @@ pub fn read_recording_of(
     path: &Path,
     vehicle: Option<&Vehicle>,
 ) -> Result<Recording, RecordingError> {
+    read_recording_with(path, vehicle, &[])
+}
+
+/// The same with columns that the user names.
+///
+/// # Errors
+/// As [`read_recording`], and a named column that the file lacks.
+pub fn read_recording_with(
+    path: &Path,
+    vehicle: Option<&Vehicle>,
+    columns: &[ColumnRequest],
+) -> Result<Recording, RecordingError> {
     let file = path.display().to_string();
     let opened = File::open(path).map_err(|source| CsvError::Read {
         file: file.clone(),
@@ -61,7 +72,24 @@ pub fn read_recording_of(
     let bytes = read_bytes(&file, opened)?;
     let about = read_about(&path.with_extension("json"))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    Ok(parse_recording(&file, &name, &bytes, about, vehicle)?)
+    Ok(parse_recording(
+        &file, &name, &bytes, about, vehicle, columns,
+    )?)
+}
+
+/// Makes a recording of the text of a table that was made from a log, and of `NAME.json` beside the log if it exists.
+///
+/// # Errors
+/// As [`read_recording`].
+pub fn recording_of_table(
+    log: &Path,
+    table: &[u8],
+    vehicle: Option<&Vehicle>,
+) -> Result<Recording, RecordingError> {
+    let about = read_about(&log.with_extension("json"))?;
+    let name = log.file_stem().unwrap_or_default().to_string_lossy();
+    let file = log.display().to_string();
+    Ok(parse_recording(&file, &name, table, about, vehicle, &[])?)
 }
 
 fn read_about(path: &Path) -> Result<About, RecordingError> {
@@ -80,8 +108,14 @@ fn parse_recording(
     bytes: &[u8],
     about: About,
     vehicle: Option<&Vehicle>,
+    columns: &[ColumnRequest],
 ) -> Result<Recording, CsvError> {
-    let mut samples = read_samples(file, bytes)?;
+    let known = about.vehicle.as_ref().or(vehicle);
+    let options = TableOptions {
+        columns,
+        wheel_radius: known.map(|vehicle| vehicle.wheel_radius),
+    };
+    let mut samples = read_samples(file, bytes, &options)?;
     note_oddities(&mut samples);
     order::settle(&mut samples)?;
     clock::to_seconds(&mut samples)?;
@@ -108,7 +142,7 @@ fn parse_recording(
     })
 }
 
-/// Notes words for missing numbers, misnamed columns and clocks that restart.
+/// Notes words for missing numbers and clocks that restart.
 fn note_oddities(samples: &mut RawSamples) {
     for channel in Channel::ALL {
         let words = samples.words[channel.index()];
@@ -117,14 +151,6 @@ fn note_oddities(samples: &mut RawSamples) {
             words.count
         );
         samples.note(NoteKind::NotANumber, Some(channel), words, text);
-    }
-    for (channel, name) in samples.misnamed.clone() {
-        let text = format!(
-            "there is none, but a column `{}`, which is not read; name it `{channel}`",
-            shortened(&name)
-        );
-        let header = Occurrences { count: 1, line: 1 };
-        samples.note(NoteKind::Suspicion, Some(channel), header, text);
     }
     let restarts = samples.restarts;
     let text = format!(

@@ -65,7 +65,7 @@ pub fn read(text: &str) -> Result<Recording, CsvError> {
         }),
         ..About::default()
     };
-    parse_recording("drive.csv", "drive", text.as_bytes(), about, None)
+    parse_recording("drive.csv", "drive", text.as_bytes(), about, None, &[])
 }
 
 pub fn kinds(notes: &[Note]) -> Vec<NoteKind> {

@@ -124,7 +124,7 @@ fn a_clock_that_restarts_starts_another_run() {
 }
 
 #[test]
-fn misnamed_columns_are_noted() {
+fn columns_of_other_names_and_units_are_taken_and_noted() {
     let recording = read(
         "time,omega_left,omega_right,x,y,Heading,yaw_rate [rad/s],V_X,v_x,heading_deviation\n0,1,1,0,0,0,0,1,1,0\n",
     );
@@ -133,11 +133,121 @@ fn misnamed_columns_are_noted() {
     assert_eq!(
         texts,
         [
-            "heading: there is none, but a column `Heading`, which is not read; name it `heading` (from line 1 on)",
-            "yaw_rate: there is none, but a column `yaw_rate [rad/s]`, which is not read; name it `yaw_rate` (from line 1 on)",
+            "heading: taken from column `Heading`, without a unit, as [rad] (from line 1 on)",
+            "yaw_rate: taken from column `yaw_rate [rad/s]` [rad/s] (from line 1 on)",
         ]
     );
     assert!(notes[0].kind.is_warning());
+}
+
+#[test]
+fn a_drive_under_other_names_and_units_is_the_same_drive() {
+    let good = drive(60.0, 3);
+    let degrees = |angle: f64| angle.to_degrees();
+    let rpm = |speed: f64| speed * 30.0 / std::f64::consts::PI;
+    let same = |value: f64| value;
+    type Unit<'u> = &'u dyn Fn(f64) -> f64;
+    let cases: [(&str, [Unit; 7]); 3] = [
+        (
+            "t,wl,wr,pos_x,pos_y,yaw,wz",
+            [&same, &same, &same, &same, &same, &same, &same],
+        ),
+        (
+            "timestamp_ms,Left RPM [rpm],Right RPM [rpm],x [mm],y_mm,yaw_deg,gyro_z (deg/s)",
+            [
+                &|t| 1e3 * t,
+                &rpm,
+                &rpm,
+                &|x| 1e3 * x,
+                &|y| 1e3 * y,
+                &degrees,
+                &degrees,
+            ],
+        ),
+        (
+            "Time;omegaLeft [m/s];omegaRight [m/s];x;y;Heading [\u{b0}];yawRate",
+            [
+                &same,
+                &|w| 0.3 * w,
+                &|w| 0.3 * w,
+                &same,
+                &same,
+                &degrees,
+                &same,
+            ],
+        ),
+    ];
+    for (header, units) in cases {
+        let with_semicolons = header.contains(';');
+        let mut bad = header.to_owned() + "\n";
+        for (time, values) in &good {
+            let values = std::iter::once(time).chain(values).zip(units);
+            let cells: Vec<String> = values
+                .map(|(value, unit)| unit(*value).to_string())
+                .collect();
+            // A spreadsheet of a country with decimal commas.
+            bad += &if with_semicolons {
+                cells.join(";").replace('.', ",")
+            } else {
+                cells.join(",")
+            };
+            bad.push('\n');
+        }
+        let notes = |names: &[Option<Channel>]| -> Vec<_> {
+            names.iter().map(|name| (NoteKind::Column, *name)).collect()
+        };
+        let expected = notes(&[
+            None,
+            Some(Channel::OmegaLeft),
+            Some(Channel::OmegaRight),
+            Some(Channel::X),
+            Some(Channel::Y),
+            Some(Channel::Heading),
+            Some(Channel::YawRate),
+        ]);
+        let own = |note: &&(NoteKind, Option<Channel>)| {
+            !(with_semicolons && matches!(note.1, Some(Channel::X | Channel::Y)))
+        };
+        let expected: Vec<_> = expected.iter().filter(own).copied().collect();
+        assert_restored(&good, &bad, &expected);
+    }
+}
+
+#[test]
+fn dates_of_any_zone_are_times() {
+    let good = drive(60.0, 5);
+    let rows = text(&good);
+    let mut bad = String::new();
+    for (index, row) in rows.lines().enumerate() {
+        let (_, cells) = row.split_once(',').unwrap();
+        // 50 ms a row, over the end of summer time at 03:00.
+        let milliseconds = 50 * index.saturating_sub(1);
+        let (minute, second) = (59 + milliseconds / 60_000, milliseconds / 1000 % 60);
+        let (hour, minute) = (2 + minute / 60, minute % 60);
+        let rest = milliseconds % 1000;
+        bad += &match index {
+            0 => format!("stamp,{cells}\n"),
+            _ => format!("2024-10-20T{hour:02}:{minute:02}:{second:02}.{rest:03},{cells}\n"),
+        };
+    }
+    assert_restored(
+        &good,
+        &bad,
+        &[(NoteKind::Column, None), (NoteKind::Column, None)],
+    );
+}
+
+#[test]
+fn a_column_that_looks_like_a_missing_quantity_is_named() {
+    let found = read("time,omega_left,omega_right,x,y,azimuth,speed\n0,1,1,0,0,0,1\n").unwrap();
+    let texts: Vec<String> = found.notes.iter().map(ToString::to_string).collect();
+    assert!(
+        texts[0].contains("`azimuth` looks like it and is not read"),
+        "{texts:?}"
+    );
+    assert!(texts[0].contains("--column heading=azimuth"), "{texts:?}");
+    assert!(texts[1].contains("--column v_x=speed"), "{texts:?}");
+    assert_eq!(kinds(&found.notes), [NoteKind::Suspicion; 2]);
 }
 
 #[test]

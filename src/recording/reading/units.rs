@@ -549,8 +549,14 @@ mod tests {
         let narrow = turning(60.0, 3, 1.0);
         let bad = with(&narrow, |_, v| [v[0], v[1]] = [0.3 * v[0], 0.3 * v[1]]);
         assert_restored(&narrow, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
-        let recording =
-            parse_recording("drive.csv", "drive", bad.as_bytes(), About::default(), None);
+        let recording = parse_recording(
+            "drive.csv",
+            "drive",
+            bad.as_bytes(),
+            About::default(),
+            None,
+            &[],
+        );
         let notes = recording.unwrap().notes;
         assert_eq!(kinds(&notes), [NoteKind::Suspicion], "{notes:?}");
         assert!(
@@ -563,8 +569,14 @@ mod tests {
             ..Vehicle::tran2007()
         };
         let about = About::default();
-        let recording =
-            parse_recording("drive.csv", "drive", bad.as_bytes(), about, Some(&vehicle));
+        let recording = parse_recording(
+            "drive.csv",
+            "drive",
+            bad.as_bytes(),
+            about,
+            Some(&vehicle),
+            &[],
+        );
         assert_eq!(kinds(&recording.unwrap().notes), [NoteKind::Unit]);
         // A spike is dropped.
         let bad = with(&good, |t, v| v[1] = if *t == 20.0 { 400.0 } else { v[1] });

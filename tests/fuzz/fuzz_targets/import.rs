@@ -42,7 +42,7 @@ fuzz_target!(|data: &[u8]| {
         assert!(
             column.samples.iter().all(|(_, value)| value.is_finite()),
             "{}",
-            column.channel
+            column.name
         );
     }
     let mut csv = Vec::new();

@@ -1,0 +1,40 @@
+//! Recordings from the files that the user names: tables, or robots' logs.
+
+use super::failure::Failure;
+use std::path::Path;
+use ugv_terrain::import::{self, ImportOptions};
+use ugv_terrain::recording::{ColumnRequest, Recording, read_recording_with, recording_of_table};
+use ugv_terrain::vehicle::Vehicle;
+
+/// Reads a recording. A robot's log is imported without options; notes say what was taken from where.
+pub fn read(
+    path: &Path,
+    vehicle: Option<&Vehicle>,
+    columns: &[ColumnRequest],
+) -> Result<(Recording, Vec<String>), Failure> {
+    if !import::is_log(path) {
+        return Ok((read_recording_with(path, vehicle, columns)?, Vec::new()));
+    }
+    let survey = import::survey(path, &mut |_, _| {})?;
+    let imported = import::import(path, &survey, &ImportOptions::default(), &mut |_, _| {})?;
+    let mut table = Vec::new();
+    imported
+        .write_csv(&mut table)
+        .map_err(Failure::read(path))?;
+    let recording = recording_of_table(path, &table, vehicle)?;
+    let columns = imported.columns.iter().map(|column| {
+        format!(
+            "{} from {}: {}",
+            column.name, column.topic, column.conversion
+        )
+    });
+    let from = format!(
+        "imported by itself ({}; options of `ugv import` choose otherwise)",
+        columns.collect::<Vec<_>>().join("; ")
+    );
+    let notes = std::iter::once(from).chain(imported.notes);
+    let notes = notes
+        .map(|note| format!("{}: {note}", recording.name))
+        .collect();
+    Ok((recording, notes))
+}
