@@ -26,8 +26,8 @@ pub struct About {
     pub import_warnings: Vec<String>,
 }
 
-/// Beginning of an importer's note that is a warning.
-const WARNING: &str = "warning: ";
+/// What the importer's notes begin with that are warnings.
+pub(crate) const IMPORT_WARNING: &str = "warning: ";
 
 impl About {
     /// Reads the keys `vehicle`, `terrain` (a preset's name, or an object), `sensors`, `source`, `licence` and `note`, and
@@ -73,7 +73,7 @@ impl About {
 fn import_warnings(provenance: Option<&Value>) -> Vec<String> {
     let notes = provenance.and_then(|provenance| provenance.get("notes")?.as_array());
     let texts = notes.into_iter().flatten().filter_map(Value::as_str);
-    let warnings = texts.filter_map(|text| text.strip_prefix(WARNING));
+    let warnings = texts.filter_map(|text| text.strip_prefix(IMPORT_WARNING));
     warnings.map(Into::into).collect()
 }
 

@@ -3,7 +3,7 @@
 //!
 //! A few stretches are driven from a guessed state; their first seconds, in which the guess is forgotten, do not count.
 
-use crate::recording::{Cumulated, Drive, Run, Series};
+use crate::recording::{Cumulated, Drive, Run, Series, range};
 use crate::simulation::{Simulation, State, WheelSpeeds};
 use crate::terrain::Terrain;
 use crate::vehicle::{Vehicle, VehicleModel};
@@ -39,7 +39,7 @@ const STEPS: [f64; 4] = [0.35, 0.5, 0.7, 0.15];
 const RANGES: [f64; 3] = [1.0, 1.4, 1.4];
 /// Halvings of the steps, and the maximum number of drives.
 const HALVINGS: usize = 2;
-const MAX_DRIVES: usize = 30;
+const MAX_DRIVES: usize = 24;
 /// Maximum number of the integrator's steps: for a second of a drive, which is given up beyond, and for a hypothesis, whose
 /// search ends there. These bound the work rather than the time, so that the result does not depend on the machine.
 const STEPS_PER_SECOND: f64 = 400.0;
@@ -49,6 +49,8 @@ const GAIN: f64 = 0.3;
 /// Factors below this one are not refined, nor is what explains less by this log likelihood.
 const SMALL: f64 = 1.15;
 const HOPELESS: f64 = 5.0;
+/// Soils within this log likelihood of the best explain the motion as well.
+pub const CLOSE_LIKELIHOOD: f64 = 3.0;
 /// Drives to find the factor at which a search starts, the logarithm of a ratio that is near enough to 1, and the smallest
 /// slope of that over the logarithm of the factor.
 const SECANTS: usize = 4;
@@ -85,6 +87,8 @@ pub struct Explained {
     pub likelihood: f64,
     /// The factor, 1 without one.
     pub factor: f64,
+    /// Smallest and largest factor on soils that explain the motion nearly as well.
+    pub factors: [f64; 2],
     /// Errors as shares of the motion: speed, yaw rate; `None` if not measured.
     pub errors: [Option<f64>; 2],
     /// Measured over predicted.
@@ -96,6 +100,20 @@ impl Explained {
     pub fn is_expected(&self) -> bool {
         self.errors.iter().flatten().all(|error| *error <= EXPECTED)
     }
+}
+
+/// Where a search for the best soil starts.
+#[derive(Debug, Clone, Copy)]
+pub struct Start<'a> {
+    base: &'a Terrain,
+    scaled: Scaled,
+    /// Logarithms of strength, shear modulus and stiffness over those of the base, and of the factor.
+    at: [f64; 4],
+    /// How many of them are searched.
+    free: usize,
+    found: Explained,
+    /// Steps of the integrator so far.
+    steps: u64,
 }
 
 /// A stretch of driving.
@@ -191,24 +209,70 @@ impl<'a> Expectation<'a> {
         (!expectation.bases.is_empty()).then_some(expectation)
     }
 
-    /// The best soil without a factor, or with one. The search for a factor ends early if it starts near 1, or explains less
-    /// than `given`; the one without a factor ends where it is as good as [expected](Explained::is_expected).
-    pub fn explain(&self, scaled: Scaled, given: Option<&Explained>) -> Option<Explained> {
+    /// Where a search for the best soil starts, with a factor or without one. `None` if no soil of the paper can be driven,
+    /// if the factor is near 1, or if it explains much less than the best soil of the paper does without one.
+    pub fn begin(&self, scaled: Scaled) -> Option<Start<'_>> {
         let mut steps = 0;
         let tried = self.bases.iter().filter_map(|(base, found)| {
-            let (first, found) = self.start(base, found, scaled, &mut steps)?;
-            Some((base, [0.0, 0.0, 0.0, first], found))
+            let (factor, found) = self.start(base, found, scaled, &mut steps)?;
+            Some((base, [0.0, 0.0, 0.0, factor], found))
         });
-        let (base, first, mut best) =
-            tried.max_by(|a, b| a.2.likelihood.total_cmp(&b.2.likelihood))?;
-        let is_near = |found: &Explained| found.factor.ln().abs() < SMALL.ln();
-        let is_worse = |given: &Explained| best.likelihood < given.likelihood - HOPELESS;
-        if scaled != Scaled::Nothing && (is_near(&best) || given.is_some_and(is_worse)) {
+        let tried: Vec<(&Terrain, [f64; 4], Explained)> = tried.collect();
+        let best = tried.iter();
+        let best = best.max_by(|a, b| a.2.likelihood.total_cmp(&b.2.likelihood));
+        let (base, at, mut best) = *best?;
+        let given = self.bases.iter().map(|(_, found)| found.likelihood);
+        let given = given.fold(f64::NEG_INFINITY, f64::max);
+        let is_near = best.factor.ln().abs() < SMALL.ln();
+        if scaled != Scaled::Nothing && (is_near || best.likelihood < given - HOPELESS) {
             return None;
         }
+        let close = tried.iter().map(|(_, _, found)| found);
+        let close = close.filter(|found| found.likelihood > best.likelihood - CLOSE_LIKELIHOOD);
+        best.factors = range(close.map(|found| found.factor));
+        Some(Start {
+            base,
+            scaled,
+            at,
+            free: if scaled == Scaled::Nothing { 3 } else { 4 },
+            found: best,
+            steps,
+        })
+    }
+
+    /// The same for wheel speeds times a known factor.
+    pub fn begin_at(&self, factor: f64) -> Option<Start<'_>> {
+        let mut steps = 0;
+        let at = [0.0, 0.0, 0.0, factor.ln()];
+        let tried = self.bases.iter().filter_map(|(base, _)| {
+            let found = self.at(base, Scaled::Wheels, &at, &mut steps)?;
+            Some((base, found))
+        });
+        let (base, found) = tried.max_by(|a, b| a.1.likelihood.total_cmp(&b.1.likelihood))?;
+        Some(Start {
+            base,
+            scaled: Scaled::Wheels,
+            at,
+            free: 3,
+            found,
+            steps,
+        })
+    }
+
+    /// The best soil from a start on. Without a factor, the search ends where the motion is as
+    /// [expected](Explained::is_expected).
+    pub fn explain(&self, start: &Start) -> Explained {
+        let Start {
+            base,
+            scaled,
+            mut at,
+            free,
+            found: mut best,
+            mut steps,
+        } = *start;
+        let factors = best.factors;
         // A pattern search: the likelihood has kinks where another delay fits better.
-        let free = if scaled == Scaled::Nothing { 3 } else { 4 };
-        let (mut at, mut scale, mut drives) = (first, 1.0, 0);
+        let (mut scale, mut tried) = (1.0, vec![at]);
         let is_done = |best: &Explained| scaled == Scaled::Nothing && best.is_expected();
         for _ in 0..=HALVINGS {
             while !is_done(&best) {
@@ -218,11 +282,11 @@ impl<'a> Expectation<'a> {
                         let mut other = at;
                         other[dimension] += direction * scale * STEPS[dimension];
                         let range = RANGES.get(dimension).copied().unwrap_or(f64::INFINITY);
-                        let is_spent = drives >= MAX_DRIVES || steps >= STEPS_PER_SEARCH;
-                        if other[dimension].abs() > range || is_spent {
+                        let is_spent = tried.len() > MAX_DRIVES || steps >= STEPS_PER_SEARCH;
+                        if other[dimension].abs() > range || is_spent || tried.contains(&other) {
                             continue;
                         }
-                        drives += 1;
+                        tried.push(other);
                         if let Some(found) = self.at(base, scaled, &other, &mut steps)
                             && found.likelihood > best.likelihood
                         {
@@ -237,7 +301,8 @@ impl<'a> Expectation<'a> {
             }
             scale *= 0.5;
         }
-        Some(best)
+        best.factors = range(factors.into_iter().chain([best.factor]));
+        best
     }
 
     /// The logarithm of the factor with which the vehicle moves as far as measured on a soil, by secants from what it falls
@@ -261,6 +326,9 @@ impl<'a> Expectation<'a> {
             Some(ratio.ln())
         };
         let (mut last, mut short) = (0.0, short_by(unscaled)?);
+        if short.abs() <= CLOSE {
+            return Some((0.0, *unscaled));
+        }
         let mut slope = slope;
         let mut best: Option<(f64, Explained)> = None;
         for _ in 0..SECANTS {
@@ -345,11 +413,8 @@ impl<'a> Expectation<'a> {
         });
         Some(Explained {
             likelihood: likelihood.sum(),
-            factor: if scaled == Scaled::Nothing {
-                1.0
-            } else {
-                factor
-            },
+            factor,
+            factors: [factor; 2],
             errors: best.map(|sum| Some(sum?.error())),
             ratios: best.map(|sum| sum.map(|sum| sum.both / sum.predicted)),
         })

@@ -10,7 +10,7 @@ mod provenance;
 mod ratios;
 mod signs;
 
-use crate::recording::{Channel, Recording, Series};
+use crate::recording::{Channel, NoteKind, Recording, Series};
 use crate::vehicle::Vehicle;
 use std::fmt;
 
@@ -148,7 +148,8 @@ impl Fitness {
 /// 3. *Ratios.* Slip makes wheels roll further than the vehicle goes, by a share that depends on the soil, on
 ///    acceleration and on turning. The wheel speeds therefore drive the given vehicle over the soils of the paper, of
 ///    several stiffnesses. A factor on the wheel speeds, or on the track, is doubted only if the best soil without it is
-///    much worse than the best one with it, and if it is larger than the model's own errors.
+///    much worse than the best one with it, and if it is larger than the model's own errors. Where the factor of a unit
+///    explains the motion as well as the best number, it is the unit.
 /// 4. *Values.* Stretches of one value, cut-off or coarse values and jumps are judged against the same channel elsewhere.
 /// 5. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
 ///
@@ -202,7 +203,14 @@ pub fn fitness(recording: &Recording, doubts: &[Doubt]) -> (Fitness, String) {
         return (Fitness::Unfit, why.into());
     }
     let Some(first) = doubts.first() else {
-        return (Fitness::Fit, "nothing in it contradicts itself".into());
+        let why = "nothing in it contradicts itself";
+        let corrected = recording.notes.iter().any(|note| is_correction(note.kind));
+        let how = if corrected {
+            " after the corrections below"
+        } else {
+            ""
+        };
+        return (Fitness::Fit, format!("{why}{how}"));
     };
     let others = match doubts.len() - 1 {
         0 => String::new(),
@@ -227,6 +235,14 @@ pub fn fitness(recording: &Recording, doubts: &[Doubt]) -> (Fitness, String) {
             (Fitness::Fit, why)
         }
     }
+}
+
+/// Whether the reader changed what the values mean.
+fn is_correction(kind: NoteKind) -> bool {
+    matches!(
+        kind,
+        NoteKind::Unit | NoteKind::SwappedWheels | NoteKind::SwappedPosition | NoteKind::Sign
+    )
 }
 
 /// The recording without the samples that doubts leave out.

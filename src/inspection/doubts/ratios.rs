@@ -1,10 +1,10 @@
 //! Factors between sensors of one motion.
 
-use super::expected::{Expectation, Explained, Measured, Scaled};
+use super::expected::{CLOSE_LIKELIHOOD, Expectation, Explained, Measured, Scaled};
 use super::pairs::{Pairs, Ratio};
 use super::{Doubt, DoubtKind, logistic};
 use crate::inspection::signals::MotionSignal;
-use crate::recording::{Channel, Recording};
+use crate::recording::{Channel, Recording, range};
 use crate::vehicle::Vehicle;
 use std::f64::consts::{PI, TAU};
 
@@ -21,10 +21,11 @@ const NEAR_WIDTH: f64 = 0.03;
 const EXPLAINED: f64 = 0.2;
 /// Log prior odds of a wrong factor. They are low, as what the model lacks may look like a factor for a while.
 const PRIOR: f64 = -5.0;
-/// Two hypotheses within this log likelihood are both named.
-const CLOSE: f64 = 3.0;
-/// Largest factor between a number and that of a unit.
+/// Largest factor between a number and that of a unit, and between the numbers on two soils that are reported as one.
 const UNIT: f64 = 1.08;
+/// On some soil a vehicle turns so many times as fast as on another with the same wheel speeds. Units within this factor of
+/// the best number are compared with it.
+const SOILS: f64 = 2.0;
 /// Weaker correlations show no relation between wheels and motion.
 const RELATED: f64 = 0.6;
 
@@ -104,12 +105,19 @@ pub fn wheels(
         return None;
     }
     let expectation = Expectation::new(runs, vehicle, &measured, is_over)?;
-    let given = expectation.explain(Scaled::Nothing, None);
+    // A few drives show that most recordings need no factor.
+    let wheels = expectation.begin(Scaled::Wheels);
+    let track = expectation.begin(Scaled::Track);
+    if wheels.is_none() && track.is_none() {
+        return None;
+    }
+    let given = expectation.begin(Scaled::Nothing);
+    let given = given.map(|start| expectation.explain(&start));
     if given.as_ref().is_some_and(Explained::is_expected) {
         return None;
     }
-    let wheels = expectation.explain(Scaled::Wheels, given.as_ref());
-    let track = expectation.explain(Scaled::Track, given.as_ref());
+    let wheels = wheels.map(|start| in_unit(expectation.explain(&start), &expectation, vehicle));
+    let track = track.map(|start| expectation.explain(&start));
     let given = given.map_or(f64::NEG_INFINITY, |given| given.likelihood);
     let judged = [(Scaled::Wheels, wheels), (Scaled::Track, track)];
     let judged = judged.into_iter().filter_map(|(scaled, found)| {
@@ -135,7 +143,7 @@ pub fn wheels(
     }
     let best = judged.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
     let is_close = |one: &&(Scaled, Explained, f64)| {
-        one.0 != best.0 && one.1.likelihood > best.1.likelihood - CLOSE && one.2 > 0.2
+        one.0 != best.0 && one.1.likelihood > best.1.likelihood - CLOSE_LIKELIHOOD && one.2 > 0.2
     };
     let other = judged.iter().find(is_close);
     let ratios = Ratios {
@@ -143,6 +151,32 @@ pub fn wheels(
         turn: turn.map(|found| (found.2, by_track)),
     };
     Some(doubt(best, other, &ratios, vehicle))
+}
+
+/// Names of units of wheel speeds, the commonest first, with the factors that make them rad/s.
+fn units(vehicle: &Vehicle) -> [(&'static str, f64); 4] {
+    [
+        ("m/s of the rim", 1.0 / vehicle.wheel_radius),
+        ("rpm", PI / 30.0),
+        ("degrees per second", PI / 180.0),
+        ("turns per second", TAU),
+    ]
+}
+
+/// The factor of a unit, if it explains the motion as well as the best number: a wrong unit is likelier than a number without
+/// a meaning, and a gyro alone shows the factor only as exactly as the soil is known.
+fn in_unit(free: Explained, expectation: &Expectation, vehicle: &Vehicle) -> Explained {
+    let near = units(vehicle).map(|(_, unit)| unit).into_iter();
+    let near = near.filter(|unit| (free.factor / unit).ln().abs() < SOILS.ln());
+    let starts = near.filter_map(|unit| expectation.begin_at(unit));
+    let mut found = starts.map(|start| expectation.explain(&start));
+    let Some(unit) = found.find(|unit| unit.likelihood > free.likelihood - CLOSE_LIKELIHOOD) else {
+        return free;
+    };
+    Explained {
+        factors: range([unit.factors, free.factors].into_iter().flatten()),
+        ..unit
+    }
 }
 
 /// Measured ratios of motion to wheels, with the factors that make them 1 without slip.
@@ -176,8 +210,8 @@ fn doubt(
         "{}: on no soil does the given vehicle move like that",
         facts.join(", and ")
     );
-    let mut remedies = vec![remedy(*scaled, found.factor, vehicle)];
-    remedies.extend(other.map(|other| remedy(other.0, other.1.factor, vehicle)));
+    let mut remedies = vec![remedy(*scaled, found, vehicle)];
+    remedies.extend(other.map(|other| remedy(other.0, &other.1, vehicle)));
     Doubt {
         kind: if *scaled == Scaled::Track {
             DoubtKind::TurningRatio
@@ -194,29 +228,39 @@ fn doubt(
 }
 
 /// What a factor would mean.
-fn remedy(scaled: Scaled, factor: f64, vehicle: &Vehicle) -> String {
+fn remedy(scaled: Scaled, found: &Explained, vehicle: &Vehicle) -> String {
+    let factor = found.factor;
+    let [low, high] = found.factors;
+    let is_wide = high > low * UNIT;
     if scaled == Scaled::Track {
+        let half_track = vehicle.half_track;
+        let others = format!(
+            " ({:.2} to {:.2} m on other soils)",
+            low * half_track,
+            high * half_track
+        );
         return format!(
-            "Check the track: half_track = {:.2} m would fit, not {} m",
-            factor * vehicle.half_track,
-            vehicle.half_track
+            "Check the track: half_track = {:.2} m would fit{}, not {half_track} m",
+            factor * half_track,
+            if is_wide { &others[..] } else { "" }
         );
     }
-    let units = [
-        ("m/s of the rim", 1.0 / vehicle.wheel_radius),
-        ("rpm", PI / 30.0),
-        ("degrees per second", PI / 180.0),
-        ("turns per second", TAU),
-    ];
-    let near = |(_, unit): &(&str, f64)| (factor / unit).ln().abs() < UNIT.ln();
-    let unit = units.into_iter().find(near);
-    let unit = unit.map_or(String::new(), |(name, _)| {
-        format!(" (they may be in {name})")
-    });
+    let others = format!(" ({low:.2} to {high:.2} on other soils)");
+    let others = if is_wide { &others[..] } else { "" };
+    let near = units(vehicle).into_iter();
+    let near = near.filter(|(_, unit)| (factor / unit).ln().abs() < UNIT.ln());
+    let near: Vec<&str> = near.map(|(name, _)| name).collect();
+    let reason = if near.is_empty() {
+        format!(
+            "or wheel_radius = {:.3} m, not {} m",
+            factor * vehicle.wheel_radius,
+            vehicle.wheel_radius
+        )
+    } else {
+        format!("as if they were in {}", near.join(" or "))
+    };
     format!(
-        "Check wheel radius, gear ratio, ticks per turn and unit: wheel speeds {factor:.2} times as large would fit{unit}, or \
-         wheel_radius = {:.3} m, not {} m",
-        factor * vehicle.wheel_radius,
-        vehicle.wheel_radius
+        "Check wheel radius, gear ratio, ticks per turn and unit: wheel speeds {factor:.2} times as large would fit{others}, \
+         {reason}"
     )
 }

@@ -179,6 +179,10 @@ fn without_a_pose_the_gyro_shows_a_factor() {
     let channels = [Channel::OmegaLeft, Channel::OmegaRight, Channel::YawRate];
     let found = doubts(&recording(&rims, &channels, &robot()), None);
     assert_eq!(probable(&found), [DoubtKind::RollingRatio], "{found:#?}");
+    // The soil is open, so that the unit is a guess and other factors are named beside it.
+    let remedy = &found[0].remedy;
+    let said = ["6.06 times", "on other soils", "m/s of the rim"];
+    assert!(said.iter().all(|text| remedy.contains(text)), "{remedy}");
     let good = doubts(&recording(&rows, &channels, &robot()), None);
     assert!(probable(&good).is_empty(), "{good:#?}");
 }
