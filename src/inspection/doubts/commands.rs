@@ -1,6 +1,6 @@
 //! Wheel speeds that are commands and not measurements.
 
-use super::{Doubt, DoubtKind};
+use super::doubt::{Doubt, DoubtKind};
 use crate::recording::{Channel, Recording, Run, Series, range};
 
 /// Share of the moving samples without any change that no encoder has.

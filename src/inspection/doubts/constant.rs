@@ -1,6 +1,6 @@
 //! Channels that repeat one value, are cut off or have coarse steps, though they were alive.
 
-use super::{Doubt, DoubtKind, Span};
+use super::doubt::{Doubt, DoubtKind, Span};
 use crate::recording::{Channel, Recording, Run, Series, longest_interval};
 
 /// Minimum duration and number of samples of a frozen stretch \[s\]. Shorter ones are interpolated like a gap.
@@ -10,7 +10,7 @@ const MANY: usize = 10;
 const ALIVE_SAMPLES: usize = 40;
 const ALIVE: f64 = 0.15;
 /// Minimum share of changes back and forth of a channel with noise.
-const NOISY: f64 = 0.2;
+const NOISY: f64 = 0.1;
 /// Probability by chance of as many repeats below which the stretch is no coincidence.
 const CHANCE: f64 = 1e-9;
 /// Faster wheels or yaw rates show that the vehicle moves \[rad/s\].

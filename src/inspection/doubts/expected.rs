@@ -3,6 +3,7 @@
 //!
 //! A few stretches are driven from a guessed state; their first seconds, in which the guess is forgotten, do not count.
 
+use super::doubt::standing;
 use crate::recording::{Cumulated, Drive, Run, Series, range};
 use crate::simulation::{Simulation, State, WheelSpeeds};
 use crate::terrain::Terrain;
@@ -48,7 +49,7 @@ const STEPS_PER_SEARCH: u64 = 60_000;
 const GAIN: f64 = 0.3;
 /// Factors below this one are not refined, nor is what explains less by this log likelihood.
 const SMALL: f64 = 1.15;
-const HOPELESS: f64 = 5.0;
+const MAX_DEFICIT: f64 = 5.0;
 /// Soils within this log likelihood of the best explain the motion as well.
 pub const CLOSE_LIKELIHOOD: f64 = 3.0;
 /// Drives to find the factor at which a search starts, the logarithm of a ratio that is near enough to 1, and the smallest
@@ -178,8 +179,9 @@ impl<'a> Expectation<'a> {
         is_over: &'a (dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let mut stretches: Vec<Stretch> = Vec::new();
+        let still = standing(runs, STANDING);
         for (index, run) in runs.iter().enumerate() {
-            stretches.extend(stretches_of(index, run));
+            stretches.extend(stretches_of(index, run, still));
         }
         let count = stretches.len();
         let kept = count.min(MAX_STRETCHES);
@@ -224,7 +226,7 @@ impl<'a> Expectation<'a> {
         let given = self.bases.iter().map(|(_, found)| found.likelihood);
         let given = given.fold(f64::NEG_INFINITY, f64::max);
         let is_near = best.factor.ln().abs() < SMALL.ln();
-        if scaled != Scaled::Nothing && (is_near || best.likelihood < given - HOPELESS) {
+        if scaled != Scaled::Nothing && (is_near || best.likelihood < given - MAX_DEFICIT) {
             return None;
         }
         let close = tried.iter().map(|(_, _, found)| found);
@@ -504,8 +506,8 @@ impl<'a> Expectation<'a> {
     }
 }
 
-/// Stretches of a run in which the wheels turn and have no gap.
-fn stretches_of(index: usize, run: &Run) -> Vec<Stretch> {
+/// Stretches of a run in which the wheels turn faster than `still` and have no gap.
+fn stretches_of(index: usize, run: &Run, still: f64) -> Vec<Stretch> {
     let Some(drive) = run.drive() else {
         return Vec::new();
     };
@@ -545,7 +547,7 @@ fn stretches_of(index: usize, run: &Run) -> Vec<Stretch> {
         };
         let size = |row: usize| drive.wheel_speeds(row).map(f64::abs).iter().sum::<f64>() / 2.0;
         let mean = (0..drive.len()).map(size).sum::<f64>() / drive.len() as f64;
-        (mean > STANDING).then_some(Stretch {
+        (mean > still).then_some(Stretch {
             drive,
             run: index,
             start,

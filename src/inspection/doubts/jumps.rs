@@ -1,6 +1,6 @@
 //! Positions and headings that jump further than the vehicle can move.
 
-use super::{Doubt, DoubtKind, Span, logistic};
+use super::doubt::{Doubt, DoubtKind, Span, logistic};
 use crate::recording::{Channel, Recording, Run, Series, longest_interval, median};
 
 /// A jump exceeds this distance \[m\] or angle \[rad\], and this multiple of the usual step.

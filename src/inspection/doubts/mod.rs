@@ -2,6 +2,7 @@
 
 mod commands;
 mod constant;
+mod doubt;
 mod expected;
 mod jumps;
 mod odometry;
@@ -10,108 +11,15 @@ mod provenance;
 mod ratios;
 mod signs;
 
+pub use doubt::{Doubt, DoubtKind, PROBABLE, Span};
+
 use crate::recording::{Channel, NoteKind, Recording, Series};
 use crate::vehicle::Vehicle;
-use std::fmt;
 
-/// From this probability on a doubt goes before the names of physics.
-pub const PROBABLE: f64 = 0.5;
 /// From this probability on the recording is unfit as it is.
 const NEARLY_SURE: f64 = 0.9;
 /// Less likely doubts are not reported.
 const WORTH_SAYING: f64 = 0.2;
-
-/// What may be wrong with a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum DoubtKind {
-    /// The pose, or a part of it, was computed from the wheel speeds.
-    OwnOdometry,
-    /// A side counts backwards.
-    MirroredSide,
-    /// Only the magnitude of a velocity was recorded.
-    Unsigned,
-    /// Wheel speeds and distance do not belong together: radius, gear ratio, ticks, unit.
-    RollingRatio,
-    /// Wheel difference and turning do not belong together: track.
-    TurningRatio,
-    /// Heading and yaw rate differ by a factor.
-    HeadingFactor,
-    /// A channel repeats one value for seconds.
-    Frozen,
-    /// A channel is cut off at its largest value.
-    Saturated,
-    /// A channel has coarse steps.
-    Quantised,
-    /// The pose jumps.
-    Jump,
-    /// The wheel speeds are commands, not measurements.
-    Commanded,
-    /// Times are wrong.
-    Clock,
-    /// The importer doubted a source.
-    Source,
-}
-
-impl DoubtKind {
-    /// The name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::OwnOdometry => "own_odometry",
-            Self::MirroredSide => "mirrored_side",
-            Self::Unsigned => "unsigned",
-            Self::RollingRatio => "rolling_ratio",
-            Self::TurningRatio => "turning_ratio",
-            Self::HeadingFactor => "heading_factor",
-            Self::Frozen => "frozen",
-            Self::Saturated => "saturated",
-            Self::Quantised => "quantised",
-            Self::Jump => "jump",
-            Self::Commanded => "commanded",
-            Self::Clock => "clock",
-            Self::Source => "source",
-        }
-    }
-}
-
-/// A time interval of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
-    /// Index of the run.
-    pub run: usize,
-    /// Time of the first sample concerned \[s\].
-    pub start: f64,
-    /// Time of the last one \[s\].
-    pub end: f64,
-}
-
-/// A hypothesis about the data that competes with physics.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Doubt {
-    /// What may be wrong.
-    pub kind: DoubtKind,
-    /// The channels concerned; none if it concerns times or sources.
-    pub channels: Vec<Channel>,
-    /// Where, if it concerns a part only.
-    pub span: Option<Span>,
-    /// Probability that this is wrong with the data.
-    pub probability: f64,
-    /// Whether fit, score and diagnosis leave these samples out.
-    pub left_out: bool,
-    /// The evidence, in a sentence.
-    pub evidence: String,
-    /// What to check or do, in a sentence.
-    pub remedy: String,
-}
-
-impl fmt::Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            evidence, remedy, ..
-        } = self;
-        write!(f, "{evidence}. {remedy}.")
-    }
-}
 
 /// Whether a recording can be diagnosed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -138,7 +46,8 @@ impl Fitness {
 
 /// The doubts about a recording of a vehicle, the likeliest first.
 ///
-/// Without a vehicle, ratios of wheel speeds to motion cannot be judged. The work is bounded: usually a second, some on stiff ground.
+/// Without a vehicle, ratios of wheel speeds to motion cannot be judged. The work is bounded: usually a second,
+/// a few where no soil fits at once.
 ///
 /// # Algorithm
 /// 1. *Pairs.* Two sensors of one motion are compared by their mean rates over a second, at the delay of the highest
@@ -147,9 +56,9 @@ impl Fitness {
 ///    them.
 /// 3. *Ratios.* Slip makes wheels roll further than the vehicle goes, by a share that depends on the soil, on
 ///    acceleration and on turning. The wheel speeds therefore drive the given vehicle over the soils of the paper, of
-///    several stiffnesses. A factor on the wheel speeds, or on the track, is doubted only if the best soil without it is
-///    much worse than the best one with it, and if it is larger than the model's own errors. Where the factor of a unit
-///    explains the motion as well as the best number, it is the unit.
+///    several stiffnesses. A factor on the wheel speeds, or on the track, has to explain the motion much better than the
+///    best soil without one, and to exceed the model's own errors. Where the factor of a unit explains the motion as well
+///    as the best number, it is the unit.
 /// 4. *Values.* Stretches of one value, cut-off or coarse values and jumps are judged against the same channel elsewhere.
 /// 5. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
 ///
@@ -264,11 +173,6 @@ pub fn without(recording: &Recording, doubts: &[Doubt]) -> Recording {
         }
     }
     rest
-}
-
-/// Probability of a fault from how far a measure exceeds its limit, in units of the limit's width: 0.5 at the limit.
-fn logistic(excess: f64) -> f64 {
-    1.0 / (1.0 + (-excess).exp())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Poses that were computed from the wheel speeds.
 
+use super::doubt::{Doubt, DoubtKind, PROBABLE, logistic};
 use super::pairs::{Pairs, Ratio};
-use super::{Doubt, DoubtKind, PROBABLE, logistic};
 use crate::inspection::signals::MotionSignal;
 use crate::recording::{Channel, Recording, Run};
 
@@ -20,20 +20,22 @@ const MAX_SIDEWAYS: f64 = 0.01;
 pub fn doubts(recording: &Recording) -> Vec<Doubt> {
     let runs = &recording.runs;
     let exact = |signal, behind| {
-        let ratio = Pairs::of(runs, signal, behind)?.ratio()?;
+        let pairs = Pairs::of(runs, signal, behind)?;
+        let ratio = pairs.ratio()?;
         let is_varied = ratio.variety >= MIN_VARIETY && ratio.correlation > 0.0;
         let p = logistic(-(ratio.unexplained / EXACT).ln() / WIDTH);
-        is_varied.then_some((p, ratio))
+        is_varied.then_some((p, ratio, pairs))
     };
     let turn = exact(MotionSignal::Heading, MotionSignal::WheelDifference);
+    let turn = turn.filter(|(.., pairs)| turns_both_ways(pairs));
     let distance = exact(MotionSignal::Distance, MotionSignal::WheelMean);
-    let distance = distance.map(|(p, ratio)| {
+    let distance = distance.map(|(p, ratio, _)| {
         let sideways = sideways(runs).unwrap_or(0.0);
         let straight = logistic(-(sideways.max(1e-9) / MAX_SIDEWAYS).ln() / WIDTH);
         (p * straight, ratio)
     });
     let velocity = exact(MotionSignal::Velocity, MotionSignal::WheelMean);
-    let turn = turn.map(|(p, ratio)| {
+    let turn = turn.map(|(p, ratio, _)| {
         let what = "heading follows from the difference of the wheel speeds";
         doubt(p, &ratio, vec![Channel::Heading], what)
     });
@@ -41,7 +43,7 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
         let what = "x and y follow from the mean of the wheel speeds";
         doubt(p, &ratio, vec![Channel::X, Channel::Y], what)
     });
-    let velocity = velocity.map(|(p, ratio)| {
+    let velocity = velocity.map(|(p, ratio, _)| {
         let what = "v_x follows from the mean of the wheel speeds";
         doubt(p, &ratio, vec![Channel::VX], what)
     });
@@ -60,6 +62,24 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
         (turn, distance) => turn.into_iter().chain(distance).collect(),
     };
     pose.into_iter().chain(velocity).collect()
+}
+
+/// Whether the wheels turn the vehicle to the left and to the right. In a steady bend to one side slip is proportional to the
+/// turning, which looks like a copy.
+fn turns_both_ways(pairs: &Pairs) -> bool {
+    let largest = pairs
+        .values
+        .iter()
+        .map(|pair| pair.1.abs())
+        .fold(0.0, f64::max);
+    let share = |sign: f64| {
+        let side = pairs
+            .values
+            .iter()
+            .filter(|pair| sign * pair.1 > MIN_VARIETY * largest);
+        side.count() as f64 / pairs.values.len() as f64
+    };
+    share(1.0).min(share(-1.0)) >= MIN_VARIETY
 }
 
 fn doubt(probability: f64, ratio: &Ratio, channels: Vec<Channel>, what: &str) -> Doubt {

@@ -1,6 +1,6 @@
 //! Doubts of the reader and of the importer.
 
-use super::{Doubt, DoubtKind};
+use super::doubt::{Doubt, DoubtKind};
 use crate::recording::{NoteKind, Recording};
 
 /// Probability of a warning that the importer could not decide, and of one that it could.

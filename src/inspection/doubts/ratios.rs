@@ -1,8 +1,8 @@
 //! Factors between sensors of one motion.
 
+use super::doubt::{Doubt, DoubtKind, logistic};
 use super::expected::{CLOSE_LIKELIHOOD, Expectation, Explained, Measured, Scaled};
 use super::pairs::{Pairs, Ratio};
-use super::{Doubt, DoubtKind, logistic};
 use crate::inspection::signals::MotionSignal;
 use crate::recording::{Channel, Recording, range};
 use crate::vehicle::Vehicle;

@@ -23,8 +23,18 @@ fn robot() -> Vehicle {
 /// Rows of time, wheel speeds, x, y, heading, yaw rate.
 type Rows = Vec<[f64; 7]>;
 
-/// A minute of several speeds with turns both ways on a soil, at 20 Hz, with the noise of sensors times a factor.
+/// A minute of several speeds with turns both ways on a soil, with the noise of sensors times a factor.
 fn drive(soil: &str, vehicle: &Vehicle, noise: f64) -> Rows {
+    driven(soil, vehicle, noise, |time| {
+        let ramp = (time / 2.0).min(1.0);
+        let ahead = ramp * (0.8 + 0.45 * (0.4 * time).sin()) / vehicle.wheel_radius;
+        let turn = ramp * 0.45 * (0.5 * time).sin() * (0.17 * time).cos() / vehicle.wheel_radius;
+        [ahead - turn, ahead + turn]
+    })
+}
+
+/// A minute at 20 Hz with wheel speeds over time.
+fn driven(soil: &str, vehicle: &Vehicle, noise: f64, wheels: impl Fn(f64) -> [f64; 2]) -> Rows {
     let terrain = Terrain::preset(soil).unwrap();
     let model = VehicleModel::new(vehicle.clone(), terrain).unwrap();
     let mut simulation = Simulation::new(model);
@@ -32,12 +42,6 @@ fn drive(soil: &str, vehicle: &Vehicle, noise: f64) -> Rows {
     let mut normal = |size: f64| {
         let sum: f64 = (0..12).map(|_| random.f64()).sum();
         noise * size * (sum - 6.0)
-    };
-    let wheels = |time: f64| {
-        let ramp = (time / 2.0).min(1.0);
-        let ahead = ramp * (0.8 + 0.45 * (0.4 * time).sin()) / vehicle.wheel_radius;
-        let turn = ramp * 0.45 * (0.5 * time).sin() * (0.17 * time).cos() / vehicle.wheel_radius;
-        [ahead - turn, ahead + turn]
     };
     let mut rows = Rows::new();
     for k in 0..1200 {
@@ -152,6 +156,15 @@ fn factors_on_the_wheel_speeds_are_doubted_on_firm_and_on_slipping_soil() {
             assert_eq!(kinds.is_empty(), !expected, "{soil} {factor}: {found:#?}");
         }
     }
+}
+
+#[test]
+fn speeds_of_wheels_behind_a_gear_are_neither_rest_nor_without_sign() {
+    let slow = with(&drive("sandy_loam", &robot(), 1.0), |row| {
+        row[1] /= 38.3;
+        row[2] /= 38.3;
+    });
+    assert_eq!(probable(&of(&slow)), [DoubtKind::RollingRatio]);
 }
 
 #[test]
@@ -382,4 +395,34 @@ fn a_recording_without_motion_is_unfit() {
     let (fitness, why) = fitness(&given, &doubts(&given, None));
     assert_eq!(fitness, Fitness::Unfit);
     assert!(why.contains("no motion"), "{why}");
+}
+
+#[test]
+fn corrections_of_the_reader_are_mentioned() {
+    let mut given = recording(&drive("dry_clay", &robot(), 1.0), &CHANNELS, &robot());
+    let clean = fitness(&given, &[]);
+    assert_eq!(clean.0, Fitness::Fit);
+    given.notes = vec![Note {
+        kind: NoteKind::Sign,
+        channel: Some(Channel::OmegaRight),
+        count: 1200,
+        line: 2,
+        text: "its sign turned round".into(),
+    }];
+    let corrected = fitness(&given, &[]);
+    assert_eq!(corrected.0, Fitness::Fit);
+    assert_eq!(corrected.1, clean.1 + " after the corrections below");
+}
+
+#[test]
+fn a_steady_bend_to_one_side_is_no_copy() {
+    let bend = |time: f64| {
+        let turn = 0.3 * (time / 28.0).min(1.0);
+        [0.7 - turn, 0.7 + turn].map(|rim| (time / 2.0).min(1.0) * rim / robot().wheel_radius)
+    };
+    for soil in Terrain::PRESETS {
+        let rows = driven(soil, &robot(), 0.0, bend);
+        let found = of(&rows);
+        assert!(probable(&found).is_empty(), "{soil}: {found:#?}");
+    }
 }
