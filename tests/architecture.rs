@@ -45,7 +45,10 @@ const EDGES: &[(&str, &[&str])] = &[
         "identification",
         &["display", "recording", "simulation", "vehicle"],
     ),
-    ("inspection", &["recording"]),
+    (
+        "inspection",
+        &["recording", "simulation", "terrain", "vehicle"],
+    ),
     (
         "report",
         &[
@@ -64,6 +67,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "effects",
             "fit",
             "identification",
+            "inspection",
             "parameter",
             "recording",
             "simulation",

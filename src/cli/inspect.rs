@@ -1,7 +1,8 @@
-//! `ugv inspect`: the quality of a recording, before a model is fitted to it.
+//! `ugv inspect`: whether a recording can be diagnosed, and its quality.
 
 use super::columns::ColumnArgs;
 use super::failure::Failure;
+use super::model::load_vehicle;
 use super::output::{Output, finish_all, notify, print_beside};
 use super::recordings;
 use crate::inspection::inspect;
@@ -11,6 +12,7 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   ugv inspect drive.csv
+  ugv inspect drive.csv --vehicle mine.json
   ugv inspect drive.csv --page drive.html --json drive.inspection.json --quiet
 
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
@@ -21,16 +23,24 @@ Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], hea
          terrain and sensors.
 Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected if they are
          unambiguous, with a note. Otherwise the file is refused.
+Doubts:  what is wrong with the data rather than with the model, each with its probability, evidence
+         and remedy: mirrored sides, a wrong radius, gear, track or unit, a pose from the wheels,
+         frozen or cut-off channels, jumps. The first line says whether the recording is fit for
+         `ugv diagnose`. Without a vehicle, radius, gear and track cannot be judged.
 Delays:  positive if the first signal is behind the second. A delay behind the wheels includes the
          response of the vehicle: up to 0.3 s in turns.";
 
-/// Check a recording: rates, gaps, noise, and delays between its sensors.
+/// Check a recording: whether it can be what it claims, rates, gaps, noise, delays between sensors.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
     /// The recording
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
+
+    /// Vehicle that drove [default: that of REC.json]
+    #[arg(long, value_name = "FILE.json")]
+    vehicle: Option<PathBuf>,
 
     #[command(flatten)]
     columns: ColumnArgs,
@@ -51,14 +61,17 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut files = Vec::new();
     for path in [&args.json, &args.page].into_iter().flatten() {
-        files.push(Output::from_inputs(Some(path), [&args.recording])?);
+        let inputs = std::iter::once(&args.recording).chain(&args.vehicle);
+        files.push(Output::from_inputs(Some(path), inputs)?);
     }
     if let [json, page] = &files[..] {
         json.check_distinct(page, "--json and --page")?;
     }
-    let (recording, notes) = recordings::read(&args.recording, None, &args.columns.columns)?;
+    let vehicle = args.vehicle.as_deref().map(load_vehicle).transpose()?;
+    let vehicle = vehicle.as_ref();
+    let (recording, notes) = recordings::read(&args.recording, vehicle, &args.columns.columns)?;
     notes.iter().for_each(|note| notify(note));
-    let inspection = inspect(&recording);
+    let inspection = inspect(&recording, vehicle);
     let texts = [
         args.json.as_ref().map(|_| json(&recording, &inspection)),
         args.page.as_ref().map(|_| page(&recording, &inspection)),

@@ -4,6 +4,7 @@ mod answer;
 mod columns;
 mod completions;
 mod diagnose;
+mod doubts;
 mod effects;
 mod failure;
 mod fit;

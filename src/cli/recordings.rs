@@ -21,7 +21,8 @@ pub fn read(
     imported
         .write_csv(&mut table)
         .map_err(Failure::read(path))?;
-    let recording = recording_of_table(path, &table, vehicle)?;
+    let mut recording = recording_of_table(path, &table, vehicle)?;
+    recording.about.import_warnings = imported.warnings().map(Into::into).collect();
     let columns = imported.columns.iter().map(|column| {
         format!(
             "{} from {}: {}",

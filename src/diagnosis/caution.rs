@@ -1,11 +1,19 @@
 //! Limits of a verdict that its reader must know before acting on it.
 
+use crate::inspection::Doubt;
 use crate::vehicle::Vehicle;
 
 /// A limit of the verdict.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Caution {
+    /// The data are probably not what they claim, or some of them are left out.
+    DoubtfulData {
+        /// Name of the recording.
+        recording: String,
+        /// The doubt.
+        doubt: Doubt,
+    },
     /// The time limit ended the search early.
     TimeUp,
     /// The time limit allowed only some of the segments \[s\].
@@ -40,6 +48,7 @@ impl Caution {
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
+            Self::DoubtfulData { .. } => "doubtful_data",
             Self::TimeUp => "time_up",
             Self::Part { .. } => "part_of_recordings",
             Self::NotHeldOut => "not_held_out",
@@ -51,6 +60,10 @@ impl Caution {
     #[must_use]
     pub fn text(&self) -> String {
         match self {
+            Self::DoubtfulData { recording, doubt } => format!(
+                "{recording}: {doubt} Probability that the data are wrong: {:.0} %.",
+                100.0 * doubt.probability
+            ),
             Self::TimeUp => "Time was up before all candidates were fitted. More may be missing than was found, and \
                              the probabilities compare only the fits done by then. Allow more time (--within)."
                 .into(),

@@ -8,6 +8,7 @@ use super::answer::errors::compare;
 use super::answer::findings::findings;
 use super::answer::traces::traces;
 use super::answer::verdict::judge;
+use super::doubts::Doubts;
 use super::hypothesis::Problem;
 use super::hypothesis::likelihood::FittedHypothesis;
 use super::hypothesis::prepare::prepare;
@@ -30,6 +31,9 @@ use crate::vehicle::Specification;
 /// A diagnosis takes half a minute to some minutes on rayon's current pool.
 ///
 /// # Algorithm
+/// 0. *Doubts.* The data themselves are questioned first ([`crate::inspection::doubts`]): a wrong gear, a pose from the
+///    wheels, a frozen encoder. Frozen samples are left out. From a probability of 0.5 on the likeliest doubt is the
+///    verdict, and all other probabilities shrink by the rest.
 /// 1. *Segments.* Recordings are cut into segments of some seconds (multiple shooting). Every segment has a free
 ///    initial state with a Gaussian prior around the measured one, so errors do not accumulate over a drive.
 ///    Rest, gaps and segments that the model cannot follow are dropped.
@@ -121,6 +125,11 @@ pub fn diagnose(
     }
     let deadline = progress.answer_deadline();
     progress.in_time(deadline)?;
+    progress.step("doubts about the data")?;
+    let doubted = Doubts::of(recordings, &nominal.vehicle, progress);
+    let remaining = doubted.remaining(recordings);
+    let recordings = remaining.as_deref().unwrap_or(recordings);
+    progress.in_time(deadline)?;
     let mut problem = Problem::until(nominal, recordings, deadline);
     progress.in_time(deadline)?;
     let (prepared, noise) = prepare(&mut problem, options, progress)?;
@@ -178,6 +187,7 @@ pub fn diagnose(
         model,
     };
     diagnosis.statement = statement(&diagnosis);
+    doubted.put_before(&mut diagnosis);
     diagnosis.account.steps = progress.seconds();
     Ok(diagnosis)
 }
@@ -202,7 +212,7 @@ pub fn insufficient(
         probability,
         ..empty(subject)
     };
-    Diagnosis {
+    let mut diagnosis = Diagnosis {
         verdict: Verdict::InsufficientData,
         insufficient: Some(if out_of_time {
             Insufficient::TimeUp
@@ -237,7 +247,14 @@ pub fn insufficient(
         },
         nominal: nominal.clone(),
         model: nominal.clone(),
-    }
+    };
+    let doubted = if out_of_time {
+        Doubts::quick(recordings, &nominal.vehicle)
+    } else {
+        Doubts::whole(recordings, &nominal.vehicle)
+    };
+    doubted.put_before(&mut diagnosis);
+    diagnosis
 }
 
 /// The soil refitted alone, and beside the findings.

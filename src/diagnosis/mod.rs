@@ -3,6 +3,7 @@
 mod answer;
 mod caution;
 mod diagnose;
+mod doubts;
 mod error;
 mod hypothesis;
 mod manoeuvre;

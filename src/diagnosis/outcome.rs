@@ -12,7 +12,7 @@ pub enum Verdict {
     NothingMissing,
     /// An effect of the catalogue is missing.
     MissingPhysics,
-    /// A sensor of the recording is faulty; the model is not.
+    /// A sensor of the recording is faulty, or its data are not what they claim; the model is not at fault.
     Sensor,
     /// One of several effects that these recordings cannot separate.
     Ambiguous,
@@ -69,6 +69,8 @@ pub enum Subject {
     Unknown,
     /// The model with the refitted soil alone.
     Nothing,
+    /// The recording is not what it claims: see [`Caution::DoubtfulData`].
+    Data,
 }
 
 impl Subject {
@@ -79,13 +81,18 @@ impl Subject {
             Self::Effect(index) => CATALOGUE[index].name,
             Self::Unknown => "unknown",
             Self::Nothing => "nothing_missing",
+            Self::Data => "doubtful_data",
         }
     }
 
-    /// Whether it is an error of a sensor.
+    /// Whether it is an error of a sensor, or of the data.
     #[must_use]
     pub fn is_sensor(self) -> bool {
-        matches!(self, Self::Effect(index) if CATALOGUE[index].kind == EffectKind::Measurement)
+        match self {
+            Self::Effect(index) => CATALOGUE[index].kind == EffectKind::Measurement,
+            Self::Data => true,
+            Self::Unknown | Self::Nothing => false,
+        }
     }
 }
 

@@ -249,8 +249,8 @@ mod tests {
     use crate::vehicle::Specification;
     use std::sync::atomic::AtomicU32;
 
-    /// One reading of the clock. The tests' clock counts its readings, one for each row of wheel speeds in each
-    /// prediction.
+    /// One reading of the clock. The tests' clock counts its readings, one for each step of the integrator
+    /// in each prediction.
     const TICK: Duration = Duration::from_millis(1);
 
     /// The answer within this number of readings, and the readings used.

@@ -1,6 +1,6 @@
 //! When work has to end, whatever it has reached.
 //!
-//! Every prediction asks its deadline at each row of wheel speeds, and every loop around predictions asks it as well. Work
+//! Every prediction asks its deadline at each step of the integrator, and every loop around predictions asks it as well. Work
 //! that meets its deadline fails with [`PredictionError::OutOfTime`](super::predictor::PredictionError::OutOfTime);
 //! an optimiser gives the best point so far. A deadline that is not met changes no number.
 

@@ -8,6 +8,7 @@ use crate::simulation::{
     Derivatives, LastStep, SensitiveSimulation, Simulation, SimulationError, State, WheelSpeeds,
 };
 use crate::vehicle::{ModelParameter, Specification, VehicleModel};
+use std::ops::ControlFlow;
 
 /// Steps for each second of a drive, and in all, after which a model counts as one that cannot be driven:
 /// less than a hundred are common.
@@ -163,8 +164,11 @@ trait Driven {
     fn wheels(&mut self, speeds: WheelSpeeds, rates: WheelSpeeds) -> Result<(), SimulationError>;
     /// The drive starts in the middle of another.
     fn settle_after(&mut self, course: &[[f64; 3]]) -> Result<(), SimulationError>;
-    fn advance(&mut self, seconds: f64, look: impl FnMut(&LastStep))
-    -> Result<(), SimulationError>;
+    fn advance(
+        &mut self,
+        seconds: f64,
+        look: impl FnMut(&LastStep) -> ControlFlow<()>,
+    ) -> Result<(), SimulationError>;
     /// The rate of change of the state, and its derivatives where they are carried.
     fn here(&mut self) -> Result<([f64; State::COUNT], Option<Derivatives>), SimulationError>;
 
@@ -185,7 +189,7 @@ impl Driven for Simulation {
     fn advance(
         &mut self,
         seconds: f64,
-        look: impl FnMut(&LastStep),
+        look: impl FnMut(&LastStep) -> ControlFlow<()>,
     ) -> Result<(), SimulationError> {
         self.step_looking(seconds, look)
     }
@@ -207,7 +211,7 @@ impl Driven for SensitiveSimulation {
     fn advance(
         &mut self,
         seconds: f64,
-        look: impl FnMut(&LastStep),
+        look: impl FnMut(&LastStep) -> ControlFlow<()>,
     ) -> Result<(), SimulationError> {
         self.step_looking(seconds, look)
     }
@@ -256,15 +260,13 @@ fn drive<D: Driven>(
         .last()
         .map_or(now, |time| time + request.wheel_latency);
     while now < end {
-        if deadline.is_over() {
-            return Err(PredictionError::OutOfTime);
-        }
         let next_row = drive.time.get(row).copied().unwrap_or(f64::INFINITY);
         let next_time_bin = time_bin.unwrap_or(f64::INFINITY);
         let next = next_row.min(next_time_bin).min(end);
         // Since then: sums of steps on a clock that began in 1970 would round off more than the last sample's place.
         let mut reached = 0.0;
-        simulation.advance((next - now).max(0.0), |step| {
+        let mut is_late = false;
+        let advanced = simulation.advance((next - now).max(0.0), |step| {
             reached += step.length();
             let within = |time: &f64| *time - now <= reached + ROUNDING && step.length() > 0.0;
             while let Some(time) = wanted.next_if(within) {
@@ -272,7 +274,18 @@ fn drive<D: Driven>(
                 let (state, rates) = step.state(back);
                 out.push(state, rates, step.derivatives(back));
             }
-        })?;
+            // Where wheels hardly find their balance, a row of wheel speeds takes minutes.
+            is_late = deadline.is_over();
+            if is_late {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
+        if is_late {
+            return Err(PredictionError::OutOfTime);
+        }
+        advanced?;
         now = next;
         if next_time_bin <= next {
             simulation.open_gate();

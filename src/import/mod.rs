@@ -44,6 +44,7 @@ pub use side::WheelJoints;
 pub use survey::{Survey, Topic, survey};
 pub use wire::{DecodeError, Encoding};
 
+use crate::recording::IMPORT_WARNING;
 use collect::{Choices, collect};
 use serde_json::{Value, json};
 use std::io;
@@ -191,6 +192,12 @@ impl Imported {
             .filter_map(|column| column.samples.last());
         let last = lasts.map(|(time, _)| *time).max().unwrap_or(self.start);
         (last - self.start) as f64 * 1e-9
+    }
+
+    /// What its notes warn of.
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        let warnings = self.notes.iter();
+        warnings.filter_map(|note| note.strip_prefix(IMPORT_WARNING))
     }
 
     /// The sources of everything, for the JSON file beside the recording.

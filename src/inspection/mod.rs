@@ -1,19 +1,22 @@
-//! Quality of a recording before any fit: sampling rates and gaps, delays between sensors, and noise. Nothing is read or
-//! drawn here.
+//! Quality of a recording before any fit: doubts about its data, sampling rates and gaps, delays between sensors, and
+//! noise. Nothing is read or drawn here.
 
 mod delay;
+pub mod doubts;
 mod motion;
 mod noise;
 mod signals;
 mod timing;
 
 pub use delay::{Delay, Pair, Quality};
+pub use doubts::{Doubt, DoubtKind, Fitness, Span};
 pub use motion::{MotionSummary, rest_spans};
 pub use noise::Noise;
 pub use signals::{MotionSignal, heading_rate, wheel_mean};
 pub use timing::Timing;
 
 use crate::recording::{Channel, Recording, Run};
+use crate::vehicle::Vehicle;
 
 /// One channel over all runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +47,10 @@ pub struct RunReport {
 /// A whole recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
+    /// Whether the recording can be diagnosed, and why not, in a clause.
+    pub fitness: (Fitness, String),
+    /// Doubts about its data, the likeliest first.
+    pub doubts: Vec<Doubt>,
     /// All runs together.
     pub motion: MotionSummary,
     /// Each channel with samples.
@@ -54,15 +61,18 @@ pub struct Inspection {
     pub runs: Vec<RunReport>,
 }
 
-/// Inspects a recording.
+/// Inspects a recording of a vehicle; `None` for the vehicle of its metadata.
 #[must_use]
-pub fn inspect(recording: &Recording) -> Inspection {
+pub fn inspect(recording: &Recording, vehicle: Option<&Vehicle>) -> Inspection {
+    let doubts = doubts::doubts(recording, vehicle);
     let runs: Vec<RunReport> = recording.runs.iter().map(inspect_run).collect();
     let motion = runs
         .iter()
         .map(|run| run.motion)
         .fold(MotionSummary::default(), MotionSummary::and);
     Inspection {
+        fitness: doubts::fitness(recording, &doubts),
+        doubts,
         motion,
         channels: Channel::ALL
             .into_iter()

@@ -72,9 +72,15 @@ pub fn heading_rate(run: &Run, window: f64) -> Option<Series> {
 
 /// A weighted sum of both wheel speeds.
 fn wheels(run: &Run, weights: [f64; 2]) -> Option<Series> {
-    let sides = [
+    let [left, right] = [
         run.series(Channel::OmegaLeft)?,
         run.series(Channel::OmegaRight)?,
     ];
-    Some(Series::weighted_sum(sides, weights))
+    // At the times of the side with fewer samples: a gap of either is then a gap of the sum.
+    let [by_left, by_right] = weights;
+    Some(if right.len() < left.len() {
+        Series::weighted_sum([right, left], [by_right, by_left])
+    } else {
+        Series::weighted_sum([left, right], [by_left, by_right])
+    })
 }

@@ -103,7 +103,7 @@ fn delays_are_recovered_within_two_hundredths_of_a_second() {
     const TOLERANCE: f64 = 0.02;
     for (wheels, pose) in [(0.0, 0.0), (0.12, 0.37), (0.2, 0.8), (-0.15, 0.05)] {
         let run = run(100.0, [wheels, pose], [0.02, 0.02, 0.005], 3);
-        let inspection = inspect(&recording(vec![run]));
+        let inspection = inspect(&recording(vec![run]), None);
         for (of, behind, truth) in [
             (MotionSignal::WheelDifference, MotionSignal::YawRate, wheels),
             (MotionSignal::Heading, MotionSignal::YawRate, pose),
@@ -156,7 +156,7 @@ fn ten_days_of_silence_hide_no_delay() {
         let run = channels.fold(Run::new(""), |run, (channel, series)| {
             run.with(channel, series)
         });
-        inspect(&recording(vec![run]))
+        inspect(&recording(vec![run]), None)
     };
     let (minutes, days) = (paused(120.0), paused(864_000.0));
     assert_eq!(days.delays.len(), minutes.delays.len());
@@ -185,7 +185,7 @@ fn short_runs_are_pooled() {
                 )
             })
     };
-    let inspection = inspect(&recording((0..20).map(piece).collect()));
+    let inspection = inspect(&recording((0..20).map(piece).collect()), None);
     let found = delay(&inspection, MotionSignal::Heading, MotionSignal::YawRate);
     assert!(
         (found.seconds.value - 0.37).abs() < 0.03,
@@ -201,7 +201,7 @@ fn interval_covers_the_truth_about_as_often_as_stated() {
     let truth = 0.37;
     let estimated = |seed| {
         let run = run(60.0, [0.1, truth], [0.2, 0.05, 0.05], seed);
-        let inspection = inspect(&recording(vec![run]));
+        let inspection = inspect(&recording(vec![run]), None);
         delay(&inspection, MotionSignal::Heading, MotionSignal::YawRate).seconds
     };
     let found: Vec<_> = (0..40).map(estimated).collect();
@@ -222,7 +222,7 @@ fn interval_covers_the_truth_about_as_often_as_stated() {
 fn noise_is_recovered_at_rest_and_is_a_bound_in_motion() {
     let sizes = [0.02, 0.03, 0.004];
     let run = run(100.0, [0.0, 0.2], sizes, 7);
-    let inspection = inspect(&recording(vec![run]));
+    let inspection = inspect(&recording(vec![run]), None);
     for (channel, size) in [
         (Channel::YawRate, sizes[0]),
         (Channel::X, sizes[1]),
@@ -260,7 +260,7 @@ fn motion_and_timing_are_summed_up() {
         .filter(|(t, _)| !(20.05..22.95).contains(t))
         .collect();
     run = run.with(Channel::X, gap);
-    let inspection = inspect(&recording(vec![run]));
+    let inspection = inspect(&recording(vec![run]), None);
     assert!((inspection.motion.duration - 59.95).abs() < 1e-9);
     assert!(
         (inspection.motion.at_rest - 10.0).abs() < 0.1,
@@ -300,7 +300,7 @@ fn opposite_signs_are_reported() {
         .samples()
         .map(|(t, value)| (t, -value))
         .collect();
-    let inspection = inspect(&recording(vec![good.with(Channel::YawRate, gyro)]));
+    let inspection = inspect(&recording(vec![good.with(Channel::YawRate, gyro)]), None);
     assert!(delay(&inspection, MotionSignal::Heading, MotionSignal::YawRate).contradicts);
     assert!(
         !delay(
@@ -319,7 +319,7 @@ fn no_motion_gives_no_delay() {
         .with(Channel::OmegaLeft, still.clone())
         .with(Channel::OmegaRight, still.clone())
         .with(Channel::YawRate, still);
-    let inspection = inspect(&recording(vec![run]));
+    let inspection = inspect(&recording(vec![run]), None);
     assert!(
         inspection
             .delays
@@ -330,7 +330,7 @@ fn no_motion_gives_no_delay() {
     let run = Run::new("")
         .with(Channel::OmegaLeft, one.clone())
         .with(Channel::OmegaRight, one);
-    let inspection = inspect(&recording(vec![run]));
+    let inspection = inspect(&recording(vec![run]), None);
     assert!(inspection.channels.is_empty() && inspection.delays.is_empty());
     assert_eq!(inspection.motion.distance, None);
 }

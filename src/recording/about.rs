@@ -22,10 +22,16 @@ pub struct About {
     pub licence: String,
     /// Anything else worth knowing.
     pub note: String,
+    /// Warnings of the importer that made the recording, each a sentence.
+    pub import_warnings: Vec<String>,
 }
 
+/// What the importer's notes begin with that are warnings.
+pub(crate) const IMPORT_WARNING: &str = "warning: ";
+
 impl About {
-    /// Reads the keys `vehicle`, `terrain` (a preset's name, or an object), `sensors`, `source`, `licence` and `note`.
+    /// Reads the keys `vehicle`, `terrain` (a preset's name, or an object), `sensors`, `source`, `licence` and `note`, and
+    /// the warnings among the `notes` of `provenance`.
     /// Other keys are ignored: they may hold the solution, which an analysis must not see.
     ///
     /// # Errors
@@ -58,8 +64,17 @@ impl About {
             source: text("source")?,
             licence: text("licence")?,
             note: text("note")?,
+            import_warnings: import_warnings(map.get("provenance")),
         })
     }
+}
+
+/// The warnings among the notes of `ugv import`. Another tool may keep anything there.
+fn import_warnings(provenance: Option<&Value>) -> Vec<String> {
+    let notes = provenance.and_then(|provenance| provenance.get("notes")?.as_array());
+    let texts = notes.into_iter().flatten().filter_map(Value::as_str);
+    let warnings = texts.filter_map(|text| text.strip_prefix(IMPORT_WARNING));
+    warnings.map(Into::into).collect()
 }
 
 #[cfg(test)]
@@ -86,6 +101,19 @@ mod tests {
         let texts = [&about.source, &about.licence, &about.note];
         assert_eq!(texts, ["s", "MIT", "n"]);
         assert_eq!(About::from_json("{}"), Ok(About::default()));
+    }
+
+    #[test]
+    fn warnings_of_the_importer_are_kept() {
+        let of = |provenance: &str| {
+            let text = format!(r#"{{"provenance": {provenance}}}"#);
+            About::from_json(&text).unwrap().import_warnings
+        };
+        let notes = r#"{"notes": ["imu from /imu", "warning: /odom is wheel odometry", 3]}"#;
+        assert_eq!(of(notes), ["/odom is wheel odometry"]);
+        for other in ["null", "[]", r#"{"notes": "none"}"#] {
+            assert!(of(other).is_empty());
+        }
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod smoothing;
 mod statistics;
 
 pub use about::About;
+pub(crate) use about::IMPORT_WARNING;
 pub use channel::Channel;
 pub use csv::{
     Cell, ColumnRequest, CsvError, FoundColumns, TableOptions, read_bytes, read_drive,

@@ -6,7 +6,8 @@
 
 use super::linearised::{Derivatives, share};
 use super::variation::Variation;
-use super::{Simulation, State, StateVector};
+use super::{Simulation, SimulationError, State, StateVector};
+use std::ops::ControlFlow;
 
 /// The step that a simulation has just taken.
 #[derive(Debug, Clone, Copy)]
@@ -64,19 +65,28 @@ impl Simulation {
     /// As [`Simulation::step`], with a look at each step that the integrator takes.
     ///
     /// # Errors
-    /// As [`Simulation::step`].
+    /// As [`Simulation::step`], and [`SimulationError::StepBudget`] once a look breaks off.
     pub fn step_looking(
         &mut self,
         seconds: f64,
-        mut look: impl FnMut(&LastStep),
-    ) -> Result<(), super::SimulationError> {
+        mut look: impl FnMut(&LastStep) -> ControlFlow<()>,
+    ) -> Result<(), SimulationError> {
         self.step_with(seconds, |simulation, length| {
-            look(&LastStep {
+            let step = LastStep {
                 simulation,
                 variation: None,
                 length,
-            });
-            Ok(())
+            };
+            simulation.unless_broken(look(&step))
         })
+    }
+
+    /// What a look demands.
+    pub(super) fn unless_broken(&self, look: ControlFlow<()>) -> Result<(), SimulationError> {
+        let time = self.time;
+        let go_on = look.is_continue();
+        go_on
+            .then_some(())
+            .ok_or(SimulationError::StepBudget { time })
     }
 }

@@ -12,6 +12,7 @@ use super::{Simulation, SimulationError, State, WheelSpeeds};
 use crate::parameter::ParameterError;
 use crate::vehicle::{Direction, Directions, ModelParameter, Specification, VehicleModel};
 use nalgebra::DMatrix;
+use std::ops::ControlFlow;
 
 /// A [`Simulation`] that carries the derivatives of its state along.
 ///
@@ -209,17 +210,17 @@ impl SensitiveSimulation {
     /// # Errors
     /// As [`Simulation::step`].
     pub fn step(&mut self, seconds: f64) -> Result<(), SimulationError> {
-        self.step_looking(seconds, |_| ())
+        self.step_looking(seconds, |_| ControlFlow::Continue(()))
     }
 
     /// As [`SensitiveSimulation::step`], with a look at each step that the integrator takes.
     ///
     /// # Errors
-    /// As [`Simulation::step`].
+    /// As [`Simulation::step_looking`].
     pub fn step_looking(
         &mut self,
         seconds: f64,
-        mut look: impl FnMut(&LastStep),
+        mut look: impl FnMut(&LastStep) -> ControlFlow<()>,
     ) -> Result<(), SimulationError> {
         let variation = &mut self.variation;
         if variation.last.is_none() {
@@ -228,12 +229,12 @@ impl SensitiveSimulation {
         }
         self.simulation.step_with(seconds, |simulation, length| {
             variation.advance(simulation, length);
-            look(&LastStep {
+            let step = LastStep {
                 simulation,
                 variation: Some(variation),
                 length,
-            });
-            Ok(())
+            };
+            simulation.unless_broken(look(&step))
         })
     }
 

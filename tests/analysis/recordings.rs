@@ -98,7 +98,7 @@ fn swapped_columns_of_real_recordings_are_seen() {
 #[test]
 fn delays_of_real_recordings_are_those_known_of_them() {
     for recording in all("recordings") {
-        let (name, inspection) = (&recording.name, inspect(&recording));
+        let (name, inspection) = (&recording.name, inspect(&recording, None));
         let behind_gyro = |of: MotionSignal| -> &Delay {
             let mut pairs = inspection.delays.iter();
             let found = pairs

@@ -1,6 +1,7 @@
 //! The integrator: accuracy for any communication step, work, determinism, no allocation.
 
 use crate::common::{accelerate_then_turn_right, drive, paper_model, speeds, starting_at};
+use std::ops::ControlFlow;
 use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects, ParameterName};
 use ugv_terrain::simulation::{
     SensitiveSimulation, Simulation, SimulationError, SnapshotError, State,
@@ -81,6 +82,7 @@ fn looks_within_a_step_see_the_drive_between_its_ends() {
                     }
                     next += 1;
                 }
+                ControlFlow::Continue(())
             })
             .unwrap();
         assert_eq!(next, 101);
@@ -89,6 +91,23 @@ fn looks_within_a_step_see_the_drive_between_its_ends() {
             "{steps} steps: there was nothing to look within"
         );
     }
+}
+
+#[test]
+fn a_look_breaks_a_step_off() {
+    let mut simulation = Simulation::new(paper_model("sandy_loam"));
+    simulation.set_wheel_speeds(speeds(2.0, 3.0)).unwrap();
+    let mut looks = 0;
+    let broken = simulation.step_looking(10.0, |_| {
+        looks += 1;
+        if looks < 3 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    });
+    assert!(matches!(broken, Err(SimulationError::StepBudget { time }) if time < 10.0));
+    assert_eq!(looks, 3);
 }
 
 #[test]
@@ -231,7 +250,9 @@ fn derivatives_change_no_bit_of_the_motion() {
             varied.step(0.25).unwrap();
             plain.set_wheel_speeds(from).unwrap();
             plain.set_wheel_accelerations(rates).unwrap();
-            plain.step_looking(0.25, |_| ()).unwrap();
+            plain
+                .step_looking(0.25, |_| ControlFlow::Continue(()))
+                .unwrap();
             assert_eq!(varied.state(), plain.state());
         }
     }

@@ -383,4 +383,16 @@ class Commands(BagCase):
                     self.assertIn("heading from /ins/odom", done.stderr)
         self.assertTrue((self.folder / "d" / "diagnosis.json").is_file())
 
+    def test_warnings_of_the_import_are_doubts(self) -> None:
+        """A pose from the wheels is doubted, although no file beside the log says so."""
+        drive = self.joints() + [
+            Message("/wheel_odom", ODOMETRY, t, self.ros2.odometry(t, truth(s)))
+            for t, s in make_bags.ticks(20)
+        ]
+        words = [str(UGV), "inspect", "--json", "-", "--quiet", str(self.bag(drive))]
+        done = subprocess.run(words, capture_output=True, text=True, check=True)
+        doubts = json.loads(done.stdout)["doubts"]
+        source = [doubt for doubt in doubts if doubt["kind"] == "source"]
+        self.assertIn("/wheel_odom is wheel odometry", str(source))
+
 

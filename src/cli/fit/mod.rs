@@ -5,6 +5,7 @@ mod report;
 mod summary;
 
 use super::answer::{Answer, Caller};
+use super::doubts;
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
@@ -12,6 +13,7 @@ use super::output::{Output, finish_all, notify_all, print_beside};
 use super::progress::ProgressLine;
 use crate::fit::{Fit, Fitted, Options, Stage, fit_model_until};
 use crate::identification::{WindowOptions, fitted_part};
+use crate::inspection::Doubt;
 use crate::recording::Recording;
 use crate::vehicle::Specification;
 use names::{FreeNames, print_names};
@@ -109,6 +111,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 /// What is fitted.
 struct Question {
     recordings: Vec<Recording>,
+    /// Doubts about each recording.
+    doubted: Vec<(String, Vec<Doubt>)>,
     nominal: Specification,
     free: FreeNames,
     options: Options,
@@ -131,6 +135,13 @@ impl Question {
         }
         let named = args.nominal.load()?;
         let mut recordings = named.read(&args.recordings, notes)?;
+        let mut doubted = Vec::new();
+        for recording in &mut recordings {
+            let (rest, found) = doubts::settled(std::mem::take(recording), named.vehicle.as_ref());
+            notes.extend(doubts::lines(&rest.name, &found));
+            doubted.push((rest.name.clone(), found));
+            *recording = rest;
+        }
         if args.half {
             for recording in &mut recordings {
                 *recording = fitted_part(recording, &WindowOptions::default())?;
@@ -140,6 +151,7 @@ impl Question {
         let mut free = FreeNames::parse(&args.free, &args.sensors)?;
         Ok(Self {
             recordings,
+            doubted,
             nominal,
             options: Options {
                 sensors: std::mem::take(&mut free.sensors),
@@ -156,6 +168,7 @@ impl Question {
     fn answer(&self, args: &Args, caller: &Caller) -> Result<Found, Failure> {
         let Self {
             recordings,
+            doubted,
             nominal,
             free,
             options,
@@ -172,7 +185,7 @@ impl Question {
         let Fitted { model, fit } = pool.install(fit)?;
         Ok(Found {
             model: model.to_json_fitted(&fitted_to(recordings, !args.half)),
-            report: report::to_json(&fit, &model, recordings, options),
+            report: report::to_json(&fit, &model, recordings, options, doubted),
             fit,
         })
     }

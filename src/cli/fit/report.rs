@@ -2,7 +2,9 @@
 
 use crate::fit::starts::{OtherMinimum, Starts};
 use crate::fit::{Estimate, Fit, NoiseEstimate, Options};
+use crate::inspection::Doubt;
 use crate::recording::Recording;
+use crate::report::inspection::doubt_json;
 use crate::vehicle::Specification;
 use serde_json::{Value, json};
 
@@ -11,7 +13,15 @@ pub fn to_json(
     model: &Specification,
     recordings: &[Recording],
     options: &Options,
+    doubted: &[(String, Vec<Doubt>)],
 ) -> String {
+    let doubt = |name: &String, doubt: &Doubt| {
+        let mut value = doubt_json(doubt);
+        value["recording"] = name.as_str().into();
+        value
+    };
+    let doubts = doubted.iter();
+    let doubts = doubts.flat_map(|(name, found)| found.iter().map(move |one| doubt(name, one)));
     let names: Vec<&str> = recordings.iter().map(|r| r.name.as_str()).collect();
     let count = fitted.estimates.len();
     let correlation = |a: usize| -> Vec<f64> {
@@ -26,6 +36,7 @@ pub fn to_json(
             "segment_s": options.segment, "starts": options.starts, "seed": options.seed,
             "robust": options.robust,
         },
+        "doubts": doubts.collect::<Vec<_>>(),
         "parameters": fitted.estimates.iter().enumerate()
             .map(|(k, estimate)| parameter(estimate, k < fitted.model_parameters))
             .collect::<Vec<_>>(),

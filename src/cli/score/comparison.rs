@@ -5,11 +5,14 @@ use crate::identification::{
     DataSplit, ErrorSummary, Latencies, PoseError, PredictionWindow, WindowOptions, WindowSet,
     common, summarise,
 };
+use crate::inspection::Doubt;
 use rayon::prelude::*;
 
 /// A recording's windows and the models that predict them.
 pub struct ModelComparison {
     pub name: String,
+    /// Doubts about its data.
+    pub doubts: Vec<Doubt>,
     pub latencies: Latencies,
     /// How the windows are cut.
     pub cut: WindowOptions,

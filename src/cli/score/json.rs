@@ -3,6 +3,7 @@
 use super::comparison::{ComparisonResult, ModelScores, PooledResult};
 use crate::identification::{ErrorSummary, Latency};
 use crate::recording::IntervalEstimate;
+use crate::report::inspection::doubt_json;
 use serde_json::{Map, Value, json};
 
 pub fn render(
@@ -46,6 +47,7 @@ fn recording(all: &ComparisonResult) -> Value {
         });
     json!({
         "recording": comparison.name,
+        "doubts": comparison.doubts.iter().map(doubt_json).collect::<Vec<_>>(),
         "windows": comparison.set.windows.len(),
         "left_out": {
             "standing": comparison.set.rejected.standing,

@@ -6,6 +6,7 @@ mod models;
 mod table;
 
 use super::answer::{Answer, Caller};
+use super::doubts;
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::NominalArgs;
@@ -101,13 +102,17 @@ impl Question {
         let threads = jobs::pool(args.jobs)?;
         let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
             let named = &given.named;
-            let (recording, notes) =
-                recordings::read(path, named.vehicle.as_ref(), &named.columns)?;
-            let comparison = prepare(args, &recording, &given)?;
+            let vehicle = named.vehicle.as_ref();
+            let (recording, notes) = recordings::read(path, vehicle, &named.columns)?;
+            let (recording, found) = doubts::settled(recording, vehicle);
+            let mut comparison = prepare(args, &recording, &given)?;
             let within_a_run = comparison.halves.within_a_run;
-            let doubt = given.doubt(&recording, &comparison.cut, within_a_run);
-            let warnings = notes.into_iter().chain(recording.warnings()).chain(doubt);
-            Ok((warnings.collect(), comparison))
+            let overlap = given.doubt(&recording, &comparison.cut, within_a_run);
+            let warnings = notes.into_iter().chain(recording.warnings());
+            let warnings = warnings.chain(doubts::lines(&recording.name, &found));
+            let warnings = warnings.chain(overlap).collect();
+            comparison.doubts = found;
+            Ok((warnings, comparison))
         };
         // Collected in the order of the arguments, so that the first error is always the same.
         let all: Vec<_> = threads.install(|| args.recordings.par_iter().map(prepared).collect());
@@ -207,6 +212,7 @@ fn prepare(
     let models = ComparedModel::all(&set.windows, &halves.fitted, nominal, given);
     Ok(ModelComparison {
         name: recording.name.clone(),
+        doubts: Vec::new(),
         latencies,
         cut: how,
         heading_noise: noise,

@@ -78,6 +78,7 @@ fn exerts_along(searched: &SearchResult, effect: Option<usize>) -> bool {
 fn class(subject: Subject) -> Class {
     match subject {
         Subject::Effect(effect) => CATALOGUE[effect].class,
+        Subject::Data => Class::Sensor,
         Subject::Unknown | Subject::Nothing => Class::Resistance,
     }
 }

@@ -9,6 +9,7 @@ pub fn phrase(subject: Subject) -> String {
     match subject {
         Subject::Unknown => "something that the catalogue does not contain".into(),
         Subject::Nothing => "nothing missing".into(),
+        Subject::Data => "data that are not what they claim".into(),
         Subject::Effect(effect) => {
             let declared = CATALOGUE[effect];
             format!("{} ({})", declared.phrase, declared.name)

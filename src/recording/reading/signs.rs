@@ -27,6 +27,10 @@ const UNCLEAR: f64 = 0.5;
 /// Largest angle between the measured and the expected relation \[rad\].
 pub const NEAR: f64 = 0.3;
 
+/// Minimum correlation of a crossed relation, and maximum of the usual one, for a side that counts backwards.
+const CROSSED: f64 = 0.9;
+const UNRELATED: f64 = 0.5;
+
 /// The result of comparing two signals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Vote {
@@ -64,6 +68,7 @@ impl Comparison {
 /// Corrects swapped columns and inverted signs.
 pub fn settle(samples: &mut RawSamples) {
     use Vote::{Absent, Against, Together};
+    correct_side(samples);
     let pose_wheels = Comparison::of(compare(samples, STEP, wheel_difference, heading));
     let gyro_wheels = Comparison::of(compare(samples, STEP, wheel_difference, gyro));
     let pose_gyro = Comparison::of(compare(samples, STEP, heading, gyro));
@@ -120,6 +125,42 @@ pub fn settle(samples: &mut RawSamples) {
         }
         _ => {}
     }
+}
+
+/// Inverts the side that counts backwards. Then the vehicle turns with the mean of the wheel speeds and moves ahead with
+/// their difference; both witnesses must show it.
+fn correct_side(samples: &mut RawSamples) {
+    let correlation = |found: Option<Agreement>| found.map(|found| found.strongest().0);
+    let crossed = |by_one: Option<f64>, by_other: Option<f64>| {
+        Some(by_one?.abs() >= CROSSED && by_other?.abs() <= UNRELATED)
+    };
+    let mut turns = None;
+    for turn in [heading, gyro] {
+        let by_mean = correlation(compare(samples, STEP, turn, wheel_mean));
+        let by_difference = correlation(compare(samples, STEP, turn, wheel_difference));
+        match crossed(by_mean, by_difference) {
+            Some(false) => return,
+            Some(true) => turns = by_mean.zip(by_difference),
+            None => {}
+        }
+    }
+    let by_difference = correlation(compare(samples, STEP, travel, wheel_difference));
+    let by_mean = correlation(compare(samples, STEP, travel, wheel_mean));
+    let (Some((turn, usual)), Some(true)) = (turns, crossed(by_difference, by_mean)) else {
+        return;
+    };
+    // With the right side inverted the mean is half the difference, with its sign changed.
+    let side = if turn < 0.0 {
+        Channel::OmegaRight
+    } else {
+        Channel::OmegaLeft
+    };
+    let text = format!(
+        "its sign turned round: this side counted backwards. The vehicle turns with the mean of the wheel speeds \
+         (correlation {turn:.2}) and not with their difference ({usual:.2}), and moves ahead with their difference ({:.2})",
+        by_difference.unwrap_or(0.0)
+    );
+    invert(samples, side, 0.0, text);
 }
 
 /// Converts a heading that counts clockwise from this direction, as wheels and course over ground show, and inverts the

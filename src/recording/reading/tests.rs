@@ -460,3 +460,41 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_side_that_counts_backwards_is_put_right() {
+    for seed in 0..3 {
+        let good = drive(60.0, seed);
+        for (column, channel) in [(0, Channel::OmegaLeft), (1, Channel::OmegaRight)] {
+            let bad = with(&good, |_, v| v[column] = -v[column]);
+            assert_restored(&good, &bad, &[(NoteKind::Sign, Some(channel))]);
+            let text = &read(&bad).unwrap().notes[0].text;
+            assert!(text.contains("counted backwards"), "{text}");
+        }
+        // Without a pose it is left for the doubts about the recording.
+        let bad = with(&good, |_, v| v[1] = -v[1]);
+        let cells = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            [0, 1, 2, 6].map(|column| cells[column]).join(",")
+        };
+        let bad: Vec<String> = bad.lines().map(cells).collect();
+        let notes = read(&bad.join("\n")).unwrap().notes;
+        assert!(kinds(&notes).iter().all(|kind| *kind != NoteKind::Sign));
+    }
+}
+
+#[test]
+fn wheel_speeds_behind_a_gear_do_not_make_angles_degrees() {
+    let good = drive(60.0, 1);
+    for gear in [25.0, 38.3, 60.0] {
+        let bad = with(&good, |_, v| {
+            (v[0], v[1]) = (v[0] / gear, v[1] / gear);
+        });
+        let recording = read(&bad).unwrap();
+        let found = kinds(&recording.notes);
+        assert!(!found.contains(&NoteKind::Unit), "{:?}", recording.notes);
+        assert!(found.contains(&NoteKind::Suspicion), "{gear}: {found:?}");
+        let heading = recording.runs[0].series(Channel::Heading).unwrap();
+        assert!((heading.at(30.0).unwrap() - good[600].1[4]).abs() < 0.1);
+    }
+}

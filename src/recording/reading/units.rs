@@ -9,7 +9,7 @@ use crate::recording::channel::Channel;
 use crate::recording::csv::{RawRun, RawSamples};
 use crate::recording::cumulated::{Cumulated, TimeGrid};
 use crate::recording::note::{Note, NoteKind};
-use crate::recording::statistics::range;
+use crate::recording::statistics::{nearest_rank, range};
 use crate::vehicle::Vehicle;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -24,6 +24,8 @@ const STRONG: f64 = 0.9;
 /// Maximum of yaw rate over difference of wheel speeds \[-\]. It is at most r / 2B, and no wheel's radius exceeds the
 /// track; degrees make the ratio 57 times as large.
 const MAX_TURN: f64 = 3.0;
+/// No vehicle keeps turning faster than this \[rad/s\]; angles that would are degrees.
+const FASTEST: f64 = 4.0;
 /// Jumps of a wrapped heading in degrees, and the size from which other jumps count \[deg\]. QUICK are the longest intervals
 /// \[s\] in which no vehicle turns by a full turn, or by a jump of that size.
 const FULL_TURN: RangeInclusive<f64> = 310.0..=360.5;
@@ -197,7 +199,29 @@ fn degrees(samples: &mut RawSamples, max_turn: f64) {
                     "the turn is {slope:.1} per radian of wheel difference (correlation {r:.2})"
                 )
             };
-            (heading_evidence, gyro_evidence) = (turn.map(text), yaw.map(text));
+            let turning = [fastest_turn(samples, heading), fastest_turn(samples, gyro)];
+            let [quick, fast] = turning.map(|rate| rate.is_some_and(|rate| rate > FASTEST));
+            // Wheel speeds that are too small, as those behind a gear, look the same as angles that are too large.
+            for (channel, found, is_fast) in [
+                (Channel::Heading, turn, quick),
+                (Channel::YawRate, yaw, fast),
+            ] {
+                if let Some(found) = found.filter(|_| !is_fast) {
+                    let text = format!(
+                        "may be degrees, or the wheel speeds may be too small (gear ratio, ticks per turn, unit): {}; left \
+                         as it is",
+                        text(found)
+                    );
+                    samples.note(
+                        NoteKind::Suspicion,
+                        Some(channel),
+                        samples.all(channel),
+                        text,
+                    );
+                }
+            }
+            heading_evidence = turn.filter(|_| quick).map(text);
+            gyro_evidence = yaw.filter(|_| fast).map(text);
             // Signals that turn equally fast have the same unit.
             if both.is_some() {
                 heading_evidence = heading_evidence.or_else(|| gyro_evidence.clone());
@@ -213,6 +237,22 @@ fn degrees(samples: &mut RawSamples, max_turn: f64) {
             from_degrees(samples, channel, &text);
         }
     }
+}
+
+/// The rate of turning, in the data's unit, that is exceeded for a twentieth of the time.
+fn fastest_turn(samples: &RawSamples, angle: impl Fn(&RawRun) -> Option<Cumulated>) -> Option<f64> {
+    let mut rates: Vec<f64> = Vec::new();
+    for sum in samples.runs.iter().filter_map(angle) {
+        let grid = TimeGrid::over(&sum, &sum, STEP)?;
+        rates.extend(
+            sum.mean_rates(&grid, SPAN)
+                .into_iter()
+                .flatten()
+                .map(f64::abs),
+        );
+    }
+    rates.sort_by(f64::total_cmp);
+    nearest_rank(&rates, 0.95)
 }
 
 /// Headings of a drive with few turns that agree with the course over ground as degrees and not as radians, and yaw rates

@@ -4,6 +4,7 @@ use super::words::{list, name};
 use crate::diagnosis::{
     Candidate, Caution, Diagnosis, Finding, Insufficient, Subject, Verdict, phrase,
 };
+use crate::inspection::Doubt;
 use crate::report::number::percent;
 
 /// What limits the verdict, except for what the headline states.
@@ -14,8 +15,22 @@ pub fn cautions(diagnosis: &Diagnosis) -> impl Iterator<Item = String> {
     others.map(Caution::text)
 }
 
+/// The doubt that the verdict is about.
+fn doubt(diagnosis: &Diagnosis) -> Option<&Doubt> {
+    if diagnosis.verdict != Verdict::Sensor || diagnosis.leading.is_some() {
+        return None;
+    }
+    diagnosis.cautions.iter().find_map(|caution| match caution {
+        Caution::DoubtfulData { doubt, .. } if !doubt.left_out => Some(doubt),
+        _ => None,
+    })
+}
+
 /// The verdict in plain words.
 pub fn headline(diagnosis: &Diagnosis) -> String {
+    if let Some(doubt) = doubt(diagnosis) {
+        return format!("The data, before any physics: {}", doubt.evidence);
+    }
     let findings = &diagnosis.findings[..];
     let leading = diagnosis.leading.and_then(|k| findings.get(k));
     match (diagnosis.verdict, leading) {
@@ -91,6 +106,22 @@ fn lacking(findings: &[Finding]) -> String {
 /// The probability of the finding and of the runner-up. Empty for several findings: each states its probability.
 pub fn probability(diagnosis: &Diagnosis) -> String {
     let judged = matches!(diagnosis.insufficient, None | Some(Insufficient::Undecided));
+    if let Some(doubt) = doubt(diagnosis) {
+        let others = diagnosis.candidates.iter();
+        let others = others.filter(|other| other.subject != Subject::Data);
+        let next = others.max_by(|a, b| a.probability.total_cmp(&b.probability));
+        let next = next.map_or(String::new(), |next| {
+            format!(
+                ", next {} {}",
+                name(next.subject),
+                percent(next.probability)
+            )
+        });
+        return format!(
+            "{} that the data are wrong{next}",
+            percent(doubt.probability)
+        );
+    }
     if diagnosis.account.segments == 0 || !judged {
         return String::new();
     }

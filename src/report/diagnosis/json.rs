@@ -8,6 +8,7 @@ use crate::diagnosis::{
     Manoeuvre, Quantity, Subject, Term,
 };
 use crate::fit::{Estimate, NoiseEstimate};
+use crate::report::inspection::doubt_json;
 use serde_json::{Map, Value, json as object};
 
 /// A finished diagnosis.
@@ -58,7 +59,12 @@ fn claim(claim: &Claim) -> Value {
 }
 
 fn caution(caution: &Caution) -> Value {
-    object!({ "kind": caution.name(), "text": caution.text() })
+    let mut value = object!({ "kind": caution.name(), "text": caution.text() });
+    if let Caution::DoubtfulData { recording, doubt } = caution {
+        value["recording"] = recording.as_str().into();
+        value["doubt"] = doubt_json(doubt);
+    }
+    value
 }
 
 fn kind(subject: Subject) -> Option<&'static str> {

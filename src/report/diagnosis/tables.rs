@@ -35,8 +35,8 @@ fn ranked(diagnosis: &Diagnosis) -> Vec<&Candidate> {
 pub fn probabilities(diagnosis: &Diagnosis) -> String {
     let ranked = ranked(diagnosis);
     let tint = |subject: Subject| match subject {
-        Subject::Effect(_) if subject.is_sensor() => Tint::Second,
-        Subject::Effect(_) => Tint::First,
+        Subject::Effect(_) | Subject::Data if subject.is_sensor() => Tint::Second,
+        Subject::Effect(_) | Subject::Data => Tint::First,
         Subject::Unknown | Subject::Nothing => Tint::Plain,
     };
     // Nothing and unknown are always shown.

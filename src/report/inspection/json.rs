@@ -1,7 +1,7 @@
 //! As JSON (format `ugv-inspection/1`), in SI units and radians.
 
 use super::words::quality;
-use crate::inspection::{ChannelReport, Delay, Inspection, MotionSummary, Noise, Timing};
+use crate::inspection::{ChannelReport, Delay, Doubt, Inspection, MotionSummary, Noise, Timing};
 use crate::recording::IntervalEstimate;
 use crate::recording::{Note, Recording};
 use serde_json::{Value, json as object};
@@ -12,6 +12,9 @@ pub fn json(recording: &Recording, inspection: &Inspection) -> String {
     let all = object!({
         "format": "ugv-inspection/1",
         "recording": recording.name,
+        "fit_for_diagnosis": inspection.fitness.0.name(),
+        "because": inspection.fitness.1,
+        "doubts": inspection.doubts.iter().map(doubt).collect::<Vec<_>>(),
         "notes": recording.notes.iter().map(note).collect::<Vec<_>>(),
         "motion": motion(inspection.motion),
         "channels": inspection.channels.iter().map(channel).collect::<Vec<_>>(),
@@ -29,6 +32,23 @@ pub fn json(recording: &Recording, inspection: &Inspection) -> String {
     });
     // This value always has a text.
     serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+}
+
+/// A doubt, also in other files.
+pub fn doubt(doubt: &Doubt) -> Value {
+    object!({
+        "kind": doubt.kind.name(),
+        "channels": doubt.channels.iter().map(|channel| channel.name()).collect::<Vec<_>>(),
+        "where": doubt.span.map(|span| object!({
+            "run": span.run,
+            "start": span.start,
+            "end": span.end,
+        })),
+        "probability": doubt.probability,
+        "left_out": doubt.left_out,
+        "evidence": doubt.evidence,
+        "remedy": doubt.remedy,
+    })
 }
 
 fn note(note: &Note) -> Value {

@@ -7,6 +7,6 @@ mod tables;
 mod text;
 mod words;
 
-pub use json::json;
+pub use json::{doubt as doubt_json, json};
 pub use page::page;
 pub use text::text;

@@ -10,7 +10,17 @@ use crate::report::number::digits;
 /// The inspection of a recording as a self-contained HTML page.
 #[must_use]
 pub fn page(recording: &Recording, inspection: &Inspection) -> String {
-    let mut body = motion(recording, inspection);
+    let mut body = format!(
+        "<p><strong>{}</strong></p>\n",
+        markup(&words::fitness(inspection))
+    );
+    for doubt in &inspection.doubts {
+        body += &format!(
+            "<p class=\"warning\">{}</p>\n",
+            markup(&words::doubt(doubt))
+        );
+    }
+    body += &motion(recording, inspection);
     for note in &recording.notes {
         let class = words::kind(note);
         body += &format!("<p class=\"{class}\">{}</p>\n", markup(&note.to_string()));

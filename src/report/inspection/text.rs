@@ -6,11 +6,17 @@ use crate::inspection::Inspection;
 use crate::recording::Recording;
 use crate::report::aligned;
 use std::fmt::Write;
+use textwrap::{Options, WordSplitter, fill};
+
+/// Maximum length of a line of sentences, and the indent of its continuation.
+const WIDTH: usize = 100;
+const INDENT: &str = "    ";
 
 /// The inspection of a recording in a few aligned lines.
 #[must_use]
 pub fn text(recording: &Recording, inspection: &Inspection) -> String {
-    let mut text = headline(recording, inspection);
+    let mut text = verdict(inspection);
+    text += &headline(recording, inspection);
     for note in &recording.notes {
         let kind = words::kind(note);
         let _ = writeln!(text, "{kind}: {}", visible_line(&note.to_string()));
@@ -45,6 +51,18 @@ pub fn text(recording: &Recording, inspection: &Inspection) -> String {
         text += &aligned(header, &delays);
     }
     text
+}
+
+/// Whether it can be diagnosed, and each doubt.
+fn verdict(inspection: &Inspection) -> String {
+    let options = Options::new(WIDTH)
+        .subsequent_indent(INDENT)
+        .break_words(false)
+        .word_splitter(WordSplitter::NoHyphenation);
+    let line = |text: String| fill(&visible_line(&text), &options) + "\n";
+    let doubts = inspection.doubts.iter().map(words::doubt).map(line);
+    let fitness = line(words::fitness(inspection));
+    fitness + &doubts.collect::<String>()
 }
 
 fn headline(recording: &Recording, inspection: &Inspection) -> String {

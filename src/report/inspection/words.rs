@@ -1,8 +1,19 @@
 //! Wording that text, JSON and page share.
 
-use crate::inspection::{Delay, Noise, Quality};
+use crate::inspection::{Delay, Doubt, Inspection, Noise, Quality};
 use crate::recording::{Note, Recording};
-use crate::report::number::digits;
+use crate::report::number::{digits, percent};
+
+/// Whether the recording can be diagnosed, and why not.
+pub fn fitness(inspection: &Inspection) -> String {
+    let (fitness, why) = &inspection.fitness;
+    format!("Fit for diagnosis: {}, because {why}.", fitness.name())
+}
+
+/// A doubt with its probability and remedy.
+pub fn doubt(doubt: &Doubt) -> String {
+    format!("doubt ({}): {doubt}", percent(doubt.probability))
+}
 
 /// Words of the kind of a note.
 pub fn kind(note: &Note) -> &'static str {

@@ -37,6 +37,6 @@ fuzz_target!(|data: &[u8]| {
         );
     }
     if recording.runs.len() <= RUNS {
-        let _ = inspect(&recording);
+        let _ = inspect(&recording, None);
     }
 });

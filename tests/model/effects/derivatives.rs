@@ -1,6 +1,7 @@
 //! Exact derivatives against differences: of a whole drive, by its beginning and by every parameter.
 
 use super::specification;
+use std::ops::ControlFlow;
 use ugv_terrain::effects::{CATALOGUE, EffectKind, Effects};
 use ugv_terrain::simulation::{SensitiveSimulation, Simulation, State, WheelSpeeds};
 use ugv_terrain::vehicle::{ModelParameter, Specification, VehicleModel};
@@ -349,6 +350,7 @@ fn derivatives_within_a_step_are_those_of_a_drive_that_ends_there() {
             reached += step.length();
             let middle = 0.5 * step.length();
             within.push((reached - middle, step.derivatives(middle).unwrap()));
+            ControlFlow::Continue(())
         })
         .unwrap();
     assert!(within.len() > 3);

@@ -1,0 +1,152 @@
+//! Doubts about the data, which go before the names of physics.
+
+use super::caution::Caution;
+use super::outcome::{Candidate, Diagnosis, Insufficient, Subject, Verdict};
+use super::progress::Progress;
+use crate::inspection::doubts::{PROBABLE, doubts_until, without};
+use crate::inspection::{Doubt, DoubtKind};
+use crate::recording::Recording;
+use crate::vehicle::Vehicle;
+use std::time::Duration;
+
+/// Share of a time limit that the doubts may take. Their work is bounded, so that it matters for short limits and many
+/// recordings alone.
+const SHARE: f64 = 0.2;
+
+/// What is missing if the time was up.
+const UNFINISHED: &str = "There was no time to compare the wheel speeds with the motion on other soils: a wrong wheel radius, \
+                          gear ratio or track is not ruled out (ugv inspect compares them).";
+
+/// The doubts about each recording.
+pub struct Doubts {
+    /// The name of each recording with its doubts.
+    each: Vec<(String, Vec<Doubt>)>,
+    /// Whether there was time for all comparisons.
+    is_whole: bool,
+}
+
+impl Doubts {
+    /// Asks about every recording, within a share of the time limit.
+    pub fn of(recordings: &[Recording], vehicle: &Vehicle, progress: &Progress) -> Self {
+        let until = progress.limit().map(|limit| limit.mul_f64(SHARE));
+        let is_late = || until.is_some_and(|until: Duration| progress.elapsed() > until);
+        let is_over = || is_late() || progress.go_on().is_err();
+        let cut_short = is_over();
+        let found = Self::while_not(recordings, vehicle, &is_over);
+        Self {
+            is_whole: !cut_short && !is_late(),
+            ..found
+        }
+    }
+
+    /// Asks about every recording without a limit.
+    pub fn whole(recordings: &[Recording], vehicle: &Vehicle) -> Self {
+        Self::while_not(recordings, vehicle, &|| false)
+    }
+
+    /// Asks without comparing wheel speeds with soils, which takes time.
+    pub fn quick(recordings: &[Recording], vehicle: &Vehicle) -> Self {
+        let found = Self::while_not(recordings, vehicle, &|| true);
+        Self {
+            is_whole: false,
+            ..found
+        }
+    }
+
+    fn while_not(
+        recordings: &[Recording],
+        vehicle: &Vehicle,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
+        let ask = |one: &Recording| (one.name.clone(), doubts_until(one, Some(vehicle), is_over));
+        Self {
+            each: recordings.iter().map(ask).collect(),
+            is_whole: true,
+        }
+    }
+
+    /// The recordings without the samples that are left out; `None` if all are used.
+    pub fn remaining(&self, recordings: &[Recording]) -> Option<Vec<Recording>> {
+        let mut all = self.each.iter().flat_map(|(_, doubts)| doubts);
+        if !all.any(|doubt| doubt.left_out) {
+            return None;
+        }
+        let pairs = recordings.iter().zip(&self.each);
+        Some(
+            pairs
+                .map(|(one, (_, doubts))| without(one, doubts))
+                .collect(),
+        )
+    }
+
+    /// Puts the doubts before the answer.
+    ///
+    /// The likeliest doubt about data that are used competes with everything else: it takes its probability p, and all other
+    /// probabilities shrink by 1 - p. From [`PROBABLE`] on the verdict is about it, and nothing else is claimed.
+    pub fn put_before(&self, diagnosis: &mut Diagnosis) {
+        let all = || {
+            let each = self.each.iter();
+            each.flat_map(|(name, doubts)| doubts.iter().map(move |doubt| (name, doubt)))
+        };
+        // What the reader and the importer noted may be harmless, and has a place among the notes.
+        let is_shown = |doubt: &Doubt| doubt.left_out || doubt.probability >= PROBABLE;
+        let mut shown: Vec<(&String, &Doubt)> =
+            all().filter(|(_, doubt)| is_shown(doubt)).collect();
+        shown.sort_by(|a, b| {
+            let used = a.1.left_out.cmp(&b.1.left_out);
+            used.then(b.1.probability.total_cmp(&a.1.probability))
+        });
+        let cautions = shown
+            .iter()
+            .map(|(recording, doubt)| Caution::DoubtfulData {
+                recording: (*recording).clone(),
+                doubt: (*doubt).clone(),
+            });
+        diagnosis.cautions.splice(0..0, cautions);
+        let notes = all().filter(|(_, doubt)| !is_shown(doubt) && doubt.kind != DoubtKind::Source);
+        let notes = notes.map(|(name, doubt)| {
+            format!(
+                "{name}: {doubt} Probability: {:.0} %.",
+                100.0 * doubt.probability
+            )
+        });
+        diagnosis.account.notes.extend(notes);
+        if !self.is_whole {
+            diagnosis.account.notes.push(UNFINISHED.into());
+        }
+        let used = shown.iter().find(|(_, doubt)| !doubt.left_out);
+        if let Some((recording, doubt)) = used {
+            lead(diagnosis, recording, doubt);
+        }
+    }
+}
+
+/// Makes the answer one about the data.
+fn lead(diagnosis: &mut Diagnosis, recording: &str, doubt: &Doubt) {
+    let physics = 1.0 - doubt.probability;
+    for finding in &mut diagnosis.findings {
+        finding.probability *= physics;
+    }
+    for claim in &mut diagnosis.claims {
+        claim.probability *= physics;
+    }
+    for candidate in &mut diagnosis.candidates {
+        candidate.probability *= physics;
+    }
+    diagnosis.candidates.push(Candidate {
+        probability: doubt.probability,
+        ..super::answer::candidates::empty(Subject::Data)
+    });
+    let by_probability = |a: &Candidate, b: &Candidate| b.probability.total_cmp(&a.probability);
+    diagnosis.candidates.sort_by(by_probability);
+    let otherwise = std::mem::take(&mut diagnosis.statement);
+    let otherwise = match (otherwise.is_empty(), diagnosis.insufficient) {
+        (true, _) => String::new(),
+        (false, Some(Insufficient::TimeUp)) => format!(" {otherwise}"),
+        (false, _) => format!(" If the data are right: {otherwise}"),
+    };
+    diagnosis.statement = format!("{recording}: {}.{otherwise}", doubt.remedy);
+    diagnosis.verdict = Verdict::Sensor;
+    diagnosis.insufficient = None;
+    diagnosis.leading = None;
+}

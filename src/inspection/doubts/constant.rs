@@ -1,0 +1,220 @@
+//! Channels that repeat one value, are cut off or have coarse steps, though they were alive.
+
+use super::doubt::{Doubt, DoubtKind, Span};
+use crate::recording::{Channel, Recording, Run, Series, longest_interval};
+
+/// Minimum duration and number of samples of a frozen stretch \[s\]. Shorter ones are interpolated like a gap.
+const LONG: f64 = 1.5;
+const MANY: usize = 10;
+/// Minimum number of samples elsewhere, and maximum share of repeated values among them.
+const ALIVE_SAMPLES: usize = 40;
+const ALIVE: f64 = 0.15;
+/// Minimum share of changes back and forth of a channel with noise.
+const NOISY: f64 = 0.1;
+/// Probability by chance of as many repeats below which the stretch is no coincidence.
+const CHANCE: f64 = 1e-9;
+/// Faster wheels or yaw rates show that the vehicle moves \[rad/s\].
+const MOVING: f64 = 0.2;
+const TURNING: f64 = 0.05;
+/// Share of samples at the largest or smallest value, in stretches of so many, that shows a limit.
+const CUT_SHARE: f64 = 0.03;
+const CUT_RUN: usize = 3;
+/// Steps as a share of the standard deviation that hide the motion, and the most values that a lattice may have.
+const COARSE: f64 = 0.25;
+const FEW_VALUES: usize = 40;
+
+/// Stretches in which a channel repeats one value exactly while the vehicle moves and the channel changes elsewhere.
+pub fn frozen(recording: &Recording) -> Vec<Doubt> {
+    let mut found = Vec::new();
+    for (index, run) in recording.runs.iter().enumerate() {
+        for (channel, series) in run.channels() {
+            let stretches = stretches(series);
+            let is_long = |[from, to]: &&[usize; 2]| {
+                to - from >= MANY && series.time[*to] - series.time[*from] >= LONG
+            };
+            let long: Vec<[usize; 2]> = stretches.iter().filter(is_long).copied().collect();
+            if long.is_empty() {
+                continue;
+            }
+            let inside: usize = long.iter().map(|[from, to]| to - from).sum();
+            let elsewhere = (series.len() - 1).saturating_sub(inside);
+            let short = stretches.iter().map(|[from, to]| to - from).sum::<usize>() - inside;
+            let repeats = short as f64 / elsewhere.max(1) as f64;
+            let is_alive = elsewhere >= ALIVE_SAMPLES && repeats <= ALIVE;
+            if !is_alive || noise_share(series) < NOISY {
+                continue;
+            }
+            let by_chance = |count: usize| {
+                elsewhere as f64 * repeats.max(1.0 / elsewhere as f64).powi(count as i32)
+            };
+            for [from, to] in long {
+                let (start, end) = (series.time[from], series.time[to]);
+                // A locked wheel reads exactly nothing.
+                let is_rest = series.value[from] == 0.0;
+                if !is_rest && by_chance(to - from) < CHANCE && moves(run, channel, start, end) {
+                    // The first sample may be a measurement; the last one is followed by another value.
+                    found.push(frozen_doubt(
+                        index,
+                        channel,
+                        series.value[from],
+                        [start, end],
+                    ));
+                }
+            }
+        }
+    }
+    found
+}
+
+fn frozen_doubt(run: usize, channel: Channel, value: f64, [start, end]: [f64; 2]) -> Doubt {
+    Doubt {
+        kind: DoubtKind::Frozen,
+        channels: vec![channel],
+        span: Some(Span { run, start, end }),
+        probability: 0.97,
+        left_out: true,
+        evidence: format!(
+            "{channel} is exactly {value} from {start:.1} to {end:.1} s, though it changes from sample to sample elsewhere \
+             and the vehicle moves"
+        ),
+        remedy: format!(
+            "These samples of {channel} are left out; check the sensor, its bus and its driver"
+        ),
+    }
+}
+
+/// Share of the changes from sample to sample that go the other way than the one before: two thirds for white noise, none for
+/// a smooth or computed course. Only noise shows that a constant value is no measurement.
+fn noise_share(series: &Series) -> f64 {
+    let changes = series.value.windows(2).map(|pair| pair[1] - pair[0]);
+    let changes: Vec<f64> = changes.filter(|change| *change != 0.0).collect();
+    let back = changes.windows(2).filter(|pair| pair[0] * pair[1] < 0.0);
+    back.count() as f64 / changes.len().max(1) as f64
+}
+
+/// Index of first and last sample of each stretch of equal values without a gap.
+fn stretches(series: &Series) -> Vec<[usize; 2]> {
+    let limit = longest_interval(series);
+    let mut found: Vec<[usize; 2]> = Vec::new();
+    for index in 1..series.len() {
+        let is_same = series.value[index] == series.value[index - 1]
+            && series.time[index] - series.time[index - 1] <= limit;
+        match found.last_mut() {
+            Some(last) if is_same && last[1] == index - 1 => last[1] = index,
+            _ if is_same => found.push([index - 1, index]),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Whether other channels show motion, for most of the time.
+fn moves(run: &Run, frozen: Channel, start: f64, end: f64) -> bool {
+    let by = |channel: Channel, limit: f64| {
+        if channel == frozen {
+            return false;
+        }
+        let Some(series) = run.series(channel) else {
+            return false;
+        };
+        let within = series.samples().filter(|(t, _)| (start..=end).contains(t));
+        let values: Vec<f64> = within.map(|(_, value)| value).collect();
+        let moving = values.iter().filter(|value| value.abs() > limit).count();
+        2 * moving > values.len() && !values.is_empty()
+    };
+    by(Channel::OmegaLeft, MOVING)
+        || by(Channel::OmegaRight, MOVING)
+        || by(Channel::YawRate, TURNING)
+        || by(Channel::VX, TURNING)
+}
+
+/// Channels that are cut off at their largest values, or have steps as coarse as the motion.
+pub fn coarse(recording: &Recording) -> Vec<Doubt> {
+    let channels = Channel::ALL.into_iter();
+    channels
+        .filter_map(|channel| {
+            saturated(recording, channel).or_else(|| quantised(recording, channel))
+        })
+        .collect()
+}
+
+fn saturated(recording: &Recording, channel: Channel) -> Option<Doubt> {
+    if matches!(channel, Channel::X | Channel::Y | Channel::Heading) {
+        return None;
+    }
+    let runs = || recording.runs.iter().filter_map(|run| run.series(channel));
+    let all = || runs().flat_map(|series| series.value.iter().copied());
+    let count = all().count();
+    let largest = all().map(f64::abs).fold(0.0, f64::max);
+    let (mut cut, mut repeats) = (0, 0);
+    for series in runs() {
+        for [from, to] in stretches(series) {
+            let length = to - from + 1;
+            let at_limit = series.value[from].abs() == largest;
+            if at_limit && length >= CUT_RUN {
+                cut += length;
+            } else {
+                repeats += length - 1;
+            }
+        }
+    }
+    let share = cut as f64 / count.max(1) as f64;
+    let is_noisy = runs().all(|series| noise_share(series) >= NOISY);
+    let is_alive = is_noisy && (repeats as f64) < 0.3 * ALIVE * (count - cut) as f64;
+    let is_cut = largest > 0.0 && share >= CUT_SHARE && count - cut >= ALIVE_SAMPLES;
+    (is_cut && is_alive).then(|| Doubt {
+        kind: DoubtKind::Saturated,
+        channels: vec![channel],
+        span: None,
+        probability: 0.7,
+        left_out: false,
+        evidence: format!(
+            "{channel} stays at its largest magnitude of exactly {largest} {} for {:.0} % of its samples, though it \
+             changes from sample to sample elsewhere",
+            channel.unit(),
+            100.0 * share
+        ),
+        remedy: "Check the range of the sensor or of its message: the true values may be larger".into(),
+    })
+}
+
+fn quantised(recording: &Recording, channel: Channel) -> Option<Doubt> {
+    let runs = recording.runs.iter().filter_map(|run| run.series(channel));
+    let mut values: Vec<f64> = runs
+        .flat_map(|series| series.value.iter().copied())
+        .collect();
+    let count = values.len() as f64;
+    if values.len() < 5 * FEW_VALUES {
+        return None;
+    }
+    let mean = values.iter().sum::<f64>() / count;
+    let deviation = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count;
+    let deviation = deviation.sqrt();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    if values.len() < 4 || values.len() > FEW_VALUES {
+        return None;
+    }
+    let steps = values.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = steps.fold(f64::INFINITY, f64::min);
+    let is_lattice = values.iter().all(|value| {
+        let place = (value - values[0]) / step;
+        (place - place.round()).abs() < 1e-3
+    });
+    (is_lattice && step >= COARSE * deviation).then(|| Doubt {
+        kind: DoubtKind::Quantised,
+        channels: vec![channel],
+        span: None,
+        probability: 0.5,
+        left_out: false,
+        evidence: format!(
+            "{channel} takes only {} values, in steps of {step:.3} {}, which is {:.0} % of its standard deviation",
+            values.len(),
+            channel.unit(),
+            100.0 * step / deviation
+        ),
+        remedy: "Record it with more digits, or over longer counting intervals: effects smaller than a step are not \
+                 seen"
+            .into(),
+    })
+}

@@ -1,0 +1,117 @@
+//! A doubt about a recording, and what the searches for doubts share.
+
+use crate::recording::{Channel, Run, range};
+use std::fmt;
+
+/// From this probability on a doubt goes before the names of physics.
+pub const PROBABLE: f64 = 0.5;
+/// Wheels slower than this share of their largest speed stand.
+const STANDING_SHARE: f64 = 0.1;
+
+/// What may be wrong with a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum DoubtKind {
+    /// The pose, or a part of it, was computed from the wheel speeds.
+    OwnOdometry,
+    /// A side counts backwards.
+    MirroredSide,
+    /// Only the magnitude of a velocity was recorded.
+    Unsigned,
+    /// Wheel speeds and distance do not belong together: radius, gear ratio, ticks, unit.
+    RollingRatio,
+    /// Wheel difference and turning do not belong together: track.
+    TurningRatio,
+    /// Heading and yaw rate differ by a factor.
+    HeadingFactor,
+    /// A channel repeats one value for seconds.
+    Frozen,
+    /// A channel is cut off at its largest value.
+    Saturated,
+    /// A channel has coarse steps.
+    Quantised,
+    /// The pose jumps.
+    Jump,
+    /// The wheel speeds are commands, not measurements.
+    Commanded,
+    /// Times are wrong.
+    Clock,
+    /// The importer doubted a source.
+    Source,
+}
+
+impl DoubtKind {
+    /// The name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::OwnOdometry => "own_odometry",
+            Self::MirroredSide => "mirrored_side",
+            Self::Unsigned => "unsigned",
+            Self::RollingRatio => "rolling_ratio",
+            Self::TurningRatio => "turning_ratio",
+            Self::HeadingFactor => "heading_factor",
+            Self::Frozen => "frozen",
+            Self::Saturated => "saturated",
+            Self::Quantised => "quantised",
+            Self::Jump => "jump",
+            Self::Commanded => "commanded",
+            Self::Clock => "clock",
+            Self::Source => "source",
+        }
+    }
+}
+
+/// A time interval of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Index of the run.
+    pub run: usize,
+    /// Time of the first sample concerned \[s\].
+    pub start: f64,
+    /// Time of the last one \[s\].
+    pub end: f64,
+}
+
+/// A hypothesis about the data that competes with physics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doubt {
+    /// What may be wrong.
+    pub kind: DoubtKind,
+    /// The channels concerned; none if it concerns times or sources.
+    pub channels: Vec<Channel>,
+    /// Where, if it concerns a part only.
+    pub span: Option<Span>,
+    /// Probability that this is wrong with the data.
+    pub probability: f64,
+    /// Whether fit, score and diagnosis leave these samples out.
+    pub left_out: bool,
+    /// The evidence, in a sentence.
+    pub evidence: String,
+    /// What to check or do, in a sentence.
+    pub remedy: String,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            evidence, remedy, ..
+        } = self;
+        write!(f, "{evidence}. {remedy}.")
+    }
+}
+
+/// Wheel speed below which wheels stand \[rad/s\]: the usual one, or a share of the largest. Speeds behind a gear, or in m/s,
+/// are small throughout.
+pub fn standing(runs: &[Run], usual: f64) -> f64 {
+    let sides = [Channel::OmegaLeft, Channel::OmegaRight];
+    let series = runs
+        .iter()
+        .flat_map(|run| sides.into_iter().filter_map(|side| run.series(side)));
+    let [low, high] = range(series.flat_map(|series| series.value.iter().copied()));
+    usual.min(STANDING_SHARE * high.max(-low))
+}
+
+/// Probability of a fault from how far a measure exceeds its limit, in units of the limit's width: 0.5 at the limit.
+pub fn logistic(excess: f64) -> f64 {
+    1.0 / (1.0 + (-excess).exp())
+}

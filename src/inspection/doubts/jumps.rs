@@ -1,0 +1,138 @@
+//! Positions and headings that jump further than the vehicle can move.
+
+use super::doubt::{Doubt, DoubtKind, Span, logistic};
+use crate::recording::{Channel, Recording, Run, Series, longest_interval, median};
+
+/// A jump exceeds this distance \[m\] or angle \[rad\], and this multiple of the usual step.
+const FAR: f64 = 0.5;
+const TURNED: f64 = 0.5;
+const USUAL: f64 = 8.0;
+/// Size of a jump at even odds \[m, rad\], as robust fits bear smaller ones; width of the transition in its logarithm.
+const CLEAR: f64 = 1.5;
+const WIDTH: f64 = 0.3;
+/// Largest speed of a vehicle beyond its wheels' fastest, and fastest turn without a gyro \[rad/s\].
+const FASTEST_TURN: f64 = 6.0;
+/// Jumps in more of the samples are the sensor's noise.
+const MAX_SHARE: f64 = 0.02;
+
+/// Doubts about jumps of the pose.
+pub fn doubts(recording: &Recording) -> Vec<Doubt> {
+    let runs = || recording.runs.iter().enumerate();
+    let mut positions: Vec<(Span, f64)> = Vec::new();
+    let mut headings: Vec<(Span, f64)> = Vec::new();
+    let (mut places, mut angles) = (0, 0);
+    for (index, run) in runs() {
+        let (found, count) = position_jumps(run, index);
+        positions.extend(found);
+        places += count;
+        if let Some(heading) = run.series(Channel::Heading) {
+            let steps = steps(heading, |k| (heading.value[k] - heading.value[k - 1]).abs());
+            angles += steps.len();
+            headings.extend(jumps(&steps, TURNED, FASTEST_TURN, index));
+        }
+    }
+    let found = [
+        of(
+            &positions,
+            places,
+            vec![Channel::X, Channel::Y],
+            "the position",
+            "m",
+            1.0,
+        ),
+        of(
+            &headings,
+            angles,
+            vec![Channel::Heading],
+            "heading",
+            "deg",
+            1f64.to_degrees(),
+        ),
+    ];
+    found.into_iter().flatten().collect()
+}
+
+fn of(
+    jumps: &[(Span, f64)],
+    samples: usize,
+    channels: Vec<Channel>,
+    what: &str,
+    unit: &str,
+    scale: f64,
+) -> Option<Doubt> {
+    let (span, size) = jumps.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if jumps.len() as f64 > (MAX_SHARE * samples as f64).max(1.0) {
+        return None;
+    }
+    let count = match jumps.len() {
+        1 => "once".into(),
+        more => format!("{more} times, most"),
+    };
+    Some(Doubt {
+        kind: DoubtKind::Jump,
+        channels,
+        span: Some(*span),
+        probability: logistic((size / CLEAR).ln() / WIDTH),
+        left_out: false,
+        evidence: format!(
+            "{what} jumps {count} by {:.1} {unit} between {:.2} and {:.2} s, which the vehicle cannot",
+            scale * size,
+            span.start,
+            span.end
+        ),
+        remedy: "Check the localisation there (loop closure, lost satellites), or leave these seconds out".into(),
+    })
+}
+
+/// Time, interval and size of each step without a gap.
+fn steps(series: &Series, size: impl Fn(usize) -> f64) -> Vec<[f64; 3]> {
+    let limit = longest_interval(series);
+    let steps = 1..series.len();
+    let steps = steps.map(|k| {
+        let interval = series.time[k] - series.time[k - 1];
+        [series.time[k - 1], interval, size(k)]
+    });
+    steps
+        .filter(|[_, interval, _]| *interval <= limit)
+        .collect()
+}
+
+/// The steps that are too large.
+fn jumps(steps: &[[f64; 3]], far: f64, speed: f64, run: usize) -> Vec<(Span, f64)> {
+    let mut sizes: Vec<f64> = steps.iter().map(|step| step[2]).collect();
+    let usual = median(&mut sizes);
+    let too_large = steps
+        .iter()
+        .filter(|[_, interval, size]| *size > far + speed * interval && *size > USUAL * usual);
+    let jump = |[start, interval, size]: &[f64; 3]| {
+        let (start, end) = (*start, start + interval);
+        (Span { run, start, end }, *size)
+    };
+    too_large.map(jump).collect()
+}
+
+/// Jumps of a position, and the number of its steps. The fastest plausible speed is that of nearly all steps.
+fn position_jumps(run: &Run, index: usize) -> (Vec<(Span, f64)>, usize) {
+    let (Some(x), Some(y)) = (run.series(Channel::X), run.series(Channel::Y)) else {
+        return (Vec::new(), 0);
+    };
+    let north: Series = x
+        .samples()
+        .filter_map(|(t, _)| Some((t, y.at(t)?)))
+        .collect();
+    if north.len() != x.len() {
+        return (Vec::new(), 0);
+    }
+    let size = |k: usize| (x.value[k] - x.value[k - 1]).hypot(north.value[k] - north.value[k - 1]);
+    let steps = steps(x, size);
+    let mut speeds: Vec<f64> = steps
+        .iter()
+        .map(|[_, interval, size]| size / interval)
+        .collect();
+    speeds.sort_by(f64::total_cmp);
+    let fastest = crate::recording::quantile(&speeds, 0.95);
+    if fastest.is_nan() {
+        return (Vec::new(), 0);
+    }
+    (jumps(&steps, FAR, 2.0 * fastest, index), steps.len())
+}

@@ -1,0 +1,179 @@
+//! Whether a recording can be what it claims: doubts about its data, to be asked before any name of physics.
+
+mod commands;
+mod constant;
+mod doubt;
+mod expected;
+mod jumps;
+mod odometry;
+mod pairs;
+mod provenance;
+mod ratios;
+mod signs;
+
+pub use doubt::{Doubt, DoubtKind, PROBABLE, Span};
+
+use crate::recording::{Channel, NoteKind, Recording, Series};
+use crate::vehicle::Vehicle;
+
+/// From this probability on the recording is unfit as it is.
+const NEARLY_SURE: f64 = 0.9;
+/// Less likely doubts are not reported.
+const WORTH_SAYING: f64 = 0.2;
+
+/// Whether a recording can be diagnosed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fitness {
+    /// Nothing speaks against it.
+    Fit,
+    /// Something may be wrong, or is left out.
+    WithDoubts,
+    /// What is recorded cannot be right, or is too little.
+    Unfit,
+}
+
+impl Fitness {
+    /// The name in files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fit => "yes",
+            Self::WithDoubts => "with doubts",
+            Self::Unfit => "no",
+        }
+    }
+}
+
+/// The doubts about a recording of a vehicle, the likeliest first.
+///
+/// Without a vehicle, ratios of wheel speeds to motion cannot be judged. The work is bounded: usually a second,
+/// a few where no soil fits at once.
+///
+/// # Algorithm
+/// 1. *Pairs.* Two sensors of one motion are compared by their mean rates over a second, at the delay of the highest
+///    correlation. Their *ratio* goes through the origin; what it leaves unexplained is measured against the variation.
+/// 2. *Copies.* Distance and heading that follow from the wheel speeds more exactly than slip allows were computed from
+///    them.
+/// 3. *Ratios.* Slip makes wheels roll further than the vehicle goes, by a share that depends on the soil, on
+///    acceleration and on turning. The wheel speeds therefore drive the given vehicle over the soils of the paper, of
+///    several stiffnesses. A factor on the wheel speeds, or on the track, has to explain the motion much better than the
+///    best soil without one, and to exceed the model's own errors. Where the factor of a unit explains the motion as well
+///    as the best number, it is the unit.
+/// 4. *Values.* Stretches of one value, cut-off or coarse values and jumps are judged against the same channel elsewhere.
+/// 5. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
+///
+/// A doubt that another one explains is dropped: a pose from the wheels fits neither the gyro nor any soil.
+#[must_use]
+pub fn doubts(recording: &Recording, vehicle: Option<&Vehicle>) -> Vec<Doubt> {
+    doubts_until(recording, vehicle, &|| false)
+}
+
+/// The same until a caller's time `is_over`: from then on wheel speeds are no longer compared with soils.
+#[must_use]
+pub fn doubts_until(
+    recording: &Recording,
+    vehicle: Option<&Vehicle>,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> Vec<Doubt> {
+    let vehicle = vehicle.or(recording.about.vehicle.as_ref());
+    let frozen = constant::frozen(recording);
+    let alive = without(recording, &frozen);
+    let mut found = odometry::doubts(&alive);
+    let is_own = found.iter().any(|doubt| doubt.probability >= PROBABLE);
+    found.extend(signs::doubts(&alive));
+    let is_signed = !found.iter().any(|doubt| {
+        matches!(doubt.kind, DoubtKind::MirroredSide | DoubtKind::Unsigned)
+            && doubt.probability >= PROBABLE
+    });
+    if !is_own {
+        found.extend(ratios::heading(&alive));
+    }
+    if is_signed {
+        found.extend(vehicle.and_then(|vehicle| ratios::wheels(&alive, vehicle, is_own, is_over)));
+    }
+    found.extend(frozen);
+    found.extend(constant::coarse(recording));
+    found.extend(jumps::doubts(&alive));
+    found.extend(commands::doubts(&alive));
+    found.extend(provenance::doubts(recording));
+    found.retain(|doubt| doubt.probability >= WORTH_SAYING);
+    found.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    found
+}
+
+/// Whether a recording can be diagnosed, and why not, in a clause.
+#[must_use]
+pub fn fitness(recording: &Recording, doubts: &[Doubt]) -> (Fitness, String) {
+    let moved = Channel::ALL.into_iter().filter(|c| !c.is_required());
+    let mut moved = moved.filter(|channel| !matches!(channel, Channel::AX | Channel::AY));
+    if !moved.any(|channel| recording.has(channel)) {
+        let why =
+            "no motion is recorded beside the wheel speeds: add x, y and heading, or yaw_rate";
+        return (Fitness::Unfit, why.into());
+    }
+    let Some(first) = doubts.first() else {
+        let why = "nothing in it contradicts itself";
+        let corrected = recording.notes.iter().any(|note| is_correction(note.kind));
+        let how = if corrected {
+            " after the corrections below"
+        } else {
+            ""
+        };
+        return (Fitness::Fit, format!("{why}{how}"));
+    };
+    let others = match doubts.len() - 1 {
+        0 => String::new(),
+        1 => " (and 1 more doubt)".into(),
+        more => format!(" (and {more} more doubts)"),
+    };
+    let is_open = |doubt: &&Doubt| !doubt.left_out && doubt.probability >= NEARLY_SURE;
+    let is_source = |doubt: &&Doubt| doubt.kind != DoubtKind::Source;
+    let unfit = doubts.iter().filter(is_open).find(is_source);
+    match unfit {
+        Some(worst) => (Fitness::Unfit, format!("{}{others}", worst.evidence)),
+        None if first.probability >= PROBABLE => {
+            let left_out = if first.left_out { "; left out" } else { "" };
+            let why = format!("{}{left_out}{others}", first.evidence);
+            (Fitness::WithDoubts, why)
+        }
+        None => {
+            let why = format!(
+                "no doubt is likely; the likeliest: {}{others}",
+                first.evidence
+            );
+            (Fitness::Fit, why)
+        }
+    }
+}
+
+/// Whether the reader changed what the values mean.
+fn is_correction(kind: NoteKind) -> bool {
+    matches!(
+        kind,
+        NoteKind::Unit | NoteKind::SwappedWheels | NoteKind::SwappedPosition | NoteKind::Sign
+    )
+}
+
+/// The recording without the samples that doubts leave out.
+#[must_use]
+pub fn without(recording: &Recording, doubts: &[Doubt]) -> Recording {
+    let mut rest = recording.clone();
+    for doubt in doubts.iter().filter(|doubt| doubt.left_out) {
+        let Some(Span { run, start, end }) = doubt.span else {
+            continue;
+        };
+        for channel in &doubt.channels {
+            let Some(series) = rest.runs[run].series(*channel) else {
+                continue;
+            };
+            let kept = series.samples();
+            let kept: Series = kept.filter(|(t, _)| *t < start || *t > end).collect();
+            let shortened = std::mem::take(&mut rest.runs[run]).with(*channel, kept);
+            rest.runs[run] = shortened;
+        }
+    }
+    rest
+}
+
+#[cfg(test)]
+mod tests;
