@@ -15,6 +15,12 @@ pub fn cautions(diagnosis: &Diagnosis) -> impl Iterator<Item = String> {
     others.map(Caution::text)
 }
 
+/// The claims about the first finding with their probabilities, the safest first.
+pub fn ladder(diagnosis: &Diagnosis) -> impl Iterator<Item = String> {
+    let claims = diagnosis.claims.iter();
+    claims.map(|claim| format!("{}: {}", percent(claim.probability), claim.statement))
+}
+
 /// The doubt that the verdict is about.
 fn doubt(diagnosis: &Diagnosis) -> Option<&Doubt> {
     if diagnosis.verdict != Verdict::Sensor || diagnosis.leading.is_some() {

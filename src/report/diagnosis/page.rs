@@ -53,6 +53,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     }
     let fact = |label: &str, text: String| (label.to_owned(), text);
     let mut facts = vec![fact("Probability", claim::probability(diagnosis))];
+    facts.extend(claim::ladder(diagnosis).map(|claim| fact("Claim", claim)));
     for finding in &diagnosis.findings {
         let label = if diagnosis.findings.len() > 1 {
             words::title(finding, diagnosis)

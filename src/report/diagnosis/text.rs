@@ -26,6 +26,9 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         lines.add("caution", &caution);
     }
     lines.add("probability", &claim::probability(diagnosis));
+    for claim in claim::ladder(diagnosis) {
+        lines.add("claim", &claim);
+    }
     for finding in diagnosis.findings.iter().take(MAX_ENTRIES) {
         lines.add_finding(finding, diagnosis);
     }
