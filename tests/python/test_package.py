@@ -191,6 +191,11 @@ class Analyses(unittest.TestCase):
         self.assertEqual({k: v for k, v in found.data.items() if k != "account"},
                          {k: v for k, v in expected.items() if k != "account"})
         self.assertGreater(len(steps), 3)
+        # A bolder claim is never likelier.
+        claims = found.data["claims"]
+        self.assertEqual([claim["level"] for claim in claims], ["where", "mechanism", "formula"][: len(claims)])
+        likely = [claim["probability"] for claim in claims]
+        self.assertEqual(likely, sorted(likely, reverse=True))
         self.assertIn("iframe", found._repr_html_())
         saved = folder / f"saved_{time.monotonic_ns()}"
         found.save(saved)
