@@ -275,7 +275,7 @@ mod tests {
             ),
             (
                 r#"{"drag": {"coefficient": -1}}"#,
-                "drag.coefficient = -1 N s^2/m^2 is outside its range [0, 200] N s^2/m^2",
+                "drag.coefficient = -1 N s^2/m^2 is outside its range [0, 1000] N s^2/m^2",
             ),
             (
                 r#"{"drag": 3}"#,

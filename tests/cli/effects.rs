@@ -37,7 +37,7 @@ fn an_effect_is_explained_and_printed_as_a_file_that_works() {
     let explanation = contains("equation: F = -k |V| V")
         .and(contains("source: quadratic drag"))
         .and(contains(
-            "0 to 200 N s^2/m^2, off at 0; prior when on 10 */ ",
+            "0 to 1000 N s^2/m^2, off at 0; prior when on 10 */ ",
         ));
     let assert = bench
         .ugv("effects drag grade")

@@ -33,8 +33,7 @@ pub struct FittedHypothesis {
     pub covariance: DMatrix<f64>,
     /// Residuals of each segment and their derivatives.
     pub tables: Vec<Tables>,
-    /// Log Bayes factor of the neighbourhood of its effects' formulas, see [`crate::diagnosis::screening::shape`]; zero
-    /// until it is computed.
+    /// Log Bayes factor of the neighbourhood of its effects' formulas (`screening/shape.rs`); zero until it is computed.
     pub shape_gain: f64,
 }
 

@@ -386,9 +386,7 @@ fn value(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::Subject;
-    use crate::diagnosis::hypothesis::likelihood::fit_hypothesis;
-    use crate::diagnosis::search::naming::placed;
+    use crate::diagnosis::search::naming::{ANY, finish, partial_fit};
     use crate::diagnosis::search::proposal::Proposal;
     use crate::diagnosis::testing::{driven, on, refitted, with_effects};
 
@@ -419,12 +417,12 @@ mod tests {
         let nominal = on("sandy_loam");
         let recordings = [driven(&with_effects(&nominal, effects), "spiral")];
         let (stage, noise) = refitted(&nominal, &recordings);
-        let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
-        let coefficients: Vec<usize> = stage.problem.candidates.of(Subject::Effect(drag)).collect();
-        let proposal = Proposal::new(Subject::Effect(drag), coefficients.clone());
-        let problem = placed(&stage.problem, &proposal).unwrap();
-        let fit = fit_hypothesis(&problem, &coefficients, &stage.fit.solution, &noise).unwrap();
-        gain_at(&problem, &coefficients, &fit.solution, &noise)
+        let is_drag =
+            |one: &&Proposal| one.subject.name() == "drag" && one.extent.is_none() && !one.hidden;
+        let proposal = stage.proposals.iter().find(is_drag).unwrap();
+        let fit = partial_fit(&stage.problem, proposal, &stage.fit, &noise, 1.0, ANY).unwrap();
+        let fit = finish(fit, &stage.fit, &noise).unwrap().fit;
+        fit.shape_gain
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! An accepted effect with its rivals.
 
 use super::proposal::Proposal;
-use super::rerank::close_to;
 use crate::diagnosis::Subject;
 use crate::effects::CATALOGUE;
 
@@ -9,6 +8,16 @@ use crate::effects::CATALOGUE;
 pub const TAKE: f64 = 0.5;
 /// Log prior of "nothing more" relative to one effect of the catalogue.
 pub const NOTHING: f64 = 4.5;
+
+/// Candidates are close within this difference and share of the largest log odds.
+const CLOSE: f64 = 4.5;
+const CLOSE_SHARE: f64 = 0.045;
+
+/// Lower limit of log odds that are close to the best.
+#[must_use]
+pub fn close_to(best: f64) -> f64 {
+    best - CLOSE - CLOSE_SHARE * best
+}
 
 /// An accepted effect.
 #[derive(Debug, Clone)]

@@ -5,9 +5,10 @@
 //! of the candidates close to the likeliest are refined in the full fit: they are unknowns of a Gauss–Newton step
 //! beside all others, with derivatives by differences; then the others follow.
 
+use super::accepted::close_to;
 use super::naming::{FittedCandidate, placed};
 use super::proposal::{Proposal, ProposalKind};
-use super::rerank::{AT_STAKE, close_to};
+use super::rerank::AT_STAKE;
 use crate::diagnosis::hypothesis::Solution;
 use crate::diagnosis::hypothesis::held_out::scores;
 use crate::diagnosis::hypothesis::likelihood::{

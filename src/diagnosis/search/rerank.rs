@@ -5,23 +5,15 @@
 //! weights are re-estimated with each candidate on, each candidate is fitted under every noise, and the mean log
 //! evidence decides. The winner keeps its gain; the others follow at their distance.
 
+use super::accepted::close_to;
 use super::naming::FittedCandidate;
 use crate::diagnosis::hypothesis::likelihood::{PARTIAL_FIT, continue_fit, own_noise};
 use crate::fit::problem::NoiseModel;
 
-/// Candidates are close within this difference and share of the largest log odds ...
-const CLOSE: f64 = 4.5;
-const CLOSE_SHARE: f64 = 0.045;
-/// ... if the log odds are large enough for noise to contain a part.
+/// Close candidates are compared if the log odds are large enough for noise to contain a part.
 pub const AT_STAKE: f64 = 20.0;
 /// Maximum number of compared candidates.
 const MOST: usize = 3;
-
-/// Lower limit of log odds that are close to the best.
-#[must_use]
-pub fn close_to(best: f64) -> f64 {
-    best - CLOSE - CLOSE_SHARE * best
-}
 
 /// Ranks close candidates.
 pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
