@@ -386,9 +386,6 @@ fn value(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::search::naming::{ANY, finish, partial_fit};
-    use crate::diagnosis::search::proposal::Proposal;
-    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
 
     #[test]
     fn an_even_mixture_costs_a_formula_that_fits_half_of_its_probability() {
@@ -410,27 +407,5 @@ mod tests {
         let features = features(&each, 1);
         assert_eq!(features(&each[0][0]), [1.0, 0.0, 0.0]);
         assert_eq!(features(&each[0][1]), [1.0, -RANGE, RANGE * RANGE]);
-    }
-
-    /// What shape freedom adds to `drag` fitted to a drive with these effects on sandy loam.
-    fn of_drag(effects: &str) -> f64 {
-        let nominal = on("sandy_loam");
-        let recordings = [driven(&with_effects(&nominal, effects), "spiral")];
-        let (stage, noise) = refitted(&nominal, &recordings);
-        let is_drag =
-            |one: &&Proposal| one.subject.name() == "drag" && one.extent.is_none() && !one.hidden;
-        let proposal = stage.proposals.iter().find(is_drag).unwrap();
-        let fit = partial_fit(&stage.problem, proposal, &stage.fit, &noise, 1.0, ANY).unwrap();
-        let fit = finish(fit, &stage.fit, &noise).unwrap().fit;
-        fit.shape_gain
-    }
-
-    #[test]
-    fn a_neighbouring_formula_is_seen_and_the_catalogue_s_own_is_not_blamed() {
-        let own = of_drag(r#"{"drag": {"coefficient": 60}}"#);
-        assert!((-EVEN - 1e-9..1.0).contains(&own), "{own}");
-        // Constant along the vehicle, in place of the square of the speed.
-        let other = of_drag(r#"{"residual_longitudinal": {"direction": -0.05}}"#);
-        assert!(other > 10.0, "{other}");
     }
 }
