@@ -191,17 +191,29 @@ class Analyses(unittest.TestCase):
         self.assertEqual({k: v for k, v in found.data.items() if k != "account"},
                          {k: v for k, v in expected.items() if k != "account"})
         self.assertGreater(len(steps), 3)
-        # A bolder claim is never likelier.
+        self.assertEqual(found.candidates[0]["effect"], "drag", found)
+        # A bolder claim is never likelier, and the catalogue's own formula is not blamed.
         claims = found.data["claims"]
         self.assertEqual([claim["level"] for claim in claims], ["where", "mechanism", "formula"][: len(claims)])
         likely = [claim["probability"] for claim in claims]
         self.assertEqual(likely, sorted(likely, reverse=True))
+        self.assertGreater(likely[2], 0.3)
         self.assertIn("iframe", found._repr_html_())
         saved = folder / f"saved_{time.monotonic_ns()}"
         found.save(saved)
         self.assertEqual(ugv.Model.from_file(saved / "model.json").to_dict(), found.model.to_dict())
         with self.assertRaises(FileExistsError):
             found.save(saved)
+
+    def test_a_mechanism_keeps_its_name_by_another_formula(self) -> None:
+        # The catalogue's drag acts against the velocity, this one along the vehicle alone.
+        other = {"residual_longitudinal": {"speed_squared": -0.03}}
+        columns = recorded(ugv.Model(terrain="sandy_loam", effects=other), 30.0)
+        found = ugv.diagnose(columns, model=ugv.Model(terrain="sandy_loam"))
+        self.assertEqual(found.candidates[0]["effect"], "drag", found)
+        where = found.data["claims"][0]
+        self.assertEqual(where["name"], "resistance_along")
+        self.assertGreater(where["probability"], 0.9)
 
     def test_pictures_are_drawn(self) -> None:
         import matplotlib
