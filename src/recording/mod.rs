@@ -19,6 +19,7 @@ mod smoothing;
 mod statistics;
 
 pub use about::About;
+#[cfg(feature = "cli")]
 pub(crate) use about::IMPORT_WARNING;
 pub use channel::Channel;
 pub use csv::{
