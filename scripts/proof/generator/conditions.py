@@ -1,4 +1,4 @@
-"""Families of other worlds have the conditions of the usual ones; their names begin with OTHER."""
+"""Names of families in which mechanisms act by other formulas begin with OTHER. Their conditions are those of the usual families."""
 
 OTHER = "other_"
 

@@ -91,8 +91,8 @@ def numbered(sets: list[Path], root: Path, wanted: range) -> list[str]:
 
 def claim(out: Path, folder: Path) -> None:
     """Results in a folder belong to one set of cases: refuses those of another. Older sets do not tell their family."""
-    told, known = files.load(folder / "set.json") or {}, files.load(out / "judged.json") or {}
-    own = {"seed": None} | {key: told[key] for key in ("seed", "family", "mix") if key in told}
+    described, known = files.load(folder / "set.json") or {}, files.load(out / "judged.json") or {}
+    own = {"seed": None} | {key: described[key] for key in ("seed", "family", "mix") if key in described}
     if any(known.get(key, value) != value for key, value in own.items()):
         theirs, ours = (f"{of['seed']}" + (f" and family {of['family']}" if of.get("family") else "") for of in (known, own))
         sys.exit(f"prove: {out} holds answers to other cases (seed {theirs}, these are of {ours}); take another --out or remove it")

@@ -132,16 +132,16 @@ class Judged:
 
     @property
     def sure_and_wrong(self) -> bool:
-        """The first thing that was told is neither the truth nor a set with it, and has a probability of SURE or more."""
+        """The first claim is wrong, its set lacks the truth, and its probability is SURE or more."""
         probability, right = self.claim or (0.0, True)
         return probability >= SURE and not right and not (self.detected and self.in_set)
 
     @property
     def true_mechanisms(self) -> list[str]:
         """Classes of what is missing. Truths without them are those of the catalogue's formulas."""
-        told = self.truth.get("mechanism") or {}
-        each = (told.get(e["effect"]) or mechanisms(e["effect"], e["parameters"]) for e in self.truth["effects"])
-        return sorted({name for classes in each for name in classes})
+        classes = self.truth.get("mechanism") or {}
+        each = (classes.get(e["effect"]) or mechanisms(e["effect"], e["parameters"]) for e in self.truth["effects"])
+        return sorted({name for names in each for name in names})
 
     @property
     def told_mechanisms(self) -> list[str]:

@@ -126,7 +126,7 @@ impl Evidence<'_> {
                 _ => posterior.with(Subject::Unknown, doubt),
             }
         };
-        // What mends a name's formula is no finding of its own.
+        // A residual model that corrects an effect's formula is not a finding.
         let named = |effect: &&AcceptedEffect| effect.proposal.subject != Subject::Unknown;
         let mends = |effect: &AcceptedEffect| effect.mends && accepted.iter().any(|o| named(&o));
         let judged = accepted
