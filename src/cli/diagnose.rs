@@ -1,10 +1,11 @@
 //! `ugv diagnose`: which physics does the model leave out?
 
 use super::answer::{Answer, Caller};
+use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
-use super::output::{Output, finish_all, notify_all, print};
+use super::output::{Output, finish_all, notify_all, print_beside};
 use super::progress::ProgressLine;
 use crate::diagnosis::{
     Caution, Diagnosis, DiagnosisError, Options, Progress, diagnose, insufficient,
@@ -22,7 +23,7 @@ use std::time::Duration;
 
 const EXAMPLES: &str = "\
 Examples:
-  ugv diagnose drive.csv --terrain sandy_loam --out diagnosis
+  ugv diagnose drive.csv --terrain sandy_loam --output diagnosis
   ugv diagnose there.csv back.csv --vehicle mine.json     # the way back separates slope from drag
   ugv simulate --input other.csv --model diagnosis/model.json --output motion.csv
 
@@ -49,11 +50,18 @@ pub struct Args {
     /// Folder for diagnosis.json, model.json and report.html; created if it does not exist
     #[arg(
         long,
-        visible_alias = "output",
+        short,
+        alias = "out",
         value_name = "DIR",
         default_value = "diagnosis"
     )]
-    out: PathBuf,
+    output: PathBuf,
+
+    #[command(flatten)]
+    json: JsonArgs,
+
+    #[command(flatten)]
+    replace: ForceArgs,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -192,27 +200,38 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let question = Question::of(args, &mut notes);
     notify_all(&notes, args.quiet);
     let question = question?;
-    let _folder = NewFolder::create(&args.out).map_err(|source| Failure::Write {
-        target: args.out.display().to_string(),
+    let _folder = NewFolder::create(&args.output).map_err(|source| Failure::Write {
+        target: args.output.display().to_string(),
         source,
     })?;
-    let inputs = args.nominal.files();
-    let inputs = || args.recordings.iter().chain(&inputs);
-    let outputs = FILES.map(|name| Output::from_inputs(Some(&args.out.join(name)), inputs()));
+    let files = args.nominal.files();
+    let inputs = || args.recordings.iter().chain(&files);
+    let force = args.replace.force;
+    let file = |name| Output::from_inputs(Some(&args.output.join(name)), inputs(), force);
+    let outputs: [Result<Output, Failure>; 3] = FILES.map(file);
     let outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let json = args.json.output(inputs(), force)?;
+    for (name, output) in FILES.iter().zip(&outputs) {
+        if let Some(json) = &json {
+            json.check_distinct(output, &format!("--json and {name}"))?;
+        }
+    }
     let found = question.answer(progress, args.within);
     line.finish();
     let found = found?;
-    let filled = outputs.into_iter().zip(found.texts());
-    let filled: Result<Vec<_>, _> = filled.map(|(output, text)| output.with(&text)).collect();
-    let written = filled.and_then(finish_all);
+    let texts = found.texts();
+    let json = json.map(|json| json.with(&texts[0]));
+    let filled = outputs.into_iter().zip(&texts);
+    let filled = filled.map(|(output, text)| output.with(text)).chain(json);
+    let written = filled.collect::<Result<Vec<_>, _>>().and_then(finish_all);
     if !args.quiet {
         // Also after a failed write, so that minutes of work are not lost.
-        print(&text(&found.diagnosis))?;
+        let mut summary = text(&found.diagnosis);
         if written.is_ok() {
-            let (folder, files) = (args.out.display().to_string(), FILES.join(", "));
-            print(&format!("written to {}: {files}\n", visible_line(&folder)))?;
+            let (folder, files) = (args.output.display().to_string(), FILES.join(", "));
+            summary += &format!("written to {}: {files}\n", visible_line(&folder));
         }
+        print_beside(&summary, &[args.json.place()])?;
     }
     written
 }

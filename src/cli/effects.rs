@@ -1,7 +1,8 @@
 //! `ugv effects`: physics beyond the paper, and effects of the sensors.
 
+use super::destination::PrintArgs;
 use super::failure::Failure;
-use super::output::{notify, write_stdout};
+use super::output::notify;
 use crate::effects::{
     CATALOGUE, Declaration, EffectKind, Effects, ParameterDeclaration, ParameterName, Prior,
 };
@@ -34,11 +35,14 @@ pub struct Args {
     /// Print these effects, as --effects takes them
     #[arg(value_parser = PossibleValuesParser::new(CATALOGUE.iter().map(|effect| effect.name)))]
     name: Vec<String>,
+
+    #[command(flatten)]
+    print: PrintArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.name.is_empty() {
-        return write_stdout(&list());
+        return args.print.write(&list());
     }
     let mut effects = Effects::NONE;
     for (index, effect) in CATALOGUE.iter().enumerate() {
@@ -51,7 +55,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             }
         }
     }
-    write_stdout(&effects.to_json())
+    args.print.write(&effects.to_json())
 }
 
 /// All effects with their parameters.

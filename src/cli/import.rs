@@ -1,5 +1,6 @@
 //! `ugv import`: makes a recording from a robot's log.
 
+use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::output::{Output, finish_all, is_stream, notify, print};
 use super::progress::ProgressLine;
@@ -10,7 +11,7 @@ use crate::import::{
 };
 use crate::json::read_file;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -58,8 +59,14 @@ pub struct Args {
     list: bool,
 
     /// CSV file for the recording; - or no option writes to standard output, without the .json
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, short, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+
+    #[command(flatten)]
+    json: JsonArgs,
+
+    #[command(flatten)]
+    replace: ForceArgs,
 
     /// Topics for any of joints, odometry, imu, fix, twist; `none` omits a kind
     #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
@@ -194,21 +201,21 @@ impl Args {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let options = args.options();
-    let files = (!args.list)
-        .then(|| RecordingFiles::new(args))
-        .transpose()?;
+    let json = args.json.output([&args.input], args.replace.force)?;
+    let files = (!args.list).then(|| RecordingFiles::new(args, json.as_ref()));
+    let files = files.transpose()?;
     let progress = ProgressLine::bytes(args.quiet);
     let survey = import::survey(&args.input, &mut |done, of| progress.reach(done, 2 * of))?;
     let Some(files) = files else {
         progress.finish();
-        return list(&args.input, &survey, &options);
+        return list(args, &survey, &options, json);
     };
     let imported = import::import(&args.input, &survey, &options, &mut |done, of| {
         progress.reach(of + done, 2 * of);
     });
     progress.finish();
     let imported = imported?;
-    let rows = files.write(&imported, args, &survey)?;
+    let rows = files.write(&imported, args, &survey, json)?;
     if !args.quiet {
         summarise(&imported, rows);
     }
@@ -217,7 +224,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 /// The recording, and the JSON file beside it.
 struct RecordingFiles {
-    table: Output,
+    /// Missing where standard output has the JSON instead.
+    table: Option<Output>,
     beside: Option<BesideFile>,
 }
 
@@ -228,27 +236,59 @@ struct BesideFile {
 }
 
 impl RecordingFiles {
-    fn new(args: &Args) -> Result<Self, Failure> {
-        let table = Output::from_inputs(args.output.as_deref(), [&args.input])?;
+    fn new(args: &Args, json: Option<&Output>) -> Result<Self, Failure> {
+        let (path, inputs) = (args.output.as_deref(), [&args.input]);
+        let force = args.replace.force;
+        let table = args.json.table(path, inputs, force, json)?;
         let path = args.output.as_ref().filter(|path| !is_stream(path));
         let beside = path.map(|path| BesideFile::new(&path.with_extension("json")));
         let beside = beside.transpose()?;
-        if let Some(beside) = &beside {
+        if let (Some(beside), Some(table)) = (&beside, &table) {
             beside
                 .output
-                .check_distinct(&table, "the recording and the .json file beside it")
+                .check_distinct(table, "the recording and the .json file beside it")
                 .map_err(|failure| failure.with_remedy("--output FILE.csv"))?;
+        }
+        if let (Some(beside), Some(json)) = (&beside, json) {
+            beside
+                .output
+                .check_distinct(json, "--json and the .json file beside the recording")
+                .map_err(|failure| failure.with_remedy("take another name for --json"))?;
         }
         Ok(Self { table, beside })
     }
 
-    /// Writes both and returns the number of rows.
-    fn write(mut self, imported: &Imported, args: &Args, survey: &Survey) -> Result<u64, Failure> {
-        let written = imported.write_csv(&mut self.table);
-        let rows = written.map_err(|source| self.table.failure(source))?;
-        let mut outputs = vec![self.table];
+    /// Writes all and returns the number of rows.
+    fn write(
+        self,
+        imported: &Imported,
+        args: &Args,
+        survey: &Survey,
+        json: Option<Output>,
+    ) -> Result<u64, Failure> {
+        let mut outputs = Vec::new();
+        let rows = match self.table {
+            Some(mut table) => {
+                let written = imported.write_csv(&mut table);
+                let rows = written.map_err(|source| table.failure(source))?;
+                outputs.push(table);
+                rows
+            }
+            None => imported
+                .write_csv(&mut io::sink())
+                .map_err(Failure::read(&args.input))?,
+        };
+        let provenance = imported.provenance(&args.input, survey);
+        if let Some(json) = json {
+            let document = json!({
+                "format": "ugv-import/1",
+                "rows": rows,
+                "seconds": imported.seconds(),
+                "provenance": provenance,
+            });
+            outputs.push(json.with(&format!("{document:#}\n"))?);
+        }
         if let Some(beside) = self.beside {
-            let provenance = imported.provenance(&args.input, survey);
             outputs.push(beside.filled(provenance, args.preset)?);
         }
         finish_all(outputs)?;
@@ -321,7 +361,12 @@ fn summarise(imported: &Imported, rows: u64) {
 const MOST_FRAMES: usize = 40;
 
 /// Prints the topics; a star marks those that an import uses.
-fn list(input: &Path, survey: &Survey, options: &ImportOptions) -> Result<(), Failure> {
+fn list(
+    args: &Args,
+    survey: &Survey,
+    options: &ImportOptions,
+    json: Option<Output>,
+) -> Result<(), Failure> {
     let (mut used, mut reasons) = (Vec::new(), Vec::new());
     for kind in MessageKind::ALL {
         let choice = import::choose(survey, kind, options)?;
@@ -377,7 +422,29 @@ fn list(input: &Path, survey: &Survey, options: &ImportOptions) -> Result<(), Fa
     for reason in reasons {
         let _ = writeln!(text, "{}", visible_line(&reason));
     }
-    print(&text)?;
+    if let Some(json) = json {
+        let topics = survey.topics.iter().map(|topic| {
+            let role = used.iter().find(|(chosen, _)| *chosen == topic);
+            json!({
+                "topic": topic.name,
+                "type": topic.message_type,
+                "encoding": topic.encoding,
+                "messages": topic.messages,
+                "rate_hz": topic.rate(),
+                "first_s": since(topic.logged[0]),
+                "last_s": since(topic.logged[1]),
+                "serves_as": topic.kind().map(MessageKind::name),
+                "used": role.is_some(),
+                "joints": topic.joints,
+                "frames": topic.transforms.keys().map(|[child, parent]| [parent, child]).collect::<Vec<_>>(),
+            })
+        });
+        let document = json!({ "format": "ugv-topics/1", "topics": topics.collect::<Vec<_>>() });
+        json.with(&format!("{document:#}\n"))?.finish()?;
+    }
+    if !args.json.is_stdout() {
+        print(&text)?;
+    }
     survey
         .notes
         .iter()
@@ -385,7 +452,7 @@ fn list(input: &Path, survey: &Survey, options: &ImportOptions) -> Result<(), Fa
     if let Ending::Broken { place, reason } = &survey.ending {
         notify(&format!(
             "warning: {} is damaged {place}: {reason}; the list has the topics before the damage",
-            input.display()
+            args.input.display()
         ));
     }
     Ok(())

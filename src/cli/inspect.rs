@@ -1,6 +1,7 @@
 //! `ugv inspect`: whether a recording can be diagnosed, and its quality.
 
 use super::columns::ColumnArgs;
+use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::model::load_vehicle;
 use super::output::{Output, finish_all, notify, print_beside};
@@ -13,7 +14,7 @@ const EXAMPLES: &str = "\
 Examples:
   ugv inspect drive.csv
   ugv inspect drive.csv --vehicle mine.json
-  ugv inspect drive.csv --page drive.html --json drive.inspection.json --quiet
+  ugv inspect drive.csv --report drive.html --json drive.inspection.json --quiet
 
 Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], heading [rad], v_x,v_y
          [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A
@@ -45,42 +46,45 @@ pub struct Args {
     #[command(flatten)]
     columns: ColumnArgs,
 
-    /// Write all results as JSON; - writes to standard output
-    #[arg(long, value_name = "FILE.json")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonArgs,
 
-    /// Write a page with plots
-    #[arg(long, value_name = "FILE.html")]
-    page: Option<PathBuf>,
+    /// Write a report with plots
+    #[arg(long, alias = "page", value_name = "FILE.html")]
+    report: Option<PathBuf>,
 
-    /// Write the files without a text
+    #[command(flatten)]
+    replace: ForceArgs,
+
+    /// No text
     #[arg(long, short)]
     quiet: bool,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let mut files = Vec::new();
-    for path in [&args.json, &args.page].into_iter().flatten() {
-        let inputs = std::iter::once(&args.recording).chain(&args.vehicle);
-        files.push(Output::from_inputs(Some(path), inputs)?);
-    }
-    if let [json, page] = &files[..] {
-        json.check_distinct(page, "--json and --page")?;
+    let inputs = || std::iter::once(&args.recording).chain(&args.vehicle);
+    let force = args.replace.force;
+    let json_file = args.json.output(inputs(), force)?;
+    let report = args.report.as_deref();
+    let report_file = report.map(|path| Output::from_inputs(Some(path), inputs(), force));
+    let report_file = report_file.transpose()?;
+    if let (Some(json), Some(report)) = (&json_file, &report_file) {
+        json.check_distinct(report, "--json and --report")?;
     }
     let vehicle = args.vehicle.as_deref().map(load_vehicle).transpose()?;
     let vehicle = vehicle.as_ref();
     let (recording, notes) = recordings::read(&args.recording, vehicle, &args.columns.columns)?;
     notes.iter().for_each(|note| notify(note));
     let inspection = inspect(&recording, vehicle);
-    let texts = [
-        args.json.as_ref().map(|_| json(&recording, &inspection)),
-        args.page.as_ref().map(|_| page(&recording, &inspection)),
+    let filled = [
+        json_file.map(|file| file.with(&json(&recording, &inspection))),
+        report_file.map(|file| file.with(&page(&recording, &inspection))),
     ];
-    let filled = files.into_iter().zip(texts.iter().flatten());
-    let filled: Result<Vec<_>, _> = filled.map(|(file, text)| file.with(text)).collect();
+    let filled: Result<Vec<_>, _> = filled.into_iter().flatten().collect();
     finish_all(filled?)?;
     if args.quiet {
         return Ok(());
     }
-    print_beside(&text(&recording, &inspection), &[&args.json, &args.page])
+    let text = text(&recording, &inspection);
+    print_beside(&text, &[args.json.place(), report])
 }

@@ -3,6 +3,7 @@
 mod answer;
 mod columns;
 mod completions;
+mod destination;
 mod diagnose;
 mod doubts;
 mod effects;

@@ -55,13 +55,15 @@ impl Output {
         Ok(output)
     }
 
-    /// As [`Output::to`], for a result of some input files: it replaces neither these nor the JSON file beside a recording.
+    /// As [`Output::to`], for a result of some input files: it replaces neither these nor the JSON file beside a recording,
+    /// and another file by `force` alone.
     ///
     /// # Errors
-    /// As [`Output::to`], and a path that leads to one of these files.
+    /// As [`Output::to`], a path that leads to one of these files, and one of a file that exists.
     pub fn from_inputs<'a>(
         path: Option<&Path>,
         inputs: impl IntoIterator<Item = &'a PathBuf>,
+        force: bool,
     ) -> Result<Self, Failure> {
         let output = Self::to(path)?;
         for input in inputs {
@@ -74,7 +76,20 @@ impl Output {
                 );
             }
         }
+        output.check_free(force)?;
         Ok(output)
+    }
+
+    /// Refuses to replace a file, unless by `force`. Devices and pipes are not replaced.
+    fn check_free(&self, force: bool) -> Result<(), Failure> {
+        match &self.destination {
+            Destination::File(path) if !force && path.is_file() => {
+                let reason = format!("{} exists", path.display());
+                Err(Failure::argument(reason)
+                    .with_remedy("--force replaces it; or name another place"))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn is_at(&self, other: &Path) -> bool {
@@ -269,6 +284,11 @@ pub fn notify_all(notes: &[String], quiet: bool) {
     shown.for_each(|note| notify(note));
 }
 
+/// Writes a text to a file, or to standard output for `-` or nothing.
+pub fn write_product(path: Option<&Path>, force: bool, text: &str) -> Result<(), Failure> {
+    Output::from_inputs(path, [], force)?.with(text)?.finish()
+}
+
 /// Prints data.
 pub fn write_stdout(text: &str) -> Result<(), Failure> {
     Output::to(None)?.with(text)?.finish()
@@ -281,8 +301,8 @@ pub fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// As [`print()`], but on standard error if one of these arguments sends data to standard output.
-pub fn print_beside(text: &str, files: &[&Option<PathBuf>]) -> Result<(), Failure> {
-    let mut files = files.iter().copied().flatten();
+pub fn print_beside(text: &str, files: &[Option<&Path>]) -> Result<(), Failure> {
+    let mut files = files.iter().flatten();
     if files.any(|path| is_stream(path)) {
         text.lines().for_each(notify);
         return Ok(());

@@ -1,12 +1,14 @@
 //! `ugv package`: makes an FMU of a vehicle on a terrain.
 
+use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::model::{ModelArgs, load_terrain};
-use super::output::{Output, notify};
+use super::output::{Output, finish_all, notify};
 use crate::declaration::Configuration;
 use crate::package::{MergeError, PackageError, Platform, Standard, merge_fmus, write_fmu};
 use crate::terrain::Terrain;
 use crate::vehicle::VehicleModel;
+use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
@@ -61,6 +63,12 @@ pub struct Args {
         conflicts_with_all = ["fmi", "library", "vehicle", "terrain", "model", "effects"]
     )]
     merge: Vec<PathBuf>,
+
+    #[command(flatten)]
+    json: JsonArgs,
+
+    #[command(flatten)]
+    replace: ForceArgs,
 }
 
 /// Parses PLATFORM=FILE.
@@ -93,7 +101,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let path = args.output.as_deref().unwrap_or(Path::new(default));
     let mut inputs = args.model.files();
     inputs.extend(files.into_iter().map(|(_, path)| path));
-    let output = Output::from_inputs(Some(path), &inputs)?;
+    let force = args.replace.force;
+    let output = Output::from_inputs(Some(path), &inputs, force)?;
+    let json = args.json.output(&inputs, force)?;
     let mut fmu = Cursor::new(Vec::new());
     let written = write_fmu(&mut fmu, standard, &configuration, &libraries);
     written.map_err(|error| match error {
@@ -101,12 +111,19 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         other => Failure::argument(other.to_string())
             .with_remedy("rebuild the library with scripts/package.sh"),
     })?;
-    finish(output, fmu.get_ref())?;
     let platforms: Vec<&str> = libraries
         .iter()
         .map(|(platform, _)| platform.name())
         .collect();
     let reasons = configuration.for_co_simulation_alone();
+    let results = json!({
+        "format": "ugv-package/1",
+        "fmu": path.to_string_lossy(),
+        "fmi": args.fmi,
+        "platforms": platforms,
+        "co_simulation_alone": reasons,
+    });
+    finish(output, fmu.get_ref(), json, &results)?;
     let limits = if reasons.is_empty() {
         String::new()
     } else {
@@ -128,14 +145,21 @@ fn merge(args: &Args) -> Result<(), Failure> {
         inputs.push((path.display().to_string(), BufReader::new(file)));
     }
     let path = args.output.as_deref().unwrap_or(Path::new("ugv.fmu"));
-    // The result may replace one of the inputs.
-    let output = Output::to(Some(path))?;
+    // With --force the result may replace one of the inputs.
+    let force = args.replace.force;
+    let output = Output::from_inputs(Some(path), [], force)?;
+    let json = args.json.output(&args.merge, force)?;
     let mut fmu = Cursor::new(Vec::new());
     let merged = merge_fmus(&mut fmu, inputs).map_err(|error| match error {
         MergeError::Write(source) => output.failure(source),
         other => Failure::argument(other.to_string()).with_remedy(remedy(&other)),
     })?;
-    finish(output, fmu.get_ref())?;
+    let results = json!({
+        "format": "ugv-package/1",
+        "fmu": path.to_string_lossy(),
+        "binaries": merged,
+    });
+    finish(output, fmu.get_ref(), json, &results)?;
     notify(&format!(
         "{} written, with {}",
         path.display(),
@@ -156,10 +180,20 @@ fn remedy(error: &MergeError) -> &'static str {
     }
 }
 
-fn finish(mut output: Output, fmu: &[u8]) -> Result<(), Failure> {
+/// Writes the FMU, and what is in it as JSON.
+fn finish(
+    mut output: Output,
+    fmu: &[u8],
+    json: Option<Output>,
+    results: &Value,
+) -> Result<(), Failure> {
+    if let Some(json) = &json {
+        json.check_distinct(&output, "--json and --output")?;
+    }
     let written = output.write_all(fmu);
     written.map_err(|source| output.failure(source))?;
-    output.finish()
+    let json = json.map(|json| json.with(&format!("{results:#}\n")));
+    finish_all([output].into_iter().chain(json.transpose()?))
 }
 
 fn configuration(args: &Args) -> Result<Configuration, Failure> {

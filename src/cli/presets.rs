@@ -2,7 +2,8 @@
 
 use super::failure::Failure;
 use super::model::ModelArgs;
-use super::output::{notify, write_stdout};
+use super::destination::PrintArgs;
+use super::output::notify;
 use crate::import::Preset;
 use crate::terrain::Terrain;
 use crate::vehicle::{Vehicle, VehicleModel};
@@ -20,6 +21,9 @@ pub struct TerrainsArgs {
     /// Print this one, as --terrain takes it.
     #[arg(value_parser = PossibleValuesParser::new(Terrain::PRESETS))]
     name: Option<String>,
+
+    #[command(flatten)]
+    print: PrintArgs,
 }
 
 const VEHICLE_EXAMPLES: &str = "\
@@ -34,6 +38,9 @@ pub struct VehicleArgs {
     /// Print this one, by its maker's published model
     #[arg(value_parser = PossibleValuesParser::new(Preset::NAMES))]
     name: Option<String>,
+
+    #[command(flatten)]
+    print: PrintArgs,
 }
 
 const MODEL_EXAMPLES: &str = "\
@@ -48,19 +55,22 @@ Examples:
 pub struct WholeModelArgs {
     #[command(flatten)]
     model: ModelArgs,
+
+    #[command(flatten)]
+    print: PrintArgs,
 }
 
 pub fn model(args: &WholeModelArgs) -> Result<(), Failure> {
     let specification = args.model.specification()?;
     // Refuses a vehicle and a terrain that do not fit together.
     VehicleModel::from_specification(&specification)?;
-    write_stdout(&specification.to_json())
+    args.print.write(&specification.to_json())
 }
 
 pub fn terrains(args: &TerrainsArgs) -> Result<(), Failure> {
     match args.name.as_deref().and_then(Terrain::preset) {
-        Some(terrain) => write_stdout(&terrain.to_json()),
-        None => write_stdout(&all_terrains()),
+        Some(terrain) => args.print.write(&terrain.to_json()),
+        None => args.print.write(&all_terrains()),
     }
 }
 
@@ -69,7 +79,7 @@ pub fn vehicle(args: &VehicleArgs) -> Result<(), Failure> {
     if let Some(preset) = preset {
         notify(&format!("note: {}", preset.source()));
     }
-    write_stdout(
+    args.print.write(
         &preset
             .map_or_else(Vehicle::tran2007, Preset::vehicle)
             .to_json(),

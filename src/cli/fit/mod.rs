@@ -1,10 +1,11 @@
 //! `ugv fit`: soil parameters from recordings.
 
 mod names;
-mod report;
+mod results;
 mod summary;
 
 use super::answer::{Answer, Caller};
+use super::destination::{ForceArgs, JsonArgs};
 use super::doubts;
 use super::failure::Failure;
 use super::jobs;
@@ -24,17 +25,17 @@ use std::time::Instant;
 
 const EXAMPLES: &str = "\
 Examples:
-  ugv fit drive.csv --output model.json --report fit.json
+  ugv fit drive.csv --output model.json --json fit.json
   ugv fit drive.csv --half --output half.json    # then: ugv score drive.csv --model half.json
-  ugv fit monday.csv tuesday.csv --vehicle mine.json --terrain sandy_loam --report fit.json
+  ugv fit monday.csv tuesday.csv --vehicle mine.json --terrain sandy_loam --json fit.json
   ugv fit drive.csv --free cohesion,friction_angle,wheel_radius --sensors pose_latency
   ugv fit --free help          # all parameters, with their priors
 
 Input:   recordings with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,
          yaw_rate [s, m, rad]. An empty cell is a missing sample. Several recordings share soil and
          vehicle; each has its latencies and biases.
-Output:  the fitted model, for `ugv simulate --model FILE`. The report has the intervals and all
-         other results, in SI units and radians.";
+Output:  the fitted model, for `ugv simulate --model FILE`. The JSON has the intervals and all other
+         results, in SI units and radians.";
 
 /// Fit soil parameters to recordings, with intervals.
 #[derive(clap::Args)]
@@ -85,17 +86,30 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(jobs::RANGE))]
     jobs: Option<u16>,
 
-    /// JSON file for the fitted model; - writes to standard output
-    #[arg(long, value_name = "FILE.json")]
+    /// File for the fitted model; - writes to standard output [default: none]
+    #[arg(long, short, value_name = "FILE.json")]
     output: Option<PathBuf>,
 
-    /// JSON file for all results: intervals, correlations, noise, other solutions
-    #[arg(long, value_name = "FILE.json")]
+    #[command(flatten)]
+    json: JsonArgs,
+
+    /// There is no report as HTML
+    #[arg(long, hide = true, value_name = "FILE", num_args = 0..=1, value_parser = no_report)]
     report: Option<PathBuf>,
+
+    #[command(flatten)]
+    replace: ForceArgs,
 
     /// Neither summary nor progress
     #[arg(long, short)]
     quiet: bool,
+}
+
+/// Refuses a report, which is HTML in other commands.
+fn no_report(path: &str) -> Result<PathBuf, String> {
+    Err(format!(
+        "a fit has no report as HTML; --json {path} writes all results"
+    ))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -123,7 +137,7 @@ struct Question {
 struct Found {
     fit: Fit,
     model: String,
-    report: String,
+    results: String,
 }
 
 impl Question {
@@ -185,7 +199,7 @@ impl Question {
         let Fitted { model, fit } = pool.install(fit)?;
         Ok(Found {
             model: model.to_json_fitted(&fitted_to(recordings, !args.half)),
-            report: report::to_json(&fit, &model, recordings, options, doubted),
+            results: results::to_json(&fit, &model, recordings, options, doubted),
             fit,
         })
     }
@@ -199,10 +213,10 @@ pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
     let found = question.answer(args, caller)?;
     let seconds = started.elapsed().as_secs_f64();
     let summary = summary::text(&found.fit, &question.recordings, seconds);
-    let Found { model, report, .. } = found;
+    let Found { model, results, .. } = found;
     let texts = vec![
         ("model.json", model),
-        ("fit.json", report),
+        ("fit.json", results),
         ("summary", summary),
     ];
     Ok(Answer { texts, notes })
@@ -218,11 +232,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let question = question?;
     let files = args.nominal.files();
     let inputs = || args.recordings.iter().chain(&files);
-    let file = |path: &Path| Output::from_inputs(Some(path), inputs());
+    let force = args.replace.force;
+    let file = |path: &Path| Output::from_inputs(Some(path), inputs(), force);
     let output = args.output.as_deref().map(file).transpose()?;
-    let report = args.report.as_deref().map(file).transpose()?;
-    if let (Some(output), Some(report)) = (&output, &report) {
-        report.check_distinct(output, "--report and --output")?;
+    let json = args.json.output(inputs(), force)?;
+    if let (Some(output), Some(json)) = (&output, &json) {
+        json.check_distinct(output, "--json and --output")?;
     }
     let started = Instant::now();
     let progress = ProgressLine::steps(args.quiet);
@@ -234,7 +249,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     progress.finish();
     let filled = [
         output.map(|output| output.with(&found.model)),
-        report.map(|report| report.with(&found.report)),
+        json.map(|json| json.with(&found.results)),
     ];
     let filled: Result<Vec<_>, _> = filled.into_iter().flatten().collect();
     let written = filled.and_then(finish_all);
@@ -242,7 +257,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         // Also after a failed write, so that minutes of work are not lost.
         let seconds = started.elapsed().as_secs_f64();
         let text = summary::text(&found.fit, &question.recordings, seconds);
-        print_beside(&text, &[&args.output, &args.report])?;
+        print_beside(&text, &[args.output.as_deref(), args.json.place()])?;
     }
     written
 }

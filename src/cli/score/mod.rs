@@ -6,11 +6,12 @@ mod models;
 mod table;
 
 use super::answer::{Answer, Caller};
+use super::destination::{ForceArgs, JsonArgs};
 use super::doubts;
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::NominalArgs;
-use super::output::{Output, is_stream, notify_all, print};
+use super::output::{notify_all, print_beside};
 use super::progress::ProgressLine;
 use super::recordings;
 use crate::identification::{
@@ -68,16 +69,17 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = HeadingChoice::Auto)]
     heading: HeadingChoice,
 
-    /// Write all results to a file (format ugv-score/1); - writes to standard output instead of the
-    /// table
-    #[arg(long, value_name = "FILE.json")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonArgs,
+
+    #[command(flatten)]
+    replace: ForceArgs,
 
     /// Threads [default: one per processor]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(jobs::RANGE))]
     jobs: Option<u16>,
 
-    /// Show no progress
+    /// Neither table nor progress
     #[arg(long, short)]
     quiet: bool,
 }
@@ -158,9 +160,7 @@ pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let files = args.model.files();
     let inputs = || args.recordings.iter().chain(&files);
-    let json = args.json.as_deref();
-    let output = json.map(|path| Output::from_inputs(Some(path), inputs()));
-    let output = output.transpose()?;
+    let output = args.json.output(inputs(), args.replace.force)?;
     let mut notes = Vec::new();
     let question = Question::of(args, &mut notes);
     notify_all(&notes, args.quiet);
@@ -170,8 +170,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let results = question.answer(|| progress.count());
     progress.finish();
     let pooled = pool(&results);
-    if !json.is_some_and(is_stream) {
-        print(&table::render(args.horizon, &results, pooled.as_deref()))?;
+    if !args.quiet {
+        let table = table::render(args.horizon, &results, pooled.as_deref());
+        print_beside(&table, &[args.json.place()])?;
     }
     if let Some(output) = output {
         let text = json::render(args.horizon, args.spacing, &results, pooled.as_deref());

@@ -5,6 +5,7 @@ mod plot;
 mod table;
 
 use super::columns::ColumnArgs;
+use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::initial::{InitialArgument, initial_state};
 use super::input::{doubts, filled, read_file, read_input};
@@ -17,14 +18,15 @@ use crate::simulation::{Simulation, SimulationError, State};
 use crate::vehicle::{VehicleModel, seen_from};
 use drive::{DrivePoint, Schedule, drive};
 use plot::Trace;
+use serde_json::json;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
 Examples:
   ugv simulate --input drive.csv --output motion.csv --plot motion.svg
-  ugv simulate --input drive.csv --terrain dry_sand --initial v_x=1.1 --output-step 0.05
+  ugv simulate --input drive.csv --terrain dry_sand --initial v_x=1.1 --output-step input
   ugv simulate --input drive.csv --vehicle mine.json --initial no-slip heading=1.57 --output -
   ugv simulate --input drive.csv --effects effects.json --output motion.csv
   ugv simulate --input drive.csv --effects ruts.json --initial no-slip --settled --output motion.csv
@@ -69,26 +71,61 @@ pub struct Args {
     course: Option<PathBuf>,
 
     /// CSV file for the motion; - or nothing writes to standard output
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, short, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 
-    /// Write a row at this interval and at the end, instead of one per row of the input
-    #[arg(long, value_name = "S", value_parser = step)]
-    output_step: Option<f64>,
+    /// Write a row at this interval and at the end; `input`: at the rows of the input
+    #[arg(long, value_name = "S|input", default_value = "0.05", value_parser = step)]
+    output_step: OutputStep,
+
+    #[command(flatten)]
+    json: JsonArgs,
 
     /// Draw path, speeds, slips, resistance and moments
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+
+    #[command(flatten)]
+    replace: ForceArgs,
 
     /// Neither summary nor progress
     #[arg(long, short)]
     quiet: bool,
 }
 
-fn step(text: &str) -> Result<f64, String> {
+/// The interval between points of a plot \[s\]: a bend at full speed is smooth.
+const PLOT_STEP: f64 = 0.05;
+
+/// When rows of the output are due.
+#[derive(Debug, Clone, Copy)]
+enum OutputStep {
+    /// At each row of the input.
+    Input,
+    /// At this interval \[s\].
+    Seconds(f64),
+}
+
+impl OutputStep {
+    fn seconds(self) -> Option<f64> {
+        match self {
+            Self::Input => None,
+            Self::Seconds(step) => Some(step),
+        }
+    }
+
+    /// Whether the rows draw smooth lines.
+    fn is_dense(self) -> bool {
+        self.seconds().is_some_and(|step| step <= PLOT_STEP)
+    }
+}
+
+fn step(text: &str) -> Result<OutputStep, String> {
+    if text == "input" {
+        return Ok(OutputStep::Input);
+    }
     match text.parse() {
-        Ok(step) if f64::is_finite(step) && step > 0.0 => Ok(step),
-        _ => Err("expected a number of seconds above 0".into()),
+        Ok(step) if f64::is_finite(step) && step > 0.0 => Ok(OutputStep::Seconds(step)),
+        _ => Err("expected a number of seconds above 0, or input".into()),
     }
 }
 
@@ -102,7 +139,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         model.vehicle().wheel_radius,
         args.quiet,
     )?;
-    doubts(&recording).iter().for_each(|doubt| notify(doubt));
+    let warnings = doubts(&recording);
+    warnings.iter().for_each(|doubt| notify(doubt));
     let state = initial_state(
         &args.initial,
         model.vehicle(),
@@ -110,53 +148,76 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     )?;
     let course = args.course.as_deref();
     let course = course.map(|path| read_file(path, read_poses)).transpose()?;
-    let schedule = Schedule::new(&recording, args.output_step)?;
+    let course = course.or(args.settled.then(Vec::new));
+    let schedule = Schedule::new(&recording, args.output_step.seconds())?;
     let mut inputs = args.model.files();
     inputs.push(args.input.clone());
     inputs.extend(args.course.clone());
-    let output = |path: Option<&Path>| Output::from_inputs(path, &inputs);
-    let mut table = output(args.output.as_deref())?;
-    let picture = args.plot.as_deref().map(|path| output(Some(path)));
+    let force = args.replace.force;
+    let json = args.json.output(&inputs, force)?;
+    let output = args.output.as_deref();
+    let mut table = args.json.table(output, &inputs, force, json.as_ref())?;
+    let picture = args.plot.as_deref();
+    let picture = picture.map(|path| Output::from_inputs(Some(path), &inputs, force));
     let picture = picture.transpose()?;
-    if let Some(picture) = &picture {
-        picture.check_distinct(&table, "--plot and --output")?;
+    for (other, names) in [
+        (&table, "--plot and --output"),
+        (&json, "--plot and --json"),
+    ] {
+        if let (Some(picture), Some(other)) = (&picture, other) {
+            picture.check_distinct(other, names)?;
+        }
     }
 
-    let mut trace = picture
-        .is_some()
-        .then(|| Trace::new(model.vehicle(), state));
+    let vehicle = model.vehicle().clone();
+    let begin = || -> Result<Simulation, SimulationError> {
+        let mut simulation = Simulation::new(model.clone());
+        start(&mut simulation, &recording, state, course.as_deref())?;
+        Ok(simulation)
+    };
+    let mut trace = picture.is_some().then(|| Trace::new(&vehicle, state));
     let progress = ProgressLine::counting(0, args.quiet);
-    let mut simulation = Simulation::new(model);
-    let course = course.or(args.settled.then(Vec::new));
-    start(&mut simulation, &recording, state, course.as_deref())?;
+    let mut simulation = begin()?;
     let mut summary = DriveSummary::new(&recording, simulation.state());
-    let columns = table::columns(simulation.model().vehicle());
-    table
-        .write_all(table::header(&columns).as_bytes())
-        .map_err(|source| table.failure(source))?;
+    let columns = table::columns(&vehicle);
+    if let Some(table) = &mut table {
+        table
+            .write_all(table::header(&columns).as_bytes())
+            .map_err(|source| table.failure(source))?;
+    }
     drive(&recording, schedule, &mut simulation, |point| {
         summary.visit(point);
         let share = (point.time - recording.time[0]) / recording.duration();
         progress.reach((1e3 * share) as u64, 1000);
-        if let Some(trace) = &mut trace {
+        if let Some(trace) = trace.as_mut().filter(|_| args.output_step.is_dense()) {
             trace.visit(point);
         }
-        if point.is_row {
-            table::write_row(&mut table, &columns, point)
-                .map_err(|source| table.failure(source))?;
+        if let Some(table) = table.as_mut().filter(|_| point.is_row) {
+            table::write_row(table, &columns, point).map_err(|source| table.failure(source))?;
         }
         Ok(())
     })?;
+    if let Some(trace) = trace.as_mut().filter(|_| !args.output_step.is_dense()) {
+        // A drive for the plot alone: stops in between would change the last bits of the table.
+        let schedule = Schedule::new(&recording, Some(PLOT_STEP))?;
+        drive(&recording, schedule, &mut begin()?, |point| {
+            trace.visit(point);
+            Ok(())
+        })?;
+    }
     progress.finish();
     let elapsed = summary.started.elapsed();
 
-    let mut outputs = vec![table];
-    if let (Some(trace), Some(picture)) = (&trace, picture) {
-        outputs.push(picture.with(&trace.draw(&args.model.ground()))?);
-    }
-    finish_all(outputs)?;
+    let picture = picture.zip(trace.as_ref());
+    let picture =
+        picture.map(|(picture, trace)| picture.with(&trace.draw(&args.model.ground())));
+    let effects = effects.as_deref();
+    let json = json.map(|json| json.with(&summary.json(&recording, effects, &warnings)));
+    let outputs = [table.map(Ok), picture, json];
+    let outputs = outputs.into_iter().flatten();
+    finish_all(outputs.collect::<Result<Vec<_>, _>>()?)?;
     if !args.quiet {
-        summary.print(&recording, effects.as_deref(), elapsed.as_secs_f64());
+        summary.print(&recording, effects, elapsed.as_secs_f64());
     }
     Ok(())
 }
@@ -184,7 +245,9 @@ struct DriveSummary {
     start: f64,
     last: State,
     distance: f64,
-    has_warned: bool,
+    rows: u64,
+    /// When a wheel first lifted off, and its number.
+    lifted: Option<(f64, usize)>,
 }
 
 impl DriveSummary {
@@ -194,24 +257,53 @@ impl DriveSummary {
             start: recording.time[0],
             last: state,
             distance: 0.0,
-            has_warned: false,
+            rows: 0,
+            lifted: None,
         }
     }
 
     fn visit(&mut self, point: &DrivePoint) {
         self.distance += (point.state.x - self.last.x).hypot(point.state.y - self.last.y);
         self.last = point.state;
+        self.rows += u64::from(point.is_row);
         let mut wheels = point.wrench.wheels.iter();
         if let Some(wheel) = wheels.position(|wheel| wheel.load <= 0.0)
-            && !self.has_warned
+            && self.lifted.is_none()
         {
-            self.has_warned = true;
+            self.lifted = Some((point.time, wheel + 1));
             notify(&format!(
                 "warning: at {} s wheel {} lifts off the ground; the others carry its load",
                 point.time,
                 wheel + 1
             ));
         }
+    }
+
+    /// The drive as JSON, format `ugv-simulation/1`.
+    fn json(&self, recording: &Drive, effects: Option<&str>, warnings: &[String]) -> String {
+        let State {
+            x,
+            y,
+            heading,
+            v_x,
+            v_y,
+            yaw_rate,
+        } = self.last;
+        let document = json!({
+            "format": "ugv-simulation/1",
+            "start": self.start,
+            "duration": recording.duration(),
+            "rows": self.rows,
+            "interpolated_rows": recording.filled_rows,
+            "distance": self.distance,
+            "end": {
+                "x": x, "y": y, "heading": heading, "v_x": v_x, "v_y": v_y, "yaw_rate": yaw_rate,
+            },
+            "lift_off": self.lifted.map(|(time, wheel)| json!({ "time": time, "wheel": wheel })),
+            "effects": effects.map_or_else(Vec::new, |names| names.split(", ").collect()),
+            "warnings": warnings,
+        });
+        format!("{document:#}\n")
     }
 
     fn print(&self, recording: &Drive, effects: Option<&str>, elapsed: f64) {

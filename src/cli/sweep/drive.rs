@@ -3,6 +3,7 @@
 use crate::simulation::State;
 use crate::simulation::batch::Rollout;
 use crate::vehicle::Wrench;
+use serde_json::{Value, json};
 use std::io::{self, Write};
 
 /// Columns of the result, after the parameters.
@@ -100,6 +101,22 @@ impl DriveResult {
     fn sink(&mut self, wrench: &Wrench) {
         let sinkages = wrench.wheels.iter().map(|wheel| wheel.sinkage);
         self.largest_sinkage = sinkages.fold(self.largest_sinkage, f64::max);
+    }
+
+    /// The cells by the names of their columns; a missing value is null.
+    pub fn json(&self) -> Value {
+        let [x, y, heading, v_x, v_y, yaw_rate] = self.state.to_array().map(|value| value + 0.0);
+        let slip = Some(self.slip).filter(|slip| slip.count > 0);
+        json!({
+            "time": self.time,
+            "x": x, "y": y, "heading": heading, "v_x": v_x, "v_y": v_y, "yaw_rate": yaw_rate,
+            "distance": self.distance,
+            "largest_slip": slip.map(|slip| slip.largest),
+            "mean_slip": slip.map(|slip| slip.sum / slip.count as f64),
+            "largest_sinkage": self.largest_sinkage + 0.0,
+            "resistance_work": self.resistance_work + 0.0,
+            "error": self.error,
+        })
     }
 
     /// Writes the cells, each after a comma; a missing value is an empty cell. The numbers read back to the

@@ -6,18 +6,20 @@ mod parameters;
 mod setup;
 
 use super::columns::ColumnArgs;
+use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::initial::InitialArgument;
 use super::input::{doubts, filled, read_input};
 use super::jobs;
 use super::model::ModelArgs;
-use super::output::{Output, notify};
+use super::output::{Output, finish_all, notify};
 use super::progress::ProgressLine;
 use crate::recording::Drive;
 use crate::simulation::batch::each;
 use distribution::{VariedParameter, VariedValues};
 use drive::{COLUMNS, DriveResult, drive};
 use parameters::{ParameterRow, ParameterTable};
+use serde_json::{Value, json};
 use setup::Setup;
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -89,12 +91,18 @@ pub struct Args {
     table: Option<PathBuf>,
 
     /// Write the table of parameters without driving
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     samples_only: bool,
 
     /// CSV file for the table; - or nothing writes to standard output
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, short, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+
+    #[command(flatten)]
+    json: JsonArgs,
+
+    #[command(flatten)]
+    replace: ForceArgs,
 
     /// Threads [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(jobs::RANGE))]
@@ -107,8 +115,11 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let files = args.model.files();
-    let inputs = args.input.iter().chain(&args.table).chain(&files);
-    let mut output = Output::from_inputs(args.output.as_deref(), inputs)?;
+    let inputs = || args.input.iter().chain(&args.table).chain(&files);
+    let force = args.replace.force;
+    let json = args.json.output(inputs(), force)?;
+    let table = args.output.as_deref();
+    let mut output = args.json.table(table, inputs(), force, json.as_ref())?;
     let samples = match &args.table {
         Some(path) => ParameterTable::read(path)?,
         None => draw(args)?,
@@ -131,7 +142,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let setup = Setup::new(specification, &args.initial, &drive, &samples.names)?;
     setup.check(&samples, args.table.as_deref())?;
-    if args.samples_only {
+    if let Some(mut output) = output.take_if(|_| args.samples_only) {
         samples
             .write(&mut output)
             .map_err(|source| output.failure(source))?;
@@ -143,9 +154,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         );
     }
     let started = Instant::now();
-    let summary = sweep(args, &setup, &samples, &mut output)?;
+    let mut results = json.is_some().then(Vec::new);
+    let summary = sweep(args, &setup, &samples, output.as_mut(), results.as_mut())?;
     let elapsed = started.elapsed().as_secs_f64();
-    output.finish()?;
+    let json = json.zip(results);
+    let json = json.map(|(json, results)| json.with(&summary.json(&drive, results)));
+    finish_all(output.into_iter().chain(json.transpose()?))?;
     if !args.quiet {
         summary.print(samples.rows.len(), drive.duration(), elapsed);
     }
@@ -175,7 +189,8 @@ fn sweep(
     args: &Args,
     setup: &Setup,
     samples: &ParameterTable,
-    output: &mut Output,
+    mut output: Option<&mut Output>,
+    mut results: Option<&mut Vec<Value>>,
 ) -> Result<SweepSummary, Failure> {
     let pool = jobs::pool(args.jobs)?;
     let progress = ProgressLine::counting(samples.rows.len() as u64, args.quiet);
@@ -185,13 +200,25 @@ fn sweep(
         Ok(result)
     };
     let mut summary = SweepSummary::default();
-    writeln!(output, "{},{COLUMNS}", samples.header()).map_err(|e| output.failure(e))?;
+    if let Some(output) = &mut output {
+        writeln!(output, "{},{COLUMNS}", samples.header()).map_err(|e| output.failure(e))?;
+    }
     for block in samples.rows.chunks(BLOCK) {
-        let results = pool.install(|| each(block, one));
-        for (sample, result) in block.iter().zip(results) {
+        let driven = pool.install(|| each(block, one));
+        for (sample, result) in block.iter().zip(driven) {
             let result = result?;
-            let written = sample.write(output).and_then(|()| result.write(output));
-            written.map_err(|source| output.failure(source))?;
+            if let Some(output) = &mut output {
+                let written = sample.write(output).and_then(|()| result.write(output));
+                written.map_err(|source| output.failure(source))?;
+            }
+            if let Some(results) = &mut results {
+                let mut value = result.json();
+                value["index"] = sample.index.into();
+                let named = samples.names.iter().cloned();
+                let named = named.zip(sample.values.iter().map(|value| json!(value)));
+                value["parameters"] = Value::Object(named.collect());
+                results.push(value);
+            }
             summary.count(sample, &result);
         }
     }
@@ -214,6 +241,17 @@ impl SweepSummary {
             self.first
                 .get_or_insert_with(|| (sample.index, error.clone()));
         }
+    }
+
+    /// The sweep as JSON, format `ugv-sweep/1`.
+    fn json(&self, drive: &Drive, results: Vec<Value>) -> String {
+        let document = json!({
+            "format": "ugv-sweep/1",
+            "duration": drive.duration(),
+            "failed": self.failed,
+            "drives": results,
+        });
+        format!("{document:#}\n")
     }
 
     fn print(&self, drives: usize, seconds: f64, elapsed: f64) {

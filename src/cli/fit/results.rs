@@ -1,4 +1,4 @@
-//! The report, format `ugv-fit/1`: all results, in SI units and radians.
+//! The results as JSON, format `ugv-fit/1`: all results, in SI units and radians.
 
 use crate::fit::starts::{OtherMinimum, Starts};
 use crate::fit::{Estimate, Fit, NoiseEstimate, Options};
