@@ -100,16 +100,32 @@ fn remedy(missing: &str, found: &[String], likely: &[String]) -> String {
     };
     match likely {
         [] => format!(" (--column {missing}=NAME{unit} names it)"),
-        [one] => format!(
-            " (`{0}` may be it: --column {missing}={0}{unit})",
-            shortened(one)
-        ),
-        several => format!(
-            " (`{}` may be it: --column {missing}=NAME{unit}, or their mean: --column {missing}={}{unit})",
-            listed(several, "`, `"),
-            listed(several, "+")
-        ),
+        [one] => {
+            let one = shortened(one);
+            let argument = quoted(&format!("{missing}={one}{unit}"));
+            format!(" (`{one}` may be it: --column {argument})")
+        }
+        several => {
+            let mean = quoted(&format!("{missing}={}{unit}", listed(several, "+")));
+            format!(
+                " (`{}` may be it: --column {missing}=NAME{unit}, or their mean: --column {mean})",
+                listed(several, "`, `")
+            )
+        }
     }
+}
+
+/// An argument as a shell takes it: in quotes if it has a blank or another character that a shell treats differently.
+fn quoted(argument: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-=:+./%#,".contains(c);
+    if argument.chars().all(is_plain) {
+        return argument.into();
+    }
+    let escaped = argument.chars().map(|c| match c {
+        '"' | '\\' | '$' | '`' => format!("\\{c}"),
+        other => other.into(),
+    });
+    format!("\"{}\"", escaped.collect::<String>())
 }
 
 pub fn malformed(cell: Cell, found: impl Into<String>, expected: impl Into<String>) -> CsvError {

@@ -142,12 +142,20 @@ fn drop_lines(
     count > 0
 }
 
-/// Checks the limits.
+/// Checks the limits. Wheel speeds that are doubted already keep their doubt instead.
 ///
 /// # Errors
 /// The first value of a channel beyond its limit, with the units that it may be in.
 pub fn check(samples: &RawSamples) -> Result<(), CsvError> {
+    let is_doubted = samples
+        .notes
+        .iter()
+        .any(|note| note.kind == NoteKind::Suspicion && note.channel == Some(Channel::OmegaLeft));
     for channel in Channel::ALL {
+        let is_wheel = matches!(channel, Channel::OmegaLeft | Channel::OmegaRight);
+        if is_doubted && is_wheel {
+            continue;
+        }
         let bound = limit(channel);
         if let Some(sample) = samples
             .of(channel)

@@ -47,7 +47,7 @@ const SPAN: f64 = 1.0;
 /// Maximum ratio of vehicle speed to rim speed, except when sliding downhill.
 const MAX_TRAVEL: f64 = 1.5;
 
-/// Converts headings and yaw rates from degrees, and impossible wheel speeds.
+/// Converts headings and yaw rates from degrees, and rim speeds of a known vehicle.
 pub fn convert(samples: &mut RawSamples, vehicle: Option<&Vehicle>) {
     let before = samples.notes.len();
     wrapped_degrees(samples);
@@ -322,19 +322,16 @@ fn near(ratio: f64, unit: f64) -> bool {
     (ratio / unit).max(unit / ratio) < NEAR
 }
 
-/// Wheel speeds that match the motion of the vehicle in another unit. Those beyond the limit are converted; others are
-/// noted, because wheels that slip look the same.
+/// Notes wheel speeds that match the motion of the vehicle in another unit, and related ones beyond the limit. Their size
+/// does not tell a unit from a gear, or from wheels that slip: they are left as they are.
 fn wheel_unit(samples: &mut RawSamples, vehicle: Option<&Vehicle>) {
-    if let Some((kind, factor, text)) = wheel_finding(samples, vehicle) {
-        wheel_note(samples, kind, factor, text);
+    if let Some(text) = wheel_finding(samples, vehicle) {
+        wheel_note(samples, NoteKind::Suspicion, 1.0, text);
     }
 }
 
-/// The kind of note, the factor for the wheel speeds, and the note's text.
-fn wheel_finding(
-    samples: &RawSamples,
-    vehicle: Option<&Vehicle>,
-) -> Option<(NoteKind, f64, String)> {
+/// The note's text.
+fn wheel_finding(samples: &RawSamples, vehicle: Option<&Vehicle>) -> Option<String> {
     let beyond = |side: Channel| {
         samples
             .of(side)
@@ -343,25 +340,36 @@ fn wheel_finding(
     let radius = vehicle?.wheel_radius;
     let found = compare(samples, STEP, travel_ahead, wheel_mean)?;
     let (correlation, slope) = found.strongest();
-    let units = [("degrees per second", DEGREES), ("rpm", 30.0 / PI)];
-    let fits = |unit: &(&str, f64)| {
+    if correlation < STRONG {
+        return None;
+    }
+    let units = [
+        ("degrees per second", DEGREES, "deg/s"),
+        ("rpm", 30.0 / PI, "rpm"),
+    ];
+    let fits = |unit: &(&str, f64, &str)| {
         let effective = found.ratios().map(|ratio| ratio * unit.1 / radius);
         effective.iter().all(|ratio| EFFECTIVE.contains(ratio))
     };
-    let (name, size) = units
-        .into_iter()
-        .find(fits)
-        .filter(|_| correlation >= STRONG)?;
+    let unit = units.into_iter().find(fits);
     let evidence = format!(
         "as rad/s the vehicle would move at {:.3} of the rims' speed (correlation {correlation:.2})",
         slope / radius
     );
-    if !SIDES.into_iter().any(beyond) {
-        let text = format!("both wheel speeds may be {name}: {evidence}; left as they are");
-        return Some((NoteKind::Suspicion, 1.0, text));
+    match (unit, SIDES.into_iter().any(beyond)) {
+        (Some((name, ..)), false) => Some(format!(
+            "both wheel speeds may be {name}: {evidence}; left as they are"
+        )),
+        (unit, true) => {
+            let (name, short) =
+                unit.map_or(("another unit", "deg/s"), |(name, _, short)| (name, short));
+            Some(format!(
+                "both wheel speeds may be {name}, or of motors in front of a gear: {evidence}; left as they are \
+                 (--column omega_left=NAME:{short} names a unit; divide by the ratio of a gear)"
+            ))
+        }
+        (None, false) => None,
     }
-    let text = format!("both wheel speeds taken as {name} and converted: {evidence}");
-    Some((NoteKind::Unit, 1.0 / size, text))
 }
 
 #[cfg(test)]
@@ -532,12 +540,24 @@ mod tests {
     }
 
     #[test]
-    fn impossible_wheel_speeds_are_converted_or_refused() {
+    fn impossible_wheel_speeds_are_doubted_or_refused() {
         let good = drive(60.0, 3);
-        let bad = with(&good, |_, v| {
-            [v[0], v[1]] = [v[0].to_degrees(), v[1].to_degrees()]
-        });
-        assert_restored(&good, &bad, &[(NoteKind::Unit, Some(Channel::OmegaLeft))]);
+        // Degrees per second and the speed of a motor in front of a gear differ in size alone.
+        for factor in [DEGREES, 48.0, 40.0, 25.0] {
+            let bad = with(&good, |_, v| [v[0], v[1]] = [factor * v[0], factor * v[1]]);
+            let recording = read(&bad).unwrap();
+            let notes = &recording.notes;
+            assert_eq!(kinds(notes), [NoteKind::Suspicion], "{factor}: {notes:?}");
+            for expected in ["in front of a gear", "left as they are", ":deg/s"] {
+                assert!(notes[0].text.contains(expected), "{factor}: {notes:?}");
+            }
+            let left = recording.runs[0].series(Channel::OmegaLeft).unwrap();
+            let speed = left.at(good[600].0).unwrap();
+            assert!(
+                (speed / (factor * good[600].1[0]) - 1.0).abs() < 1e-9,
+                "{factor}"
+            );
+        }
         // Revolutions per minute that might be rad/s are noted.
         let bad = with(&good, |_, v| {
             [v[0], v[1]] = [v[0], v[1]].map(|speed| speed * 30.0 / PI)
@@ -585,8 +605,15 @@ mod tests {
             &bad,
             &[(NoteKind::Outlier, Some(Channel::OmegaRight))],
         );
-        let bad = with(&good, |_, v| [v[0], v[1]] = [40.0 * v[0], 40.0 * v[1]]);
-        let error = read(&bad).unwrap_err().to_string();
+        let bad = parse_recording(
+            "drive.csv",
+            "drive",
+            with(&good, |_, v| [v[0], v[1]] = [40.0 * v[0], 40.0 * v[1]]).as_bytes(),
+            About::default(),
+            None,
+            &[],
+        );
+        let error = bad.unwrap_err().to_string();
         assert!(
             error.contains("(omega_") && error.contains("rpm or degrees per second"),
             "{error}"
