@@ -9,11 +9,14 @@ mod doubts;
 mod effects;
 mod failure;
 mod fit;
+mod help;
 mod import;
 mod initial;
 mod input;
 mod inspect;
 mod jobs;
+mod log;
+mod man;
 mod model;
 mod nominal;
 mod output;
@@ -28,7 +31,7 @@ mod sweep;
 pub use answer::{Answer, Caller};
 pub use failure::Failure;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::write_stdout;
 
 const EXAMPLES: &str = "\
@@ -36,22 +39,25 @@ Examples:
   ugv simulate --input drive.csv --terrain dry_sand --output motion.csv --plot motion.svg
   ugv sweep --input drive.csv --vary soil.cohesion=uniform:500,2000 --samples 1000 --output ends.csv
   ugv import drive.mcap --output drive.csv
-  ugv inspect field.csv --page field.html
-  ugv score drive.csv          # how well do models predict the recording?
-  ugv diagnose drive.csv       # which physics does the model leave out?
+  ugv inspect field.csv --report field.html
+  ugv score drive.csv --vehicle mine.json       # how well do models predict the recording?
+  ugv diagnose drive.csv --vehicle mine.json    # which physics does the model leave out?
   ugv vehicle > mine.json      # edit it, then: ugv simulate --vehicle mine.json ...
   ugv terrains dry_sand > soil.json
   ugv effects                  # physics beyond the paper, to switch on
   ugv model --terrain soil.json --effects effects.json > model.json
 
-Exit status: 0 success; 1 the simulation or a write failed; 2 wrong arguments or input.";
+Results:      -o names the main product, --json all results for programs, --report a page for people.
+              `-` is standard output. A file that exists is replaced by --force alone.
+
+Exit status:  0 success; 1 the simulation or a write failed; 2 wrong arguments or input.";
 
 /// Version and platform, for reports of faults.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("UGV_TARGET"), ")");
 
 /// Wheel-terrain model of a skid-steer UGV (Tran et al. 2007).
 #[derive(Parser)]
-#[command(name = "ugv", version, long_version = VERSION, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "ugv", version, long_version = VERSION, after_help = EXAMPLES, max_term_width = help::MAX_WIDTH)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -72,11 +78,14 @@ enum Command {
     Effects(effects::Args),
     Model(presets::WholeModelArgs),
     Completions(completions::Args),
+    Man(man::Args),
 }
 
 /// Parses the arguments and runs the command.
 pub fn run() -> Result<(), Failure> {
-    let cli = match Cli::try_parse() {
+    let tool = || help::fitted(Cli::command(), help::width());
+    let parsed = tool().try_get_matches();
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => return Err(Failure::Usage(error)),
         // --help and --version.
@@ -96,6 +105,7 @@ pub fn run() -> Result<(), Failure> {
         Command::Effects(args) => effects::run(&args),
         Command::Model(args) => presets::model(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Man(args) => man::run(&args, Cli::command()),
     }
 }
 
