@@ -1,7 +1,7 @@
 //! The arguments that say where results go. Each means the same in every command.
 
+use super::failure::Failure;
 use super::output::{Output, is_stream, write_product};
-use crate::cli::Failure;
 use std::path::{Path, PathBuf};
 
 /// Whether files that exist are replaced.

@@ -7,9 +7,7 @@ use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
 use super::output::{Output, finish_all, notify_all, print_beside};
 use super::progress::ProgressLine;
-use crate::diagnosis::{
-    Caution, Diagnosis, DiagnosisError, Options, Progress, diagnose, insufficient,
-};
+use crate::diagnosis::{Diagnosis, DiagnosisError, Options, Progress, diagnose, insufficient};
 use crate::display::visible_line;
 use crate::json::FittedTo;
 use crate::recording::{Recording, Run};
@@ -96,8 +94,6 @@ enum TimeLimit {
 struct Question {
     recordings: Vec<Recording>,
     nominal: Specification,
-    /// Whether nobody named the vehicle.
-    is_assumed: bool,
     options: Options,
     pool: ThreadPool,
 }
@@ -114,13 +110,12 @@ const FILES: [&str; 3] = ["diagnosis.json", "model.json", "report.html"];
 impl Question {
     /// Reads the files. What the user has to know is added to the notes.
     fn of(args: &Args, notes: &mut Vec<String>) -> Result<Self, Failure> {
+        args.nominal.check(&args.recordings)?;
         let named = args.nominal.load()?;
         let recordings = named.read(&args.recordings, notes)?;
-        let is_assumed = named.lacks_vehicle(&recordings);
         Ok(Self {
             nominal: named.nominal(&recordings, notes)?,
             recordings,
-            is_assumed,
             options: Options {
                 seed: args.seed,
                 ..Options::default()
@@ -142,7 +137,7 @@ impl Question {
         };
         let found = || diagnose(recordings, nominal, options, &progress);
         let mut fitted_to = fitted_to(recordings, true);
-        let mut diagnosis = match self.pool.install(found) {
+        let diagnosis = match self.pool.install(found) {
             Err(
                 error @ (DiagnosisError::AtRest { .. }
                 | DiagnosisError::TooShort { .. }
@@ -155,9 +150,6 @@ impl Question {
             }
             other => other?,
         };
-        if self.is_assumed {
-            diagnosis.cautions.push(Caution::assumed(&nominal.vehicle));
-        }
         Ok(Found {
             diagnosis,
             fitted_to,

@@ -2,15 +2,14 @@
 
 use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
+use super::log::{LogArgs, choice};
 use super::output::{Output, finish_all, is_stream, notify, print};
 use super::progress::ProgressLine;
 use crate::display::visible_line;
 use crate::import::{
-    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, PoseChoice, Preset,
-    Survey, TopicRequest,
+    self, Clock, Ending, HeadingChoice, ImportOptions, Imported, MessageKind, Preset, Survey,
 };
 use crate::json::read_file;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::io;
@@ -68,39 +67,6 @@ pub struct Args {
     #[command(flatten)]
     replace: ForceArgs,
 
-    /// Topics for any of joints, odometry, imu, fix, twist; `none` omits a kind
-    #[arg(long, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
-    topics: Vec<(MessageKind, TopicRequest)>,
-
-    /// Joints of the left wheels [default: by name]
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    left: Vec<String>,
-
-    /// Joints of the right wheels [default: by name]
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    right: Vec<String>,
-
-    /// Where the joints are, in their order, if they have no names: FL,FR,RL,RR; - for no wheel
-    #[arg(long, value_name = "PLACE,...", value_delimiter = ',')]
-    wheels: Vec<String>,
-
-    /// Frames of a pose from transforms [default: from map, world or odom to base_link]
-    #[arg(long, value_name = "PARENT,CHILD", value_parser = frames)]
-    frames: Option<[String; 2]>,
-
-    /// A known vehicle: prefer its topics, and write its dimensions to FILE.json
-    #[arg(long, value_name = "NAME", value_parser = preset())]
-    preset: Option<Preset>,
-
-    /// Change the sign of mirrored wheel speeds
-    #[arg(long, value_name = "SIDE", value_parser = choice(&SIDES))]
-    invert: Option<[bool; 2]>,
-
-    /// Source of x and y [default: odometry, or fixes if the odometry is of wheels, or of unknown
-    /// origin while the fixes are precise]
-    #[arg(long, value_name = "SOURCE", value_parser = choice(&POSES))]
-    pose: Option<PoseChoice>,
-
     /// Source of heading [default: odometry if x and y are from there]
     #[arg(long, value_name = "SOURCE", value_parser = choice(&HEADINGS))]
     heading: Option<HeadingChoice>,
@@ -120,16 +86,11 @@ pub struct Args {
     /// Neither notes nor progress
     #[arg(long, short)]
     quiet: bool,
+
+    #[command(flatten)]
+    log: LogArgs,
 }
 
-/// Left and right, whether inverted.
-const SIDES: [(&str, [bool; 2]); 3] = [
-    ("left", [true, false]),
-    ("right", [false, true]),
-    ("both", [true; 2]),
-];
-const POSES: [(&str, PoseChoice); 2] =
-    [("odometry", PoseChoice::Odometry), ("fix", PoseChoice::Fix)];
 const HEADINGS: [(&str, HeadingChoice); 3] = [
     ("odometry", HeadingChoice::Odometry),
     ("imu", HeadingChoice::Imu),
@@ -137,64 +98,14 @@ const HEADINGS: [(&str, HeadingChoice); 3] = [
 ];
 const CLOCKS: [(&str, Clock); 2] = [("header", Clock::Header), ("log", Clock::Log)];
 
-/// Parses one of these names.
-fn choice<T: Copy + Send + Sync>(
-    named: &'static [(&'static str, T)],
-) -> impl TypedValueParser<Value = T> {
-    let names = PossibleValuesParser::new(named.iter().map(|(name, _)| *name));
-    names.try_map(|text| {
-        let found = named.iter().find(|(name, _)| *name == text);
-        found.map(|(_, value)| *value).ok_or("an unknown name")
-    })
-}
-
-/// Parses the name of a known vehicle.
-fn preset() -> impl TypedValueParser<Value = Preset> {
-    let names = PossibleValuesParser::new(Preset::NAMES);
-    names.try_map(|text| Preset::of_name(&text).ok_or("an unknown name"))
-}
-
-fn frames(text: &str) -> Result<[String; 2], String> {
-    match text.split(',').map(str::trim).collect::<Vec<_>>()[..] {
-        [parent, child] if !parent.is_empty() && !child.is_empty() => {
-            Ok([parent, child].map(|frame| frame.trim_start_matches('/').to_owned()))
-        }
-        _ => Err("expected PARENT,CHILD, such as map,base_link".into()),
-    }
-}
-
-fn topic(text: &str) -> Result<(MessageKind, TopicRequest), String> {
-    let names = MessageKind::ALL.map(MessageKind::name).join(", ");
-    let expected = format!("expected KIND=TOPIC with a KIND of {names}");
-    let (kind, topic) = text.split_once('=').ok_or(expected.as_str())?;
-    let kind = MessageKind::ALL
-        .into_iter()
-        .find(|known| known.name() == kind);
-    let wish = match topic {
-        "" => return Err(expected),
-        "none" => TopicRequest::Without,
-        name => TopicRequest::Named(name.into()),
-    };
-    Ok((kind.ok_or(expected)?, wish))
-}
-
 impl Args {
     fn options(&self) -> ImportOptions {
         ImportOptions {
-            topics: self.topics.iter().cloned().collect(),
-            wheels: import::WheelJoints {
-                left: self.left.clone(),
-                right: self.right.clone(),
-            },
-            order: self.wheels.clone(),
-            frames: self.frames.clone(),
-            preset: self.preset,
-            invert: self.invert.unwrap_or_default(),
-            pose: self.pose,
             heading: self.heading,
             clock: self.time,
             imu_z_down: self.imu_z_down,
             partial: self.partial,
+            ..self.log.options()
         }
     }
 }
@@ -289,7 +200,7 @@ impl RecordingFiles {
             outputs.push(json.with(&format!("{document:#}\n"))?);
         }
         if let Some(beside) = self.beside {
-            outputs.push(beside.filled(provenance, args.preset)?);
+            outputs.push(beside.filled(provenance, args.log.preset())?);
         }
         finish_all(outputs)?;
         Ok(rows)

@@ -3,6 +3,7 @@
 use super::columns::ColumnArgs;
 use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
+use super::log::LogArgs;
 use super::model::load_vehicle;
 use super::output::{Output, finish_all, notify, print_beside};
 use super::recordings;
@@ -35,12 +36,12 @@ Delays:  positive if the first signal is behind the second. A delay behind the w
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The recording
-    #[arg(value_name = "REC.csv")]
+    /// The recording, or a robot's log
+    #[arg(value_name = "REC.csv|LOG")]
     recording: PathBuf,
 
-    /// Vehicle that drove [default: that of REC.json]
-    #[arg(long, value_name = "FILE.json")]
+    /// Vehicle that drove: a file, tran2007, husky, jackal or warthog [default: that of REC.json]
+    #[arg(long, value_name = "NAME|FILE.json")]
     vehicle: Option<PathBuf>,
 
     #[command(flatten)]
@@ -59,6 +60,9 @@ pub struct Args {
     /// No text
     #[arg(long, short)]
     quiet: bool,
+
+    #[command(flatten)]
+    log: LogArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
@@ -73,7 +77,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let vehicle = args.vehicle.as_deref().map(load_vehicle).transpose()?;
     let vehicle = vehicle.as_ref();
-    let (recording, notes) = recordings::read(&args.recording, vehicle, &args.columns.columns)?;
+    args.log.check(std::slice::from_ref(&args.recording))?;
+    let (columns, log) = (&args.columns.columns, args.log.options());
+    let (recording, notes) = recordings::read(&args.recording, vehicle, columns, &log)?;
     notes.iter().for_each(|note| notify(note));
     let inspection = inspect(&recording, vehicle);
     let filled = [

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::output::notify;
 use crate::effects::{CATALOGUE, EffectKind, Effects};
+use crate::import::Preset;
 use crate::json::{FittedTo, JsonError, read_file};
 use crate::spelling::nearest;
 use crate::terrain::Terrain;
@@ -12,9 +13,9 @@ use std::path::{Path, PathBuf};
 /// The vehicle, the terrain and the effects of a simulation.
 #[derive(clap::Args)]
 pub struct ModelArgs {
-    /// Vehicle as printed by `ugv vehicle`, or a file with one under the key `vehicle`
-    /// [default: the vehicle of the paper]
-    #[arg(long, value_name = "FILE.json")]
+    /// Vehicle: tran2007 (of the paper), husky, jackal, warthog, or a file as printed by
+    /// `ugv vehicle`, or with one under the key `vehicle` [default: tran2007]
+    #[arg(long, value_name = "NAME|FILE.json")]
     pub vehicle: Option<PathBuf>,
 
     /// Terrain: dry_sand, sandy_loam, clayed_soil, dry_clay, or a file as printed by
@@ -116,9 +117,39 @@ pub fn names(effects: &Effects, kind: EffectKind) -> Option<String> {
     (!names.is_empty()).then(|| names.join(", "))
 }
 
-/// Reads a vehicle from a file.
-pub fn load_vehicle(path: &Path) -> Result<Vehicle, Failure> {
-    read(path, Vehicle::from_json)
+/// Name of the paper's vehicle.
+pub const PAPER: &str = "tran2007";
+
+/// The names of all preset vehicles.
+pub fn vehicle_names() -> impl Iterator<Item = &'static str> {
+    std::iter::once(PAPER).chain(Preset::NAMES)
+}
+
+/// A preset vehicle by its name.
+pub fn preset_vehicle(name: &str) -> Option<Vehicle> {
+    if name == PAPER {
+        return Some(Vehicle::tran2007());
+    }
+    Preset::of_name(name).map(Preset::vehicle)
+}
+
+/// Takes a preset by its name, or reads a vehicle from a file.
+pub fn load_vehicle(name: &Path) -> Result<Vehicle, Failure> {
+    let text = name.to_string_lossy();
+    if let Some(vehicle) = preset_vehicle(&text) {
+        return Ok(vehicle);
+    }
+    if name.extension().is_none() && !name.exists() {
+        let presets: Vec<&str> = vehicle_names().collect();
+        let meant = nearest(&text, presets.iter().copied()).unwrap_or_default();
+        let reason = format!(
+            "--vehicle {text}: no such file, and no preset vehicle (these are {})",
+            presets.join(", ")
+        );
+        return Err(Failure::argument(reason)
+            .with_remedy(format!("the nearest preset is --vehicle {meant}")));
+    }
+    read(name, Vehicle::from_json)
 }
 
 /// Reads vehicle, terrain and effects from a file.

@@ -2,11 +2,14 @@
 
 use super::columns::ColumnArgs;
 use super::failure::Failure;
+use super::log::LogArgs;
 use super::model::{
     check_piecewise, drop_sensors, load_effects, load_fitted, load_terrain, load_vehicle,
+    vehicle_names,
 };
 use super::recordings;
 use crate::effects::Effects;
+use crate::import::ImportOptions;
 use crate::json::FittedTo;
 use crate::recording::{ColumnRequest, Recording, different_names};
 use crate::terrain::Terrain;
@@ -16,11 +19,15 @@ use std::path::PathBuf;
 /// Name of the terrain that is assumed if nothing names one.
 pub const DEFAULT_TERRAIN: &str = "clayed_soil";
 
+/// What the JSON file beside a recording has for its vehicle.
+const SIDECAR: &str = r#"{"vehicle": {"mass": .., "yaw_inertia": .., "wheel_radius": .., "wheel_width": .., "row_positions": [..], "half_track": .., "com_offset": .., "com_height": ..}}"#;
+
 /// The files of a model.
 #[derive(clap::Args)]
 pub struct NominalArgs {
-    /// Vehicle [default: that of the recordings, or else the paper's]
-    #[arg(long, value_name = "FILE.json")]
+    /// Vehicle: a file as printed by `ugv vehicle`, or tran2007 (the paper's), husky, jackal,
+    /// warthog [default: that of the JSON file beside a recording; without one it is required]
+    #[arg(long, value_name = "NAME|FILE.json")]
     vehicle: Option<PathBuf>,
 
     /// Terrain, a preset or a file; a fit starts from it
@@ -38,6 +45,9 @@ pub struct NominalArgs {
 
     #[command(flatten)]
     columns: ColumnArgs,
+
+    #[command(flatten)]
+    log: LogArgs,
 }
 
 /// What the arguments name.
@@ -49,9 +59,16 @@ pub struct NamedModel {
     pub fitted_to: Vec<FittedTo>,
     /// Columns of recordings that have another name or unit.
     pub columns: Vec<ColumnRequest>,
+    /// How robots' logs are imported.
+    pub log: ImportOptions,
 }
 
 impl NominalArgs {
+    /// Refuses options that apply to none of the recordings.
+    pub fn check(&self, recordings: &[PathBuf]) -> Result<(), Failure> {
+        self.log.check(recordings)
+    }
+
     /// Reads the files.
     pub fn load(&self) -> Result<NamedModel, Failure> {
         let mut named = NamedModel {
@@ -60,6 +77,7 @@ impl NominalArgs {
             effects: self.effects.as_deref().map(load_effects).transpose()?,
             fitted_to: Vec::new(),
             columns: self.columns.columns.clone(),
+            log: self.log.options(),
         };
         if let Some(path) = &self.model {
             let (model, fitted_to) = load_fitted(path)?;
@@ -108,7 +126,7 @@ impl NamedModel {
         let vehicle = self.vehicle.as_ref();
         let mut recordings = Vec::new();
         for path in paths {
-            let (recording, imported) = recordings::read(path, vehicle, &self.columns)?;
+            let (recording, imported) = recordings::read(path, vehicle, &self.columns, &self.log)?;
             notes.extend(imported);
             recordings.push(recording);
         }
@@ -117,22 +135,49 @@ impl NamedModel {
         Ok(recordings)
     }
 
-    /// Whether neither the arguments nor a recording name a vehicle.
-    pub fn lacks_vehicle(&self, recordings: &[Recording]) -> bool {
-        let mut recordings = recordings.iter();
-        self.vehicle.is_none() && recordings.all(|recording| recording.about.vehicle.is_none())
+    /// Refuses recordings of an unknown vehicle: a wrong mass or track looks like missing physics.
+    ///
+    /// # Errors
+    /// Says how a vehicle is named, if neither the arguments nor the recordings do.
+    pub fn check_vehicle<'a>(
+        &self,
+        recordings: impl IntoIterator<Item = &'a Recording>,
+    ) -> Result<(), Failure> {
+        let mut names = Vec::new();
+        for recording in recordings {
+            if recording.about.vehicle.is_some() {
+                return Ok(());
+            }
+            names.push(format!("{}.json", recording.name));
+        }
+        if self.vehicle.is_some() {
+            return Ok(());
+        }
+        let reason = format!(
+            "no vehicle: there is no --vehicle or --model, and no {} with the key `vehicle`",
+            names.join(" or ")
+        );
+        Err(Failure::argument(reason).with_remedy(format!(
+            "--vehicle mine.json (`ugv vehicle > mine.json` prints one to edit), or --vehicle {}; or {SIDECAR} in \
+             the JSON file beside the recording",
+            vehicle_names().collect::<Vec<_>>().join("|")
+        )))
     }
 
-    /// What the arguments name, or else the recordings, or else the paper; notes say what was chosen.
+    /// What the arguments name, or else the recordings, or else the paper's soil; notes say what was chosen.
+    ///
+    /// # Errors
+    /// As [`NamedModel::check_vehicle`], and recordings of different vehicles.
     pub fn nominal(
         self,
         recordings: &[Recording],
         notes: &mut Vec<String>,
     ) -> Result<Specification, Failure> {
+        self.check_vehicle(recordings)?;
         Ok(Specification {
             vehicle: match self.vehicle {
                 Some(vehicle) => vehicle,
-                None => recorded_vehicle(recordings, notes)?,
+                None => recorded_vehicle(recordings)?,
             },
             terrain: match self.terrain {
                 Some(terrain) => terrain,
@@ -160,14 +205,12 @@ fn recorded_terrain(recordings: &[Recording], notes: &mut Vec<String>) -> Result
     Ok(terrain)
 }
 
-fn recorded_vehicle(recordings: &[Recording], notes: &mut Vec<String>) -> Result<Vehicle, Failure> {
+/// The one vehicle of all recordings that name one.
+fn recorded_vehicle(recordings: &[Recording]) -> Result<Vehicle, Failure> {
     let mut named = recordings
         .iter()
         .filter_map(|r| Some((r, r.about.vehicle.as_ref()?)));
     let Some((first, vehicle)) = named.next() else {
-        notes.push(
-            "note: no recording names its vehicle; the paper's is used (see --vehicle)".into(),
-        );
         return Ok(Vehicle::tran2007());
     };
     match named.find(|(_, other)| *other != vehicle) {
@@ -189,4 +232,19 @@ pub fn fitted_to(recordings: &[Recording], whole: bool) -> Vec<FittedTo> {
         whole,
     };
     recordings.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_remedy_names_every_key_of_a_vehicle() {
+        let vehicle = Vehicle::tran2007().to_json();
+        let vehicle: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_str(&vehicle).unwrap();
+        for key in vehicle.keys() {
+            assert!(SIDECAR.contains(&format!("\"{key}\"")), "{key}");
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! `ugv terrains`, `ugv vehicle` and `ugv model`: presets and models as JSON, to copy and edit.
 
-use super::failure::Failure;
-use super::model::ModelArgs;
 use super::destination::PrintArgs;
+use super::failure::Failure;
+use super::model::{ModelArgs, PAPER, preset_vehicle, vehicle_names};
 use super::output::notify;
 use crate::import::Preset;
 use crate::terrain::Terrain;
@@ -31,13 +31,13 @@ Examples:
   ugv vehicle > mine.json              # edit it, then: ugv simulate --vehicle mine.json ...
   ugv vehicle husky > husky.json       # without payload: add its mass and inertia";
 
-/// Print a preset vehicle as JSON, as --vehicle takes it [default: the paper's].
+/// Print a preset vehicle as JSON, as --vehicle takes it.
 #[derive(clap::Args)]
 #[command(after_help = VEHICLE_EXAMPLES)]
 pub struct VehicleArgs {
-    /// Print this one, by its maker's published model
-    #[arg(value_parser = PossibleValuesParser::new(Preset::NAMES))]
-    name: Option<String>,
+    /// Print this one: the paper's, or one by its maker's published model
+    #[arg(default_value = PAPER, value_parser = PossibleValuesParser::new(vehicle_names()))]
+    name: String,
 
     #[command(flatten)]
     print: PrintArgs,
@@ -75,15 +75,11 @@ pub fn terrains(args: &TerrainsArgs) -> Result<(), Failure> {
 }
 
 pub fn vehicle(args: &VehicleArgs) -> Result<(), Failure> {
-    let preset = args.name.as_deref().and_then(Preset::of_name);
-    if let Some(preset) = preset {
+    if let Some(preset) = Preset::of_name(&args.name) {
         notify(&format!("note: {}", preset.source()));
     }
-    args.print.write(
-        &preset
-            .map_or_else(Vehicle::tran2007, Preset::vehicle)
-            .to_json(),
-    )
+    let vehicle = preset_vehicle(&args.name).unwrap_or_else(Vehicle::tran2007);
+    args.print.write(&vehicle.to_json())
 }
 
 fn all_terrains() -> String {

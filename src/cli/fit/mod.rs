@@ -16,7 +16,7 @@ use crate::fit::{Fit, Fitted, Options, Stage, fit_model_until};
 use crate::identification::{WindowOptions, fitted_part};
 use crate::inspection::Doubt;
 use crate::recording::Recording;
-use crate::vehicle::Specification;
+use crate::vehicle::{Specification, Vehicle};
 use names::{FreeNames, print_names};
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
@@ -41,8 +41,8 @@ Output:  the fitted model, for `ugv simulate --model FILE`. The JSON has the int
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Recordings; NAME.json beside NAME.csv may hold the vehicle
-    #[arg(value_name = "REC.csv")]
+    /// Recordings, or robots' logs; NAME.json beside NAME.csv may hold the vehicle
+    #[arg(value_name = "REC.csv|LOG")]
     recordings: Vec<PathBuf>,
 
     /// Parameters to fit, separated by commas, or help for a list
@@ -147,8 +147,10 @@ impl Question {
             return Err(Failure::argument("no recording to fit")
                 .with_remedy("ugv fit drive.csv --output model.json"));
         }
+        args.nominal.check(&args.recordings)?;
         let named = args.nominal.load()?;
         let mut recordings = named.read(&args.recordings, notes)?;
+        named.check_vehicle(&recordings)?;
         let mut doubted = Vec::new();
         for recording in &mut recordings {
             let (rest, found) = doubts::settled(std::mem::take(recording), named.vehicle.as_ref());
@@ -224,7 +226,9 @@ pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.free == ["help"] || args.sensors == ["help"] {
-        return print_names(&args.nominal.load()?.nominal(&[], &mut Vec::new())?);
+        let mut named = args.nominal.load()?;
+        named.vehicle.get_or_insert_with(Vehicle::tran2007);
+        return print_names(&named.nominal(&[], &mut Vec::new())?);
     }
     let mut notes = Vec::new();
     let question = Question::of(args, &mut notes);

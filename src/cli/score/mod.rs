@@ -49,8 +49,8 @@ Windows:     each starts at the recorded state. A model predicts the pose at the
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Recordings (CSV)
-    #[arg(required = true, value_name = "REC.csv")]
+    /// Recordings, or robots' logs; NAME.json beside NAME.csv may hold the vehicle
+    #[arg(required = true, value_name = "REC.csv|LOG")]
     recordings: Vec<PathBuf>,
 
     #[command(flatten)]
@@ -100,12 +100,14 @@ struct Question {
 impl Question {
     /// Reads the files. What the user has to know is added to the notes.
     fn of(args: &Args, notes: &mut Vec<String>) -> Result<Self, Failure> {
+        args.model.check(&args.recordings)?;
         let given = GivenModel::load(&args.model)?;
         let threads = jobs::pool(args.jobs)?;
         let prepared = |path: &PathBuf| -> Result<(Vec<String>, ModelComparison), Failure> {
             let named = &given.named;
             let vehicle = named.vehicle.as_ref();
-            let (recording, notes) = recordings::read(path, vehicle, &named.columns)?;
+            let (recording, notes) = recordings::read(path, vehicle, &named.columns, &named.log)?;
+            named.check_vehicle([&recording])?;
             let (recording, found) = doubts::settled(recording, vehicle);
             let mut comparison = prepare(args, &recording, &given)?;
             let within_a_run = comparison.halves.within_a_run;

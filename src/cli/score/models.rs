@@ -160,10 +160,8 @@ impl GivenModel {
                 given.clone(),
                 "the given vehicle (the recording names none)",
             ),
-            (None, None) => (
-                Vehicle::tran2007(),
-                "the paper's vehicle (the recording names none)",
-            ),
+            // Refused before.
+            (None, None) => (Vehicle::tran2007(), "the paper's vehicle"),
         };
         let (terrain, of_terrain) = match (about.terrain, &about.terrain_name) {
             (Some(terrain), Some(name)) => (terrain, name.clone()),

@@ -209,8 +209,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let elapsed = summary.started.elapsed();
 
     let picture = picture.zip(trace.as_ref());
-    let picture =
-        picture.map(|(picture, trace)| picture.with(&trace.draw(&args.model.ground())));
+    let picture = picture.map(|(picture, trace)| picture.with(&trace.draw(&args.model.ground())));
     let effects = effects.as_deref();
     let json = json.map(|json| json.with(&summary.json(&recording, effects, &warnings)));
     let outputs = [table.map(Ok), picture, json];

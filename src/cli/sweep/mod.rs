@@ -243,10 +243,10 @@ impl SweepSummary {
         }
     }
 
-    /// The sweep as JSON, format `ugv-sweep/1`.
+    /// The sweep as JSON, format `ugv-drives/1`.
     fn json(&self, drive: &Drive, results: Vec<Value>) -> String {
         let document = json!({
-            "format": "ugv-sweep/1",
+            "format": "ugv-drives/1",
             "duration": drive.duration(),
             "failed": self.failed,
             "drives": results,

@@ -66,13 +66,14 @@ class _Question:
 
     def model(
         self,
-        vehicle: Vehicle | None,
+        vehicle: Vehicle | str | None,
         terrain: Terrain | str | None,
         effects: Mapping[str, Any] | None,
         model: Model | None,
     ) -> None:
-        if vehicle is not None:
-            self.option("vehicle", self._file("vehicle.json", json.dumps(vehicle.to_dict())))
+        if isinstance(vehicle, Vehicle):
+            vehicle = self._file("vehicle.json", json.dumps(vehicle.to_dict()))
+        self.option("vehicle", vehicle)
         if isinstance(terrain, Terrain):
             terrain = self._file("terrain.json", json.dumps(terrain.to_dict()))
         self.option("terrain", terrain)
@@ -165,7 +166,7 @@ class Diagnosis(_Answer):
 
 
 class Fit(_Answer):
-    """Fitted numbers with intervals. `data` is the report of `ugv fit` (format ugv-fit/1)."""
+    """Fitted numbers with intervals. `data` is the JSON of `ugv fit` (format ugv-fit/1)."""
 
     def __init__(self, texts: Mapping[str, str]) -> None:
         super().__init__(json.loads(texts["fit.json"]), texts["summary"])
@@ -217,7 +218,7 @@ def _bars(axes: Any, names: Sequence[str], values: Sequence[float], label: str) 
 def diagnose(
     recordings: Recording | Sequence[Recording],
     *,
-    vehicle: Vehicle | None = None,
+    vehicle: Vehicle | str | None = None,
     terrain: Terrain | str | None = None,
     effects: Mapping[str, Any] | None = None,
     model: Model | None = None,
@@ -228,8 +229,8 @@ def diagnose(
 ) -> Diagnosis:
     """Finds the physics that the model leaves out, as `ugv diagnose` does.
 
-    Without a vehicle, that of NAME.json beside NAME.csv is taken, or else the paper's; without a terrain likewise, or
-    clayed_soil. `within` [s] limits the time, plus 10 % or 2 s. Ctrl-C ends the work within about a second. Notes of the
+    `vehicle` is a description, or the name of a preset such as "tran2007" (the paper's). Without one, that of NAME.json
+    beside NAME.csv is taken, and a recording without one is refused. Without a terrain likewise, or clayed_soil. `within` [s] limits the time, plus 10 % or 2 s. Ctrl-C ends the work within about a second. Notes of the
     reader become warnings. Raises ValueError for input that cannot be diagnosed.
     """
     with _Question("diagnose") as question:
@@ -246,7 +247,7 @@ def fit(
     *,
     free: Sequence[str] = (),
     sensors: Sequence[str] | None = None,
-    vehicle: Vehicle | None = None,
+    vehicle: Vehicle | str | None = None,
     terrain: Terrain | str | None = None,
     effects: Mapping[str, Any] | None = None,
     model: Model | None = None,
@@ -275,7 +276,7 @@ def fit(
 def score(
     recordings: Recording | Sequence[Recording],
     *,
-    vehicle: Vehicle | None = None,
+    vehicle: Vehicle | str | None = None,
     terrain: Terrain | str | None = None,
     effects: Mapping[str, Any] | None = None,
     model: Model | None = None,
