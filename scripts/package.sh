@@ -4,7 +4,7 @@
 # --portable links it by zig instead, for glibc 2.17 and newer: do that for an FMU that is handed on.
 # --platforms LIST names the platforms, separated by commas (default: linux64); all stands for those that can
 # be built on Linux: linux64,win64,aarch64-linux. With any other than linux64 all are portable.
-# --output FILE.fmu names the FMU of FMI 2.0, and FILE-fmi3.fmu is then that of FMI 3.0.
+# --output FILE.fmu names the FMU of FMI 2.0, and FILE-fmi3.fmu is then that of FMI 3.0. Both are replaced.
 # UGV_FEATURES names features of the tool beside the default ones: those of the tests save compiling it twice.
 # Other arguments are passed on to `ugv package` (--vehicle, --terrain ...).
 set -euo pipefail
@@ -74,6 +74,6 @@ cargo build --manifest-path "$here/../Cargo.toml" --locked --release --quiet ${U
     fail "the tool could not be built (message above)"
 }
 wait "$libraries_built"
-package=("$target/release/ugv" package "${libraries[@]}")
+package=("$target/release/ugv" package --force "${libraries[@]}")
 "${package[@]}" "${arguments[@]+"${arguments[@]}"}" --fmi 3 --output "${output%.fmu}-fmi3.fmu"
 "${package[@]}" "${arguments[@]+"${arguments[@]}"}" --output "$output"

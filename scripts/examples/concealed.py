@@ -47,11 +47,11 @@ def diagnose(tool: Path, output: Path) -> Answer:
     output.mkdir(parents=True, exist_ok=True)
     recordings = [RECORDINGS / f"{name}.csv" for name in DIAGNOSED]
     start = time.perf_counter()
-    run(tool, "diagnose", *recordings, "--out", output / "diagnosis", "--within", "none", "--quiet")
+    run(tool, "diagnose", *recordings, "--output", output / "diagnosis", "--force", "--within", "none", "--quiet")
     seconds = time.perf_counter() - start
     given = recordings[0].with_suffix(".json")
-    run(tool, "package", "--vehicle", given, "--terrain", given, "--output", output / "given.fmu")
-    run(tool, "package", "--model", output / "diagnosis" / "model.json", "--output", output / "mended.fmu")
+    run(tool, "package", "--vehicle", given, "--terrain", given, "--output", output / "given.fmu", "--force")
+    run(tool, "package", "--model", output / "diagnosis" / "model.json", "--output", output / "mended.fmu", "--force")
     unseen = RECORDINGS / f"{UNSEEN}.csv"
     figure, followed = follow_recording.follow(unseen, [output / "given.fmu", output / "mended.fmu"], SECONDS)
     length = sum(float(path.read_text().splitlines()[-1].partition(",")[0]) for path in recordings)

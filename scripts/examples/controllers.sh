@@ -42,7 +42,7 @@ if [[ $example == slip_control ]]; then
     # libcosim does not set enumerations: the vehicle that starts on dry sand.
     if [[ " $* " != *" --ugv "* && -x $target/release/ugv && -f $target/fmu/ugv.so ]]; then
         mkdir -p "$target/controllers"
-        "$target/release/ugv" package --library "linux64=$target/fmu/ugv.so" --terrain dry_sand --output "$target/controllers/ugv.fmu" >&2
+        "$target/release/ugv" package --library "linux64=$target/fmu/ugv.so" --terrain dry_sand --output "$target/controllers/ugv.fmu" --force >&2
         arguments+=(--ugv "$target/controllers/ugv.fmu")
     fi
     python=$root/target/venv/bin/python

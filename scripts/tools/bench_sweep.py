@@ -35,7 +35,7 @@ def commands(tool: Path, arguments: argparse.Namespace, folder: Path) -> dict[st
     """What is compared, as a function of the table."""
     common = ["--input", arguments.input, "--terrain", arguments.terrain, "--quiet"]
     script = [sys.executable, ROOT / "scripts" / "examples" / "sweep.py", *common, "--fmu", arguments.fmu, "--output", folder / "ends.parquet"]
-    return {"ugv sweep": lambda table: [tool, "sweep", *common, "--output", folder / "ends.csv", "--table", table],
+    return {"ugv sweep": lambda table: [tool, "sweep", *common, "--output", folder / "ends.csv", "--force", "--table", table],
             "sweep.py --serial": lambda table: [*script, "--serial", "--table", table],
             "sweep.py": lambda table: [*script, "--table", table]}
 

@@ -61,10 +61,10 @@ def report(recording: Path) -> tuple[str, str]:
     """A row of each table: the errors, and the soil. A star marks what is too short to be parted."""
     model, fitted, score = (OUT / f"{recording.stem}.{kind}.json" for kind in ("model", "fit", "score"))
     start = time.perf_counter()
-    fit = ("fit", recording, "--starts", 0, "--output", model, "--report", fitted)
+    fit = ("fit", recording, "--starts", 0, "--output", model, "--json", fitted, "--force")
     parted = run(*fit, "--half", check=False) or not run(*fit)
     seconds = time.perf_counter() - start
-    run("score", recording, "--model", model, "--json", score)
+    run("score", recording, "--model", model, "--json", score, "--force")
     scored = json.loads(score.read_text())["recordings"][0]
     cells = {entry["model"]: cell(entry) for entry in scored["models"]}
     row = " | ".join(cells.get(name, "") for name in MODELS)

@@ -13,7 +13,7 @@ fn diagnose(case: &str, within: &str) -> (String, tempfile::TempDir) {
         .current_dir(folder.path())
         .arg("diagnose")
         .arg(drive)
-        .args(["--out", ".", "--within", within])
+        .args(["--output", ".", "--within", within])
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");

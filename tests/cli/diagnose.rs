@@ -103,7 +103,9 @@ fn too_little_is_a_verdict() {
             "0.0 s of usable driving are too short: a diagnosis needs 10 s.",
         ),
     ] {
-        let text = bench.stdout(&format!("diagnose {name}.csv --out {name}"));
+        let text = bench.stdout(&format!(
+            "diagnose --vehicle tran2007 {name}.csv --output {name}"
+        ));
         assert!(
             text.starts_with("These recordings are not sufficient for a verdict.\n"),
             "{text}"
@@ -138,14 +140,14 @@ fn too_little_is_a_verdict() {
 fn a_vehicle_whose_numbers_hardly_belong_together_is_doubted() {
     let bench = Bench::new();
     bench.write("short.csv", drive(2.0));
-    bench.stdout("diagnose short.csv --out as_given");
+    bench.stdout("diagnose --vehicle tran2007 short.csv --output as_given");
     let given: Value = serde_json::from_str(&bench.read("as_given/model.json")).unwrap();
     let mut vehicle = given["vehicle"].clone();
     vehicle["yaw_inertia"] = (100.0 * vehicle["mass"].as_f64().unwrap()).into();
     bench.write("vehicle.json", vehicle.to_string());
     let note = "hardly belong together: yaw_inertia";
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let text = bench.stdout("diagnose short.csv --vehicle vehicle.json --out doubted");
+    let text = bench.stdout("diagnose short.csv --vehicle vehicle.json --output doubted");
     assert_contains(&words(&text), note);
     assert!(bench.read("doubted/report.html").contains(note));
     assert!(!bench.read("as_given/report.html").contains(note));
@@ -167,7 +169,10 @@ fn nothing_to_compare_with_is_refused() {
         ("shaken.csv", "shaken"),
         ("well.csv wheels.csv", "wheels"),
     ] {
-        let message = bench.fails(&format!("diagnose {files} --out deep/down/out --quiet"), 2);
+        let message = bench.fails(
+            &format!("diagnose --vehicle tran2007 {files} --output deep/down/out --quiet"),
+            2,
+        );
         let expected = format!("ugv: error: {bad} has neither pose nor yaw rate nor velocities");
         assert!(message.starts_with(&expected), "{message}");
         assert!(
@@ -187,7 +192,7 @@ fn recordings_must_have_different_names_and_one_vehicle() {
     for name in ["a", "b", "other/a"] {
         bench.write(&format!("{name}.csv"), drive(20.0));
     }
-    let message = bench.fails("diagnose a.csv b.csv other/a.csv", 2);
+    let message = bench.fails("diagnose --vehicle tran2007 a.csv b.csv other/a.csv", 2);
     assert!(
         message.starts_with("ugv: error: two recordings are called a\n"),
         "{message}"
@@ -228,34 +233,68 @@ fn the_vehicle_is_that_of_the_recording() {
         let model: Value = serde_json::from_str(&bench.read("diagnosis/model.json")).unwrap();
         model["vehicle"]["mass"].as_f64().unwrap()
     };
-    let silent = contains("no recording names its vehicle").not();
-    bench
-        .ugv("diagnose a.csv")
-        .assert()
-        .success()
-        .stderr(silent);
+    bench.stdout("diagnose a.csv");
     assert_eq!(mass(), 612.5);
     bench.write("v.json", bench.stdout("vehicle"));
-    bench.stdout("diagnose a.csv --vehicle v.json");
+    bench.stdout("diagnose a.csv --vehicle v.json --force");
     assert_eq!(mass(), 490.0);
-    fs::remove_file(bench.path("a.json")).unwrap();
-    let cautions = || -> Value {
-        let answer: Value = serde_json::from_str(&bench.read("diagnosis/diagnosis.json")).unwrap();
-        answer["cautions"].clone()
-    };
-    assert_eq!(cautions(), Value::Array(Vec::new()));
-    let note = contains("no recording names its vehicle; the paper's is used");
-    bench
-        .ugv("diagnose a.csv --within none")
+    bench.stdout("diagnose a.csv --vehicle husky --force");
+    assert_eq!(mass(), 56.6);
+}
+
+/// A wrong vehicle looks like missing physics.
+#[test]
+fn no_command_assumes_the_vehicle_of_a_recording() {
+    let bench = Bench::new();
+    bench.write("a.csv", drive(20.0));
+    for command in ["diagnose", "fit", "score"] {
+        let message = bench.fails(&format!("{command} a.csv"), 2);
+        for expected in [
+            "no vehicle: there is no --vehicle or --model, and no a.json with the key `vehicle`",
+            "`ugv vehicle > mine.json`",
+            "--vehicle tran2007|husky|jackal|warthog",
+            "\"half_track\": ..",
+        ] {
+            assert_contains(&message, expected);
+        }
+        let message = bench.fails(&format!("{command} a.csv --vehicle huskey"), 2);
+        assert_contains(&message, "the nearest preset is --vehicle husky");
+    }
+    assert_eq!(bench.files(), ["a.csv", "drive.csv"]);
+}
+
+#[test]
+fn an_answer_is_replaced_by_force_alone() {
+    let bench = Bench::new();
+    bench.write("short.csv", drive(2.0));
+    let command = "diagnose short.csv --vehicle tran2007 --output out";
+    bench.stdout(command);
+    bench.write("out/model.json", "mine");
+    let message = bench.fails(command, 2);
+    assert_contains(&message, "ugv: error: out/diagnosis.json exists\n");
+    assert_contains(&message, "--force replaces it");
+    assert_eq!(bench.read("out/model.json"), "mine");
+    // The old name of the option.
+    bench.stdout(&format!("{} --force", command.replace("--output", "--out")));
+    assert_ne!(bench.read("out/model.json"), "mine");
+    // Other files of the folder do not matter.
+    bench.write("out2.txt", "mine");
+    bench.stdout("diagnose short.csv --vehicle tran2007 --output .");
+}
+
+#[test]
+fn the_answer_goes_to_standard_output_alone() {
+    let bench = Bench::new();
+    bench.write("short.csv", drive(2.0));
+    let done = bench
+        .ugv("diagnose short.csv --vehicle tran2007 --json")
         .assert()
         .success()
-        .stderr(note)
-        .stdout(contains("caution      No vehicle was named"));
-    assert_eq!(cautions()[0]["kind"], "assumed_vehicle");
-    // In the verdict's box.
-    let page = bench.read("diagnosis/report.html");
-    let verdict = page.split("</section>").next().unwrap();
-    assert_contains(verdict, "490 kg on 8 wheels");
+        .stderr(contains("too short").and(contains("written to diagnosis")));
+    let answer: Value = serde_json::from_slice(&done.get_output().stdout).unwrap();
+    assert_eq!(answer["format"], "ugv-diagnosis/1");
+    let file: Value = serde_json::from_str(&bench.read("diagnosis/diagnosis.json")).unwrap();
+    assert_eq!(answer, file);
 }
 
 #[test]
@@ -268,12 +307,15 @@ fn wrong_arguments_and_files_are_refused() {
     );
     for (arguments, expected) in [
         ("diagnose", "<REC.csv|LOG>..."),
-        ("diagnose nowhere.csv", "nowhere.csv"),
+        ("diagnose --vehicle tran2007 nowhere.csv", "nowhere.csv"),
         (
-            "diagnose bad.csv",
+            "diagnose --vehicle tran2007 bad.csv",
             "bad.csv: line 3, column 3 (omega_right): found `x`",
         ),
-        ("diagnose a.csv --terrain dry_sadn", "dry_sand"),
+        (
+            "diagnose --vehicle tran2007 a.csv --terrain dry_sadn",
+            "dry_sand",
+        ),
         (
             "diagnose a.csv --vehicle nowhere.json",
             "cannot read nowhere.json",
@@ -282,10 +324,16 @@ fn wrong_arguments_and_files_are_refused() {
             "diagnose a.csv --model m.json --terrain dry_sand",
             "cannot be used with",
         ),
-        ("diagnose a.csv --seed one", "--seed"),
-        ("diagnose a.csv --jobs two", "--jobs"),
-        ("diagnose a.csv --within 0", "a number of seconds above 0"),
-        ("diagnose a.csv --within nan", "a number of seconds above 0"),
+        ("diagnose --vehicle tran2007 a.csv --seed one", "--seed"),
+        ("diagnose --vehicle tran2007 a.csv --jobs two", "--jobs"),
+        (
+            "diagnose --vehicle tran2007 a.csv --within 0",
+            "a number of seconds above 0",
+        ),
+        (
+            "diagnose --vehicle tran2007 a.csv --within nan",
+            "a number of seconds above 0",
+        ),
     ] {
         let message = bench.fails(arguments, 2);
         let error = message.lines().any(|line| line.starts_with("ugv: error: "));
@@ -308,7 +356,10 @@ fn a_place_that_cannot_be_written_is_reported_before_the_work() {
         ("/proc/nowhere", "/proc/nowhere"),
         ("out", "out/model.json"),
     ] {
-        let message = bench.fails(&format!("diagnose a.csv --quiet --out {out}"), 1);
+        let message = bench.fails(
+            &format!("diagnose --vehicle tran2007 a.csv --quiet --force --output {out}"),
+            1,
+        );
         let expected = format!("ugv: error: cannot write {target}: ");
         assert!(message.starts_with(&expected), "{message}");
     }
@@ -323,7 +374,7 @@ fn a_full_disk_loses_nothing() {
     let bench = Bench::new();
     bench.write("short.csv", drive(2.0));
     bench.write("shorter.csv", drive(1.0));
-    bench.stdout("diagnose short.csv --out out");
+    bench.stdout("diagnose --vehicle tran2007 short.csv --output out");
     bench.write("out/notes.txt", "mine");
     let texts = || FILES.map(|name| bench.read(&format!("out/{name}")));
     let before = texts();
@@ -345,8 +396,11 @@ fn a_full_disk_loses_nothing() {
                 UGV,
                 "diagnose",
                 "shorter.csv",
-                "--out",
+                "--vehicle",
+                "tran2007",
+                "--output",
                 "out",
+                "--force",
             ])
             .assert()
             .code(1)
@@ -356,7 +410,7 @@ fn a_full_disk_loses_nothing() {
         assert_eq!(files_in(&bench, "out"), all);
     }
     // With room all files are new, except the model: a short recording does not change it.
-    bench.stdout("diagnose shorter.csv --out out");
+    bench.stdout("diagnose --vehicle tran2007 shorter.csv --output out --force");
     let after = texts();
     assert!([0, 2].into_iter().all(|file| after[file] != before[file]));
     assert_eq!(files_in(&bench, "out"), all);
@@ -366,7 +420,7 @@ fn a_full_disk_loses_nothing() {
     fs::remove_file(bench.path("out/model.json")).unwrap();
     let full = "ugv: error: cannot write out/diagnosis.json: No space left on device";
     bench
-        .ugv("diagnose short.csv --out out")
+        .ugv("diagnose --vehicle tran2007 short.csv --output out --force")
         .assert()
         .code(1)
         .stderr(contains(full));
@@ -384,7 +438,14 @@ fn an_interrupt_leaves_what_was_there() {
     bench.write("out/diagnosis.json", "precious");
     let mut child = Command::new(UGV)
         .current_dir(bench.path(""))
-        .args(["diagnose", "a.csv", "--out", "out/new"])
+        .args([
+            "diagnose",
+            "a.csv",
+            "--vehicle",
+            "tran2007",
+            "--output",
+            "out/new",
+        ])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -422,7 +483,7 @@ fn a_terrain_that_cannot_carry_the_vehicle_is_but_a_start() {
         .assert()
         .failure()
         .stderr(sinks);
-    bench.stdout("diagnose a.csv --terrain mud.json");
+    bench.stdout("diagnose --vehicle tran2007 a.csv --terrain mud.json");
     let answer: Value = serde_json::from_str(&bench.read("diagnosis/diagnosis.json")).unwrap();
     let note = answer["account"]["notes"][0].as_str().unwrap();
     assert_contains(note, "times its frictional modulus");
@@ -442,7 +503,7 @@ fn the_answer_does_not_depend_on_the_number_of_threads() {
     bench.write("a.csv", simulated(&bench));
     for jobs in ["1", "2"] {
         bench.stdout(&format!(
-            "diagnose a.csv --terrain dry_clay --jobs {jobs} --out {jobs} --quiet"
+            "diagnose --vehicle tran2007 a.csv --terrain dry_clay --jobs {jobs} --output {jobs} --quiet"
         ));
     }
     for file in ["diagnosis.json", "model.json"] {
@@ -460,7 +521,9 @@ fn what_the_reader_put_right_stands_in_the_answer() {
     for (name, rows) in [("short", drive(2.0)), ("long", simulated(&bench))] {
         let last = rows.lines().last().unwrap();
         bench.write(&format!("{name}.csv"), format!("{rows}{last}\n"));
-        bench.stdout(&format!("diagnose {name}.csv --out {name} --quiet"));
+        bench.stdout(&format!(
+            "diagnose --vehicle tran2007 {name}.csv --output {name} --quiet"
+        ));
         let json = bench.read(&format!("{name}/diagnosis.json"));
         let answer: Value = serde_json::from_str(&json).unwrap();
         let notes = answer["account"]["notes"].as_array().unwrap();
@@ -488,7 +551,7 @@ fn a_model_with_a_change_of_terrain_is_diagnosed() {
         "change.json",
         r#"{"terrain_change": {"over": "place", "position": 4, "stiffness_factor": 2}}"#,
     );
-    bench.stdout("diagnose a.csv --terrain sandy_loam --effects change.json");
+    bench.stdout("diagnose --vehicle tran2007 a.csv --terrain sandy_loam --effects change.json");
     let answer: Value = serde_json::from_str(&bench.read("diagnosis/diagnosis.json")).unwrap();
     let mut asked = answer["candidates"].as_array().unwrap().iter();
     assert!(asked.all(|one| one["effect"] != "terrain_change"));
@@ -512,7 +575,7 @@ fn models_with_laws_and_patches_drive_are_scored_and_packaged() {
         let motion = bench.stdout("simulate --input a.csv --model m.json --quiet");
         bench.stdout("score a.csv --model m.json --quiet");
         // The tool has in it what marks a library of its version.
-        let package = format!("package --model m.json --library linux64={UGV}");
+        let package = format!("package --model m.json --force --library linux64={UGV}");
         bench.ugv(&package).assert().success();
         assert_ne!(plain.as_ref(), Some(&motion), "{effects}");
         plain.get_or_insert(motion);

@@ -29,7 +29,7 @@ fn model_and_report_are_written_and_the_model_drives() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
     let summary = bench.stdout(
-        "fit rec.csv --free friction_angle --starts 2 --output model.json --report fit.json",
+        "fit --vehicle tran2007 rec.csv --free friction_angle --starts 2 --output model.json --json fit.json",
     );
     for expected in [
         "friction_angle",
@@ -70,31 +70,31 @@ fn no_command_replaces_its_input() {
     ];
     let before = files.map(|name| bench.read(name));
     for command in [
-        "fit rec.csv --output rec.json",
-        "fit rec.csv --report ./rec.json",
-        "score rec.csv --json rec.json",
+        "fit --vehicle tran2007 rec.csv --output rec.json",
+        "fit --vehicle tran2007 rec.csv --json ./rec.json",
+        "score --vehicle tran2007 rec.csv --json rec.json",
         "simulate --input rec.csv --output rec.csv",
         "simulate --input rec.csv --plot rec.json",
         "sweep --input rec.csv --vary soil.cohesion=list:1000 --output rec.csv",
         "fit rec.csv --vehicle mine.json --output mine.json",
-        "score rec.csv --terrain soil.json --json soil.json",
+        "score --vehicle tran2007 rec.csv --terrain soil.json --json soil.json",
         "simulate --input rec.csv --vehicle mine.json --output ./mine.json",
         "sweep --input rec.csv --terrain soil.json --vary soil.cohesion=list:1000 --output soil.json",
         "package --vehicle mine.json --library linux64=rec.csv --output mine.json",
         "package --library linux64=rec.csv --output rec.csv",
         "inspect rec.csv --json rec.json",
-        "inspect rec.csv --page ./rec.csv",
+        "inspect rec.csv --report ./rec.csv",
         "import drive.mcap --output drive.mcap",
     ] {
         let message = bench.fails(command, 2);
         assert_contains(&message, "is an input file");
     }
     bench.write("model.csv", recording());
-    bench.fails("diagnose model.csv --out .", 2);
+    bench.fails("diagnose model.csv --vehicle tran2007 --output .", 2);
     for command in [
         "simulate --input rec.csv --output a.csv --plot ./a.csv",
-        "inspect rec.csv --json same --page same",
-        "fit rec.csv --output same --report same",
+        "inspect rec.csv --json same --report same",
+        "fit --vehicle tran2007 rec.csv --output same --json same",
     ] {
         assert_contains(&bench.fails(command, 2), "have the same destination");
     }
@@ -117,7 +117,10 @@ fn no_command_replaces_its_input() {
 fn a_recording_that_is_given_twice_does_not_count_twice() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
-    for command in ["fit rec.csv rec.csv", "score rec.csv ./rec.csv"] {
+    for command in [
+        "fit --vehicle tran2007 rec.csv rec.csv",
+        "score --vehicle tran2007 rec.csv ./rec.csv",
+    ] {
         let message = bench.fails(command, 2);
         assert!(
             message.contains("two recordings are called rec")
@@ -131,7 +134,8 @@ fn a_recording_that_is_given_twice_does_not_count_twice() {
 fn what_goes_to_standard_output_is_the_report_alone() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
-    let report = bench.stdout("fit rec.csv --free friction_angle --starts 0 --report -");
+    let report =
+        bench.stdout("fit --vehicle tran2007 rec.csv --free friction_angle --starts 0 --json -");
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert!(report["parameters"].is_array(), "{report}");
 }
@@ -144,7 +148,7 @@ fn what_is_ignored_or_chosen_for_all_is_noted() {
     bench.write("rec.json", r#"{"terrain": "dry_sand"}"#);
     bench.write("other.json", r#"{"terrain": "dry_clay"}"#);
     bench.write("offset.json", r#"{"heading_offset": {"offset": 0.1}}"#);
-    let command = "fit rec.csv other.csv --free friction_angle --starts 0 --effects offset.json";
+    let command = "fit --vehicle tran2007 rec.csv other.csv --free friction_angle --starts 0 --effects offset.json";
     let output = bench.ugv(command).assert().success();
     let notes = String::from_utf8(output.get_output().stderr.clone()).unwrap();
     for expected in [
@@ -159,7 +163,7 @@ fn what_is_ignored_or_chosen_for_all_is_noted() {
 fn names_are_listed_and_typos_answered() {
     let bench = Bench::new();
     bench.write("rec.csv", recording());
-    let names = bench.stdout("fit --free help");
+    let names = bench.stdout("fit --vehicle tran2007 --free help");
     for expected in [
         "* cohesion",
         "grade.slope_east",
@@ -168,16 +172,19 @@ fn names_are_listed_and_typos_answered() {
     ] {
         assert_contains(&names, expected);
     }
-    let message = bench.fails("fit rec.csv --free cohesoin", 2);
+    let message = bench.fails("fit --vehicle tran2007 rec.csv --free cohesoin", 2);
     assert_contains(&message, "no parameter `cohesoin`");
     assert_contains(&message, "the nearest is cohesion");
-    let message = bench.fails("fit rec.csv --sensors pose_lag", 2);
+    let message = bench.fails("fit --vehicle tran2007 rec.csv --sensors pose_lag", 2);
     assert_contains(&message, "the nearest is pose_latency");
     // Those of sensors are named elsewhere, beside the others that are fitted.
-    let message = bench.fails("fit rec.csv --free lever_arm_x", 2);
+    let message = bench.fails("fit --vehicle tran2007 rec.csv --free lever_arm_x", 2);
     let all = "--sensors pose_latency,wheel_latency,yaw_rate_bias,lever_arm_x";
     assert_contains(&message, all);
-    let message = bench.fails("fit rec.csv --free cohesion --sensors mass", 2);
+    let message = bench.fails(
+        "fit --vehicle tran2007 rec.csv --free cohesion --sensors mass",
+        2,
+    );
     assert_contains(&message, "--free cohesion,mass");
 }
 
@@ -186,7 +193,9 @@ fn what_cannot_be_fitted_is_refused() {
     let bench = Bench::new();
     let message = bench.fails("fit", 2);
     assert_contains(&message, "no recording");
-    let message = bench.fails("fit drive.csv", 2);
+    let message = bench.fails("fit drive.csv --report fit.html", 2);
+    assert_contains(&message, "--json fit.html writes all results");
+    let message = bench.fails("fit --vehicle tran2007 drive.csv", 2);
     assert_contains(&message, "neither pose nor yaw rate");
     assert_contains(&message, "hint: record a pose");
     bench.write("rec.csv", recording());
@@ -199,7 +208,7 @@ fn what_cannot_be_fitted_is_refused() {
     bench.write("other.json", vehicle("500.0"));
     let message = bench.fails("fit rec.csv other.csv", 2);
     assert_contains(&message, "have different vehicles");
-    let message = bench.fails("fit rec.csv --segment 20", 2);
+    let message = bench.fails("fit --vehicle tran2007 rec.csv --segment 20", 2);
     assert_contains(&message, "3 to 8 seconds");
     assert!(!bench.files().contains(&"model.json".to_owned()));
 }

@@ -64,7 +64,7 @@ fn nothing_of_a_csv_file_reaches_the_terminal_or_a_page_as_it_stands() {
     }
     // A column that is meant for another one: its name stands in a note.
     bench.write("drive.csv", recording("\"V_X [m/s]\u{1b}[31m\""));
-    let note = bench.stdout("inspect drive.csv --page page.html");
+    let note = bench.stdout("inspect drive.csv --report page.html");
     assert_contains(&note, "V_X [m/s]\\u{1b}[31m");
     assert_harmless(&note);
     let page = bench.read("page.html");
@@ -94,7 +94,7 @@ fn nothing_of_a_json_file_reaches_the_terminal_or_a_page_as_it_stands() {
         "field.json",
         format!("{{\"note\": {evil}, \"source\": {evil}, \"licence\": {evil}}}"),
     );
-    bench.stdout("inspect field.csv --page page.html");
+    bench.stdout("inspect field.csv --report page.html --force");
     let page = bench.read("page.html");
     assert!(page.contains("Licence: a\\u{1b}[2J"));
     assert_harmless_page(&page);
@@ -116,9 +116,16 @@ fn nothing_of_a_file_s_name_reaches_the_terminal_or_a_page_as_it_stands() {
     };
     let file = format!("{EVIL}.csv");
     let nowhere = format!("{EVIL}.json");
-    assert!(run(&["inspect", &file, "--page", "page.html"]));
+    assert!(run(&["inspect", &file, "--report", "page.html"]));
     assert_harmless_page(&bench.read("page.html"));
-    assert!(run(&["diagnose", &file, "--out", EVIL]));
+    assert!(run(&[
+        "diagnose",
+        &file,
+        "--vehicle",
+        "tran2007",
+        "--output",
+        EVIL
+    ]));
     assert_harmless_page(&bench.read(&format!("{EVIL}/report.html")));
     assert!(run(&[
         "simulate",

@@ -91,7 +91,7 @@ fn repairs_are_noted_and_faults_refused() {
 fn json_and_page_are_whole() {
     let bench = Bench::new();
     bench.write("field.csv", recording());
-    let quiet = bench.stdout("inspect field.csv --json out.json --page out.html --quiet");
+    let quiet = bench.stdout("inspect field.csv --json out.json --report out.html --quiet");
     assert_eq!(quiet, "");
     let json: serde_json::Value = serde_json::from_str(&bench.read("out.json")).unwrap();
     assert_eq!(json["format"], "ugv-inspection/1");
@@ -129,10 +129,57 @@ fn json_and_page_are_whole() {
 #[test]
 fn short_recordings_have_no_delays() {
     let bench = Bench::new();
-    let text = bench.stdout("inspect drive.csv --page page.html");
+    let text = bench.stdout("inspect drive.csv --report page.html");
     assert!(
         text.contains("\ndrive: 1 run, 0.7 s") && !text.contains("behind"),
         "{text}"
     );
     assert!(bench.read("page.html").contains("Wheel speeds"));
+}
+
+/// The size of wheel speeds does not tell degrees per second from a motor in front of a gear.
+#[test]
+fn wheel_speeds_are_converted_only_where_the_header_has_their_unit() {
+    let bench = Bench::new();
+    bench.write(
+        "wheels.csv",
+        "time,omega_left,omega_right\n0,0,0\n2,6,6\n8,6,4\n12,4,7\n16,7,5\n20,0,0\n",
+    );
+    let motion = bench.stdout("simulate --input wheels.csv --terrain dry_sand --quiet");
+    let [time, left, right, x, y, heading] =
+        ["time", "omega_left", "omega_right", "x", "y", "heading"]
+            .map(|name| column(&motion, name));
+    let recording = |unit: &str, factor: f64| {
+        let mut text = format!("time,omega_left{unit},omega_right{unit},x,y,heading\n");
+        for k in 0..time.len() {
+            let wheels = [factor * left[k], factor * right[k]];
+            text += &format!(
+                "{},{},{},{},{},{}\n",
+                time[k], wheels[0], wheels[1], x[k], y[k], heading[k]
+            );
+        }
+        text
+    };
+    let degrees = 180.0 / std::f64::consts::PI;
+    for factor in [38.0, degrees] {
+        bench.write("field.csv", recording("", factor));
+        let text = bench.stdout("inspect field.csv --vehicle tran2007");
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(!words.contains("converted"), "{words}");
+        assert!(words.starts_with("Fit for diagnosis: no"), "{words}");
+        for expected in [
+            "gear ratio, ticks per turn",
+            "in front of a gear",
+            "names a unit",
+        ] {
+            assert_contains(&words, expected);
+        }
+    }
+    bench.write("field.csv", recording(" [deg/s]", degrees));
+    let text = bench.stdout("inspect field.csv --vehicle tran2007");
+    assert_contains(
+        &text,
+        "omega_left: taken from column `omega_left [deg/s]` [deg/s]",
+    );
+    assert!(!text.contains("gear"), "{text}");
 }

@@ -53,10 +53,9 @@ fn merged_fmus_are_what_packaging_at_once_gives() {
         );
     assert_eq!(bench.bytes("merged.fmu"), bench.bytes("ugv.fmu"));
     // Into one of them.
-    bench
-        .ugv("package --merge win64.fmu merged.fmu --output win64.fmu")
-        .assert()
-        .success();
+    let into = "package --merge win64.fmu merged.fmu --output win64.fmu";
+    assert_contains(&bench.fails(into, 2), "win64.fmu exists");
+    bench.ugv(&format!("{into} --force")).assert().success();
     assert_eq!(bench.bytes("win64.fmu"), bench.bytes("ugv.fmu"));
 }
 
@@ -99,7 +98,7 @@ fn an_fmu_for_co_simulation_alone_has_reasons() {
         for version in ["2", "3"] {
             let package = "package --library linux64=ugv.so --effects effects.json --fmi";
             bench
-                .ugv(&format!("{package} {version} --output some.fmu"))
+                .ugv(&format!("{package} {version} --output some.fmu --force"))
                 .assert()
                 .success()
                 .stderr(format!("ugv: some.fmu written, for linux64{why}\n"));
@@ -292,4 +291,25 @@ fn entries_that_lead_out_of_an_fmu_or_are_no_libraries_are_refused() {
         assert_contains(&message, reason);
         assert!(!bench.path("merged.fmu").exists(), "{entry}");
     }
+}
+
+#[test]
+fn what_is_in_an_fmu_is_json_on_demand() {
+    let bench = Bench::new();
+    bench.library("ugv.so", elf(62));
+    let json = |arguments: &str| -> serde_json::Value {
+        serde_json::from_str(&bench.stdout(&format!("package {arguments} --json"))).unwrap()
+    };
+    let packaged = json("--library linux64=ugv.so -o one.fmu");
+    formats::assert_documented(&packaged);
+    assert_eq!(packaged["fmu"], "one.fmu");
+    assert_eq!(packaged["platforms"][0], "linux64");
+    bench.library("ugv.dll", pe(0x8664));
+    json("--library win64=ugv.dll -o two.fmu");
+    let merged = json("--merge one.fmu two.fmu -o both.fmu");
+    formats::assert_documented(&merged);
+    assert_eq!(merged["binaries"].as_array().unwrap().len(), 2);
+    // No FMU is replaced unasked.
+    let message = bench.fails("package --library linux64=ugv.so -o one.fmu", 2);
+    assert_contains(&message, "one.fmu exists");
 }

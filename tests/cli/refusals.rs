@@ -66,7 +66,7 @@ fn malformed_input_is_located_and_touches_nothing() {
     ] {
         bench.write("bad.csv", text);
         let message = bench.fails(
-            "simulate --input bad.csv --output motion.csv --plot new.svg",
+            "simulate --input bad.csv --output motion.csv --plot new.svg --force",
             2,
         );
         assert!(

@@ -26,6 +26,20 @@ fn drive(seconds: f64) -> String {
     text
 }
 
+/// A recording, and its vehicle beside it.
+fn write(bench: &Bench, name: &str, seconds: f64) {
+    bench.write(&format!("{name}.csv"), drive(seconds));
+    vehicle(bench, name);
+}
+
+fn vehicle(bench: &Bench, name: &str) {
+    let vehicle = bench.stdout("vehicle");
+    bench.write(
+        &format!("{name}.json"),
+        format!("{{\"vehicle\": {vehicle}}}"),
+    );
+}
+
 fn json(bench: &Bench, arguments: &str) -> Value {
     serde_json::from_str(&bench.stdout(arguments)).unwrap()
 }
@@ -38,7 +52,7 @@ fn model<'a>(recording: &'a Value, name: &str) -> &'a Value {
 #[test]
 fn fitted_kinematics_predict_a_kinematic_world() {
     let bench = Bench::new();
-    bench.write("world.csv", drive(120.0));
+    write(&bench, "world", 120.0);
     let score = json(&bench, "score world.csv --terrain dry_sand --json -");
     assert_eq!(score["format"], "ugv-score/1");
     formats::assert_documented(&score);
@@ -81,8 +95,8 @@ fn fitted_kinematics_predict_a_kinematic_world() {
 #[test]
 fn the_table_has_every_model() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(40.0));
-    bench.write("b.csv", drive(50.0));
+    write(&bench, "a", 40.0);
+    write(&bench, "b", 50.0);
     let table = bench.stdout("score a.csv b.csv --json score.json");
     for word in [
         "a: ",
@@ -100,14 +114,24 @@ fn the_table_has_every_model() {
     assert!(!table.contains("given_model"), "{table}");
     let score: Value = serde_json::from_str(&bench.read("score.json")).unwrap();
     assert_eq!(score["pooled"].as_array().unwrap().len(), 4);
-    assert_eq!(bench.files(), ["a.csv", "b.csv", "drive.csv", "score.json"]);
+    assert_eq!(
+        bench.files(),
+        [
+            "a.csv",
+            "a.json",
+            "b.csv",
+            "b.json",
+            "drive.csv",
+            "score.json"
+        ]
+    );
 }
 
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(40.0));
-    bench.write("b.csv", drive(31.0));
+    write(&bench, "a", 40.0);
+    write(&bench, "b", 31.0);
     let with = |threads: &str| {
         let mut command = bench.ugv("score a.csv b.csv --terrain dry_sand --json -");
         command
@@ -124,7 +148,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn vehicle_and_terrain_beside_the_recording_are_nominal() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(30.0));
+    write(&bench, "a", 30.0);
     let vehicle = bench.stdout("vehicle");
     bench.write(
         "a.json",
@@ -154,7 +178,7 @@ fn without_a_vehicle_beside_the_recording_all_models_have_the_given_one() {
 #[test]
 fn a_model_that_was_fitted_to_the_windows_causes_a_warning() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(40.0));
+    write(&bench, "a", 40.0);
     let fit = "fit a.csv --free friction_angle --sensors none --starts 0";
     bench.stdout(&format!("{fit} --output whole.json"));
     bench.stdout(&format!("{fit} --half --output half.json"));
@@ -184,8 +208,9 @@ fn a_model_that_was_fitted_to_the_windows_causes_a_warning() {
     let header = drive.lines().next().unwrap();
     let rows: String = rows(1).chain(rows(2)).collect();
     bench.write("b.csv", format!("run,{header}\n{rows}"));
+    vehicle(&bench, "b");
     bench.stdout(&format!(
-        "{} --half --output half.json",
+        "{} --half --output half.json --force",
         fit.replace("a.csv", "b.csv")
     ));
     let warning = bench
@@ -199,7 +224,7 @@ fn a_model_that_was_fitted_to_the_windows_causes_a_warning() {
 #[test]
 fn windows_that_fail_are_counted() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(30.0));
+    write(&bench, "a", 30.0);
     let soil = bench.stdout("terrains dry_sand");
     let mut soft: Value = serde_json::from_str(&soil).unwrap();
     soft["frictional_modulus"] = 1e3.into();
@@ -222,7 +247,7 @@ fn windows_that_fail_are_counted() {
         "{table}"
     );
     // A model that is lost in one recording alone is missed in the table of all; failures are summed.
-    bench.write("b.csv", drive(40.0));
+    write(&bench, "b", 40.0);
     let table = bench.stdout("score a.csv b.csv --terrain soft.json");
     let pooled = &table[table.find("All 2 recordings").unwrap()..];
     for name in ["a", "b"] {
@@ -235,7 +260,7 @@ fn windows_that_fail_are_counted() {
 #[test]
 fn a_preset_is_no_file_that_would_be_overwritten() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(30.0));
+    write(&bench, "a", 30.0);
     bench.stdout("score a.csv --terrain dry_sand --json dry_sand.json");
     let again = bench.fails(
         "score a.csv --terrain dry_sand.json --json dry_sand.json",
@@ -247,7 +272,7 @@ fn a_preset_is_no_file_that_would_be_overwritten() {
 #[test]
 fn short_recordings_are_judged_without_a_fit() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(9.0));
+    write(&bench, "a", 9.0);
     let score = json(&bench, "score a.csv --json -");
     let recording = &score["recordings"][0];
     assert_eq!(recording["fitted"], 0);
@@ -270,12 +295,13 @@ fn short_recordings_are_judged_without_a_fit() {
 #[test]
 fn what_cannot_be_judged_is_refused() {
     let bench = Bench::new();
-    bench.write("a.csv", drive(8.0));
+    write(&bench, "a", 8.0);
     bench.write(
         "still.csv",
         "time,omega_left,omega_right,x,y,heading\n0,0,0,0,0,0\n\
         0.5,0,0,0,0,0\n1,0,0,0,0,0\n1.5,0,0,0,0,0\n2,0,0,0,0,0\n2.5,0,0,0,0,0\n",
     );
+    ["drive", "still"].map(|name| vehicle(&bench, name));
     for (arguments, expected) in [
         ("score drive.csv", "drive: no sample of x, y, heading"),
         ("score a.csv --horizon 9", "less than the horizon of 9 s"),

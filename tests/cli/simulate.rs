@@ -86,12 +86,12 @@ fn output_is_what_the_library_computes_to_the_last_digit() {
     for terrain in Terrain::PRESETS {
         let initial = "--initial v_x=1.1 x=-3 --initial heading=0.3";
         let csv = bench.stdout(&format!(
-            "simulate --input drive.csv --terrain {terrain} {initial}"
+            "simulate --input drive.csv --output-step input --terrain {terrain} {initial}"
         ));
         assert_eq!(numbers(&csv), expected_rows(terrain, start), "{terrain}");
     }
     // Rest on clayed soil is the default.
-    let csv = bench.stdout("simulate --input drive.csv");
+    let csv = bench.stdout("simulate --input drive.csv --output-step input");
     assert_eq!(
         numbers(&csv),
         expected_rows("clayed_soil", State::default())
@@ -185,7 +185,13 @@ fn output_step_sets_the_rows() {
     );
     // Stopping in between moves the integrator's steps, within its tolerance.
     let end = |csv: &str| *column(csv, "x").last().unwrap();
-    assert!((end(&csv) - end(&bench.stdout("simulate --input drive.csv"))).abs() < 1e-3);
+    let rows = bench.stdout("simulate --input drive.csv --output-step input");
+    assert_eq!(column(&rows, "time"), [0.0, 0.1, 0.3, 0.65]);
+    assert!((end(&csv) - end(&rows)).abs() < 1e-3);
+    // The default.
+    let csv = bench.stdout("simulate --input drive.csv");
+    let expected: Vec<f64> = (0..14).map(|row| f64::from(row) / 20.0).collect();
+    assert_eq!(column(&csv, "time"), expected);
     let csv = bench.stdout("simulate --input drive.csv --output-step 100");
     assert_eq!(column(&csv, "time"), [0.0, 0.65]);
     // 0.3 + (0.9 - 0.3) is above 0.9.
@@ -204,7 +210,10 @@ fn missing_samples_are_interpolated_with_a_note() {
         "gaps.csv",
         "time,omega_left,omega_right\n0,1,1\n0.1,,2\n0.2,3,\n",
     );
-    let assert = bench.ugv("simulate --input gaps.csv").assert().success();
+    let assert = bench
+        .ugv("simulate --input gaps.csv --output-step input")
+        .assert()
+        .success();
     let assert = assert.stderr(contains("2 of 3 rows lack a wheel speed"));
     let csv = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
     assert_eq!(column(&csv, "omega_left"), [1.0, 2.0, 3.0]);
@@ -240,6 +249,19 @@ fn presets_come_back_as_files() {
             bench.stdout("simulate --input drive.csv --vehicle vehicle.json --terrain soil.json");
         assert_eq!(by_name, by_file);
     }
+    let plain = bench.stdout("simulate --input drive.csv");
+    let named = bench.stdout("simulate --input drive.csv --vehicle tran2007");
+    assert_eq!(named, plain);
+    bench.stdout("vehicle tran2007 -o paper.json");
+    assert_eq!(bench.read("paper.json"), bench.read("vehicle.json"));
+    assert_contains(
+        &bench.fails("vehicle -o paper.json", 2),
+        "paper.json exists",
+    );
+    let husky = bench.stdout("simulate --input drive.csv --vehicle husky");
+    bench.write("husky.json", bench.stdout("vehicle husky"));
+    let by_file = bench.stdout("simulate --input drive.csv --vehicle husky.json");
+    assert_eq!(husky, by_file);
     let all = Terrain::presets_from_json(&bench.stdout("terrains")).unwrap();
     assert_eq!(
         all.to_vec(),
@@ -268,6 +290,12 @@ fn picture_shows_four_panels() {
     ] {
         assert!(svg.contains(text), "{text}");
     }
+    // Lines are smooth whatever rows the table has, and the plot does not change the table.
+    let points = |name: &str| bench.read(name).matches(',').count();
+    let table = bench.stdout("simulate --input drive.csv --output-step input");
+    let plotted = bench.stdout("simulate --input drive.csv --output-step input --plot sparse.svg");
+    assert_eq!(plotted, table);
+    assert!(points("sparse.svg") == points("drive.svg") && points("drive.svg") > 100);
     // One row leaves nothing but points to draw.
     bench.write("one.csv", "time,omega_left,omega_right\n0,1,1\n");
     bench
@@ -275,4 +303,34 @@ fn picture_shows_four_panels() {
         .assert()
         .success();
     assert!(!bench.read("one.svg").contains("NaN"));
+}
+
+#[test]
+fn the_drive_is_json_instead_of_the_table() {
+    let bench = Bench::new();
+    let done = bench.ugv("simulate --input drive.csv --json");
+    let done = { done }
+        .assert()
+        .success()
+        .stderr(contains("simulated 0.65 s"));
+    let drive: serde_json::Value = serde_json::from_slice(&done.get_output().stdout).unwrap();
+    formats::assert_documented(&drive);
+    assert_eq!(
+        (drive["duration"].as_f64(), drive["rows"].as_u64()),
+        (Some(0.65), Some(14))
+    );
+    bench.stdout("simulate --input drive.csv --json drive_result.json -o motion.csv");
+    let written: serde_json::Value =
+        serde_json::from_str(&bench.read("drive_result.json")).unwrap();
+    assert_eq!(written, drive);
+    let x = column(&bench.read("motion.csv"), "x");
+    assert_eq!(x.last().copied(), drive["end"]["x"].as_f64());
+    let message = bench.fails("simulate --input drive.csv --output - --json", 2);
+    assert_contains(&message, "--json and --output have the same destination");
+    let message = bench.fails("simulate --input drive.csv -o motion.csv", 2);
+    assert_contains(&message, "motion.csv exists");
+    assert_contains(&message, "--force replaces it");
+    // A recording that lost its place.
+    let message = bench.fails("inspect --json drive.csv", 2);
+    assert_contains(&message, "a recording takes no results");
 }

@@ -118,7 +118,7 @@ fn replaced_files_keep_their_permissions_and_links() {
     fs::set_permissions(bench.path("real.csv"), fs::Permissions::from_mode(0o640)).unwrap();
     symlink("real.csv", bench.path("link.csv")).unwrap();
     bench
-        .ugv("simulate --input drive.csv --output link.csv")
+        .ugv("simulate --input drive.csv --output link.csv --force")
         .assert()
         .success();
     assert!(

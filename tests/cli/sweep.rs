@@ -23,7 +23,9 @@ fn a_drive_ends_where_simulate_ends() {
     let csv = bench.stdout(&format!(
         "sweep --input drive.csv --quiet {start} --vary soil.cohesion=list:1040,900"
     ));
-    let expected = bench.stdout(&format!("simulate --input drive.csv --quiet {start}"));
+    let expected = bench.stdout(&format!(
+        "simulate --input drive.csv --output-step input --quiet {start}"
+    ));
     for name in ["x", "y", "heading", "v_x", "v_y", "yaw_rate"] {
         assert_eq!(
             cells(&csv, name)[0],
@@ -58,7 +60,7 @@ fn parameters_mean_what_they_mean_in_a_model() {
         r#"{"format": "ugv-effects/1", "payload": {"mass": 70}}"#,
     );
     let expected = bench.stdout(
-        "simulate --input drive.csv --quiet --terrain soil.json --vehicle vehicle.json \
+        "simulate --input drive.csv --output-step input --quiet --terrain soil.json --vehicle vehicle.json \
          --effects effects.json --initial v_x=0.4",
     );
     for name in ["x", "heading", "v_x"] {
@@ -217,4 +219,28 @@ fn wrong_sweeps_are_refused() {
     let message = bench.fails("sweep --input one.csv --vary vehicle.mass=list:400", 2);
     assert_contains(&message, "the drive has one row");
     assert!(!bench.files().contains(&"ends.csv".to_owned()));
+}
+
+#[test]
+fn all_drives_are_json_instead_of_the_table() {
+    let bench = Bench::new();
+    let sweep = "sweep --input drive.csv --quiet --vary soil.cohesion=list:1040,900";
+    let table = bench.stdout(sweep);
+    let results: serde_json::Value =
+        serde_json::from_str(&bench.stdout(&format!("{sweep} --json"))).unwrap();
+    formats::assert_documented(&results);
+    let drives = results["drives"].as_array().unwrap();
+    assert_eq!(drives.len(), 2);
+    for (row, drive) in drives.iter().enumerate() {
+        for name in ["x", "largest_slip", "resistance_work"] {
+            let cell: f64 = cells(&table, name)[row].parse().unwrap();
+            assert_eq!(drive[name].as_f64(), Some(cell), "{name}");
+        }
+    }
+    assert_eq!(drives[1]["parameters"]["soil.cohesion"], 900.0);
+    // Both at once, and neither replaces a file unasked.
+    bench.stdout(&format!("{sweep} --output ends.csv --json ends.json"));
+    assert_eq!(bench.read("ends.csv"), table);
+    let message = bench.fails(&format!("{sweep} --json ends.json"), 2);
+    assert_contains(&message, "ends.json exists");
 }

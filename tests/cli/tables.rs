@@ -37,7 +37,7 @@ fn names_units_and_separators_of_others_are_read_by_every_command() {
     ] {
         assert_contains(&shown, note);
     }
-    let out = "--terrain sandy_loam --output motion.csv";
+    let out = "--terrain sandy_loam --output motion.csv --force";
     let done = bench.ugv(&format!("simulate --input log.csv {named} {out}"));
     let done = { done }.assert().success();
     let notes = String::from_utf8(done.get_output().stderr.clone()).unwrap();
@@ -80,4 +80,15 @@ fn a_missing_header_is_explained_and_columns_have_numbers() {
         "simulate --input bare.csv --column time=#1 --column omega_left=#3 --column omega_right=#2 --quiet",
     );
     assert_eq!(numbers(&motion)[0][..3], [0.0, 2.0, 1.0]);
+}
+
+#[test]
+fn a_hint_is_an_argument_that_a_shell_takes() {
+    let bench = Bench::new();
+    bench.write("log.csv", "time,left wheel,omega_right\n0,1,1\n1,1,1\n");
+    let message = bench.fails("inspect log.csv", 2);
+    assert_contains(
+        &message,
+        "`left wheel` may be it: --column \"omega_left=left wheel:UNIT\"",
+    );
 }

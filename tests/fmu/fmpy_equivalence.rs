@@ -337,6 +337,7 @@ fn package(fmu: &Path, python: &Path, folder: &Path, arguments: &[&std::ffi::OsS
         .arg(format!("linux64={}", library.display()))
         .arg("--output")
         .arg(&packaged)
+        .arg("--force")
         .status()
         .unwrap();
     assert!(status.success());

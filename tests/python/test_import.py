@@ -83,7 +83,7 @@ class ImportCase(unittest.TestCase):
     def imported(self, log: Path, *arguments: object) -> Recording:
         """Imports what can be imported."""
         output = self.folder / "out.csv"
-        run = ugv(log, "--output", output, *arguments)
+        run = ugv(log, "--output", output, "--force", *arguments)
         self.assertEqual(run.status, 0, run.stderr)
         self.stderr = run.stderr
         return Recording(output)
@@ -233,7 +233,7 @@ class Drive(ImportCase):
                 place = len(broken) * part // 13
                 broken[place : place + 16] = bytes([255]) * 16
                 path.write_bytes(broken)
-                run = ugv(path, "--partial", "--output", self.folder / "out.csv")
+                run = ugv(path, "--partial", "--output", self.folder / "out.csv", "--force")
                 self.assertIn(run.status, (0, BAD_INPUT), f"{name} {part}: {run.stderr}")
                 self.assertNotIn("panicked", run.stderr)
 
@@ -244,7 +244,7 @@ class Drive(ImportCase):
         self.assertEqual(recording.beside["terrain"], {"name": "mine"})
         self.assertEqual(recording.beside["source"], "drive_lz4.bag (ROS 1 bag)")
         beside.write_text("[1]")
-        run = ugv(self.logs / "drive_lz4.bag", "--output", self.folder / "out.csv")
+        run = ugv(self.logs / "drive_lz4.bag", "--output", self.folder / "out.csv", "--force")
         self.assertEqual(run.status, BAD_INPUT)
         self.assertIn("not a JSON object", run.stderr)
         self.assertEqual(beside.read_text(), "[1]")

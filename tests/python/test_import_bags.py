@@ -121,7 +121,7 @@ class Storages(BagCase):
                 place = 16 + len(broken) * part // 13
                 broken[place : place + 16] = bytes([255]) * 16
                 file.write_bytes(broken)
-                run = ugv(file, "--partial", "--output", self.folder / "out.csv")
+                run = ugv(file, "--partial", "--output", self.folder / "out.csv", "--force")
                 self.assertIn(run.status, (0, BAD_INPUT), f"{mode} {part}: {run.stderr}")
                 self.assertNotIn("panicked", run.stderr)
                 self.assertEqual(file.read_bytes(), broken)
@@ -374,7 +374,7 @@ class Commands(BagCase):
         ]
         file = self.bag(drive)
         for log in (file, file.parent):
-            for command in (["inspect"], ["diagnose", "--within", "1", "--out", self.folder / "d"]):
+            for command in (["inspect"], ["diagnose", "--vehicle", "tran2007", "--within", "1", "--output", self.folder / "d", "--force"]):
                 words = [str(UGV), *map(str, command), str(log)]
                 done = subprocess.run(words, capture_output=True, text=True, check=False)
                 with self.subTest(log=log.name, command=command[0]):
@@ -382,6 +382,39 @@ class Commands(BagCase):
                     self.assertIn("imported by itself", done.stderr)
                     self.assertIn("heading from /ins/odom", done.stderr)
         self.assertTrue((self.folder / "d" / "diagnosis.json").is_file())
+
+    def test_options_of_the_import_choose_in_other_commands_too(self) -> None:
+        drive = self.joints() + [
+            Message(topic, ODOMETRY, t, self.ros2.odometry(t, truth(s)))
+            for topic in ("/ins/odom", "/other/odom")
+            for t, s in make_bags.ticks(20)
+        ]
+        log = self.bag(drive)
+        words = [str(UGV), "inspect", str(log), "--quiet", "--json"]
+        for more, topic in ([], "/ins/odom"), (["--topics", "odometry=/other/odom"], "/other/odom"):
+            done = subprocess.run([*words, *more], capture_output=True, text=True, check=True)
+            self.assertIn(f"heading from {topic}", done.stderr)
+        done = subprocess.run([*words, "--preset", "husky"], capture_output=True, text=True, check=True)
+        self.assertEqual(json.loads(done.stdout)["format"], "ugv-inspection/1")
+
+    def test_results_are_json_on_demand(self) -> None:
+        drive = self.joints() + [
+            Message("/ins/odom", ODOMETRY, t, self.ros2.odometry(t, truth(s)))
+            for t, s in make_bags.ticks(20)
+        ]
+        log = self.bag(drive)
+        listed = json.loads(ugv(log, "--list", "--json").printed)
+        self.assertEqual(listed["format"], "ugv-topics/1")
+        used = {topic["topic"]: topic["serves_as"] for topic in listed["topics"] if topic["used"]}
+        self.assertEqual(used["/ins/odom"], "odometry")
+        table = self.folder / "rec.csv"
+        results = json.loads(ugv(log, "--output", table, "--json").printed)
+        self.assertEqual(results["format"], "ugv-import/1")
+        self.assertEqual(results["rows"], len(table.read_text().splitlines()) - 1)
+        self.assertEqual(results["provenance"], json.loads(table.with_suffix(".json").read_text())["provenance"])
+        again = ugv(log, "--output", table)
+        self.assertEqual(again.status, BAD_INPUT)
+        self.assertIn("rec.csv exists", again.stderr)
 
     def test_warnings_of_the_import_are_doubts(self) -> None:
         """A pose from the wheels is doubted, although no file beside the log says so."""

@@ -86,7 +86,7 @@ class Drives(unittest.TestCase):
         time, omega = wheels()
         rows = np.column_stack([time, omega])
         np.savetxt(folder / "wheels.csv", rows, "%.17g", ",", header="time,omega_left,omega_right", comments="")
-        table = tool("simulate", "--input", "wheels.csv", "--model", "model.json", "--quiet", folder=folder)
+        table = tool("simulate", "--input", "wheels.csv", "--model", "model.json", "--output-step", "input", "--quiet", folder=folder)
         header, *lines = table.strip().splitlines()
         columns = dict(zip(header.split(","), np.array([line.split(",") for line in lines], float).T, strict=True))
         drive = ugv.rollout(model, time, omega, outputs=["power", "rolling_resistance"])
@@ -166,12 +166,12 @@ class Analyses(unittest.TestCase):
             fit = ugv.fit(DRIVE, free=["friction_angle", "shear_modulus"], starts=0, progress=steps.append)
             score = ugv.score([DRIVE, DRIVE.with_name("second.csv")])
         self.assertTrue(steps)
-        tool("fit", DRIVE, "--free", "friction_angle,shear_modulus", "--starts", 0, "--report", "fit.json", "--quiet",
-             "--output", "fitted.json", folder=folder)
+        tool("fit", DRIVE, "--free", "friction_angle,shear_modulus", "--starts", 0, "--json", "fit.json", "--quiet",
+             "--output", "fitted.json", "--force", folder=folder)
         self.assertEqual(fit.data, json.loads((folder / "fit.json").read_text()))
         fitted = ugv.Model.from_file(folder / "fitted.json")
         self.assertEqual(fit.model.to_dict(), fitted.to_dict())
-        tool("score", DRIVE, DRIVE.with_name("second.csv"), "--json", "score.json", "--quiet", folder=folder)
+        tool("score", DRIVE, DRIVE.with_name("second.csv"), "--json", "score.json", "--force", "--quiet", folder=folder)
         self.assertEqual(score.data, json.loads((folder / "score.json").read_text()))
         self.assertIn("friction_angle", fit._repr_html_())
 
@@ -186,7 +186,7 @@ class Analyses(unittest.TestCase):
         (folder / "plain.json").write_text(plain.to_json())
         steps: list[str] = []
         found = ugv.diagnose(columns, model=plain, progress=steps.append)
-        tool("diagnose", path, "--model", "plain.json", "--out", "diagnosis", "--quiet", folder=folder)
+        tool("diagnose", path, "--model", "plain.json", "--output", "diagnosis", "--force", "--quiet", folder=folder)
         expected = json.loads((folder / "diagnosis" / "diagnosis.json").read_text())
         self.assertEqual({k: v for k, v in found.data.items() if k != "account"},
                          {k: v for k, v in expected.items() if k != "account"})
@@ -245,7 +245,7 @@ class Analyses(unittest.TestCase):
         columns = recorded(ugv.Model(terrain="sandy_loam"), 60.0)
         for ask in (ugv.diagnose, ugv.fit):
             with self.subTest(ask.__name__), self.assertRaises(RuntimeError):
-                ask(columns, progress=listen)
+                ask(columns, vehicle="tran2007", progress=listen)
 
     def test_an_interrupt_ends_the_work(self) -> None:
         columns = recorded(ugv.Model(terrain="sandy_loam"), 60.0)
@@ -261,7 +261,7 @@ class Analyses(unittest.TestCase):
         thread = threading.Thread(target=interrupt)
         thread.start()
         with self.assertRaises(KeyboardInterrupt):
-            ugv.diagnose(columns, progress=listen)
+            ugv.diagnose(columns, vehicle="tran2007", progress=listen)
         thread.join()
 
 

@@ -343,7 +343,7 @@ class Oracle(unittest.TestCase):
 TOOL = """#!/bin/sh
 # Answers as a tool that knows one answer; "crash" and "slow" in the recording make it fail.
 echo called >> "{log}"
-for last; do case $want in --out) out=$last;; esac; want=$last; done
+for last; do case $want in --output) out=$last;; esac; want=$last; done
 grep -q crash drive.csv && exit 3
 grep -q slow drive.csv && sleep 30
 [ -n "$out" ] || exit 4

@@ -62,7 +62,7 @@ class Pages(unittest.TestCase):
             out = Path(folder) / "out"
             drives = [CASES / "lookalike" / f"{name}.csv" for name in ("drive", "second")]
             # With a second drive, the page has more than one path to draw.
-            subprocess.run([UGV, "diagnose", *drives, "--out", out, "--quiet"], check=True)
+            subprocess.run([UGV, "diagnose", *drives, "--output", out, "--quiet"], check=True)
             said = json.loads((out / "diagnosis.json").read_text())
             self.assertIn(said["verdict"], VERDICTS)
             self.assertEqual(said["recordings"], ["drive", "second"])

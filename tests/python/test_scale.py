@@ -329,11 +329,12 @@ class Fleets(Bench):
         time = np.arange(0.0, 20.0, 0.05)
         rows = zip(time, 5.0 - np.sin(0.6 * time), 5.0 + np.sin(0.6 * time), strict=True)
         drive.write_text("time,omega_left,omega_right\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
+        vehicle = subprocess.run([UGV, "vehicle"], check=True, capture_output=True, text=True).stdout
         for place in ("dry_sand", "sandy_loam", "clayed_soil", "more/dry_clay"):
             path, terrain = cls.recordings / f"{place}.csv", Path(place).name
             ugv("simulate", "--input", drive, "--terrain", terrain, "--output", path, "--quiet")
             soil = subprocess.run([UGV, "terrains", terrain], check=True, capture_output=True, text=True).stdout
-            path.with_suffix(".json").write_text(json.dumps({"terrain": json.loads(soil)}))
+            path.with_suffix(".json").write_text(json.dumps({"vehicle": json.loads(vehicle), "terrain": json.loads(soil)}))
         (cls.recordings / "broken.csv").write_text("time,omega_left\n0,1\n")
         cls.serial = cls.folder / "serial"
         call(fleet.main, *cls.words(cls.serial), "--serial")

@@ -17,8 +17,8 @@ ENDS = {0: "done", 1: "failed", 2: "refused"}  # by the tool's exit status
 
 # What a command writes: the answer first.
 COMMANDS = {
-    "diagnose": ["--out", ANSWER, "--jobs", "1", "--quiet"],
-    "fit": ["--report", f"{ANSWER}/fit.json", "--output", f"{ANSWER}/model.json", "--jobs", "1", "--quiet"],
+    "diagnose": ["--output", ANSWER, "--jobs", "1", "--quiet"],
+    "fit": ["--json", f"{ANSWER}/fit.json", "--output", f"{ANSWER}/model.json", "--jobs", "1", "--quiet"],
     "score": ["--json", f"{ANSWER}/score.json", "--quiet"],
 }
 ANSWERS = {"diagnose": "diagnosis.json", "fit": "fit.json", "score": "score.json"}

@@ -61,8 +61,8 @@ def drive_library(tool: Path, vehicle: str, soil: Soil, effects: dict[str, dict[
         (folder / "terrain.json").write_text(json.dumps(soil.numbers()))
         (folder / "effects.json").write_text(json.dumps({"format": "ugv-effects/1", **effects}))
         done = subprocess.run([tool, "simulate", "--input", folder / "in.csv", "--vehicle", folder / "vehicle.json",
-                               "--terrain", folder / "terrain.json", "--effects", folder / "effects.json", "--output",
-                               folder / "out.csv", "--quiet"], capture_output=True, text=True, check=False)
+                               "--terrain", folder / "terrain.json", "--effects", folder / "effects.json", "--output-step", "input",
+                               "--output", folder / "out.csv", "--quiet"], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise Refused(done.stderr.strip())
         return np.loadtxt(folder / "out.csv", delimiter=",", skiprows=1)[:, 3:6]

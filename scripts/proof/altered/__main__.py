@@ -95,7 +95,7 @@ def main() -> None:
         shutil.rmtree(out / "answer", ignore_errors=True)
         case = next(case for case in chosen if case.name == name)
         joined(case.make(data)).write(out / f"{name}.csv")
-        status, said = processes.run([tool, "diagnose", f"{name}.csv", "--out", "answer", "--jobs", "1", "--quiet"], args.limit, out)
+        status, said = processes.run([tool, "diagnose", f"{name}.csv", "--output", "answer", "--jobs", "1", "--quiet"], args.limit, out)
         if status != 0:
             return f"{name}: {status}: {said[-200:]}"
         files.save(out / "answer" / RUN, {"tool": mark})

@@ -28,7 +28,7 @@ def fit(tool: Path, recordings: list[Path], model: Path, free: list[str] = SOIL,
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         command = [str(tool), "fit", *map(str, recordings), "--free", ",".join(free), "--starts", "0", "--jobs", "1",
-                   "--sensors", ",".join(sensors or []) or "none", "--output", str(model), "--report", str(report)]
+                   "--sensors", ",".join(sensors or []) or "none", "--output", str(model), "--json", str(report), "--force"]
         if effects:
             path = Path(folder) / "effects.json"
             path.write_text(json.dumps({"format": "ugv-effects/1", **effects}))

@@ -37,7 +37,7 @@ class Simulator:
         table = zip(window.time, window.left, window.right)
         text = "time,omega_left,omega_right\n" + "".join(f"{t:.6f},{a:.8g},{b:.8g}\n" for t, a, b in table)
         command = [str(self.tool), "simulate", "--input", "-", "--model", str(self.model), "--initial", *initial, *begin]
-        done = subprocess.run([*command, "--output", "-", "--quiet"], input=text, capture_output=True, text=True, check=False)
+        done = subprocess.run([*command, "--output-step", "input", "--output", "-", "--quiet"], input=text, capture_output=True, text=True, check=False)
         if done.returncode:
             return None
         head, *lines = done.stdout.splitlines()

@@ -108,7 +108,7 @@ class Bench:
                 shutil.copyfile(self.cases / name / f"{stem}.{ending}", given / f"{stem}.{ending}")
         recordings = [f"{stem}.csv" for stem in sorted(drives)]
         begin = time.monotonic()
-        command = [self.tool, "diagnose", *recordings, "--out", part.resolve(), "--jobs", "1", "--within", str(self.limit), "--quiet"]
+        command = [self.tool, "diagnose", *recordings, "--output", part.resolve(), "--jobs", "1", "--within", str(self.limit), "--quiet"]
         status, said = self.processes.run(command, self.limit, given)
         part.mkdir(exist_ok=True)
         if status == 0 and not (files.load(part / "diagnosis.json") or {}).get("verdict"):
