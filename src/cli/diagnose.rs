@@ -5,7 +5,7 @@ use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
-use super::output::{Output, finish_all, notify_all, print_beside};
+use super::output::{Output, finish_all, is_stream, notify_all, print_beside};
 use super::progress::ProgressLine;
 use crate::diagnosis::{Diagnosis, DiagnosisError, Options, Progress, diagnose, insufficient};
 use crate::display::visible_line;
@@ -185,6 +185,12 @@ pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if is_stream(&args.output) {
+        return Err(
+            Failure::argument("--output -: a diagnosis is a folder of three files")
+                .with_remedy("--output DIR; --json writes diagnosis.json to standard output"),
+        );
+    }
     let line = ProgressLine::steps(args.quiet);
     let show = |step: &'static str| line.step(step);
     let progress = Progress::new(&show);

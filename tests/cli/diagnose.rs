@@ -324,6 +324,10 @@ fn wrong_arguments_and_files_are_refused() {
             "diagnose a.csv --model m.json --terrain dry_sand",
             "cannot be used with",
         ),
+        (
+            "diagnose --vehicle tran2007 a.csv --output -",
+            "--json writes diagnosis.json to standard output",
+        ),
         ("diagnose --vehicle tran2007 a.csv --seed one", "--seed"),
         ("diagnose --vehicle tran2007 a.csv --jobs two", "--jobs"),
         (

@@ -66,7 +66,7 @@ fn a_link_to_an_fmu_stays_a_link() {
     bench.library("ugv.so", elf(62));
     bench.write("real.fmu", "old");
     std::os::unix::fs::symlink("real.fmu", bench.path("link.fmu")).unwrap();
-    let package = "package --library linux64=ugv.so --output link.fmu";
+    let package = "package --library linux64=ugv.so --output link.fmu --force";
     bench.ugv(package).assert().success();
     assert!(bench.path("link.fmu").is_symlink());
     assert!(bench.bytes("real.fmu").starts_with(b"PK"));
@@ -172,7 +172,7 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
             "expected PLATFORM=FILE with a PLATFORM of linux64",
         ),
     ] {
-        let message = bench.fails(&format!("package {arguments} --output merged.fmu"), 2);
+        let message = bench.fails(&format!("package {arguments} --force --output merged.fmu"), 2);
         assert_contains(&message, expected);
     }
     assert_eq!(bench.read("merged.fmu"), "precious");

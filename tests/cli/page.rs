@@ -25,10 +25,11 @@ An option means the same in every command:
 
 **Files that exist are kept.** A command that would replace a file stops before its work, names the file, and does
 nothing; `--force` replaces it. This holds for tables, models, reports, pictures and FMUs alike. `diagnose` refuses a folder
-that has one of its three files; other files there do not matter. Three things need no `--force`: devices and pipes; the
-JSON file beside the recording of `import`, which keeps its other keys; and input files, which no command replaces.
+that has one of its three files; other files there do not matter. Devices and pipes need no `--force`, nor does the JSON
+file beside the recording of `import`, which keeps its other keys. Input files are never replaced, except by `package --merge`
+with `--force`.
 
-Results have no colour. `NO_COLOR` and a redirected standard error are respected.
+Output has no colour, with or without `NO_COLOR`. Progress is shown on a terminal alone.
 ";
 
 fn help(bench: &Bench, command: &str) -> String {

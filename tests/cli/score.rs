@@ -301,7 +301,9 @@ fn what_cannot_be_judged_is_refused() {
         "time,omega_left,omega_right,x,y,heading\n0,0,0,0,0,0\n\
         0.5,0,0,0,0,0\n1,0,0,0,0,0\n1.5,0,0,0,0,0\n2,0,0,0,0,0\n2.5,0,0,0,0,0\n",
     );
-    ["drive", "still"].map(|name| vehicle(&bench, name));
+    for name in ["drive", "still"] {
+        vehicle(&bench, name);
+    }
     for (arguments, expected) in [
         ("score drive.csv", "drive: no sample of x, y, heading"),
         ("score a.csv --horizon 9", "less than the horizon of 9 s"),
