@@ -172,7 +172,10 @@ fn what_cannot_be_merged_is_named_and_nothing_is_written() {
             "expected PLATFORM=FILE with a PLATFORM of linux64",
         ),
     ] {
-        let message = bench.fails(&format!("package {arguments} --force --output merged.fmu"), 2);
+        let message = bench.fails(
+            &format!("package {arguments} --force --output merged.fmu"),
+            2,
+        );
         assert_contains(&message, expected);
     }
     assert_eq!(bench.read("merged.fmu"), "precious");

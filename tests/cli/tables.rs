@@ -85,10 +85,10 @@ fn a_missing_header_is_explained_and_columns_have_numbers() {
 #[test]
 fn a_hint_is_an_argument_that_a_shell_takes() {
     let bench = Bench::new();
-    bench.write("log.csv", "time,left wheel,omega_right\n0,1,1\n1,1,1\n");
+    bench.write("log.csv", "time,omega lft,omega_right\n0,1,1\n1,1,1\n");
     let message = bench.fails("inspect log.csv", 2);
     assert_contains(
         &message,
-        "`left wheel` may be it: --column \"omega_left=left wheel:UNIT\"",
+        "`omega lft` may be it: --column \"omega_left=omega lft:UNIT\"",
     );
 }
