@@ -40,7 +40,7 @@ for (const e of document.body.querySelectorAll('*')) {
     say(`${tell(e)} sticks out: ${box.left.toFixed(1)} .. ${box.right.toFixed(1)} of ${width} px`);
 }
 
-const DRAWN = '.line, .dots, .step, .points, .band, .b0, .b1, .b2';
+const DRAWN = '.line, .dots, .step, .points, .band, .bar';
 const overlap = (a, b) =>
   Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
   Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
@@ -60,14 +60,15 @@ for (const svg of document.querySelectorAll('svg')) {
   if (/NaN|inf/i.test(svg.innerHTML)) say(`${name}: a number is none`);
   const texts = [...svg.querySelectorAll('text')].filter((text) => text.textContent.trim());
   if (texts.length < 3) say(`${name}: no axis`);
+  const boxes = texts.map((text) => text.getBoundingClientRect());
   texts.forEach((text, index) => {
-    const box = text.getBoundingClientRect();
+    const box = boxes[index];
     if (outside(box, 0.25)) say(`${name}: text "${text.textContent}" is cut off`);
     const size = parseFloat(getComputedStyle(text).fontSize) * frame.width / svg.viewBox.baseVal.width;
     if (size < 8.5) say(`${name}: text "${text.textContent}" is ${size.toFixed(1)} px high`);
-    for (const other of texts.slice(index + 1))
-      if (overlap(box, other.getBoundingClientRect()))
-        say(`${name}: texts "${text.textContent}" and "${other.textContent}" overlap`);
+    for (let k = index + 1; k < texts.length; ++k)
+      if (overlap(box, boxes[k]))
+        say(`${name}: texts "${text.textContent}" and "${texts[k].textContent}" overlap`);
   });
 }
 
