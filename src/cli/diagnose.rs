@@ -116,7 +116,10 @@ impl Question {
         let limit = args.within.unwrap_or_else(|| default_limit(&recordings));
         let [vehicle, terrain] = args.nominal.sources(&recordings);
         let lengths = recordings.iter().map(length);
-        let files = args.recordings.iter().map(|path| path.display().to_string());
+        let files = args
+            .recordings
+            .iter()
+            .map(|path| path.display().to_string());
         let input = Input {
             recordings: files.zip(lengths).collect(),
             vehicle,

@@ -105,10 +105,7 @@ pub fn run() -> Result<(), Failure> {
 /// As the command.
 pub fn answer(arguments: &[String], caller: &Caller) -> Result<Answer, Failure> {
     let all = std::iter::once("ugv").chain(arguments.iter().map(String::as_str));
-    match Cli::try_parse_from(all)
-        .map_err(Failure::Usage)?
-        .command
-    {
+    match Cli::try_parse_from(all).map_err(Failure::Usage)?.command {
         Command::Diagnose(args) => diagnose::answer(&args, arguments, caller),
         Command::Fit(args) => fit::answer(&args, caller),
         Command::Score(args) => score::answer(&args, caller),

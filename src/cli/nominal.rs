@@ -92,14 +92,15 @@ impl NominalArgs {
 
     /// Where vehicle and terrain are from.
     pub fn sources(&self, recordings: &[Recording]) -> [Source; 2] {
-        let source = |argument: &Option<PathBuf>, is_recorded: fn(&Recording) -> bool| match argument
-            .as_ref()
-            .or(self.model.as_ref())
-        {
-            Some(path) => Source::Named(path.display().to_string()),
-            None if recordings.iter().any(is_recorded) => Source::Recorded,
-            None => Source::Assumed,
-        };
+        let source =
+            |argument: &Option<PathBuf>, is_recorded: fn(&Recording) -> bool| match argument
+                .as_ref()
+                .or(self.model.as_ref())
+            {
+                Some(path) => Source::Named(path.display().to_string()),
+                None if recordings.iter().any(is_recorded) => Source::Recorded,
+                None => Source::Assumed,
+            };
         [
             source(&self.vehicle, |one| one.about.vehicle.is_some()),
             source(&self.terrain, |one| one.about.terrain.is_some()),

@@ -18,8 +18,8 @@ pub use diagnose::{diagnose, insufficient};
 pub use error::DiagnosisError;
 pub use outcome::{
     Account, Candidate, Channel, Claim, ClaimLevel, Compared, Diagnosis, Errors, Finding, HeldOut,
-    Insufficient, Interval, Manoeuvre, PredictedPath, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict,
-    WrenchTrace,
+    Insufficient, Interval, Manoeuvre, PredictedPath, Quantity, ResidualTrace, RunTrace, Subject,
+    Term, Verdict, WrenchTrace,
 };
 pub use progress::{Progress, Step};
 

@@ -381,7 +381,10 @@ mod tests {
         let mut numbers: Vec<usize> = seen.iter().map(|step| step.number).collect();
         numbers.dedup();
         assert_eq!(numbers, (1..=STEPS.len()).collect::<Vec<_>>());
-        assert!(seen.iter().all(|step| STEPS.iter().any(|(_, all)| all.contains(&step.work))));
+        assert!(
+            seen.iter()
+                .all(|step| STEPS.iter().any(|(_, all)| all.contains(&step.work)))
+        );
     }
 
     #[test]

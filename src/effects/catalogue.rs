@@ -355,7 +355,13 @@ mod tests {
         let mut names = HashSet::new();
         for effect in CATALOGUE {
             assert!(names.insert(effect.name), "{}", effect.name);
-            for text in [effect.phrase, effect.lifts, effect.equation, effect.source, effect.check] {
+            for text in [
+                effect.phrase,
+                effect.lifts,
+                effect.equation,
+                effect.source,
+                effect.check,
+            ] {
                 assert!(text.len() > 5, "{}", effect.name);
             }
             assert!(effect.check.ends_with('.') && effect.check.split(' ').count() < 35);

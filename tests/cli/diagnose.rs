@@ -464,7 +464,9 @@ fn without_a_terminal_each_step_is_a_line() {
         String::from_utf8(output.stderr).unwrap()
     };
     let steps = diagnosed("");
-    let steps = steps.lines().filter_map(|line| line.strip_prefix("ugv: step "));
+    let steps = steps
+        .lines()
+        .filter_map(|line| line.strip_prefix("ugv: step "));
     let numbers: Vec<&str> = steps.filter_map(|line| line.split(':').next()).collect();
     assert_eq!(numbers, [1, 2, 3, 4, 5, 6, 7].map(|n| format!("{n} of 7")));
     assert!(!diagnosed(" --quiet").contains("step"));

@@ -84,7 +84,8 @@ pub fn compare(searched: &SearchResult) -> Option<Comparison> {
     let residuals = |row: Option<HeldOutPrediction>| match row {
         Some(row) => {
             let each = row.errors.into_iter();
-            each.map(|one| one.map(|(_, residuals)| residuals)).collect()
+            each.map(|one| one.map(|(_, residuals)| residuals))
+                .collect()
         }
         None => vec![None; by_all.len()],
     };

@@ -119,7 +119,10 @@ fn residuals(
             let time = &segment.samples[channel].time;
             trace.time.extend(time);
             for (model, errors) in trace.errors.iter_mut().enumerate() {
-                match (compared, [None, Some(&searched.refitted), Some(&searched.augmented)][model]) {
+                match (
+                    compared,
+                    [None, Some(&searched.refitted), Some(&searched.augmented)][model],
+                ) {
                     (Some(compared), _) => match &compared.residuals[model][index] {
                         Some(residuals) => errors.extend(&residuals[channel]),
                         None => errors.extend(time.iter().map(|_| f64::NAN)),
@@ -162,7 +165,12 @@ fn predicted(
         if x.time != y.time {
             return None;
         }
-        let measured: Vec<[f64; 2]> = x.value.iter().zip(&y.value).map(|(x, y)| [*x, *y]).collect();
+        let measured: Vec<[f64; 2]> = x
+            .value
+            .iter()
+            .zip(&y.value)
+            .map(|(x, y)| [*x, *y])
+            .collect();
         let predicted = [0, 1, 2].map(|model| {
             let Some(residuals) = &compared.residuals[model][index] else {
                 return Vec::new();

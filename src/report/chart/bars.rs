@@ -72,8 +72,16 @@ impl BarChart {
             10.0 + LETTER * letters.max().unwrap_or(0) as f64
         };
         let is_long = |bar: &LabelledBar| bar.label.chars().count() > MAX_BESIDE;
-        let above = if self.bars.iter().any(is_long) { ABOVE } else { 0.0 };
-        let left = if above > 0.0 { MARGIN } else { width(|bar| &bar.label) };
+        let above = if self.bars.iter().any(is_long) {
+            ABOVE
+        } else {
+            0.0
+        };
+        let left = if above > 0.0 {
+            MARGIN
+        } else {
+            width(|bar| &bar.label)
+        };
         let right = SIZE.0 - width(|bar| &bar.text).max(TEXT);
         let height = ROW + above;
         let bottom = TOP + height * self.bars.len() as f64;
@@ -98,7 +106,11 @@ impl BarChart {
         }
         for (row, bar) in self.bars.iter().enumerate() {
             let top = TOP + height * row as f64;
-            let (x, anchor) = if above > 0.0 { (left, "start") } else { (left - 5.0, "end") };
+            let (x, anchor) = if above > 0.0 {
+                (left, "start")
+            } else {
+                (left - 5.0, "end")
+            };
             let end = if bar.value.is_finite() {
                 at(bar.value)
             } else {

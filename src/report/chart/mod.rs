@@ -64,7 +64,10 @@ impl Chart {
         let opening = match (self.run, self.frame()) {
             (Some(run), Some(frame)) => {
                 let map = if self.is_map { " data-map" } else { "" };
-                let data = format!("<svg data-run=\"{run}\"{map} data-frame=\"{}\"", frame.data());
+                let data = format!(
+                    "<svg data-run=\"{run}\"{map} data-frame=\"{}\"",
+                    frame.data()
+                );
                 opening.replacen("<svg", &data, 1)
             }
             _ => opening,

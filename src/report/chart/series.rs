@@ -119,9 +119,10 @@ impl Frame {
         let total: usize = line.pieces.iter().map(Vec::len).sum();
         let stride = total.div_ceil(MAX_POINTS).max(1);
         let dots = matches!(line.stroke, Stroke::Dots | Stroke::Points);
+        let has_times = line.times.iter().flatten().all(|time| time.is_finite());
         let (mut path, mut times) = (String::new(), String::new());
         for (number, piece) in line.pieces.iter().enumerate() {
-            let clock = line.times.get(number);
+            let clock = line.times.get(number).filter(|_| has_times);
             for run in finite_runs(piece) {
                 for (index, at) in thinned(&piece[run.clone()], stride).into_iter().enumerate() {
                     let (x, y) = piece[run.start + at];

@@ -44,12 +44,17 @@ impl Input {
         let mut commands = Vec::new();
         let mut input = quoted(file);
         if !is_table {
-            commands.push(("Make a table of the log", format!("ugv import {input} --output drive.csv")));
+            commands.push((
+                "Make a table of the log",
+                format!("ugv import {input} --output drive.csv"),
+            ));
             input = "drive.csv".into();
         }
         commands.push((
             "Simulate the drive",
-            format!("ugv simulate --model {model} --input {input} --initial no-slip --output motion.csv"),
+            format!(
+                "ugv simulate --model {model} --input {input} --initial no-slip --output motion.csv"
+            ),
         ));
         commands.push((
             "Test it on another recording",

@@ -50,7 +50,11 @@ fn paragraph(text: &str) -> String {
 fn facts(facts: Vec<(&str, Vec<String>)>) -> String {
     let mut html = String::from("<dl>\n");
     for (label, lines) in facts {
-        let lines: Vec<String> = lines.iter().filter(|line| !line.is_empty()).map(|line| markup(line)).collect();
+        let lines: Vec<String> = lines
+            .iter()
+            .filter(|line| !line.is_empty())
+            .map(|line| markup(line))
+            .collect();
         if !lines.is_empty() {
             html += &format!("<dt>{label}</dt><dd>{}</dd>\n", lines.join("<br>"));
         }
@@ -60,7 +64,12 @@ fn facts(facts: Vec<(&str, Vec<String>)>) -> String {
 
 /// What was asked, and what limits the answer.
 fn asked(diagnosis: &Diagnosis, input: &Input) -> String {
-    let used = diagnosis.account.used.iter().map(Some).chain(std::iter::repeat(None));
+    let used = diagnosis
+        .account
+        .used
+        .iter()
+        .map(Some)
+        .chain(std::iter::repeat(None));
     let recordings = input.recordings.iter().zip(used);
     let recordings = recordings.map(|((file, length), used)| {
         let used = used.map_or(String::new(), |used| format!(", {used:.1} s used"));
@@ -74,10 +83,14 @@ fn asked(diagnosis: &Diagnosis, input: &Input) -> String {
         digits(nominal.vehicle.wheel_radius, 3),
         source(&input.vehicle, "assumed, because none was named")
     );
-    let terrain = source(&input.terrain, "clayed_soil, assumed, because none was named");
-    let given = match diagnosis.soil.is_empty() {
-        true => terrain,
-        false => format!("{terrain}; a first guess, the soil is refitted"),
+    let terrain = source(
+        &input.terrain,
+        "clayed_soil, assumed, because none was named",
+    );
+    let given = if diagnosis.soil.is_empty() {
+        terrain
+    } else {
+        format!("{terrain}; a first guess, the soil is refitted")
     };
     let limit = match input.limit {
         Some(limit) => format!("{} s", digits(limit.as_secs_f64(), 3)),
@@ -91,7 +104,10 @@ fn asked(diagnosis: &Diagnosis, input: &Input) -> String {
         ("Recordings", recordings.collect()),
         ("Vehicle", vec![vehicle]),
         ("Terrain", vec![given]),
-        ("Seed, time limit", vec![format!("{}, {limit}", diagnosis.account.seed)]),
+        (
+            "Seed, time limit",
+            vec![format!("{}, {limit}", diagnosis.account.seed)],
+        ),
     ]);
     for caution in claim::cautions(diagnosis) {
         html += &format!("<p class=\"banner\">{}</p>\n", markup(&caution));
@@ -116,7 +132,10 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         Verdict::InsufficientData => "open",
     };
     let mut html = format!("<section id=\"verdict\" class=\"{class}\">");
-    html += &format!("<p class=\"headline\">{}</p>\n", markup(&claim::headline(diagnosis)));
+    html += &format!(
+        "<p class=\"headline\">{}</p>\n",
+        markup(&claim::headline(diagnosis))
+    );
     html += &paragraph(claim::reason(diagnosis));
     let mut all = vec![
         ("Probability", vec![claim::probability(diagnosis)]),
@@ -153,12 +172,17 @@ fn size(finding: &Finding, diagnosis: &Diagnosis) -> Vec<String> {
 fn places(finding: &Finding) -> Vec<String> {
     let label = if finding.local { "only" } else { "mainly" };
     let each = finding.places.iter();
-    each.map(|place| format!("{label} {}", words::place(place))).collect()
+    each.map(|place| format!("{label} {}", words::place(place)))
+        .collect()
 }
 
 /// Assumption, equation and terms of each finding.
 fn details(diagnosis: &Diagnosis) -> String {
-    diagnosis.findings.iter().map(|finding| detail(finding, diagnosis)).collect()
+    diagnosis
+        .findings
+        .iter()
+        .map(|finding| detail(finding, diagnosis))
+        .collect()
 }
 
 fn detail(finding: &Finding, diagnosis: &Diagnosis) -> String {
@@ -194,7 +218,10 @@ fn detail(finding: &Finding, diagnosis: &Diagnosis) -> String {
     if html.is_empty() || diagnosis.findings.len() < 2 {
         return html;
     }
-    format!("<h3>{}</h3>\n{html}", markup(&words::named(finding.subject)))
+    format!(
+        "<h3>{}</h3>\n{html}",
+        markup(&words::named(finding.subject))
+    )
 }
 
 /// What to check on the vehicle, how to use the model, and what to drive.
@@ -211,12 +238,16 @@ fn next(diagnosis: &Diagnosis, input: &Input) -> String {
     // Without a fit, the model is the given one.
     if !diagnosis.soil.is_empty() {
         // The model has no sensor faults.
-        let mends = |finding: &Finding| !finding.subject.is_sensor() && !finding.parameters.is_empty();
+        let mends =
+            |finding: &Finding| !finding.subject.is_sensor() && !finding.parameters.is_empty();
         let is_mended = diagnosis.findings.iter().any(mends);
         let model = if is_mended { "mended" } else { "refitted" };
         html += &format!("<h3>Use the {model} model</h3>\n");
         for (purpose, command) in input.commands() {
-            html += &format!("<p>{purpose}:</p>\n<pre><code>{}</code></pre>\n", markup(&command));
+            html += &format!(
+                "<p>{purpose}:</p>\n<pre><code>{}</code></pre>\n",
+                markup(&command)
+            );
         }
     }
     if let Some(next) = &diagnosis.next {
@@ -260,7 +291,9 @@ fn declaration(subject: Subject, finding: &Finding) -> Option<&'static Declarati
                 Channel::Yaw => Axis::Yaw,
                 Channel::Measurement => return None,
             };
-            CATALOGUE.iter().position(|effect| effect.acts == Acts::Residual(axis))?
+            CATALOGUE
+                .iter()
+                .position(|effect| effect.acts == Acts::Residual(axis))?
         }
         Subject::Nothing | Subject::Data => return None,
     };
@@ -326,7 +359,10 @@ fn candidates(diagnosis: &Diagnosis) -> String {
     if diagnosis.candidates.is_empty() {
         return String::new();
     }
-    let mut html = format!("<div class=\"plots\">\n{}</div>\n", tables::probabilities(diagnosis));
+    let mut html = format!(
+        "<div class=\"plots\">\n{}</div>\n",
+        tables::probabilities(diagnosis)
+    );
     if diagnosis.findings.len() > 1 {
         html += "<p class=\"soft\">There are several findings. Each probability here is an average over them, \
                  weighted by what each explains. A small effect therefore has a small share, however certain \

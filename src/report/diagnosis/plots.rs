@@ -65,12 +65,17 @@ pub fn figures(run: &RunTrace, diagnosis: &Diagnosis) -> String {
 
 /// A figure as tall as two.
 fn tall(chart: &Chart) -> String {
-    chart.figure().replacen("<figure>", "<figure class=\"tall\">", 1)
+    chart
+        .figure()
+        .replacen("<figure>", "<figure class=\"tall\">", 1)
 }
 
 /// The number of a run, by which the page's script knows its charts.
 fn number(run: &RunTrace, diagnosis: &Diagnosis) -> Option<usize> {
-    diagnosis.runs.iter().position(|other| std::ptr::eq(other, run))
+    diagnosis
+        .runs
+        .iter()
+        .position(|other| std::ptr::eq(other, run))
 }
 
 /// Measured and predicted path of the run with the leading finding's first place, or of the one with the largest
@@ -78,10 +83,13 @@ fn number(run: &RunTrace, diagnosis: &Diagnosis) -> Option<usize> {
 pub fn paths(diagnosis: &Diagnosis) -> Option<(String, String)> {
     let candidates = chosen(diagnosis).into_iter();
     let candidates = candidates.filter(|run| !run.predicted.is_empty());
-    let leading = diagnosis.leading.and_then(|place| diagnosis.findings.get(place));
+    let leading = diagnosis
+        .leading
+        .and_then(|place| diagnosis.findings.get(place));
     let place = leading.and_then(|finding| finding.places.first());
     let key = |run: &&RunTrace| {
-        let is_place = |place: &Interval| (&place.recording, place.run) == (&run.recording, run.run);
+        let is_place =
+            |place: &Interval| (&place.recording, place.run) == (&run.recording, run.run);
         let error: f64 = run.predicted.iter().map(squared_error).sum();
         (place.is_some_and(is_place), error)
     };
@@ -97,13 +105,18 @@ pub fn paths(diagnosis: &Diagnosis) -> Option<(String, String)> {
     };
     let line = |role: Role, name: &str, of: &dyn Fn(&PredictedPath) -> &[[f64; 2]]| Line {
         name: name.into(),
-        pieces: shown.iter().map(|path| of(path).iter().map(|[x, y]| (*x, *y)).collect()).collect(),
+        pieces: shown
+            .iter()
+            .map(|path| of(path).iter().map(|[x, y]| (*x, *y)).collect())
+            .collect(),
         times: shown.iter().map(clock).collect(),
         stroke: Stroke::Of(role),
     };
     let mut lines = vec![line(Role::Measured, "measured", &|path| &path.measured)];
     for (role, model) in words::roles(diagnosis).zip(Compared::ALL) {
-        lines.push(line(role, words::role(role), &move |path| &path.predicted[model as usize]));
+        lines.push(line(role, words::role(role), &move |path| {
+            &path.predicted[model as usize]
+        }));
     }
     let starts = shown.iter().filter_map(|path| path.measured.first());
     lines.push(Line {
@@ -125,7 +138,9 @@ pub fn paths(diagnosis: &Diagnosis) -> Option<(String, String)> {
     };
     let note = match (shown.len(), run.predicted.len()) {
         (count, all) if count == all => format!("All {all} predictions{whose}"),
-        (count, all) => format!("The {count} neighbouring predictions{whose} with the largest errors, of {all}"),
+        (count, all) => {
+            format!("The {count} neighbouring predictions{whose} with the largest errors, of {all}")
+        }
     };
     Some((tall(&chart), note))
 }
@@ -133,16 +148,24 @@ pub fn paths(diagnosis: &Diagnosis) -> Option<(String, String)> {
 /// Sum of the squared errors of the refitted model, or of the mended one where that cannot follow.
 fn squared_error(path: &PredictedPath) -> f64 {
     let [_, refitted, mended] = &path.predicted;
-    let predicted = if refitted.is_empty() { mended } else { refitted };
+    let predicted = if refitted.is_empty() {
+        mended
+    } else {
+        refitted
+    };
     let pairs = predicted.iter().zip(&path.measured);
-    pairs.map(|(p, m)| (p[0] - m[0]).powi(2) + (p[1] - m[1]).powi(2)).sum()
+    pairs
+        .map(|(p, m)| (p[0] - m[0]).powi(2) + (p[1] - m[1]).powi(2))
+        .sum()
 }
 
 /// The neighbouring predictions with the largest errors.
 fn worst(all: &[PredictedPath]) -> &[PredictedPath] {
     let windows = all.windows(MAX_PREDICTIONS);
     let error = |window: &&[PredictedPath]| window.iter().map(squared_error).sum::<f64>();
-    windows.max_by(|a, b| error(a).total_cmp(&error(b))).unwrap_or(all)
+    windows
+        .max_by(|a, b| error(a).total_cmp(&error(b)))
+        .unwrap_or(all)
 }
 
 /// The time axis of a run's charts.
@@ -514,7 +537,8 @@ mod tests {
             errors: [noise.clone(), before.clone(), noise.clone()],
         };
         let roles = [Role::Given, Role::Refitted, Role::Mended];
-        let residuals = |trace: &ResidualTrace, axis: &TimeAxis| residuals_chart(trace, axis, &roles);
+        let residuals =
+            |trace: &ResidualTrace, axis: &TimeAxis| residuals_chart(trace, axis, &roles);
         let chart = residuals(&trace(&spiked), &axis(&[]));
         assert!(
             chart

@@ -1,7 +1,8 @@
 //! Wording that text and page share.
 
 use crate::diagnosis::{
-    Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject, phrase,
+    Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity,
+    Subject, phrase,
 };
 use crate::effects::{CATALOGUE, ParameterDeclaration};
 use crate::report::chart::Role;
@@ -27,7 +28,10 @@ pub fn plain(subject: Subject, name: &str) -> String {
 
 /// The beginning of a description, for the middle of a sentence.
 fn first_words(description: &str) -> String {
-    let words = description.split([',', ';', ':', '(']).next().unwrap_or_default();
+    let words = description
+        .split([',', ';', ':', '('])
+        .next()
+        .unwrap_or_default();
     let mut letters = words.trim().chars();
     let first = letters.next().map(|letter| letter.to_ascii_lowercase());
     first.into_iter().chain(letters).collect()
@@ -200,7 +204,9 @@ pub fn models(held_out: &HeldOut, diagnosis: &Diagnosis) -> Vec<(Role, Errors)> 
 /// The compared models: the mended one only if it differs.
 pub fn roles(diagnosis: &Diagnosis) -> impl Iterator<Item = Role> {
     let count = if has_model(diagnosis) { 3 } else { 2 };
-    [Role::Given, Role::Refitted, Role::Mended].into_iter().take(count)
+    [Role::Given, Role::Refitted, Role::Mended]
+        .into_iter()
+        .take(count)
 }
 
 /// The name of a model in words.
@@ -259,8 +265,8 @@ pub fn detectable(diagnosis: &Diagnosis) -> (Vec<String>, Vec<String>) {
             smallest if smallest.is_nan() => {}
             smallest if smallest.is_finite() => {
                 let size = self::smallest(candidate);
-                let parameter = plain(candidate.subject, candidate.parameter);
-                shown.push(format!("{name}: {parameter} {size}"));
+                let name = name.trim_end_matches(')');
+                shown.push(format!("{name}.{}) {size}", candidate.parameter));
             }
             _ => hidden.push(name),
         }

@@ -3,7 +3,8 @@
 
 use ugv_terrain::diagnosis::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
-    Manoeuvre, PredictedPath, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
+    Manoeuvre, PredictedPath, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict,
+    WrenchTrace,
 };
 use ugv_terrain::effects::{CATALOGUE, Effects};
 use ugv_terrain::fit::{
@@ -452,7 +453,10 @@ fn run(recording: &str, run: usize, seconds: f64, peak: f64) -> RunTrace {
         }
         // A gap.
         for k in 200..215.min(trace.time.len()) {
-            trace.errors.iter_mut().for_each(|errors| errors[k] = f64::NAN);
+            trace
+                .errors
+                .iter_mut()
+                .for_each(|errors| errors[k] = f64::NAN);
         }
         trace
     };
