@@ -25,7 +25,7 @@ pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String
         _ => "",
     };
     // With few columns a phone has room for all; else it shows a list for each row.
-    let kind = if header.len() < 6 { "few" } else { "cards" };
+    let kind = if header.len() < 5 { "few" } else { "cards" };
     let mut html = format!("<div class=\"wide {kind}\"><table><thead><tr>");
     for (column, name) in header.iter().enumerate() {
         html += &format!(
