@@ -7,11 +7,11 @@ use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
 use super::output::{Output, finish_all, is_stream, notify_all, print_beside};
 use super::progress::ProgressLine;
-use crate::diagnosis::{Diagnosis, DiagnosisError, Options, Progress, diagnose, insufficient};
+use crate::diagnosis::{Diagnosis, DiagnosisError, Options, Progress, Step, diagnose, insufficient};
 use crate::display::visible_line;
 use crate::json::FittedTo;
 use crate::recording::{Recording, Run};
-use crate::report::diagnosis::{json, page, text};
+use crate::report::diagnosis::{Input, command, json, page, text};
 use crate::vehicle::Specification;
 use rayon::ThreadPool;
 use std::fs;
@@ -95,13 +95,17 @@ struct Question {
     recordings: Vec<Recording>,
     nominal: Specification,
     options: Options,
+    limit: TimeLimit,
     pool: ThreadPool,
+    /// For the report.
+    input: Input,
 }
 
 /// The diagnosis and the model with its findings.
 struct Found {
     diagnosis: Diagnosis,
     fitted_to: Vec<FittedTo>,
+    input: Input,
 }
 
 /// The files of a diagnosis.
@@ -113,8 +117,28 @@ impl Question {
         args.nominal.check(&args.recordings)?;
         let named = args.nominal.load()?;
         let recordings = named.read(&args.recordings, notes)?;
+        let limit = args.within.unwrap_or_else(|| default_limit(&recordings));
+        let [vehicle, terrain] = args.nominal.sources(&recordings);
+        let lengths = recordings.iter().map(length);
+        let files = args
+            .recordings
+            .iter()
+            .map(|path| path.display().to_string());
+        let input = Input {
+            recordings: files.zip(lengths).collect(),
+            vehicle,
+            terrain,
+            limit: match limit {
+                TimeLimit::Within(limit) => Some(limit),
+                TimeLimit::None => None,
+            },
+            folder: args.output.display().to_string(),
+            ..Input::default()
+        };
         Ok(Self {
             nominal: named.nominal(&recordings, notes)?,
+            limit,
+            input,
             recordings,
             options: Options {
                 seed: args.seed,
@@ -124,14 +148,18 @@ impl Question {
         })
     }
 
-    fn answer(&self, progress: Progress, within: Option<TimeLimit>) -> Result<Found, Failure> {
+    fn answer(
+        &self,
+        arguments: impl Iterator<Item = String>,
+        progress: Progress,
+    ) -> Result<Found, Failure> {
         let Self {
             recordings,
             nominal,
             options,
             ..
         } = self;
-        let progress = match within.unwrap_or_else(|| default_limit(recordings)) {
+        let progress = match self.limit {
             TimeLimit::Within(limit) => progress.within(limit),
             TimeLimit::None => progress,
         };
@@ -153,6 +181,10 @@ impl Question {
         Ok(Found {
             diagnosis,
             fitted_to,
+            input: Input {
+                command: command(std::iter::once("ugv".into()).chain(arguments)),
+                ..self.input.clone()
+            },
         })
     }
 }
@@ -163,22 +195,23 @@ impl Found {
         let Self {
             diagnosis,
             fitted_to,
+            input,
         } = self;
         [
             json(diagnosis),
             diagnosis.model.to_json_fitted(fitted_to),
-            page(diagnosis),
+            page(diagnosis, input),
         ]
     }
 }
 
 /// The texts of a diagnosis's files and its summary, for a caller that writes no files.
-pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
-    let step = |name: &'static str| (caller.step)(name);
+pub fn answer(args: &Args, arguments: &[String], caller: &Caller) -> Result<Answer, Failure> {
+    let step = |step: Step| (caller.step)(&format!("{step} ({})", step.work));
     let progress = Progress::new(&step).stopped_by(caller.stop);
     let mut notes = Vec::new();
     let question = Question::of(args, &mut notes)?;
-    let found = question.answer(progress, args.within)?;
+    let found = question.answer(arguments.iter().cloned(), progress)?;
     let mut texts: Vec<(&str, String)> = FILES.into_iter().zip(found.texts()).collect();
     texts.push(("summary", text(&found.diagnosis)));
     Ok(Answer { texts, notes })
@@ -192,7 +225,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         );
     }
     let line = ProgressLine::steps(args.quiet);
-    let show = |step: &'static str| line.step(step);
+    let show = |step: Step| line.numbered_step(&step.to_string(), step.work);
     let progress = Progress::new(&show);
     let mut notes = Vec::new();
     let question = Question::of(args, &mut notes);
@@ -214,7 +247,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             json.check_distinct(output, &format!("--json and {name}"))?;
         }
     }
-    let found = question.answer(progress, args.within);
+    let arguments = std::env::args_os().skip(1);
+    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    let found = question.answer(arguments, progress);
     line.finish();
     let found = found?;
     let texts = found.texts();
@@ -247,9 +282,13 @@ fn limit(text: &str) -> Result<TimeLimit, String> {
 
 /// Long recordings take longer.
 fn default_limit(recordings: &[Recording]) -> TimeLimit {
-    let runs = recordings.iter().flat_map(|recording| &recording.runs);
-    let seconds = DEFAULT + DEFAULT_PER_SECOND * runs.map(Run::duration).sum::<f64>();
+    let seconds = DEFAULT + DEFAULT_PER_SECOND * recordings.iter().map(length).sum::<f64>();
     Duration::try_from_secs_f64(seconds).map_or(TimeLimit::None, TimeLimit::Within)
+}
+
+/// Seconds of a recording.
+fn length(recording: &Recording) -> f64 {
+    recording.runs.iter().map(Run::duration).sum()
 }
 
 /// The folders that were created for the files; those without files disappear at the end.

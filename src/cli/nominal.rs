@@ -12,6 +12,7 @@ use crate::effects::Effects;
 use crate::import::ImportOptions;
 use crate::json::FittedTo;
 use crate::recording::{ColumnRequest, Recording, different_names};
+use crate::report::diagnosis::Source;
 use crate::terrain::Terrain;
 use crate::vehicle::{Specification, Vehicle};
 use std::path::PathBuf;
@@ -105,6 +106,23 @@ impl NominalArgs {
             .iter()
             .filter_map(|(key, path)| Some(format!("{key} {}", path.as_ref()?.display())));
         named.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Where vehicle and terrain are from.
+    pub fn sources(&self, recordings: &[Recording]) -> [Source; 2] {
+        let source =
+            |argument: &Option<PathBuf>, is_recorded: fn(&Recording) -> bool| match argument
+                .as_ref()
+                .or(self.model.as_ref())
+            {
+                Some(path) => Source::Named(path.display().to_string()),
+                None if recordings.iter().any(is_recorded) => Source::Recorded,
+                None => Source::Assumed,
+            };
+        [
+            source(&self.vehicle, |one| one.about.vehicle.is_some()),
+            source(&self.terrain, |one| one.about.terrain.is_some()),
+        ]
     }
 
     /// The files that the arguments name. The name of a preset terrain is not a file.

@@ -1,7 +1,6 @@
 //! Limits of a verdict that its reader must know before acting on it.
 
 use crate::inspection::Doubt;
-use crate::vehicle::Vehicle;
 
 /// A limit of the verdict.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,25 +24,9 @@ pub enum Caution {
     },
     /// There was no time for the held-out comparison.
     NotHeldOut,
-    /// No vehicle was named; this one was assumed.
-    AssumedVehicle {
-        /// Its mass \[kg\].
-        mass: f64,
-        /// Number of wheels.
-        wheels: usize,
-    },
 }
 
 impl Caution {
-    /// The caution about an assumed vehicle.
-    #[must_use]
-    pub fn assumed(vehicle: &Vehicle) -> Self {
-        Self::AssumedVehicle {
-            mass: vehicle.mass,
-            wheels: vehicle.wheel_count(),
-        }
-    }
-
     /// The name in `diagnosis.json`.
     #[must_use]
     pub const fn name(&self) -> &'static str {
@@ -52,7 +35,6 @@ impl Caution {
             Self::TimeUp => "time_up",
             Self::Part { .. } => "part_of_recordings",
             Self::NotHeldOut => "not_held_out",
-            Self::AssumedVehicle { .. } => "assumed_vehicle",
         }
     }
 
@@ -75,10 +57,6 @@ impl Caution {
             Self::NotHeldOut => {
                 "There was no time to compare the models on held-out data.".into()
             }
-            Self::AssumedVehicle { mass, wheels } => format!(
-                "No vehicle was named: the paper's was assumed, {mass:.0} kg on {wheels} wheels. The verdict is about that \
-                 vehicle. Name yours (--vehicle)."
-            ),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::answer::account::{account, doubts, read};
 use super::answer::augmented::model;
 use super::answer::candidates::{candidates, empty, others};
 use super::answer::claims::claims;
-use super::answer::errors::compare;
+use super::answer::errors::{Comparison, compare};
 use super::answer::findings::findings;
 use super::answer::traces::traces;
 use super::answer::verdict::judge;
@@ -13,9 +13,7 @@ use super::hypothesis::Problem;
 use super::hypothesis::likelihood::FittedHypothesis;
 use super::hypothesis::prepare::prepare;
 use super::manoeuvre::next;
-use super::outcome::{
-    Account, Candidate, Diagnosis, Finding, HeldOut, Insufficient, Subject, Verdict,
-};
+use super::outcome::{Account, Candidate, Diagnosis, Finding, Insufficient, Subject, Verdict};
 use super::search::{SearchResult, search};
 use super::{Caution, DiagnosisError, Options, Progress};
 use crate::fit::Estimate;
@@ -135,11 +133,12 @@ pub fn diagnose(
     let (prepared, noise) = prepare(&mut problem, options, progress)?;
     let mut searched = search(&problem, noise, options, progress)?;
     progress.step("held-out comparison")?;
-    let in_time = |held: Option<HeldOut>| held.filter(|_| !deadline.is_over());
-    let mut held = in_time(compare(&searched));
-    if held.is_some_and(|held| held.gain.0 < -held.gain.1) {
+    let compared = |searched: &_| compare(searched).filter(|_| !deadline.is_over());
+    let mut held = compared(&searched);
+    let is_worse = |held: &Comparison| held.errors.gain.0 < -held.errors.gain.1;
+    if held.as_ref().is_some_and(is_worse) {
         searched.withdraw();
-        held = in_time(compare(&searched));
+        held = compared(&searched);
     }
     let mut cautions = Vec::new();
     if held.is_none() && deadline.is_over() {
@@ -178,11 +177,11 @@ pub fn diagnose(
         claims: claims(&searched, &judgement, &found),
         findings: found,
         candidates,
-        held_out: held,
+        held_out: held.as_ref().map(|held| held.errors),
         soil: soil(&searched),
         next,
-        runs: traces(&searched),
-        account: account(&searched, options, prepared.left_out, problem.seconds()),
+        runs: traces(&searched, held.as_ref()),
+        account: account(&searched, options, prepared.left_out),
         nominal: nominal.clone(),
         model,
     };
@@ -237,6 +236,7 @@ pub fn insufficient(
             seed: options.seed,
             segments: 0,
             seconds: 0.0,
+            used: vec![0.0; recordings.len()],
             left_out: 0.0,
             noise: Vec::new(),
             overdispersion: 1.0,
@@ -351,6 +351,7 @@ fn is_likeliest(finding: Option<&Finding>, diagnosis: &Diagnosis) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Step;
     use crate::diagnosis::testing::{driven, on, with_effects};
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -359,9 +360,9 @@ mod tests {
     fn a_diagnosis_can_be_stopped() {
         let recordings = [driven(&on("sandy_loam"), "spiral")];
         let (stop, seen) = (AtomicBool::new(false), Mutex::new(Vec::new()));
-        let tell = |step| {
-            seen.lock().unwrap().push(step);
-            stop.store(step == "refitting the soil", Ordering::Relaxed);
+        let tell = |step: Step| {
+            seen.lock().unwrap().push(step.work);
+            stop.store(step.work == "refitting the soil", Ordering::Relaxed);
         };
         let progress = Progress::new(&tell).stopped_by(&stop);
         let found = diagnose(&recordings, &on("dry_sand"), &Options::default(), &progress);

@@ -17,11 +17,11 @@ pub use caution::Caution;
 pub use diagnose::{diagnose, insufficient};
 pub use error::DiagnosisError;
 pub use outcome::{
-    Account, Candidate, Channel, Claim, ClaimLevel, Diagnosis, Errors, Finding, HeldOut,
-    Insufficient, Interval, Manoeuvre, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict,
-    WrenchTrace,
+    Account, Candidate, Channel, Claim, ClaimLevel, Compared, Diagnosis, Errors, Finding, HeldOut,
+    Insufficient, Interval, Manoeuvre, PredictedPath, Quantity, ResidualTrace, RunTrace, Subject,
+    Term, Verdict, WrenchTrace,
 };
-pub use progress::Progress;
+pub use progress::{Progress, Step};
 
 /// Options of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]

@@ -324,7 +324,26 @@ pub struct Manoeuvre {
     pub compared: Vec<(&'static str, f64)>,
 }
 
-/// A channel's residuals over time, as measured less predicted.
+/// The models that a diagnosis compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compared {
+    /// The model as given.
+    Given,
+    /// With the soil refitted alone.
+    Refitted,
+    /// With the findings.
+    Mended,
+}
+
+impl Compared {
+    /// All of them, from the simplest.
+    pub const ALL: [Self; 3] = [Self::Given, Self::Refitted, Self::Mended];
+}
+
+/// A channel's errors over time, as measured less predicted.
+///
+/// With [`Diagnosis::held_out`] these are errors on held-out data: the start of each segment is fitted to its first
+/// second, the rest is predicted with parameters from the other blocks. Without, they are the residuals of the fits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualTrace {
     /// Name of the channel, as `heading`.
@@ -333,10 +352,19 @@ pub struct ResidualTrace {
     pub unit: &'static str,
     /// Times \[s\].
     pub time: Vec<f64>,
-    /// Under the model with the refitted soil.
-    pub before: Vec<f64>,
-    /// With the findings.
-    pub after: Vec<f64>,
+    /// For each model of [`Compared::ALL`] as many as times; NaN where the model cannot follow.
+    pub errors: [Vec<f64>; 3],
+}
+
+/// Measured and predicted path of a segment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PredictedPath {
+    /// Times \[s\].
+    pub time: Vec<f64>,
+    /// Measured positions, east and north \[m\].
+    pub measured: Vec<[f64; 2]>,
+    /// For each model of [`Compared::ALL`] as many as times; empty if the model cannot follow.
+    pub predicted: [Vec<[f64; 2]>; 3],
 }
 
 /// The unmodelled wrench over time.
@@ -365,7 +393,9 @@ pub struct RunTrace {
     pub path: Vec<[f64; 2]>,
     /// Root mean square of the whitened residuals there, under the model with the refitted soil.
     pub mismatch: Vec<f64>,
-    /// Residuals by channel.
+    /// Paths that were predicted on held-out data, segment by segment.
+    pub predicted: Vec<PredictedPath>,
+    /// Errors by channel.
     pub residuals: Vec<ResidualTrace>,
     /// The unmodelled wrench under the model with the refitted soil.
     pub wrench: Option<WrenchTrace>,
@@ -380,6 +410,8 @@ pub struct Account {
     pub segments: usize,
     /// Seconds that the segments cover.
     pub seconds: f64,
+    /// Of that, seconds of each recording.
+    pub used: Vec<f64>,
     /// Seconds not used (rest, gaps, segments that the model cannot follow).
     pub left_out: f64,
     /// Noise of every channel.
@@ -405,7 +437,7 @@ pub struct Diagnosis {
     pub insufficient: Option<Insufficient>,
     /// The verdict in one or two sentences.
     pub statement: String,
-    /// Limits of the verdict, as a time limit or an assumed vehicle.
+    /// Limits of the verdict, such as a time limit.
     pub cautions: Vec<Caution>,
     /// Names of the recordings.
     pub recordings: Vec<String>,

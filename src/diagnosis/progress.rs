@@ -7,18 +7,96 @@
 use super::DiagnosisError;
 use crate::fit::deadline::{Deadline, Watch};
 use crate::fit::predictor::PredictionError;
+use std::fmt;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+
+/// The steps of a diagnosis, each with its work. The search repeats some work, as the noise's estimate beside each
+/// accepted effect; it then belongs to the later step, so that the number of the step never decreases.
+const STEPS: [(&str, &[&str]); 7] = [
+    (
+        "reading the recordings, doubts about the data",
+        &["preparing the recordings", "doubts about the data"],
+    ),
+    ("first fit of the soil", &["refitting the soil"]),
+    (
+        "screening all candidates",
+        &[
+            "sensitivities to every candidate",
+            "estimating the noise",
+            "screening and scanning for regions",
+        ],
+    ),
+    ("fitting the likeliest candidates", &["fitting candidates"]),
+    (
+        "further effects and rivals",
+        &[
+            "fitting further candidates",
+            "removing redundant effects",
+            "refitting close rivals",
+        ],
+    ),
+    (
+        "errors on held-out data, verdict",
+        &["held-out comparison", "posterior and verdict"],
+    ),
+    (
+        "next manoeuvre, results",
+        &["ranking next manoeuvres", "collecting results"],
+    ),
+];
+
+/// A step of a diagnosis, at the start of some work of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Its number, from 1. It never decreases.
+    pub number: usize,
+    /// Number of all steps.
+    pub count: usize,
+    /// The step.
+    pub name: &'static str,
+    /// The work that starts.
+    pub work: &'static str,
+}
+
+impl Step {
+    /// The step of some work, not before another one.
+    fn of(work: &'static str, before: usize) -> Self {
+        let own = STEPS.iter().position(|(_, all)| all.contains(&work));
+        debug_assert!(own.is_some(), "{work} belongs to no step");
+        let place = own.unwrap_or(0).max(before);
+        Self {
+            number: place + 1,
+            count: STEPS.len(),
+            name: STEPS[place].0,
+            work,
+        }
+    }
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self {
+            number,
+            count,
+            name,
+            ..
+        } = self;
+        write!(f, "step {number} of {count}: {name}")
+    }
+}
 
 /// Share of a time limit by which the answer is computed.
 const ANSWER: f64 = 0.95;
 /// Maximum share of the limit that is reserved for the answer.
 const MAX_RESERVED: f64 = 0.4;
 
-/// Reports every step at its start, and records its duration.
+/// Reports all work at its start, and records its duration.
 pub struct Progress<'a> {
-    report: &'a (dyn Fn(&'static str) + Sync),
+    report: &'a (dyn Fn(Step) + Sync),
+    /// Index of the current step.
+    place: AtomicUsize,
     steps: Mutex<Vec<(&'static str, Duration)>>,
     stop: Option<&'a AtomicBool>,
     clock: Clock<'a>,
@@ -39,11 +117,12 @@ enum Clock<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Reports steps through `report`. A time limit counts from here.
+    /// Reports all work through `report`. A time limit counts from here.
     #[must_use]
-    pub fn new(report: &'a (dyn Fn(&'static str) + Sync)) -> Self {
+    pub fn new(report: &'a (dyn Fn(Step) + Sync)) -> Self {
         Self {
             report,
+            place: AtomicUsize::new(0),
             steps: Mutex::new(Vec::new()),
             stop: None,
             clock: Clock::Real(Instant::now()),
@@ -165,12 +244,14 @@ impl<'a> Progress<'a> {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
-    /// The next step.
+    /// The next work.
     ///
     /// # Errors
     /// The caller wants it to end.
     pub(crate) fn step(&self, name: &'static str) -> Result<(), DiagnosisError> {
-        (self.report)(name);
+        let step = Step::of(name, self.place.load(Ordering::Relaxed));
+        self.place.store(step.number - 1, Ordering::Relaxed);
+        (self.report)(step);
         if let Ok(mut steps) = self.steps.lock() {
             steps.push((name, self.elapsed()));
         }
@@ -267,6 +348,43 @@ mod tests {
         }
         let answer = diagnose(recordings, nominal, &Options::default(), &progress);
         (answer, ticks.load(Ordering::Relaxed))
+    }
+
+    #[test]
+    fn repeated_work_belongs_to_the_later_step() {
+        let seen = Mutex::new(Vec::new());
+        let report = |step: Step| seen.lock().unwrap().push(step.to_string());
+        let progress = Progress::new(&report);
+        for work in [
+            "preparing the recordings",
+            "screening and scanning for regions",
+            "refitting the soil",
+            "collecting results",
+            "doubts about the data",
+        ] {
+            progress.step(work).unwrap();
+        }
+        let numbers = seen.lock().unwrap();
+        let numbers: Vec<&str> = numbers.iter().map(|line| &line[..11]).collect();
+        assert_eq!(numbers, [1, 3, 3, 7, 7].map(|n| format!("step {n} of 7")));
+    }
+
+    #[test]
+    fn all_work_is_reported_in_order() {
+        let seen = Mutex::new(Vec::new());
+        let report = |step: Step| seen.lock().unwrap().push(step);
+        let recordings = [first(&driven(&on("sandy_loam"), "spiral"), 12.0)];
+        let progress = Progress::new(&report);
+        diagnose(&recordings, &on("dry_sand"), &Options::default(), &progress).unwrap();
+        let seen = seen.lock().unwrap();
+        assert!(seen.is_sorted_by_key(|step| step.number));
+        let mut numbers: Vec<usize> = seen.iter().map(|step| step.number).collect();
+        numbers.dedup();
+        assert_eq!(numbers, (1..=STEPS.len()).collect::<Vec<_>>());
+        assert!(
+            seen.iter()
+                .all(|step| STEPS.iter().any(|(_, all)| all.contains(&step.work)))
+        );
     }
 
     #[test]

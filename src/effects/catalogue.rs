@@ -355,9 +355,16 @@ mod tests {
         let mut names = HashSet::new();
         for effect in CATALOGUE {
             assert!(names.insert(effect.name), "{}", effect.name);
-            for text in [effect.phrase, effect.lifts, effect.equation, effect.source] {
+            for text in [
+                effect.phrase,
+                effect.lifts,
+                effect.equation,
+                effect.source,
+                effect.check,
+            ] {
                 assert!(text.len() > 5, "{}", effect.name);
             }
+            assert!(effect.check.ends_with('.') && effect.check.split(' ').count() < 35);
             assert!(
                 effect.parameters.iter().any(|p| p.switches),
                 "{}",

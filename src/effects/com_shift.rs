@@ -11,6 +11,7 @@ effect! {
     lifts "known centre of mass",
     equation "X_i, Y_i in the loads and moments less the shift; a at the reference point by rigid-body kinematics",
     source "rigid-body mechanics",
+    check "Weigh the vehicle wheel by wheel, and compare the centre of mass with that of the vehicle file.",
     class Weight,
     {
         ahead ["m"] -1.0..1.0, off 0.0, normal(0.0, 0.1), "Shift ahead";

@@ -180,6 +180,8 @@ pub struct Declaration {
     pub equation: &'static str,
     /// Where the equation comes from.
     pub source: &'static str,
+    /// What to check on the vehicle, its sensors or the ground once a diagnosis names the effect: one sentence.
+    pub check: &'static str,
     /// What kind of thing it changes.
     pub class: Class,
     /// What its formula depends on, besides its parameters; empty where the mechanism has one formula only.
@@ -209,6 +211,7 @@ macro_rules! effect {
         lifts $lifts:literal,
         equation $equation:literal,
         source $source:literal,
+        check $check:literal,
         $(class $class:ident,)?
         $(varies with $($argument:ident)+,)?
         {
@@ -234,6 +237,7 @@ macro_rules! effect {
                 lifts: $lifts,
                 equation: $equation,
                 source: $source,
+                check: $check,
                 class: effect!(@class $acts $($class)?),
                 varies_with: &[$($($crate::effects::Argument::$argument),+)?],
                 parameters: &[$($crate::effects::ParameterDeclaration {

@@ -13,6 +13,7 @@ effect! {
     lifts "flat ground",
     equation "F_X += m g_X, F_Y += m g_Y, g = -9.81 q / sqrt(1 + |q|^2) turned into the body by psi, q = (tan slope_east, tan slope_north); sum F_Z = m 9.81 / sqrt(1 + |q|^2)",
     source "statics of a body on an inclined plane (derived here; Wong, Theory of Ground Vehicles, 3.1, has the one-dimensional case)",
+    check "Measure the slope with an inclinometer, and check that east and north of the recorded positions are right.",
     {
         slope_east ["rad"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "Angle by which the ground rises towards the east";
         slope_north ["rad"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "Angle by which the ground rises towards the north";

@@ -11,6 +11,7 @@ effect! {
     lifts "perfect measurement: no delay",
     equation "reported(t) = state(t - latency)",
     source "definition",
+    check "Compare the clocks of the sensors, and how long each filters or buffers before it stamps its values.",
     {
         pose ["s"] -1.5..1.5, off 0.0, normal(0.0, 0.4), "Delay of position and heading";
         yaw_rate ["s"] 0.0..1.0, off 0.0, normal(0.0, 0.05), "Delay of the yaw rate (not estimated: the gyro is the clock)";

@@ -11,6 +11,7 @@ effect! {
     lifts "homogeneous ground across the track",
     equation "c, tan phi and k times sqrt(ratio) on the left, over sqrt(ratio) on the right",
     source "modelling assumption: the geometric mean of both sides is the terrain",
+    check "Compare the ruts of the left and the right wheels, and the tyre pressures of both sides.",
     class Ground,
     varies with Slip Sinkage,
     {

@@ -10,6 +10,7 @@ effect! {
     lifts "perfect measurement: pose of the reference point",
     equation "x_reported = x + x_a cos psi - y_a sin psi, y_reported = y + x_a sin psi + y_a cos psi",
     source "rigid-body kinematics",
+    check "Measure how far the antenna is ahead of the reference point and to its left.",
     {
         ahead ["m"] -5.0..5.0, off 0.0, normal(0.0, 0.3), "Place of the antenna ahead of the reference point";
         left ["m"] -5.0..5.0, off 0.0, normal(0.0, 0.3), "Place of the antenna to its left";

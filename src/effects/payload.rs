@@ -11,6 +11,7 @@ effect! {
     lifts "known mass, inertia and centre of mass",
     equation "m += m_p; centre of mass at sum m x / sum m; I_Z about it by the parallel-axis rule",
     source "rigid-body mechanics",
+    check "Weigh the vehicle as it was driven, and note what it carried and where.",
     class Weight,
     {
         mass ["kg"] 0.0..1e5, off 0.0, lognormal(50.0, 0.9), "Mass m_p";

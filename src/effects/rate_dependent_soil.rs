@@ -12,6 +12,7 @@ effect! {
     lifts "stresses independent of the speed",
     equation "F_Xi += -c_x V_Xi / N, F_Yi += -c_y V_Yi / N",
     source "linearised rate effect of saturated soils; cf. Grahn, J. Terramechanics 28 (1991), on the rate dependence of the pressure-sinkage law",
+    check "Check whether the ground was wet, and drive the same straight slowly and fast.",
     varies with Speed SideSpeed,
     {
         forward ["N s/m"] 0.0..5000.0, off 0.0, lognormal(80.0, 1.0), "Coefficient c_x of the whole vehicle";

@@ -13,6 +13,7 @@ effect! {
     lifts "nothing acts across the vehicle but what the model names",
     equation "F_Y += m g (constant + direction s(V_Y) + sideways w + sideways_squared w|w| + turning q + turning_squared q|q| + speed_turning u q + slip p + north cos psi - east sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_R - omega_L) / 2 - Omega B) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x); the bracket within -1 and 1",
     source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
+    check "Look for what pushes the vehicle sideways: wind, a taut cable, an attachment that rubs, a side slope.",
     {
         constant ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A steady push to the left";
         direction ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the direction of the lateral speed, as dry friction (negative)";

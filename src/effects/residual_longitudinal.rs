@@ -13,6 +13,7 @@ effect! {
     lifts "nothing acts along the vehicle but what the model names",
     equation "F_X += m g (constant + direction s(V_X) + speed u + speed_squared u|u| + turning s(V_X)|q| + turning_squared s(V_X) q^2 + speed_turning u|q| + sideways_turning w q + slip p + slip_squared p|p| + east cos psi + north sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_L + omega_R) / 2 - V_X) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x); the bracket within -1 and 1",
     source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
+    check "Look for what pushes or brakes along the vehicle: a brake that drags, a cable, an attachment, wind.",
     {
         constant ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A steady push ahead";
         direction ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the direction of travel, as dry friction (negative)";

@@ -13,6 +13,7 @@ effect! {
     lifts "nothing turns the vehicle but what the model names",
     equation "M_Z += m g B (constant + speed u + speed_squared u|u| + direction s(Omega B) + turning q + turning_squared q|q| + speed_turning |u| q + sideways w + speed_sideways u w + slip p + east cos psi + north sin psi), u = V_X / sqrt(g B), w = V_Y / sqrt(g B), q = Omega sqrt(B / g), p = (r (omega_R - omega_L) / 2 - Omega B) / sqrt(g B), s(v) = v / sqrt(v^2 + v_0^2), |x| = x s(x); the bracket within -1 and 1",
     source "dimensional analysis: coefficients of a linear law, to be estimated, in units of the weight m g, gravity g and half the track B",
+    check "Look for what turns the vehicle: a brake that drags on one side, an attachment off the middle, a weaker motor.",
     {
         constant ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "A steady moment to the left";
         speed ["1"] -0.3..0.3, off 0.0, normal(0.0, 0.05), "With the speed";

@@ -14,6 +14,7 @@ effect! {
     lifts "homogeneous ground",
     equation "c, tan phi, k, K times factor^w, w the quintic step of (u - position) / transition; u the time, the distance driven, or the wheel's x cos(direction) + y sin(direction)",
     source "modelling assumption: soil parameters vary monotonously across a boundary of finite width",
+    check "Look at the ground on both sides of the boundary: soil, moisture, vegetation.",
     varies with Slip Sinkage,
     {
         cohesion_factor ["1"] 0.02..50.0, off 1.0, lognormal(1.0, 0.7), "Cohesion beyond the boundary, as a factor";

@@ -10,6 +10,7 @@ effect! {
     lifts "known wheel radius, equal on both sides",
     equation "r times the side's factor: in r omega, and in the contact",
     source "geometry",
+    check "Measure how far each side rolls in ten turns, and check the encoders' ticks per turn and the gear ratio.",
     class RollingRadius,
     {
         left ["1"] 0.8..1.1, off 1.0, normal(1.0, 0.03), "Factor of the left wheels";

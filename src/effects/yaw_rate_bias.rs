@@ -9,6 +9,7 @@ effect! {
     lifts "perfect measurement: no gyro bias",
     equation "reported = Omega + bias",
     source "definition",
+    check "Read the gyro at rest before and after the drive.",
     {
         bias ["rad/s"] -0.3..0.3, off 0.0, normal(0.0, 0.02), "Offset";
     }

@@ -7,6 +7,7 @@ import argparse
 import json
 import os
 import shutil
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,6 +18,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 WIDTHS = (360, 800, 1400)  # px
 SCHEMES = ("light", "dark")
 PAPER = 718  # px, A4 within Chromium's margins
+PATIENCE = 180.0  # s for a page; a busy machine needs 30 s
 
 # Gives a list of what is wrong with the page as it is laid out now.
 LOOK = """(() => {
@@ -40,7 +42,7 @@ for (const e of document.body.querySelectorAll('*')) {
     say(`${tell(e)} sticks out: ${box.left.toFixed(1)} .. ${box.right.toFixed(1)} of ${width} px`);
 }
 
-const DRAWN = '.line, .dots, .step, .points, .band, .b0, .b1, .b2';
+const DRAWN = '.line, .dots, .step, .points, .band, .bar';
 const overlap = (a, b) =>
   Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
   Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
@@ -60,14 +62,15 @@ for (const svg of document.querySelectorAll('svg')) {
   if (/NaN|inf/i.test(svg.innerHTML)) say(`${name}: a number is none`);
   const texts = [...svg.querySelectorAll('text')].filter((text) => text.textContent.trim());
   if (texts.length < 3) say(`${name}: no axis`);
+  const boxes = texts.map((text) => text.getBoundingClientRect());
   texts.forEach((text, index) => {
-    const box = text.getBoundingClientRect();
+    const box = boxes[index];
     if (outside(box, 0.25)) say(`${name}: text "${text.textContent}" is cut off`);
     const size = parseFloat(getComputedStyle(text).fontSize) * frame.width / svg.viewBox.baseVal.width;
     if (size < 8.5) say(`${name}: text "${text.textContent}" is ${size.toFixed(1)} px high`);
-    for (const other of texts.slice(index + 1))
-      if (overlap(box, other.getBoundingClientRect()))
-        say(`${name}: texts "${text.textContent}" and "${other.textContent}" overlap`);
+    for (let k = index + 1; k < texts.length; ++k)
+      if (overlap(box, boxes[k]))
+        say(`${name}: texts "${text.textContent}" and "${texts[k].textContent}" overlap`);
   });
 }
 
@@ -108,11 +111,31 @@ def find_chromium() -> str | None:
 
 
 @contextmanager
+def limited(seconds: float, what: str) -> Iterator[None]:
+    """Ends what takes longer. Needs the main thread of a system with POSIX signals; elsewhere there is no limit."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def end(*_: object) -> None:
+        raise TimeoutError(f"{what} took longer than {seconds:.0f} s")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
 def browser(executable: str) -> Iterator[Browser]:
     """A browser without a window."""
     with sync_playwright() as playwright:
         # Containers run as root, for whom Chromium has no sandbox; the pages are our own.
-        opened = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox"])
+        opened = playwright.chromium.launch(
+            executable_path=executable, args=["--no-sandbox"], timeout=1000 * PATIENCE)
         try:
             yield opened
         finally:
@@ -128,6 +151,12 @@ def look(page: Page, where: str) -> tuple[list[str], float]:
 def check_page(opened: Browser, path: Path, pictures: Path | None = None) -> list[str]:
     """What is wrong with a page, at every width, light and dark, and on paper; pictures of it are
     written where a folder is given."""
+    with limited(PATIENCE, path.name):
+        return checked(opened, path, pictures)
+
+
+def checked(opened: Browser, path: Path, pictures: Path | None) -> list[str]:
+    """As `check_page`, without a limit of time."""
     problems: list[str] = []
     page = opened.new_page()
     page.on("console", lambda message: problems.append(f"console: {message.text}"))

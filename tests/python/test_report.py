@@ -10,10 +10,11 @@ import unittest
 from pathlib import Path
 
 import pytest
-from page_check import browser, check_page, find_chromium
+from page_check import PATIENCE, browser, check_page, find_chromium, limited
 
 ROOT = Path(__file__).resolve().parents[2]
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PAGES = TARGET / "tmp" / "report"
 VERDICTS = (
     "ambiguous",
     "insufficient_data",
@@ -48,12 +49,29 @@ class Pages(unittest.TestCase):
         problems = check_page(self.browser, path)
         self.assertFalse(problems, "\n".join([str(path), *problems]))
 
-    def test_every_verdict_is_well_set(self) -> None:
-        for verdict in VERDICTS:
-            path = TARGET / "tmp" / "report" / f"{verdict}.html"
-            self.assertTrue(path.is_file(), f"{path} is missing; run cargo test --release --features fmu --test analysis report")
-            with self.subTest(verdict):
-                self.assert_well(path)
+    def assert_verdict_well(self, verdict: str) -> None:
+        """The page of a made-up diagnosis is well set."""
+        path = PAGES / f"{verdict}.html"
+        self.assertTrue(path.is_file(), f"{path} is missing; run cargo test --release --features fmu --test analysis report")
+        self.assert_well(path)
+
+    def test_ambiguous_is_well_set(self) -> None:
+        self.assert_verdict_well("ambiguous")
+
+    def test_insufficient_data_is_well_set(self) -> None:
+        self.assert_verdict_well("insufficient_data")
+
+    def test_missing_physics_is_well_set(self) -> None:
+        self.assert_verdict_well("missing_physics")
+
+    def test_nothing_missing_is_well_set(self) -> None:
+        self.assert_verdict_well("nothing_missing")
+
+    def test_sensor_is_well_set(self) -> None:
+        self.assert_verdict_well("sensor")
+
+    def test_unknown_physics_is_well_set(self) -> None:
+        self.assert_verdict_well("unknown_physics")
 
     @pytest.mark.nightly
     def test_a_diagnosis_of_a_drive_is_well_set(self) -> None:
@@ -67,6 +85,35 @@ class Pages(unittest.TestCase):
             self.assertIn(said["verdict"], VERDICTS)
             self.assertEqual(said["recordings"], ["drive", "second"])
             self.assert_well(out / "report.html")
+
+    def test_a_time_is_marked_in_all_charts_and_models_can_be_hidden(self) -> None:
+        page = self.browser.new_page()
+        page.set_default_timeout(1000 * PATIENCE)
+        page.goto((PAGES / "missing_physics.html").as_uri())
+        with limited(PATIENCE, "the script"):
+            page.locator("#misses svg[data-frame]:not([data-map])").first.hover()
+            readout = page.locator("#misses .readout").nth(1).text_content()
+            self.assertRegex(readout, r"^[0-9.]+ s: as given [-0-9.e]+, refitted [-0-9.e]+, mended [-0-9.e]+$")
+            for role in ("measured", "given", "refitted", "mended"):
+                self.assertEqual(page.locator(f"#paths svg .dot.{role}").count(), 1, role)
+            self.assertRegex(page.locator("#paths .readout").text_content(), "refitted [0-9.]+ m off")
+            button = page.get_by_role("button", name="refitted")
+            button.click()
+            self.assertEqual(button.get_attribute("aria-pressed"), "false")
+            self.assertFalse(page.locator("#paths path.refitted").first.is_visible())
+            self.assertTrue(page.locator("#paths path.mended").first.is_visible())
+        page.close()
+
+    def test_a_page_without_script_has_the_same_content(self) -> None:
+        texts = []
+        for script in (True, False):
+            context = self.browser.new_context(java_script_enabled=script)
+            page = context.new_page()
+            page.goto((PAGES / "missing_physics.html").as_uri())
+            sections = page.locator("section")
+            texts.append([sections.nth(index).text_content() for index in range(sections.count())])
+            context.close()
+        self.assertEqual(*texts)
 
     def test_the_check_sees_what_is_wrong(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

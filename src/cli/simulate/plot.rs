@@ -163,7 +163,7 @@ impl Trace {
         Line {
             name: name.into(),
             pieces: vec![self.points.iter().map(point).collect()],
-            stroke: Stroke::Line,
+            ..Line::default()
         }
     }
 
@@ -173,6 +173,7 @@ impl Trace {
             name: "start".into(),
             pieces: vec![start.map(|point| (point.state.x, point.state.y)).collect()],
             stroke: Stroke::Points,
+            ..Line::default()
         }
     }
 }

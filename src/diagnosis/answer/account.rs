@@ -14,8 +14,12 @@ use crate::vehicle::Vehicle;
 
 /// Noise, thresholds and remarks of a diagnosis.
 #[must_use]
-pub fn account(searched: &SearchResult, options: &Options, left_out: f64, seconds: f64) -> Account {
+pub fn account(searched: &SearchResult, options: &Options, left_out: f64) -> Account {
     let problem = &searched.problem;
+    let mut used = vec![0.0; problem.recordings.len()];
+    for segment in &problem.segments {
+        used[segment.recording] += segment.end - segment.start;
+    }
     let predictor = problem.predictor(&searched.augmented.coefficients);
     let shooting = problem.shooting(&predictor, &searched.augmented.coefficients);
     let scatters = searched.last.screened.iter().map(|one| one.score.scatter);
@@ -24,7 +28,8 @@ pub fn account(searched: &SearchResult, options: &Options, left_out: f64, second
     Account {
         seed: options.seed,
         segments: problem.segments.len(),
-        seconds,
+        seconds: problem.seconds(),
+        used,
         left_out,
         noise: noise_estimates(&shooting, &searched.augmented.tables, &searched.noise),
         overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),

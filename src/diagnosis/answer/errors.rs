@@ -31,16 +31,27 @@ const START_STOP: Stop = Stop::after(10, 0.5);
 /// Weight of held-out samples.
 const UNSEEN: f64 = 1e-8;
 
+/// The held-out comparison of the models.
+pub struct Comparison {
+    /// The errors.
+    pub errors: HeldOut,
+    /// Residuals of the given, the refitted and the mended model by segment; `None` if the model cannot follow a segment.
+    pub residuals: [Vec<Option<Residuals>>; 3],
+}
+
+/// Measured less predicted, for each channel of a segment.
+pub type Residuals = Vec<Vec<f64>>;
+
 /// A model's held-out errors and scores.
 struct HeldOutPrediction {
     /// For each segment; `None` if the model cannot follow it.
-    errors: Vec<Option<SquaredErrors>>,
+    errors: Vec<Option<(SquaredErrors, Residuals)>>,
     scores: Scores,
 }
 
 /// Compares the given, the refitted and the augmented model. `None` if there is too little data to hold out.
 #[must_use]
-pub fn compare(searched: &SearchResult) -> Option<HeldOut> {
+pub fn compare(searched: &SearchResult) -> Option<Comparison> {
     let (problem, noise) = (&searched.problem, &searched.noise);
     let row = |problem, fit| {
         let own = own_noise(problem, fit, noise);
@@ -54,16 +65,11 @@ pub fn compare(searched: &SearchResult) -> Option<HeldOut> {
     };
     let nominal = nominal(problem, noise);
     let rows = [nominal.as_ref(), Some(&refitted), augmented.as_ref()];
-    let rows = rows.into_iter().flatten();
-    let by_all: Vec<bool> = (0..problem.segments.len())
-        .map(|index| {
-            rows.clone()
-                .all(|row: &HeldOutPrediction| row.errors[index].is_some())
-        })
-        .collect();
+    let is_followed = |index: usize| rows.iter().flatten().all(|row| row.errors[index].is_some());
+    let by_all: Vec<bool> = (0..problem.segments.len()).map(is_followed).collect();
     let length = problem.segments.iter().map(|s| s.end - s.start);
     let best = augmented.as_ref().unwrap_or(&refitted);
-    Some(HeldOut {
+    let errors = HeldOut {
         nominal: nominal
             .as_ref()
             .map_or(Errors::NONE, |row| row.sum_up(&by_all)),
@@ -74,6 +80,20 @@ pub fn compare(searched: &SearchResult) -> Option<HeldOut> {
             .map_or((0.0, 0.0), |row| row.scores.gain_over(&refitted.scores)),
         horizon: length.fold(0.0, f64::max) - SEEN,
         stretches: by_all.iter().filter(|all| **all).count(),
+    };
+    let residuals = |row: Option<HeldOutPrediction>| match row {
+        Some(row) => {
+            let each = row.errors.into_iter();
+            each.map(|one| one.map(|(_, residuals)| residuals))
+                .collect()
+        }
+        None => vec![None; by_all.len()],
+    };
+    let refitted = residuals(Some(refitted));
+    let mended = augmented.map_or_else(|| refitted.clone(), |row| residuals(Some(row)));
+    Some(Comparison {
+        errors,
+        residuals: [residuals(nominal), refitted, mended],
     })
 }
 
@@ -145,7 +165,8 @@ impl HeldOutPrediction {
     fn sum_up(&self, counted: &[bool]) -> Errors {
         let mut all = SquaredErrors::default();
         let pairs = self.errors.iter().zip(counted);
-        for sums in pairs.filter_map(|(sums, counts)| sums.filter(|_| *counts)) {
+        let counted = pairs.filter_map(|(one, counts)| one.as_ref().filter(|_| *counts));
+        for (sums, _) in counted {
             for (total, part) in all.0.iter_mut().zip(sums.0) {
                 total.0 += part.0;
                 total.1 += part.1;
@@ -171,7 +192,7 @@ fn price<'w>(weights: impl Iterator<Item = &'w f64>) -> f64 {
 #[derive(Debug, Clone, Copy, Default)]
 struct SquaredErrors([(f64, usize); 3]);
 
-/// Errors after a start that is fitted to the first second. `None` if the model cannot follow.
+/// Errors after a start that is fitted to the first second, and residuals. `None` if the model cannot follow.
 fn predicted(
     shooting: &ShootingProblem<ExactPredictor>,
     index: usize,
@@ -179,7 +200,7 @@ fn predicted(
     at: &DVector<f64>,
     start: [f64; 6],
     noise: &NoiseModel,
-) -> Option<SquaredErrors> {
+) -> Option<(SquaredErrors, Residuals)> {
     let values = shooting.model_values(segment.recording, at);
     let sensors = shooting.sensor_values(segment.recording, at);
     let seen = segment.start + SEEN;
@@ -218,5 +239,6 @@ fn predicted(
             sums.0[place].1 += counts;
         }
     }
-    Some(sums)
+    let residuals = observed.into_iter().map(|one| one.residual).collect();
+    Some((sums, residuals))
 }

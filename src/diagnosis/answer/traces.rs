@@ -1,11 +1,13 @@
-//! Plot data: path, residuals before and after, unmodelled wrench.
+//! Plot data: paths, errors of the models, unmodelled wrench.
 
+use super::errors::Comparison;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
-use crate::diagnosis::outcome::{ResidualTrace, RunTrace};
+use crate::diagnosis::outcome::{PredictedPath, ResidualTrace, RunTrace};
 use crate::diagnosis::screening::wrench::smooth;
 use crate::diagnosis::search::SearchResult;
 use crate::fit::problem::NoiseModel;
+use crate::fit::segment::Segment;
 use crate::fit::signal::Signal;
 use crate::recording::Channel;
 
@@ -14,7 +16,7 @@ const MIN_SIZE: f64 = 3e-3;
 
 /// Traces of all runs with segments.
 #[must_use]
-pub fn traces(searched: &SearchResult) -> Vec<RunTrace> {
+pub fn traces(searched: &SearchResult, compared: Option<&Comparison>) -> Vec<RunTrace> {
     let problem = &searched.problem;
     let one = |(recording, run): (usize, usize)| {
         let (time, mismatch) =
@@ -42,7 +44,10 @@ pub fn traces(searched: &SearchResult) -> Vec<RunTrace> {
             time: seen(&time),
             mismatch: seen(&mismatch),
             path: path.iter().flatten().copied().collect(),
-            residuals: residuals(searched, recording, run),
+            predicted: compared.map_or_else(Vec::new, |compared| {
+                predicted(problem, compared, recording, run)
+            }),
+            residuals: residuals(searched, compared, recording, run),
             wrench: smooth(problem, &searched.first.system, recording, run, size),
         }
     };
@@ -58,10 +63,7 @@ fn mismatch(
     run: usize,
 ) -> (Vec<f64>, Vec<f64>) {
     let mut whitened: Vec<(f64, f64)> = Vec::new();
-    for (index, segment) in problem.segments.iter().enumerate() {
-        if (segment.recording, segment.run) != (recording, run) {
-            continue;
-        }
+    for (index, segment) in segments(problem, recording, run) {
         for (channel, data) in segment.samples.iter().enumerate() {
             let channel_noise = noise.noise[recording][data.signal.group() as usize];
             let table = &fit.tables[index].channels[channel];
@@ -88,8 +90,13 @@ fn mismatch(
 /// Length of a bin of one colour \[s\].
 const BIN: f64 = 0.5;
 
-fn residuals(searched: &SearchResult, recording: usize, run: usize) -> Vec<ResidualTrace> {
-    let problem = &searched.problem;
+/// Errors on held-out data; without a comparison the residuals of the fits.
+fn residuals(
+    searched: &SearchResult,
+    compared: Option<&Comparison>,
+    recording: usize,
+    run: usize,
+) -> Vec<ResidualTrace> {
     let of = |signal: Signal| {
         let (name, unit) = match signal {
             Signal::X => ("x", "m"),
@@ -103,29 +110,80 @@ fn residuals(searched: &SearchResult, recording: usize, run: usize) -> Vec<Resid
             channel: name,
             unit,
             time: Vec::new(),
-            before: Vec::new(),
-            after: Vec::new(),
+            errors: Default::default(),
         };
-        for (index, segment) in problem.segments.iter().enumerate() {
-            if (segment.recording, segment.run) != (recording, run) {
-                continue;
-            }
+        for (index, segment) in segments(&searched.problem, recording, run) {
             let Some(channel) = segment.samples.iter().position(|s| s.signal == signal) else {
                 continue;
             };
-            let column = |fit: &FittedHypothesis| -> Vec<f64> {
-                let tables = &fit.tables[index];
-                tables.channels[channel]
-                    .iter()
-                    .step_by(tables.columns)
-                    .copied()
-                    .collect()
-            };
-            trace.time.extend(&segment.samples[channel].time);
-            trace.before.extend(column(&searched.refitted));
-            trace.after.extend(column(&searched.augmented));
+            let time = &segment.samples[channel].time;
+            trace.time.extend(time);
+            for (model, errors) in trace.errors.iter_mut().enumerate() {
+                match (
+                    compared,
+                    [None, Some(&searched.refitted), Some(&searched.augmented)][model],
+                ) {
+                    (Some(compared), _) => match &compared.residuals[model][index] {
+                        Some(residuals) => errors.extend(&residuals[channel]),
+                        None => errors.extend(time.iter().map(|_| f64::NAN)),
+                    },
+                    (None, Some(fit)) => {
+                        let table = &fit.tables[index];
+                        let residuals = table.channels[channel].iter();
+                        errors.extend(residuals.step_by(table.columns));
+                    }
+                    (None, None) => errors.extend(time.iter().map(|_| f64::NAN)),
+                }
+            }
         }
         (!trace.time.is_empty()).then_some(trace)
     };
     Signal::ALL.into_iter().filter_map(of).collect()
+}
+
+/// The segments of a run with their indices.
+fn segments<'p>(
+    problem: &'p Problem,
+    recording: usize,
+    run: usize,
+) -> impl Iterator<Item = (usize, &'p Segment)> {
+    let numbered = problem.segments.iter().enumerate();
+    numbered.filter(move |(_, segment)| (segment.recording, segment.run) == (recording, run))
+}
+
+/// Held-out paths of the segments whose coordinates were measured at the same times.
+fn predicted(
+    problem: &Problem,
+    compared: &Comparison,
+    recording: usize,
+    run: usize,
+) -> Vec<PredictedPath> {
+    let path = |(index, segment): (usize, &Segment)| {
+        let at = |signal| segment.samples.iter().position(|s| s.signal == signal);
+        let (east, north) = (at(Signal::X)?, at(Signal::Y)?);
+        let (x, y) = (&segment.samples[east], &segment.samples[north]);
+        if x.time != y.time {
+            return None;
+        }
+        let measured: Vec<[f64; 2]> = x
+            .value
+            .iter()
+            .zip(&y.value)
+            .map(|(x, y)| [*x, *y])
+            .collect();
+        let predicted = [0, 1, 2].map(|model| {
+            let Some(residuals) = &compared.residuals[model][index] else {
+                return Vec::new();
+            };
+            let errors = residuals[east].iter().zip(&residuals[north]);
+            let pairs = measured.iter().zip(errors);
+            pairs.map(|([x, y], (dx, dy))| [x - dx, y - dy]).collect()
+        });
+        Some(PredictedPath {
+            time: x.time.clone(),
+            measured,
+            predicted,
+        })
+    };
+    segments(problem, recording, run).filter_map(path).collect()
 }

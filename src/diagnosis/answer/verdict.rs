@@ -380,6 +380,31 @@ mod tests {
         assert_eq!(leading(&[]), None);
     }
 
+    /// A towed vehicle that was given as one on clay: several names explain a little, nothing was accepted.
+    #[test]
+    fn nothing_is_missing_only_where_that_leads_clearly() {
+        let judged = |odds: f64| {
+            let refused: Vec<_> = (0..6).map(|k| (Subject::Effect(k), odds)).collect();
+            Evidence {
+                accepted: &[],
+                refused: &refused,
+                latent: 0.0,
+                explained: 0.0,
+                physics: Vec::new(),
+                seen: 1.0,
+                tested: true,
+                tried: true,
+            }
+            .judged()
+        };
+        let clear = judged(NOTHING - 20.0);
+        assert_eq!(clear.verdict, Verdict::NothingMissing);
+        let close = judged(NOTHING + 0.5);
+        assert!(close.posterior.of(Subject::Nothing) < 0.2);
+        assert_eq!(close.insufficient, Some(Insufficient::Undecided));
+        assert_eq!(close.verdict, Verdict::InsufficientData);
+    }
+
     /// Effects, sensor faults among them, and "unknown".
     fn subject() -> impl Strategy<Value = Subject> {
         let effect = (0..CATALOGUE.len()).prop_map(Subject::Effect);

@@ -164,7 +164,7 @@ pub mod tests {
         let stretches = |seconds| {
             let recordings = [first(&whole, seconds)];
             let mut problem = Problem::new(&model, &recordings);
-            let progress = Progress::new(&|_: &'static str| {});
+            let progress = Progress::new(&|_| {});
             prepare(&mut problem, &Options::default(), &progress)?;
             Ok(problem.segments)
         };
@@ -194,7 +194,7 @@ pub mod tests {
         problem.segments = found.segments;
         let (lost, all) = (failed(&problem, &drive(&problem)), problem.seconds());
         assert!(lost > 0.0 && lost < 0.5 * all, "{lost} s of {all} s");
-        let progress = Progress::new(&|_: &'static str| {});
+        let progress = Progress::new(&|_| {});
         let (prepared, _) = prepare(&mut problem, &Options::default(), &progress).unwrap();
         assert!((problem.seconds() - all).abs() < 1e-9);
         assert_eq!(prepared.left_out, left_out);

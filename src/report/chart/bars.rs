@@ -1,11 +1,18 @@
 //! Horizontal bars.
 
 use super::frame::{SIZE, figure_opening, ticks};
+use super::series::Role;
 use crate::display::markup;
 use std::fmt::Write;
 
 const ROW: f64 = 19.0;
+/// Longer labels stand above their bars.
+const MAX_BESIDE: usize = 24;
+/// Height of a label above its bar.
+const ABOVE: f64 = 14.0;
 const TOP: f64 = 4.0;
+/// Left of bars whose labels stand above them.
+const MARGIN: f64 = 14.0;
 const BOTTOM: f64 = 34.0;
 /// Minimum room for the values' texts, right of the longest bar.
 const TEXT: f64 = 62.0;
@@ -23,6 +30,8 @@ pub enum Tint {
     Second,
     /// What it is compared with.
     Plain,
+    /// The colour of a model.
+    Of(Role),
 }
 
 /// One bar.
@@ -62,9 +71,20 @@ impl BarChart {
             let letters = self.bars.iter().map(|bar| of(bar).chars().count());
             10.0 + LETTER * letters.max().unwrap_or(0) as f64
         };
-        let left = width(|bar| &bar.label);
+        let is_long = |bar: &LabelledBar| bar.label.chars().count() > MAX_BESIDE;
+        let above = if self.bars.iter().any(is_long) {
+            ABOVE
+        } else {
+            0.0
+        };
+        let left = if above > 0.0 {
+            MARGIN
+        } else {
+            width(|bar| &bar.label)
+        };
         let right = SIZE.0 - width(|bar| &bar.text).max(TEXT);
-        let bottom = TOP + ROW * self.bars.len() as f64;
+        let height = ROW + above;
+        let bottom = TOP + height * self.bars.len() as f64;
         let values = self.bars.iter().map(|bar| bar.value);
         let longest = values.filter(|value| value.is_finite()).fold(0.0, f64::max);
         let full = self.full.unwrap_or(longest);
@@ -85,7 +105,12 @@ impl BarChart {
             );
         }
         for (row, bar) in self.bars.iter().enumerate() {
-            let top = TOP + ROW * row as f64;
+            let top = TOP + height * row as f64;
+            let (x, anchor) = if above > 0.0 {
+                (left, "start")
+            } else {
+                (left - 5.0, "end")
+            };
             let end = if bar.value.is_finite() {
                 at(bar.value)
             } else {
@@ -95,20 +120,20 @@ impl BarChart {
                 Tint::First => "b0",
                 Tint::Second => "b1",
                 Tint::Plain => "b2",
+                Tint::Of(role) => role.name(),
             };
             let _ = writeln!(
                 html,
-                "<text class=\"name\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>\
-                 <rect class=\"{class}\" x=\"{left:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"1.5\"/>\
+                "<text class=\"name\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>\
+                 <rect class=\"bar {class}\" x=\"{left:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"1.5\"/>\
                  <text class=\"name\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                left - 5.0,
                 top + 13.0,
                 markup(&bar.label),
-                top + 3.5,
+                top + above + 3.5,
                 (end - left).max(0.8),
                 ROW - 6.0,
                 end + 4.0,
-                top + 13.0,
+                top + above + 13.0,
                 markup(&bar.text)
             );
         }

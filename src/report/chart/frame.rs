@@ -63,6 +63,15 @@ impl Frame {
         frame
     }
 
+    /// For the page's script: the ends of the plot in pixels, and the values there.
+    pub fn data(&self) -> String {
+        let (x, y) = (&self.x, &self.y);
+        let values =
+            [*x.start(), *x.end(), *y.start(), *y.end()].map(|value| format!("{value:.6e}"));
+        let ends = [self.left, self.edge(), self.bottom(), TOP].map(|end| format!("{end:.1}"));
+        [ends, values].concat().join(" ")
+    }
+
     /// Left end of the plot.
     pub fn left(&self) -> f64 {
         self.left

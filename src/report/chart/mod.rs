@@ -5,7 +5,7 @@ mod frame;
 mod series;
 
 pub use bars::{BarChart, LabelledBar, Tint};
-pub use series::{Line, Stroke, Underlay};
+pub use series::{Line, Role, Stroke, Underlay};
 
 use super::number::digits;
 use crate::display::markup;
@@ -30,6 +30,8 @@ pub struct Chart {
     pub is_map: bool,
     /// Its height; its width is 360.
     pub height: f64,
+    /// The number of the run that it shows, for the page's script: a time in one chart is marked in all of the run.
+    pub run: Option<usize>,
 }
 
 impl Chart {
@@ -48,6 +50,7 @@ impl Chart {
             underlays: Vec::new(),
             is_map: false,
             height: SIZE.1,
+            run: None,
         }
     }
 
@@ -58,13 +61,23 @@ impl Chart {
             return String::new();
         };
         let opening = figure_opening(&self.title, &self.in_words(), self.height);
+        let opening = match (self.run, self.frame()) {
+            (Some(run), Some(frame)) => {
+                let map = if self.is_map { " data-map" } else { "" };
+                let data = format!(
+                    "<svg data-run=\"{run}\"{map} data-frame=\"{}\"",
+                    frame.data()
+                );
+                opening.replacen("<svg", &data, 1)
+            }
+            _ => opening,
+        };
         opening + &drawing + "</svg>" + &legend.html() + "</figure>\n"
     }
 
     /// Axes, underlays and lines, and what stands in the legend.
     fn draw(&self) -> Option<(String, Legend)> {
-        let (x, y) = self.ranges()?;
-        let frame = Frame::new((SIZE.0, self.height), x, y, self.is_map);
+        let frame = self.frame()?;
         let mut svg = String::new();
         let mut legend = Legend::default();
         for (name, underlay) in &self.underlays {
@@ -83,6 +96,11 @@ impl Chart {
             legend.add(&line.name, line.stroke.swatch(place));
         }
         Some((svg, legend))
+    }
+
+    fn frame(&self) -> Option<Frame> {
+        let (x, y) = self.ranges()?;
+        Some(Frame::new((SIZE.0, self.height), x, y, self.is_map))
     }
 
     /// What it shows, for readers who do not see it: the axes, and the range of each line.
@@ -271,7 +289,7 @@ mod tests {
         let lines = names.map(|name| Line {
             name: name.into(),
             pieces: vec![vec![(0.0, 1.0)]],
-            stroke: Stroke::Line,
+            ..Line::default()
         });
         chart.lines = lines.into();
         let rows = chart.draw().unwrap().1.rows();
@@ -287,6 +305,7 @@ mod tests {
             name: "one".into(),
             pieces: vec![vec![(f64::NAN, 2.0)]],
             stroke: Stroke::Dots,
+            ..Line::default()
         });
         assert_eq!(chart.figure(), "");
         chart.lines[0].pieces[0].push((1.0, 2.0));
@@ -303,7 +322,7 @@ mod tests {
         chart.lines.push(Line {
             name: "one".into(),
             pieces: vec![vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.5), (3.0, 2.0)]],
-            stroke: Stroke::Line,
+            ..Line::default()
         });
         chart.underlays = vec![
             ("found", Underlay::Span(-5.0, 1.0)),

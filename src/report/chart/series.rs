@@ -2,15 +2,19 @@
 
 use super::frame::Frame;
 use std::fmt::Write;
+use std::ops::Range;
 
 /// More points per line are not visible.
 const MAX_POINTS: usize = 700;
 
 /// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Stroke {
     /// Connected.
+    #[default]
     Line,
+    /// Connected, in the one colour of a model or of the measurement.
+    Of(Role),
     /// As dots.
     Dots,
     /// Connected, in the colour of this step of the sequential scale, 0 to 5.
@@ -21,11 +25,38 @@ pub enum Stroke {
     Points,
 }
 
+/// What a line of a comparison is: each has one colour in the whole page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The recording.
+    Measured,
+    /// The model as given.
+    Given,
+    /// With the refitted soil.
+    Refitted,
+    /// With the findings.
+    Mended,
+}
+
+impl Role {
+    /// Its class in the style sheet, and its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Measured => "measured",
+            Self::Given => "given",
+            Self::Refitted => "refitted",
+            Self::Mended => "mended",
+        }
+    }
+}
+
 impl Stroke {
     /// Classes in the style sheet of the line whose name is at this place among the coloured ones.
     fn classes(self, place: usize) -> String {
         match self {
             Self::Line => format!("line s{place}"),
+            Self::Of(role) => format!("line {}", role.name()),
             Self::Dots => format!("dots s{place}"),
             Self::Step(step) => format!("step m{step}"),
             Self::Halo => "halo".into(),
@@ -37,6 +68,7 @@ impl Stroke {
     pub(super) fn swatch(self, place: usize) -> (usize, String) {
         match self {
             Self::Line | Self::Dots => (0, format!("s{place}")),
+            Self::Of(role) => (0, role.name().into()),
             Self::Step(step) => (0, format!("m{step}")),
             Self::Halo | Self::Points => (1, self.classes(place)),
         }
@@ -44,12 +76,14 @@ impl Stroke {
 }
 
 /// Points with a name.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Line {
     /// Name in the legend; lines of one name share its entry and colour.
     pub name: String,
     /// Pieces of connected points; a point that is not finite interrupts.
     pub pieces: Vec<Vec<(f64, f64)>>,
+    /// On a map, the time of each point \[s\], in pieces as the points; empty for none.
+    pub times: Vec<Vec<f64>>,
     /// How it is drawn.
     pub stroke: Stroke,
 }
@@ -85,20 +119,32 @@ impl Frame {
         let total: usize = line.pieces.iter().map(Vec::len).sum();
         let stride = total.div_ceil(MAX_POINTS).max(1);
         let dots = matches!(line.stroke, Stroke::Dots | Stroke::Points);
-        let mut path = String::new();
-        for piece in line.pieces.iter().flat_map(|piece| finite_runs(piece)) {
-            for (index, &(x, y)) in thinned(piece, stride).iter().enumerate() {
-                let (right, down) = (self.right(x), self.down(y));
-                let _ = match index {
-                    _ if dots || piece.len() == 1 => write!(path, "M{right:.1} {down:.1}h0"),
-                    0 => write!(path, "M{right:.1} {down:.1}"),
-                    _ => write!(path, "L{right:.1} {down:.1}"),
-                };
+        let has_times = line.times.iter().flatten().all(|time| time.is_finite());
+        let (mut path, mut times) = (String::new(), String::new());
+        for (number, piece) in line.pieces.iter().enumerate() {
+            let clock = line.times.get(number).filter(|_| has_times);
+            for run in finite_runs(piece) {
+                for (index, at) in thinned(&piece[run.clone()], stride).into_iter().enumerate() {
+                    let (x, y) = piece[run.start + at];
+                    let (right, down) = (self.right(x), self.down(y));
+                    let _ = match index {
+                        _ if dots || run.len() == 1 => write!(path, "M{right:.1} {down:.1}h0"),
+                        0 => write!(path, "M{right:.1} {down:.1}"),
+                        _ => write!(path, "L{right:.1} {down:.1}"),
+                    };
+                    if let Some(time) = clock.and_then(|clock| clock.get(run.start + at)) {
+                        let _ = write!(times, "{time:.2} ");
+                    }
+                }
             }
         }
         if !path.is_empty() {
             let class = line.stroke.classes(place);
-            let _ = writeln!(svg, "<path class=\"{class}\" d=\"{path}\"/>");
+            let times = match times.trim_end() {
+                "" => String::new(),
+                times => format!(" data-t=\"{times}\""),
+            };
+            let _ = writeln!(svg, "<path class=\"{class}\"{times} d=\"{path}\"/>");
         }
     }
 
@@ -161,19 +207,25 @@ impl Frame {
 }
 
 /// Runs of finite points.
-fn finite_runs(points: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
-    points
-        .split(|point| !(point.0.is_finite() && point.1.is_finite()))
-        .filter(|run| !run.is_empty())
+fn finite_runs(points: &[(f64, f64)]) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for (index, (x, y)) in points.iter().enumerate() {
+        match runs.last_mut() {
+            _ if !(x.is_finite() && y.is_finite()) => {}
+            Some(run) if run.end == index => run.end += 1,
+            _ => runs.push(index..index + 1),
+        }
+    }
+    runs
 }
 
-/// Of every three strides of points the first, the lowest and the highest, so that peaks stay.
-fn thinned(points: &[(f64, f64)], stride: usize) -> Vec<(f64, f64)> {
+/// Of every three strides of points the first, the lowest and the highest, so that peaks stay: their indices.
+fn thinned(points: &[(f64, f64)], stride: usize) -> Vec<usize> {
     if stride < 2 {
-        return points.to_vec();
+        return (0..points.len()).collect();
     }
     let mut kept = Vec::new();
-    for chunk in points.chunks(3 * stride) {
+    for (number, chunk) in points.chunks(3 * stride).enumerate() {
         let by_height = |a: &usize, b: &usize| chunk[*a].1.total_cmp(&chunk[*b].1);
         let lowest = (0..chunk.len()).min_by(by_height);
         let highest = (0..chunk.len()).max_by(by_height);
@@ -181,9 +233,10 @@ fn thinned(points: &[(f64, f64)], stride: usize) -> Vec<(f64, f64)> {
         shown.sort_unstable();
         let mut shown: Vec<usize> = shown.into_iter().flatten().collect();
         shown.dedup();
-        kept.extend(shown.into_iter().map(|index| chunk[index]));
+        kept.extend(shown.into_iter().map(|index| 3 * stride * number + index));
     }
-    kept.extend(points.last());
+    let last = points.len().checked_sub(1);
+    kept.extend(last.filter(|last| kept.last() != Some(last)));
     kept
 }
 
@@ -239,9 +292,9 @@ mod tests {
         points[1234].1 = -3.0;
         let kept = thinned(&points, 10);
         assert!(kept.len() < 1200);
-        for point in [points[0], points[4321], points[1234], points[9999]] {
+        for point in [0, 4321, 1234, 9999] {
             assert!(kept.contains(&point));
         }
-        assert!(kept.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+        assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
     }
 }

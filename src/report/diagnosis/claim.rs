@@ -1,8 +1,8 @@
 //! What the verdict claims, and with which probability.
 
-use super::words::{list, name};
+use super::words::{list, named};
 use crate::diagnosis::{
-    Candidate, Caution, Diagnosis, Finding, Insufficient, Subject, Verdict, phrase,
+    Candidate, Caution, ClaimLevel, Diagnosis, Finding, Insufficient, Subject, Verdict, phrase,
 };
 use crate::inspection::Doubt;
 use crate::report::number::percent;
@@ -15,10 +15,26 @@ pub fn cautions(diagnosis: &Diagnosis) -> impl Iterator<Item = String> {
     others.map(Caution::text)
 }
 
-/// The claims about the first finding with their probabilities, the safest first.
+/// The claims about the first finding with their probabilities, the safest first. The headline has the mechanism, and
+/// the size stands below.
 pub fn ladder(diagnosis: &Diagnosis) -> impl Iterator<Item = String> {
     let claims = diagnosis.claims.iter();
-    claims.map(|claim| format!("{}: {}", percent(claim.probability), claim.statement))
+    claims.map(|claim| {
+        let what = match claim.level {
+            ClaimLevel::Where => &claim.statement,
+            ClaimLevel::Mechanism => "this mechanism",
+            ClaimLevel::Formula => "this size, by the catalogue's formula",
+        };
+        format!("{}: {what}", percent(claim.probability))
+    })
+}
+
+/// The statement, where it has more than the headline, the probability, the size and the place.
+pub fn reason(diagnosis: &Diagnosis) -> &str {
+    let is_known = diagnosis.leading.is_some()
+        || diagnosis.verdict == Verdict::NothingMissing
+        || diagnosis.insufficient == Some(Insufficient::Undecided);
+    if is_known { "" } else { &diagnosis.statement }
 }
 
 /// The doubt that the verdict is about.
@@ -32,7 +48,8 @@ fn doubt(diagnosis: &Diagnosis) -> Option<&Doubt> {
     })
 }
 
-/// The verdict in plain words.
+/// The verdict in plain words: one for the terminal, the page and `diagnosis.json`.
+#[must_use]
 pub fn headline(diagnosis: &Diagnosis) -> String {
     if let Some(doubt) = doubt(diagnosis) {
         return format!("The data, before any physics: {}", doubt.evidence);
@@ -52,7 +69,7 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
         },
         (Verdict::Ambiguous, Some(set)) => {
             let all = || std::iter::once(&set.subject).chain(&set.ambiguous_with);
-            let names: Vec<String> = all().map(|s| name(*s).to_owned()).collect();
+            let names: Vec<String> = all().map(|subject| named(*subject)).collect();
             let what = if all().any(|subject| subject.is_sensor()) {
                 "The model lacks, or the sensors add, one of"
             } else {
@@ -119,7 +136,7 @@ pub fn probability(diagnosis: &Diagnosis) -> String {
         let next = next.map_or(String::new(), |next| {
             format!(
                 ", next {} {}",
-                name(next.subject),
+                named(next.subject),
                 percent(next.probability)
             )
         });
@@ -158,7 +175,7 @@ pub fn probability(diagnosis: &Diagnosis) -> String {
     if let Some(next) = next {
         probabilities.push(format!(
             "next {} {}",
-            name(next.subject),
+            named(next.subject),
             percent(next.probability)
         ));
     }
@@ -187,7 +204,7 @@ fn joint_probability(diagnosis: &Diagnosis) -> Option<String> {
     let sum: f64 = all.iter().map(|(_, probability)| probability).sum();
     let each = all
         .iter()
-        .map(|(subject, probability)| format!("{} {}", name(*subject), percent(*probability)));
+        .map(|(subject, probability)| format!("{} {}", named(*subject), percent(*probability)));
     Some(format!(
         "{} for one of these: {}",
         percent(sum),

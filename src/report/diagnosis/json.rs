@@ -2,6 +2,7 @@
 //!
 //! Nothing here depends on the machine: one seed gives the same bytes.
 
+use super::claim::headline;
 use super::words;
 use crate::diagnosis::{
     Candidate, Caution, Claim, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
@@ -20,6 +21,7 @@ pub fn json(diagnosis: &Diagnosis) -> String {
         "format": "ugv-diagnosis/1",
         "verdict": diagnosis.verdict.name(),
         "insufficient": diagnosis.insufficient.map(Insufficient::name),
+        "headline": headline(diagnosis),
         "statement": diagnosis.statement,
         "cautions": diagnosis.cautions.iter().map(caution).collect::<Vec<_>>(),
         "recordings": diagnosis.recordings,

@@ -1,13 +1,17 @@
-//! The plots of a diagnosis: the mismatch on the path, and residuals over time.
+//! The plots of a diagnosis: measured and predicted path, the mismatch on the path, errors over time.
 
 use super::words;
-use crate::diagnosis::{Diagnosis, Interval, ResidualTrace, RunTrace, WrenchTrace};
+use crate::diagnosis::{
+    Compared, Diagnosis, Interval, PredictedPath, ResidualTrace, RunTrace, WrenchTrace,
+};
 use crate::display::markup;
-use crate::report::chart::{Chart, Line, Stroke, Underlay};
+use crate::report::chart::{Chart, Line, Role, Stroke, Underlay};
 use crate::report::number::shown;
 
 /// Maximum number of runs that are plotted.
 const MAX_RUNS: usize = 4;
+/// Maximum number of predictions in one picture: more hide each other.
+const MAX_PREDICTIONS: usize = 12;
 /// Approximate number of points of a map's path.
 const MAP_POINTS: usize = 900;
 /// Height of a map: that of two charts with the space between them.
@@ -44,15 +48,124 @@ pub fn chosen(diagnosis: &Diagnosis) -> Vec<&RunTrace> {
 
 /// All figures of a run.
 pub fn figures(run: &RunTrace, diagnosis: &Diagnosis) -> String {
-    let map = map(run, diagnosis).figure();
-    let mut html = map.replacen("<figure>", "<figure class=\"tall\">", 1);
     let axis = TimeAxis::new(run, diagnosis);
-    let is_mended = words::has_model(diagnosis);
-    for residual in &run.residuals {
-        html += &residuals(residual, &axis, is_mended).figure();
-    }
+    let roles: Vec<Role> = words::roles(diagnosis).collect();
+    let residuals = run.residuals.iter();
+    let residuals = residuals.map(|residual| residuals_chart(residual, &axis, &roles));
     let wrench = run.wrench.iter().flat_map(|wrench| wrenches(wrench, &axis));
-    html + &wrench.map(|chart| chart.figure()).collect::<String>()
+    let number = number(run, diagnosis);
+    let linked = |chart: Chart| Chart {
+        run: number,
+        ..chart
+    };
+    let charts = residuals.chain(wrench);
+    let charts: String = charts.map(|chart| linked(chart).figure()).collect();
+    tall(&linked(map(run, diagnosis, &axis))) + &charts
+}
+
+/// A figure as tall as two.
+fn tall(chart: &Chart) -> String {
+    chart
+        .figure()
+        .replacen("<figure>", "<figure class=\"tall\">", 1)
+}
+
+/// The number of a run, by which the page's script knows its charts.
+fn number(run: &RunTrace, diagnosis: &Diagnosis) -> Option<usize> {
+    diagnosis
+        .runs
+        .iter()
+        .position(|other| std::ptr::eq(other, run))
+}
+
+/// Measured and predicted path of the run with the leading finding's first place, or of the one with the largest
+/// errors, and a note about what is shown; `None` without predictions.
+pub fn paths(diagnosis: &Diagnosis) -> Option<(String, String)> {
+    let candidates = chosen(diagnosis).into_iter();
+    let candidates = candidates.filter(|run| !run.predicted.is_empty());
+    let leading = diagnosis
+        .leading
+        .and_then(|place| diagnosis.findings.get(place));
+    let place = leading.and_then(|finding| finding.places.first());
+    let key = |run: &&RunTrace| {
+        let is_place =
+            |place: &Interval| (&place.recording, place.run) == (&run.recording, run.run);
+        let error: f64 = run.predicted.iter().map(squared_error).sum();
+        (place.is_some_and(is_place), error)
+    };
+    let by_key = |a: &&RunTrace, b: &&RunTrace| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    };
+    let run = candidates.max_by(by_key)?;
+    let shown = worst(&run.predicted);
+    let axis = TimeAxis::new(run, diagnosis);
+    let clock = |path: &PredictedPath| -> Vec<f64> {
+        path.time.iter().map(|time| time - axis.origin).collect()
+    };
+    let line = |role: Role, name: &str, of: &dyn Fn(&PredictedPath) -> &[[f64; 2]]| Line {
+        name: name.into(),
+        pieces: shown
+            .iter()
+            .map(|path| of(path).iter().map(|[x, y]| (*x, *y)).collect())
+            .collect(),
+        times: shown.iter().map(clock).collect(),
+        stroke: Stroke::Of(role),
+    };
+    let mut lines = vec![line(Role::Measured, "measured", &|path| &path.measured)];
+    for (role, model) in words::roles(diagnosis).zip(Compared::ALL) {
+        lines.push(line(role, words::role(role), &move |path| {
+            &path.predicted[model as usize]
+        }));
+    }
+    let starts = shown.iter().filter_map(|path| path.measured.first());
+    lines.push(Line {
+        name: "start of a prediction".into(),
+        pieces: vec![starts.map(|[x, y]| (*x, *y)).collect()],
+        stroke: Stroke::Points,
+        ..Line::default()
+    });
+    let chart = Chart {
+        lines,
+        is_map: true,
+        height: MAP_HEIGHT,
+        run: number(run, diagnosis),
+        ..Chart::new("Measured and predicted path", "x, east [m]", "y, north [m]")
+    };
+    let whose = match diagnosis.runs.len() {
+        0 | 1 => String::new(),
+        _ => format!(" of {}", words::run(&run.recording, &run.label)),
+    };
+    let note = match (shown.len(), run.predicted.len()) {
+        (count, all) if count == all => format!("All {all} predictions{whose}"),
+        (count, all) => {
+            format!("The {count} neighbouring predictions{whose} with the largest errors, of {all}")
+        }
+    };
+    Some((tall(&chart), note))
+}
+
+/// Sum of the squared errors of the refitted model, or of the mended one where that cannot follow.
+fn squared_error(path: &PredictedPath) -> f64 {
+    let [_, refitted, mended] = &path.predicted;
+    let predicted = if refitted.is_empty() {
+        mended
+    } else {
+        refitted
+    };
+    let pairs = predicted.iter().zip(&path.measured);
+    pairs
+        .map(|(p, m)| (p[0] - m[0]).powi(2) + (p[1] - m[1]).powi(2))
+        .sum()
+}
+
+/// The neighbouring predictions with the largest errors.
+fn worst(all: &[PredictedPath]) -> &[PredictedPath] {
+    let windows = all.windows(MAX_PREDICTIONS);
+    let error = |window: &&[PredictedPath]| window.iter().map(squared_error).sum::<f64>();
+    windows
+        .max_by(|a, b| error(a).total_cmp(&error(b)))
+        .unwrap_or(all)
 }
 
 /// The time axis of a run's charts.
@@ -163,7 +276,7 @@ fn step_name(step: usize, ends: &[f64; 5]) -> String {
 }
 
 /// The path, coloured by the mismatch of the refitted model.
-fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
+fn map(run: &RunTrace, diagnosis: &Diagnosis, axis: &TimeAxis) -> Chart {
     let stride = run.path.len().div_ceil(MAP_POINTS).max(1);
     let usual = (run.time.last().unwrap_or(&0.0) - run.time.first().unwrap_or(&0.0))
         / run.time.len().max(2) as f64;
@@ -181,6 +294,7 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
         .collect();
     let ends = steps(&run.mismatch);
     let mut steps: [Vec<Vec<(f64, f64)>>; 6] = Default::default();
+    let mut times: [Vec<Vec<f64>>; 6] = Default::default();
     let mut last = None;
     for pair in points.windows(2) {
         let [(time, from, worst), (next, to, _)] = [pair[0], pair[1]];
@@ -191,9 +305,11 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
         let step = ends.iter().filter(|end| worst >= **end).count();
         if last != Some(step) {
             steps[step].push(vec![from]);
+            times[step].push(vec![time - axis.origin]);
         }
-        if let Some(piece) = steps[step].last_mut() {
+        if let (Some(piece), Some(clock)) = (steps[step].last_mut(), times[step].last_mut()) {
             piece.push(to);
+            clock.push(next - axis.origin);
         }
         last = Some(step);
     }
@@ -212,6 +328,7 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
             name: name.into(),
             pieces: vec![within.collect()],
             stroke: Stroke::Halo,
+            ..Line::default()
         });
     }
     for (place, _) in places(run, diagnosis) {
@@ -221,13 +338,14 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
         }
     }
     let highest = steps.iter().rposition(|pieces| !pieces.is_empty());
-    for (step, mut pieces) in steps.into_iter().enumerate() {
+    for (step, (mut pieces, times)) in steps.into_iter().zip(times).enumerate() {
         if Some(step) <= highest {
             // The legend shows the whole scale up to the highest step, also steps without points.
             pieces.push(Vec::new());
             chart.lines.push(Line {
                 name: step_name(step, &ends),
                 pieces,
+                times,
                 stroke: Stroke::Step(step),
             });
         }
@@ -238,21 +356,19 @@ fn map(run: &RunTrace, diagnosis: &Diagnosis) -> Chart {
             name: "start".into(),
             pieces: vec![vec![start.1]],
             stroke: Stroke::Points,
+            ..Line::default()
         });
     }
     chart
 }
 
-fn residuals(trace: &ResidualTrace, axis: &TimeAxis, is_mended: bool) -> Chart {
+fn residuals_chart(trace: &ResidualTrace, axis: &TimeAxis, roles: &[Role]) -> Chart {
     let (factor, unit) = shown(trace.unit);
-    let channel = trace.channel.replace('_', " ");
-    let mut models = vec![("refitted", &trace.before)];
-    if is_mended {
-        models.push(("mended", &trace.after));
-    }
+    let channel = words::signal(trace.channel);
+    let models: Vec<(Role, &Vec<f64>)> = roles.iter().copied().zip(&trace.errors).collect();
     // Within a marked stretch large residuals are a finding, not outliers: the axis shows nearly all of them too.
     let marked = models.iter().map(|(_, values)| -> Vec<f64> {
-        let pairs = trace.time.iter().zip(*values);
+        let pairs = trace.time.iter().zip(values.iter());
         let marked = pairs.filter(|(time, _)| axis.has_marked(**time));
         marked.map(|(_, value)| *value).collect()
     });
@@ -265,13 +381,16 @@ fn residuals(trace: &ResidualTrace, axis: &TimeAxis, is_mended: bool) -> Chart {
         1 => " (one sample beyond the axis)".into(),
         count => format!(" ({count} samples beyond the axis)"),
     };
-    let lines = models.into_iter().map(|(name, values)| Line {
-        name: name.into(),
+    let is_known = |values: &[f64]| values.iter().any(|value| value.is_finite());
+    let models = models.into_iter().filter(|(_, values)| is_known(values));
+    let lines = models.map(|(role, values)| Line {
+        name: words::role(role).into(),
         pieces: pieces(&trace.time, |index| {
             let value = values[index].clamp(-limit, limit) * factor;
             (trace.time[index] - axis.origin, value)
         }),
-        stroke: Stroke::Line,
+        stroke: Stroke::Of(role),
+        ..Line::default()
     });
     Chart {
         lines: lines.collect(),
@@ -279,7 +398,7 @@ fn residuals(trace: &ResidualTrace, axis: &TimeAxis, is_mended: bool) -> Chart {
         ..Chart::new(
             format!("{channel}: measured minus predicted{cut}"),
             axis.label(),
-            format!("{channel} [{unit}]"),
+            format!("{} [{unit}]", trace.channel.replace('_', " ")),
         )
     }
 }
@@ -345,7 +464,8 @@ fn wrenches(trace: &WrenchTrace, axis: &TimeAxis) -> [Chart; 3] {
             lines: vec![Line {
                 name: String::new(),
                 pieces: pieces(&trace.time, point),
-                stroke: Stroke::Line,
+                stroke: Stroke::Of(Role::Refitted),
+                ..Line::default()
             }],
             underlays,
             ..Chart::new(title, axis.label(), y_label)
@@ -414,25 +534,27 @@ mod tests {
             channel: "yaw_rate",
             unit: "m",
             time: (0..200).map(f64::from).collect(),
-            before: before.clone(),
-            after: noise.clone(),
+            errors: [noise.clone(), before.clone(), noise.clone()],
         };
-        let chart = residuals(&trace(&spiked), &axis(&[]), true);
+        let roles = [Role::Given, Role::Refitted, Role::Mended];
+        let residuals =
+            |trace: &ResidualTrace, axis: &TimeAxis| residuals_chart(trace, axis, &roles);
+        let chart = residuals(&trace(&spiked), &axis(&[]));
         assert!(
             chart
                 .title
                 .ends_with("predicted (one sample beyond the axis)")
         );
-        let lowest = chart.lines[0].pieces.iter().flatten().map(|point| point.1);
+        let lowest = chart.lines[1].pieces.iter().flatten().map(|point| point.1);
         assert_eq!(lowest.fold(f64::INFINITY, f64::min), -6.0);
         // Within a marked stretch a signal is shown, a single outlier is not.
         let acts = axis(&[("only here", 45.0, 55.0)]);
-        let title = |before: &Vec<f64>| residuals(&trace(before), &acts, true).title;
+        let title = |before: &Vec<f64>| residuals(&trace(before), &acts).title;
         assert!(title(&spiked).ends_with("predicted (one sample beyond the axis)"));
         spiked[47..54].fill(-400.0);
         assert!(title(&spiked).ends_with("predicted"));
         assert!(
-            residuals(&trace(&noise), &axis(&[]), true)
+            residuals(&trace(&noise), &axis(&[]))
                 .title
                 .ends_with("predicted")
         );
@@ -444,8 +566,7 @@ mod tests {
             channel: "yaw_rate",
             unit: "rad/s",
             time: (0..3).map(|k| start + f64::from(k)).collect(),
-            before: vec![1.0; 3],
-            after: vec![0.0; 3],
+            errors: [1.0, 1.0, 0.0].map(|error| vec![error; 3]),
         };
         let run = |start: f64| RunTrace {
             recording: "drive".into(),
@@ -454,6 +575,7 @@ mod tests {
             time: vec![start, start + 2.0],
             path: Vec::new(),
             mismatch: Vec::new(),
+            predicted: Vec::new(),
             residuals: vec![residual(start)],
             wrench: None,
         };
@@ -464,7 +586,7 @@ mod tests {
             spans: Vec::new(),
         };
         assert_eq!(axis.label(), "time after 1700000000 s [s]");
-        let chart = residuals(&late.residuals[0], &axis, false);
+        let chart = residuals_chart(&late.residuals[0], &axis, &[Role::Given]);
         let times = chart.lines[0].pieces.iter().flatten().map(|point| point.0);
         assert_eq!(times.collect::<Vec<_>>(), [0.25, 1.25, 2.25]);
     }

@@ -46,7 +46,7 @@ pub fn probabilities(diagnosis: &Diagnosis) -> String {
     });
     let mut bars: Vec<LabelledBar> = shown
         .map(|(_, candidate)| LabelledBar {
-            label: words::name(candidate.subject).into(),
+            label: words::named(candidate.subject),
             value: candidate.probability,
             text: percent(candidate.probability),
             tint: tint(candidate.subject),
@@ -68,15 +68,15 @@ pub fn probabilities(diagnosis: &Diagnosis) -> String {
         bars,
         full: Some(1.0),
     };
-    let legend = "<p class=\"legend\"><span><i class=\"s0\"></i>physics</span> \
-                  <span><i class=\"s1\"></i>sensors</span></p></figure>";
+    let legend = "<p class=\"legend\"><span><i class=\"b0\"></i>physics</span> \
+                  <span><i class=\"b1\"></i>sensors</span></p></figure>";
     chart.figure().replacen("</figure>", legend, 1)
 }
 
 /// All candidates.
 pub fn candidates(diagnosis: &Diagnosis) -> String {
     let header = [
-        "candidate",
+        "candidate ",
         "probability",
         "absorbed fraction",
         "signal / threshold",
@@ -95,16 +95,16 @@ pub fn candidates(diagnosis: &Diagnosis) -> String {
         let alike = candidate
             .alike
             .iter()
-            .map(|(other, cosine)| format!("{} {cosine:.2}", words::name(*other)));
+            .map(|(other, cosine)| format!("{} {cosine:.2}", other.name()));
         vec![
-            words::name(candidate.subject).into(),
+            words::named(candidate.subject),
             percent(candidate.probability),
             percent(candidate.absorbed),
             finite(
                 candidate.significance,
                 format!("{:.2}", candidate.significance),
             ),
-            candidate.parameter.into(),
+            words::plain(candidate.subject, candidate.parameter),
             with_unit(candidate.estimate, unit),
             if candidate.smallest_detectable.is_finite() {
                 words::smallest(candidate)
@@ -126,15 +126,12 @@ pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = words::models(held_out, diagnosis);
     let charts = words::MEASURES.iter().map(|(name, unit, of)| {
         let (factor, shown) = shown(unit);
-        let bars = models
-            .iter()
-            .enumerate()
-            .map(|(place, (model, errors))| LabelledBar {
-                label: (*model).into(),
-                value: of(errors) * factor,
-                text: with_unit(of(errors), unit),
-                tint: if place == 2 { Tint::First } else { Tint::Plain },
-            });
+        let bars = models.iter().map(|(model, errors)| LabelledBar {
+            label: words::role(*model).into(),
+            value: of(errors) * factor,
+            text: with_unit(of(errors), unit),
+            tint: Tint::Of(*model),
+        });
         let bars: Vec<LabelledBar> = bars.collect();
         if bars.iter().all(|bar| !bar.value.is_finite()) {
             return String::new();
@@ -154,7 +151,7 @@ pub fn error_bars(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
 pub fn errors(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
     let models = words::models(held_out, diagnosis);
     let mut header = vec!["on held-out data"];
-    header.extend(models.iter().map(|model| model.0));
+    header.extend(models.iter().map(|model| words::role(model.0)));
     let is_mended = models.len() > 2;
     if is_mended {
         header.push("mended / refitted");

@@ -19,8 +19,9 @@ const MAX_SIZES: usize = 8;
 pub fn text(diagnosis: &Diagnosis) -> String {
     let mut lines = Lines(String::new());
     lines.add_wrapped(&format!("{}.", claim::headline(diagnosis)), "", "");
-    if !diagnosis.statement.is_empty() {
-        lines.add_wrapped(&diagnosis.statement, "", "");
+    let reason = claim::reason(diagnosis);
+    if !reason.is_empty() {
+        lines.add_wrapped(reason, "", "");
     }
     for caution in claim::cautions(diagnosis) {
         lines.add("caution", &caution);
@@ -54,6 +55,14 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     }
     lines.add("took", &took(diagnosis));
     lines.0
+}
+
+/// What mends the formula of a finding.
+fn mended(finding: &Finding) -> String {
+    match &words::mending(finding)[..] {
+        "" => String::new(),
+        terms => format!("differs from the catalogue's; mended by {terms}"),
+    }
 }
 
 /// The first of many, and how many more.
@@ -101,15 +110,13 @@ impl Lines {
 
     fn add_finding(&mut self, finding: &Finding, diagnosis: &Diagnosis) {
         let title = words::title(finding, diagnosis);
-        let values = words::values(finding, diagnosis);
-        let what = match (finding.law.is_empty(), &values[..]) {
-            (true, "") => title,
-            (true, values) => format!("{title}: {values}"),
-            // The equations stand below.
-            (false, _) if diagnosis.findings.len() > 1 => title,
-            (false, _) => String::new(),
-        };
-        self.add("what", &what);
+        if words::needs_title(finding, diagnosis) {
+            self.add("what", &title);
+        }
+        if finding.law.is_empty() {
+            self.add("size", &words::values(finding, diagnosis).join(", "));
+        }
+        self.add("formula", &mended(finding));
         for equation in law::equations(&finding.law) {
             self.add("law", &equation);
         }

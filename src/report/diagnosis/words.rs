@@ -1,17 +1,53 @@
 //! Wording that text and page share.
 
 use crate::diagnosis::{
-    Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity, Subject,
+    Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Interval, Manoeuvre, Quantity,
+    Subject, phrase,
 };
 use crate::effects::{CATALOGUE, ParameterDeclaration};
+use crate::report::chart::Role;
 use crate::report::number::{percent, shown, with_interval, with_unit};
 
-/// The name of a subject as in `diagnosis.json`, in words for the model without additions.
-pub fn name(subject: Subject) -> &'static str {
+/// A subject in plain words, with its name in `diagnosis.json`.
+pub fn named(subject: Subject) -> String {
     match subject {
-        Subject::Nothing => "nothing missing",
-        _ => subject.name(),
+        Subject::Nothing => "nothing missing".into(),
+        Subject::Unknown => "physics outside the catalogue (unknown)".into(),
+        Subject::Data => "data that are not what they claim (doubtful_data)".into(),
+        Subject::Effect(_) => phrase(subject),
     }
+}
+
+/// A quantity of a subject in plain words, with its name: "force D (force)".
+pub fn plain(subject: Subject, name: &str) -> String {
+    match declared(subject, name) {
+        Some(declared) => format!("{} ({name})", first_words(declared.description)),
+        None => name.into(),
+    }
+}
+
+/// The beginning of a description, for the middle of a sentence.
+fn first_words(description: &str) -> String {
+    let words = description
+        .split([',', ';', ':', '('])
+        .next()
+        .unwrap_or_default();
+    let mut letters = words.trim().chars();
+    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
+    first.into_iter().chain(letters).collect()
+}
+
+/// A channel of a recording in plain words, with its name.
+pub fn signal(channel: &str) -> String {
+    let words = match channel {
+        "x" => "position east",
+        "y" => "position north",
+        "v_x" => "forward speed",
+        "v_y" => "speed to the left",
+        "yaw_rate" => "yaw rate",
+        _ => return channel.into(),
+    };
+    format!("{words} ({channel})")
 }
 
 /// The purpose of a manoeuvre.
@@ -21,7 +57,7 @@ pub fn purpose(next: &Manoeuvre) -> String {
             "reveal half of the effects that these recordings hide".into()
         }
         separates => {
-            let [one, other] = separates.map(name);
+            let [one, other] = separates.map(named);
             format!("separate {one} from {other}")
         }
     }
@@ -63,18 +99,38 @@ pub fn value(quantity: &Quantity) -> String {
 
 /// A finding's name, with its probability if there are several findings.
 pub fn title(finding: &Finding, diagnosis: &Diagnosis) -> String {
-    let name = name(finding.subject);
+    let name = named(finding.subject);
     if diagnosis.findings.len() > 1 {
         format!("{name}, {}", percent(finding.probability))
     } else {
-        name.into()
+        name
     }
 }
 
-/// All values of a finding.
-pub fn values(finding: &Finding, diagnosis: &Diagnosis) -> String {
+/// Whether the headline does not name this finding, or not it alone.
+pub fn needs_title(finding: &Finding, diagnosis: &Diagnosis) -> bool {
+    let is_alone = diagnosis.findings.len() == 1 && diagnosis.leading.is_some();
+    !is_alone || !finding.ambiguous_with.is_empty()
+}
+
+/// All values of a finding, each with its name in plain words.
+pub fn values(finding: &Finding, diagnosis: &Diagnosis) -> Vec<String> {
     let each = finding.parameters.iter();
-    let each = each.map(|found| format!("{} {}", parameter(found, diagnosis), value(found)));
+    let each = each.map(|found| {
+        let short = parameter(found, diagnosis);
+        let name = match declared(finding.subject, &found.name) {
+            Some(declared) => format!("{} ({short})", first_words(declared.description)),
+            None => short,
+        };
+        format!("{name} {}", value(found))
+    });
+    each.collect()
+}
+
+/// The terms that mend the formula of a finding.
+pub fn mending(finding: &Finding) -> String {
+    let each = finding.mended_by.iter();
+    let each = each.map(|term| format!("{} {}", term.parameter, value(&term.coefficient)));
     each.collect::<Vec<_>>().join(", ")
 }
 
@@ -140,15 +196,25 @@ pub fn has_model(diagnosis: &Diagnosis) -> bool {
 }
 
 /// The models of a comparison with their names; the mended one only if it differs.
-pub fn models(held_out: &HeldOut, diagnosis: &Diagnosis) -> Vec<(&'static str, Errors)> {
-    let mut models = vec![
-        ("as given", held_out.nominal),
-        ("refitted", held_out.refitted),
-    ];
-    if has_model(diagnosis) {
-        models.push(("mended", held_out.augmented));
+pub fn models(held_out: &HeldOut, diagnosis: &Diagnosis) -> Vec<(Role, Errors)> {
+    let errors = [held_out.nominal, held_out.refitted, held_out.augmented];
+    roles(diagnosis).zip(errors).collect()
+}
+
+/// The compared models: the mended one only if it differs.
+pub fn roles(diagnosis: &Diagnosis) -> impl Iterator<Item = Role> {
+    let count = if has_model(diagnosis) { 3 } else { 2 };
+    [Role::Given, Role::Refitted, Role::Mended]
+        .into_iter()
+        .take(count)
+}
+
+/// The name of a model in words.
+pub fn role(role: Role) -> &'static str {
+    match role {
+        Role::Given => "as given",
+        other => other.name(),
     }
-    models
 }
 
 /// Name, unit and value of an error measure.
@@ -170,7 +236,7 @@ pub fn improvement(held_out: &HeldOut, diagnosis: &Diagnosis) -> String {
         }
         let values = models
             .iter()
-            .map(|(model, errors)| format!("{} {model}", with_unit(of(errors), unit)));
+            .map(|(model, errors)| format!("{} {}", with_unit(of(errors), unit), role(*model)));
         Some(format!("{name} {}", values.collect::<Vec<_>>().join(", ")))
     });
     // Beside a pose the yaw rate adds little.
@@ -194,14 +260,15 @@ pub fn detectable(diagnosis: &Diagnosis) -> (Vec<String>, Vec<String>) {
     let (mut shown, mut hidden) = (Vec::new(), Vec::new());
     let candidates = diagnosis.candidates.iter();
     for candidate in candidates.filter(|c| matches!(c.subject, Subject::Effect(_))) {
-        let name = name(candidate.subject);
+        let name = named(candidate.subject);
         match candidate.smallest_detectable {
             smallest if smallest.is_nan() => {}
             smallest if smallest.is_finite() => {
                 let size = self::smallest(candidate);
-                shown.push(format!("{name} ({} {size})", candidate.parameter));
+                let name = name.trim_end_matches(')');
+                shown.push(format!("{name}.{}) {size}", candidate.parameter));
             }
-            _ => hidden.push(name.to_owned()),
+            _ => hidden.push(name),
         }
     }
     (shown, hidden)
@@ -216,8 +283,8 @@ pub fn alike(finding: &Finding, diagnosis: &Diagnosis) -> Vec<String> {
     let cosines = candidate.map_or(&[][..], |candidate| &candidate.alike);
     let others = finding.ambiguous_with.iter().map(|other| {
         match cosines.iter().find(|(subject, _)| subject == other) {
-            Some((_, cosine)) => format!("{} (cosine {cosine:.2})", name(*other)),
-            None => name(*other).to_owned(),
+            Some((_, cosine)) => format!("{}, cosine {cosine:.2}", named(*other)),
+            None => named(*other),
         }
     });
     others.collect()

@@ -53,7 +53,7 @@ pub fn page(recording: &Recording, inspection: &Inspection) -> String {
             body += &format!("<p>{name}: {}</p>\n", markup(text));
         }
     }
-    html::document(&recording.name, &body)
+    html::document(&recording.name, &body, "")
 }
 
 fn motion(recording: &Recording, inspection: &Inspection) -> String {

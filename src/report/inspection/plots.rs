@@ -83,7 +83,7 @@ fn line(runs: &[Run], name: &str, of: impl Fn(&Run) -> Option<Series>) -> Line {
     Line {
         name: name.into(),
         pieces,
-        stroke: Stroke::Line,
+        ..Line::default()
     }
 }
 
@@ -123,12 +123,13 @@ fn path(runs: &[Run]) -> Chart {
             Line {
                 name: "path".into(),
                 pieces,
-                stroke: Stroke::Line,
+                ..Line::default()
             },
             Line {
                 name: "start".into(),
                 pieces: starts,
                 stroke: Stroke::Points,
+                ..Line::default()
             },
         ],
         is_map: true,
@@ -140,7 +141,7 @@ fn correlations(inspection: &Inspection) -> Chart {
     let lines = inspection.delays.iter().map(|delay| Line {
         name: title(delay),
         pieces: vec![delay.curve.clone()],
-        stroke: Stroke::Line,
+        ..Line::default()
     });
     Chart {
         lines: lines.collect(),

@@ -3,7 +3,8 @@
 
 use ugv_terrain::diagnosis::{
     Account, Candidate, Channel, Diagnosis, Errors, Finding, HeldOut, Insufficient, Interval,
-    Manoeuvre, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict, WrenchTrace,
+    Manoeuvre, PredictedPath, Quantity, ResidualTrace, RunTrace, Subject, Term, Verdict,
+    WrenchTrace,
 };
 use ugv_terrain::effects::{CATALOGUE, Effects};
 use ugv_terrain::fit::{
@@ -413,13 +414,26 @@ fn run(recording: &str, run: usize, seconds: f64, peak: f64) -> RunTrace {
     let noise = |k: usize, size: f64| size * ((k as f64 * 12.9898).sin() * 43758.5453).fract();
     // Strongest between 12.4 s and 31 s, without a kink.
     let bump = |t: f64| 1.0 / (1.0 + (-(t - 12.4)).exp()) / (1.0 + (t - 31.0).exp());
-    let path = time
-        .iter()
-        .map(|t| {
-            let (turn, reach) = (0.11 * t + run as f64, 12.0 + 3.0 * (0.05 * t).sin());
-            [reach * turn.cos(), 0.7 * reach * (1.3 * turn).sin()]
-        })
-        .collect();
+    let at = |t: &f64| {
+        let (turn, reach) = (0.11 * t + run as f64, 12.0 + 3.0 * (0.05 * t).sin());
+        [reach * turn.cos(), 0.7 * reach * (1.3 * turn).sin()]
+    };
+    let path = time.iter().map(at).collect();
+    let predicted = time.chunks(375).map(|window| {
+        let away = |share: f64| {
+            let each = window.iter();
+            let each = each.map(|t| (at(t), share * (t - window[0])));
+            each.map(|([x, y], far)| [x + far, y - 0.5 * far]).collect()
+        };
+        PredictedPath {
+            time: window.to_vec(),
+            measured: window.iter().map(at).collect(),
+            predicted: [0.2, 0.1, 0.01].map(away),
+        }
+    });
+    let mut predicted: Vec<PredictedPath> = predicted.collect();
+    // A model that cannot follow.
+    predicted[0].predicted[0].clear();
     let mismatch = time
         .iter()
         .enumerate()
@@ -430,18 +444,19 @@ fn run(recording: &str, run: usize, seconds: f64, peak: f64) -> RunTrace {
             channel,
             unit,
             time: time.iter().copied().step_by(5).collect(),
-            before: Vec::new(),
-            after: Vec::new(),
+            errors: Default::default(),
         };
         for (k, t) in trace.time.iter().enumerate() {
-            trace
-                .before
-                .push(noise(k, size) + 0.3 * size * peak * bump(*t));
-            trace.after.push(noise(k + 7, size));
+            for (errors, share) in trace.errors.iter_mut().zip([0.5, 0.3, 0.0]) {
+                errors.push(noise(k, size) + share * size * peak * bump(*t));
+            }
         }
         // A gap.
         for k in 200..215.min(trace.time.len()) {
-            (trace.before[k], trace.after[k]) = (f64::NAN, f64::NAN);
+            trace
+                .errors
+                .iter_mut()
+                .for_each(|errors| errors[k] = f64::NAN);
         }
         trace
     };
@@ -468,6 +483,7 @@ fn run(recording: &str, run: usize, seconds: f64, peak: f64) -> RunTrace {
         time: time.clone(),
         path,
         mismatch,
+        predicted,
         residuals: vec![
             residual("x", "m", 0.02),
             residual("y", "m", 0.02),
@@ -496,6 +512,7 @@ fn account(verdict: Verdict) -> Account {
         seed: 1,
         segments: if few { 1 } else { 18 },
         seconds: if few { 3.0 } else { 90.0 },
+        used: vec![if few { 3.0 } else { 90.0 }],
         left_out: 38.2,
         noise: vec![
             noise(NoiseGroup::Position, 0.012),

@@ -1,0 +1,119 @@
+//! What a diagnosis was asked with, for its reader.
+
+use std::path::Path;
+use std::time::Duration;
+
+/// The input of a diagnosis.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Input {
+    /// The command, ready to be repeated.
+    pub command: String,
+    /// The file of each recording, with its length \[s\].
+    pub recordings: Vec<(String, f64)>,
+    /// Where the vehicle is from.
+    pub vehicle: Source,
+    /// Where the terrain is from.
+    pub terrain: Source,
+    /// The time limit, if any.
+    pub limit: Option<Duration>,
+    /// Folder of the files that the diagnosis writes.
+    pub folder: String,
+}
+
+/// Where a part of the given model is from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Source {
+    /// From an argument.
+    Named(String),
+    /// From the file beside a recording.
+    Recorded,
+    /// Nobody named it: this one was assumed.
+    #[default]
+    Assumed,
+}
+
+impl Input {
+    /// The commands that use the mended model, each with its purpose.
+    pub(super) fn commands(&self) -> Vec<(&'static str, String)> {
+        let model = Path::new(&self.folder).join("model.json");
+        let model = quoted(&model.display().to_string());
+        let file = self.recordings.first().map_or("drive.csv", |one| &one.0);
+        let is_table = Path::new(file)
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("csv"));
+        let mut commands = Vec::new();
+        let mut input = quoted(file);
+        if !is_table {
+            commands.push((
+                "Make a table of the log",
+                format!("ugv import {input} --output drive.csv"),
+            ));
+            input = "drive.csv".into();
+        }
+        commands.push((
+            "Simulate the drive",
+            format!(
+                "ugv simulate --model {model} --input {input} --initial no-slip --output motion.csv"
+            ),
+        ));
+        commands.push((
+            "Test it on another recording",
+            format!("ugv score OTHER.csv --model {model}"),
+        ));
+        commands.push((
+            "Package it as an FMU",
+            format!("ugv package --model {model} --output ugv.fmu"),
+        ));
+        commands
+    }
+}
+
+/// A command of its arguments, for a shell.
+#[must_use]
+pub fn command(arguments: impl Iterator<Item = String>) -> String {
+    let arguments = arguments.map(|argument| quoted(&argument));
+    arguments.collect::<Vec<_>>().join(" ")
+}
+
+/// An argument for a shell, in quotes where it needs them.
+fn quoted(argument: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !argument.is_empty() && argument.chars().all(is_plain) {
+        argument.into()
+    } else {
+        format!("'{}'", argument.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_can_be_repeated() {
+        let arguments = ["ugv", "diagnose", "my drive.csv", "it's", "a=b", ""];
+        let text = command(arguments.into_iter().map(String::from));
+        assert_eq!(text, r"ugv diagnose 'my drive.csv' 'it'\''s' a=b ''");
+    }
+
+    #[test]
+    fn a_log_is_imported_before_it_is_simulated() {
+        let input = |file: &str| Input {
+            recordings: vec![(file.into(), 20.0)],
+            folder: "out".into(),
+            ..Input::default()
+        };
+        let texts = |file| {
+            let commands = input(file).commands().into_iter();
+            commands.map(|(_, text)| text).collect::<Vec<_>>()
+        };
+        let expected = [
+            "ugv simulate --model out/model.json --input a.csv --initial no-slip --output motion.csv",
+            "ugv score OTHER.csv --model out/model.json",
+            "ugv package --model out/model.json --output ugv.fmu",
+        ];
+        assert_eq!(texts("a.csv"), expected);
+        assert_eq!(texts("a.mcap")[0], "ugv import a.mcap --output drive.csv");
+        assert!(texts("a.mcap")[1].contains("--input drive.csv"));
+    }
+}
