@@ -159,8 +159,8 @@ class Tool:
     def diagnosed(self, recording: Recording) -> Path:
         """The folder of a recording's diagnosis: the kept one of this tool, or a new one."""
         sidecar = recording.path.with_suffix(".json")
-        told = b"".join(path.read_bytes() for path in (recording.path, sidecar) if path.exists())
-        mark = hashlib.sha256(self.mark.encode() + told).hexdigest()[:12]
+        content = b"".join(path.read_bytes() for path in (recording.path, sidecar) if path.exists())
+        mark = hashlib.sha256(self.mark.encode() + content).hexdigest()[:12]
         folder = self.work / f"{recording.name}-{mark}"
         if not (folder / "diagnosis.json").exists():
             part = folder.with_name(folder.name + ".part")
@@ -473,7 +473,7 @@ def claims(recording: Recording, diagnosis: dict[str, Any], truth: Slope | None,
     for finding in diagnosis["findings"]:
         effect, probability, parameters = finding["effect"], finding["probability"], finding["parameters"]
         rest = finding.get("ambiguous_with") or []
-        name = f"`{effect}`" + (f" or {', '.join(f'`{other}`' for other in rest)}" if rest else "")
+        name = f"`{effect}`" + (f" or {', '.join(f'`{other}`' for other in rest)}" if rest else "") + (", local" if finding.get("local") else "")
         if {"slope_east", "slope_north"} & parameters.keys():
             claimed = np.array([value(parameters.get(axis, 0.0)) for axis in ("slope_east", "slope_north")])
             chosen = truth.within(finding) if truth else None
