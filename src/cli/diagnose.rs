@@ -7,7 +7,9 @@ use super::jobs;
 use super::nominal::{NominalArgs, fitted_to};
 use super::output::{Output, finish_all, is_stream, notify_all, print_beside};
 use super::progress::ProgressLine;
-use crate::diagnosis::{Diagnosis, DiagnosisError, Options, Progress, Step, diagnose, insufficient};
+use crate::diagnosis::{
+    Diagnosis, DiagnosisError, Options, Progress, Step, diagnose, insufficient,
+};
 use crate::display::visible_line;
 use crate::json::FittedTo;
 use crate::recording::{Recording, Run};

@@ -4,6 +4,7 @@ pub mod locate;
 pub mod noise;
 pub mod regime;
 pub mod region;
+pub mod replacement;
 pub mod residual_model;
 pub mod scan;
 pub mod screen;

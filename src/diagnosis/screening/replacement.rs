@@ -90,6 +90,9 @@ fn found(
     own: &[usize],
     noise: &NoiseModel,
 ) -> Option<(Vec<Replacement>, f64)> {
+    if own.is_empty() {
+        return None;
+    }
     let (on, at) = (&fit.coefficients, &fit.solution);
     let layout = Layout::beside(problem, on);
     let tables = sensitivities(problem, &layout, at);
@@ -129,7 +132,9 @@ fn found(
             let model = coefficients
                 .iter()
                 .all(|k| matches!(problem.candidates[*k].target, Target::Model(_)));
-            let other = coefficients.iter().any(|k| on.contains(k) && !own.contains(k));
+            let other = coefficients
+                .iter()
+                .any(|k| on.contains(k) && !own.contains(k));
             if !model || other || coefficients.is_empty() {
                 return None;
             }
@@ -153,7 +158,9 @@ fn found(
                 .collect();
             let chosen = |wanted: bool| -> Vec<usize> {
                 let all = coefficients.iter().zip(&alone);
-                all.filter(|(_, alone)| **alone == wanted).map(|(k, _)| *k).collect()
+                all.filter(|(_, alone)| **alone == wanted)
+                    .map(|(k, _)| *k)
+                    .collect()
             };
             let (acting, further) = (chosen(true), chosen(false));
             let mut on = off.clone();
@@ -174,7 +181,11 @@ fn found(
                 let about = &problem.candidates[*k];
                 let (low, high) = about.parameter.bounds();
                 let mut moved = on.clone();
-                set(&mut moved, *k, (about.typical + about.parameter.prior.deviation).clamp(low, high));
+                set(
+                    &mut moved,
+                    *k,
+                    (about.typical + about.parameter.prior.deviation).clamp(low, high),
+                );
                 let moved = wrench(&[effect], &moved, &off);
                 let of_segment = |(a, b): (&Vec<Acting>, &Vec<Acting>)| {
                     let pairs = a.iter().zip(b);
@@ -225,7 +236,9 @@ fn found(
             projected.matrix[(i, j)] / (precision[i] * precision[j]).sqrt()
                 + f64::from(u8::from(i == j))
         });
-        let prior = unknowns.iter().map(|u| system.pull[*u].powi(2) / system.precision[*u]);
+        let prior = unknowns
+            .iter()
+            .map(|u| system.pull[*u].powi(2) / system.precision[*u]);
         0.5 * (prior.sum::<f64>() + scaled.determinant().max(1.0).ln())
     };
     let mut all: Vec<Replacement> = mechanisms
@@ -465,7 +478,9 @@ fn fitted(
             }
             share *= 0.5;
         }
-        held = (0..amplitudes).filter(|k| one_sided(*k) && x[*k] <= 0.0).collect();
+        held = (0..amplitudes)
+            .filter(|k| one_sided(*k) && x[*k] <= 0.0)
+            .collect();
         if before - best < 0.01 && turn > 1 {
             break;
         }
@@ -480,6 +495,51 @@ fn fitted(
         normal[(i, j)] / (precision[i] * precision[j]).sqrt() + f64::from(u8::from(i == j))
     });
     let determinant = 2.0 * scaled.cholesky()?.l_dirty().diagonal().map(f64::ln).sum();
-    let all = (0..amplitudes).chain(amplitudes + shapes..count).map(|k| x[k]).collect();
+    let all = (0..amplitudes)
+        .chain(amplitudes + shapes..count)
+        .map(|k| x[k])
+        .collect();
     Some((best + 0.5 * determinant, all, s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::hypothesis::likelihood::fit_hypothesis;
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+
+    #[test]
+    fn a_mechanism_replaces_itself_at_its_size_and_others_fall_behind() {
+        let nominal = on("sandy_loam");
+        let truth = with_effects(&nominal, r#"{"drag": {"coefficient": 150}}"#);
+        let recordings = [driven(&truth, "slalom")];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let problem = &stage.problem;
+        let subject = |name: &str| {
+            let mut all = problem.candidates.subjects.iter();
+            *all.find(|subject| subject.name() == name).unwrap()
+        };
+        let own: Vec<usize> = problem.candidates.of(subject("drag")).collect();
+        let mut initial = stage.fit.solution.clone();
+        for recording in &mut initial.coefficients {
+            recording[own[0]] = problem.candidates[own[0]].typical;
+        }
+        let fit = fit_hypothesis(problem, &own, &initial, &noise).unwrap();
+        let (all, removed) = replacements(problem, &fit, &own, &noise);
+        assert!(removed > 20.0, "{removed}");
+        let first = &all[0];
+        assert_eq!(first.subject.name(), "drag");
+        // Shape freedom costs some evidence where the formula is the catalogue's.
+        assert!((-15.0..3.0).contains(&first.odds), "{}", first.odds);
+        let size = fit.solution.coefficients[0][own[0]];
+        let found = first.coordinates[0].1;
+        assert!((found / size - 1.0).abs() < 0.5, "{found} {size}");
+        // A mechanism that cannot do it loses nearly all.
+        let other = all
+            .iter()
+            .find(|one| one.subject == subject("left_right_soil"));
+        assert!(other.unwrap().odds < first.odds - 0.5 * removed);
+        // Nothing replaces nothing.
+        assert!(replacements(problem, &fit, &[], &noise).0.is_empty());
+    }
 }

@@ -1,13 +1,14 @@
 //! Shape freedom: how far a mechanism's formula may differ from the catalogue's.
 //!
 //! An effect's name means a mechanism. The catalogue has one formula of it; the ground may obey another. So each
-//! component a of an effect's wrench w_a(t), along, across and about the vehicle, may be
+//! component a of an effect's wrench, along, across and about the vehicle, may be
 //!
 //! ```text
-//! w_a(t) (1 + d_a + sum over u of p_au l_u(t) + q_au l_u(t)^2),    l_u = ln(u / u_0)
+//! sum over i of w_ai(t) (1 + d_a + sum over u of p_au l_ui(t) + q_au l_ui(t)^2),    l_ui = ln(u_i / u_0)
 //! ```
 //!
-//! with the arguments u that the effect declares (speed, slip, sinkage ...), u_0 their mean where the effect acts. p is
+//! with the shares w_ai of the wheels and of the body, and there the arguments u that the effect declares (speed, slip,
+//! sinkage ...), u_0 their mean where the effect acts. What remembers has no shares of wheels. p is
 //! a difference of the exponent, q bends the power law towards saturation, d changes the direction. All have normal
 //! priors around zero. The wrench is the difference between the accelerations with the effect and without it at the
 //! fitted motion. Its signal follows from the sensitivities to a force in each time bin, so a shape costs no
@@ -32,7 +33,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Components of the wrench.
-const AXES: usize = 3;
+pub const AXES: usize = 3;
 /// Standard deviations of d, p and q.
 const DIRECTION: f64 = 0.5;
 const EXPONENT: f64 = 0.5;
@@ -163,8 +164,8 @@ pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut Syste
                 for axis in 0..AXES {
                     let row =
                         system.layout.whole() + time_bin * system.layout.per_bin() + forces[axis];
-                    for (k, feature) in features.iter().enumerate() {
-                        columns[(row, axis * features.len() + k)] = acting.wrench[axis] * feature;
+                    for (k, feature) in features[axis].iter().enumerate() {
+                        columns[(row, axis * features[axis].len() + k)] = *feature;
                     }
                 }
             }
@@ -191,39 +192,62 @@ pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut Syste
 /// Prior deviations of a component's shape: its direction, then exponent and bend by each argument; component by
 /// component.
 fn deviations(arguments: usize) -> Vec<f64> {
+    component(arguments).repeat(AXES)
+}
+
+/// Those of one component.
+#[must_use]
+pub fn component(arguments: usize) -> Vec<f64> {
     let one = std::iter::once(DIRECTION).chain([EXPONENT, BEND].repeat(arguments));
-    let one: Vec<f64> = one.collect();
-    one.repeat(AXES)
+    one.collect()
 }
 
 /// What an effect does in a time bin.
 #[derive(Debug, Clone, PartialEq)]
-struct Acting {
+pub struct Acting {
     /// Its wrench as shares of the weight, the moment's of the weight times half the track.
-    wrench: [f64; AXES],
-    /// Logarithms of its arguments.
-    arguments: Vec<f64>,
+    pub wrench: [f64; AXES],
+    /// The wrench by what exerts it: each wheel, and the body.
+    pub shares: Vec<Share>,
 }
 
-/// The factors of a time bin's shape: 1, then l and l^2 of each argument.
-fn features(each: &[Vec<Acting>], arguments: usize) -> impl Fn(&Acting) -> Vec<f64> {
+/// What one wheel, or the body, contributes to a wrench.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Share {
+    /// The contribution.
+    pub wrench: [f64; AXES],
+    /// Logarithms of the effect's arguments there.
+    pub arguments: Vec<f64>,
+}
+
+/// A time bin's wrench by shape: for each component itself, then times l and l^2 of each argument.
+pub fn features(each: &[Vec<Acting>], arguments: usize) -> impl Fn(&Acting) -> [Vec<f64>; AXES] {
     // Where the effect acts: weighted by its wrench.
     let mut sums = vec![0.0; arguments];
     let mut weights = 0.0;
-    for acting in each.iter().flatten() {
-        let weight: f64 = acting.wrench.iter().map(|w| w * w).sum();
+    for share in each.iter().flatten().flat_map(|acting| &acting.shares) {
+        let weight: f64 = share.wrench.iter().map(|w| w * w).sum();
         weights += weight;
-        for (sum, argument) in sums.iter_mut().zip(&acting.arguments) {
+        for (sum, argument) in sums.iter_mut().zip(&share.arguments) {
             *sum += weight * argument;
         }
     }
     let means: Vec<f64> = sums.iter().map(|sum| sum / weights.max(1e-300)).collect();
     move |acting| {
-        let each = acting.arguments.iter().zip(&means).flat_map(|(at, mean)| {
-            let l = (at - mean).clamp(-RANGE, RANGE);
-            [l, l * l]
-        });
-        std::iter::once(1.0).chain(each).collect()
+        let mut features = [(); AXES].map(|()| vec![0.0; 1 + 2 * arguments]);
+        for (axis, features) in features.iter_mut().enumerate() {
+            features[0] = acting.wrench[axis];
+        }
+        for share in &acting.shares {
+            for (k, (at, mean)) in share.arguments.iter().zip(&means).enumerate() {
+                let l = (at - mean).clamp(-RANGE, RANGE);
+                for (axis, features) in features.iter_mut().enumerate() {
+                    features[1 + 2 * k] += share.wrench[axis] * l;
+                    features[2 + 2 * k] += share.wrench[axis] * l * l;
+                }
+            }
+        }
+        features
     }
 }
 
@@ -255,20 +279,34 @@ fn acting(
     start: &[f64; State::COUNT],
     edges: &[f64],
 ) -> Option<Vec<Acting>> {
-    let with = problem.specification(at, segment.recording).ok()?;
     let mut off = at.clone();
     for &place in coefficients {
         off.coefficients[segment.recording][place] = problem.candidates[place].off();
     }
-    let effects = coefficients
-        .iter()
-        .map(|place| problem.candidates[*place].effect);
-    let memory = effects.clone().any(|effect| CATALOGUE[effect].memory);
-    let arguments = effects
-        .clone()
-        .next()
-        .map_or(&[][..], |effect| CATALOGUE[effect].varies_with);
-    let without = problem.specification(&off, segment.recording).ok()?;
+    let path = follow(problem, at, segment, start, edges)?;
+    let effects = coefficients.iter();
+    let effects: Vec<usize> = effects.map(|k| problem.candidates[*k].effect).collect();
+    between(problem, &effects, at, &off, segment, &path)
+}
+
+/// A segment's motion at the middles of its time bins.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    times: Vec<f64>,
+    late: f64,
+    trajectory: Trajectory,
+}
+
+/// The motion that a solution predicts for a segment. `None` if the model cannot follow it.
+#[must_use]
+pub fn follow(
+    problem: &Problem,
+    at: &Solution,
+    segment: &Segment,
+    start: &[f64; State::COUNT],
+    edges: &[f64],
+) -> Option<Motion> {
+    let with = problem.specification(at, segment.recording).ok()?;
     let mut sensors: SensorValues = [0.0; SensorParameter::ALL.len()];
     let coordinates = &at.coefficients[segment.recording];
     for (coefficient, coordinate) in problem.candidates.coefficients.iter().zip(coordinates) {
@@ -290,12 +328,41 @@ fn acting(
         time_bins: &[],
         derivatives: false,
     };
-    let mut predicted = Trajectory::default();
-    ExactPredictor::new(with.clone(), Vec::new())
+    let mut trajectory = Trajectory::default();
+    ExactPredictor::new(with, Vec::new())
         .with_tolerance(problem.tolerance)
         .with_deadline(problem.deadline)
-        .predict(&request, &mut predicted)
+        .predict(&request, &mut trajectory)
         .ok()?;
+    Some(Motion {
+        times,
+        late,
+        trajectory,
+    })
+}
+
+/// The wrench by which two solutions differ along a motion; that of what remembers along the motion of the first.
+/// Arguments are those of the first of these effects. `None` if the model cannot follow it.
+#[must_use]
+pub fn between(
+    problem: &Problem,
+    effects: &[usize],
+    with: &Solution,
+    without: &Solution,
+    segment: &Segment,
+    motion: &Motion,
+) -> Option<Vec<Acting>> {
+    let memory = effects.iter().any(|effect| CATALOGUE[*effect].memory);
+    let arguments = effects
+        .first()
+        .map_or(&[][..], |effect| CATALOGUE[*effect].varies_with);
+    let with = problem.specification(with, segment.recording).ok()?;
+    let without = problem.specification(without, segment.recording).ok()?;
+    let Motion {
+        times,
+        late,
+        trajectory: predicted,
+    } = motion;
     let wheels = |time: f64| -> WheelSpeeds {
         let drive = &segment.drive;
         let row = drive.time.partition_point(|t| *t <= time + late);
@@ -320,28 +387,69 @@ fn acting(
         // What remembers acts only along the drive.
         let (on, off) = (if memory { Some(predicted.rates[k]) } else { on }, off?);
         let on = on?;
+        let weight = vehicle.mass * GRAVITY;
         let inertia = vehicle.yaw_inertia / (vehicle.mass * GRAVITY * vehicle.half_track);
-        let sinkage = {
-            let wheels = &without.wrench().ok()?.wheels;
-            wheels.iter().map(|w| w.sinkage).sum::<f64>() / wheels.len() as f64
+        let wrench = [
+            (on[3] - off[3]) / GRAVITY,
+            (on[4] - off[4]) / GRAVITY,
+            (on[5] - off[5]) * inertia,
+        ];
+        let at = |argument: &Argument, wheel: Option<&Standing>| {
+            value(*argument, &state, speeds, vehicle, wheel)
+                .max(SMALLEST)
+                .ln()
         };
-        Some(Acting {
-            wrench: [
-                (on[3] - off[3]) / GRAVITY,
-                (on[4] - off[4]) / GRAVITY,
-                (on[5] - off[5]) * inertia,
-            ],
+        let mut shares = Vec::new();
+        let mut body = wrench;
+        let [on, off] = [with.wrench().ok()?, without.wrench().ok()?];
+        let count = off.wheels.len() as f64;
+        let mean = Standing {
+            at: [0.0; 2],
+            sinkage: off.wheels.iter().map(|w| w.sinkage).sum::<f64>() / count,
+            slip: 0.0,
+        };
+        if !memory {
+            for (place, (on, off)) in on.wheels.iter().zip(&off.wheels).enumerate() {
+                let side = if place % 2 == 0 { 1.0 } else { -1.0 };
+                let x = vehicle.row_positions[place / 2] - vehicle.com_offset;
+                let y = side * vehicle.half_track;
+                let force = [on.force_x - off.force_x, on.force_y - off.force_y];
+                let moment = (x * force[1] - y * force[0]) / vehicle.half_track;
+                let wrench = [force[0] / weight, force[1] / weight, moment / weight];
+                for (body, own) in body.iter_mut().zip(&wrench) {
+                    *body -= own;
+                }
+                let here = Standing {
+                    at: [x, y],
+                    sinkage: off.sinkage,
+                    slip: off.longitudinal_slip.abs(),
+                };
+                shares.push(Share {
+                    wrench,
+                    arguments: arguments.iter().map(|a| at(a, Some(&here))).collect(),
+                });
+            }
+        }
+        shares.push(Share {
+            wrench: body,
             arguments: arguments
                 .iter()
-                .map(|argument| {
-                    value(*argument, &state, speeds, vehicle, sinkage)
-                        .max(SMALLEST)
-                        .ln()
+                .map(|argument| match argument {
+                    Argument::Sinkage => mean.sinkage.max(SMALLEST).ln(),
+                    _ => at(argument, None),
                 })
                 .collect(),
-        })
+        });
+        Some(Acting { wrench, shares })
     });
     each.collect()
+}
+
+/// Where a wheel stands, and how.
+struct Standing {
+    at: [f64; 2],
+    sinkage: f64,
+    slip: f64,
 }
 
 fn standing(specification: &Specification) -> Option<Simulation> {
@@ -350,19 +458,27 @@ fn standing(specification: &Specification) -> Option<Simulation> {
         .map(Simulation::new)
 }
 
-/// An argument of an effect's formula, positive.
+/// An argument of an effect's formula at a wheel, or of the body as a whole; positive.
 fn value(
     argument: Argument,
     state: &State,
     speeds: WheelSpeeds,
     vehicle: &Vehicle,
-    sinkage: f64,
+    wheel: Option<&Standing>,
 ) -> f64 {
     let sides = [(speeds.left, -1.0), (speeds.right, 1.0)];
-    match argument {
-        Argument::Speed => state.v_x.hypot(state.v_y),
+    match (argument, wheel) {
+        (Argument::Speed, Some(Standing { at: [x, y], .. })) => {
+            (state.v_x - state.yaw_rate * y).hypot(state.v_y + state.yaw_rate * x)
+        }
+        (Argument::SideSpeed, Some(Standing { at: [x, _], .. })) => {
+            (state.v_y + state.yaw_rate * x).abs()
+        }
+        (Argument::Slip, Some(wheel)) => wheel.slip,
+        (Argument::Sinkage, wheel) => wheel.map_or(0.0, |wheel| wheel.sinkage),
+        (Argument::Speed, None) => state.v_x.hypot(state.v_y),
         // Of the first and the last row, on average.
-        Argument::SideSpeed => {
+        (Argument::SideSpeed, None) => {
             let rows = &vehicle.row_positions;
             let lever = rows
                 .first()
@@ -371,7 +487,7 @@ fn value(
             let row = |side: f64| (state.v_y + side * state.yaw_rate * lever).abs();
             0.5 * (row(1.0) + row(-1.0))
         }
-        Argument::Slip => {
+        (Argument::Slip, None) => {
             let slip = |(omega, side): (f64, f64)| {
                 let rim = vehicle.wheel_radius * omega;
                 let speed = state.v_x + side * state.yaw_rate * vehicle.half_track;
@@ -379,7 +495,6 @@ fn value(
             };
             0.5 * sides.map(slip).iter().sum::<f64>()
         }
-        Argument::Sinkage => sinkage,
     }
 }
 
@@ -401,11 +516,16 @@ mod tests {
     fn no_argument_leads_beyond_its_range() {
         let acting = |at: f64, wrench: f64| Acting {
             wrench: [wrench, 0.0, 0.0],
-            arguments: vec![at],
+            shares: vec![Share {
+                wrench: [wrench, 0.0, 0.0],
+                arguments: vec![at],
+            }],
         };
-        let each = vec![vec![acting(1.0, 2.0), acting(-20.0, 0.0)]];
+        let each = vec![vec![acting(1.0, 2.0), acting(-20.0, 1e-9)]];
         let features = features(&each, 1);
-        assert_eq!(features(&each[0][0]), [1.0, 0.0, 0.0]);
-        assert_eq!(features(&each[0][1]), [1.0, -RANGE, RANGE * RANGE]);
+        assert_eq!(features(&each[0][0])[0], [2.0, 0.0, 0.0]);
+        let [along, ..] = features(&each[0][1]);
+        assert!((along[1] / along[0] + RANGE).abs() < 1e-6);
+        assert!((along[2] / along[0] - RANGE * RANGE).abs() < 1e-6);
     }
 }

@@ -13,6 +13,7 @@ pub mod naming;
 pub mod path;
 pub mod proposal;
 pub mod prune;
+mod replaced;
 pub mod rerank;
 pub mod stage;
 pub mod subsample_search;

@@ -9,20 +9,50 @@ use super::naming::{FittedCandidate, PartialFit, finish};
 use super::proposal::{Proposal, ProposalKind};
 use super::rerank::AT_STAKE;
 use super::stage::Stage;
-use super::trial::CLOSE;
-use crate::diagnosis::hypothesis::likelihood::{LONG_PARTIAL_FIT, fit_until};
+use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::Solution;
+use crate::diagnosis::hypothesis::likelihood::{LONG_PARTIAL_FIT, fit_until};
 use crate::diagnosis::screening::replacement::{Replacement, replacements};
 use crate::fit::problem::NoiseModel;
 
 /// The linearised odds of a mechanism may miss its fit by this, and by this share of what the likeliest gains there.
 const UNSURE: f64 = 15.0;
 const UNSURE_SHARE: f64 = 0.05;
+/// A fit whose odds the linearised ones exceed by less is as good.
+const BETTER: f64 = 2.5;
 /// A fit begins at these multiples of the linearised amplitude: what the soil absorbs may be larger, and its fit has
-/// several optima.
+/// several optima (a tow of 250 N on clayed soil: 138 N from the linearised 104 N, gain 51; 215 N from twice that, gain
+/// 64).
 const FACTORS: [f64; 2] = [1.0, 2.0];
 /// Maximum number of fits.
 const MOST: usize = 3;
+
+/// The likeliest, if it acts throughout and its odds are high.
+#[must_use]
+pub fn replaceable<'n, 'a>(fitted: &'n [FittedCandidate<'a>]) -> Option<&'n FittedCandidate<'a>> {
+    let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
+    let throughout = best.proposal.kind() != ProposalKind::Local;
+    (throughout && best.odds() > AT_STAKE).then_some(best)
+}
+
+/// Adds these fits; each mechanism that acts throughout keeps its likelier one.
+pub fn take_over<'a>(fitted: &mut Vec<FittedCandidate<'a>>, other: Vec<FittedCandidate<'a>>) {
+    for one in other {
+        match fitted
+            .iter()
+            .position(|known| is_of(known, one.proposal.subject))
+        {
+            Some(place) if fitted[place].odds() >= one.odds() => {}
+            Some(place) => fitted[place] = one,
+            None => fitted.push(one),
+        }
+    }
+}
+
+/// Whether a fit is of this mechanism, throughout.
+fn is_of(fitted: &FittedCandidate, subject: Subject) -> bool {
+    fitted.proposal.subject == subject && fitted.proposal.kind() != ProposalKind::Local
+}
 
 /// Fits of mechanisms in the place of the likeliest, if that acts throughout.
 #[must_use]
@@ -31,28 +61,18 @@ pub fn replaced<'a>(
     fitted: &[FittedCandidate<'a>],
     noise: &NoiseModel,
 ) -> Vec<FittedCandidate<'a>> {
-    let likelier = |a: &&FittedCandidate, b: &&FittedCandidate| a.odds().total_cmp(&b.odds());
-    let Some(best) = fitted.iter().max_by(likelier) else {
+    let Some(best) = replaceable(fitted) else {
         return Vec::new();
     };
-    if best.odds() < AT_STAKE || best.proposal.kind() == ProposalKind::Local {
-        return Vec::new();
-    }
     let own = &best.proposal.coefficients;
     let (all, removed) = replacements(&best.problem, &best.fit, own, noise);
     let linearised = |one: &Replacement| best.gain + best.proposal.log_prior() + one.odds;
-    if std::env::var_os("DEBUG_STEPS").is_some() {
-        eprintln!("LEADER {} {:.1}", best.proposal.subject.name(), best.odds());
-        for one in all.iter().take(8) { eprintln!("   REPL {} {:.1} {:?} soil {:.2?}", one.subject.name(), one.odds, one.coordinates, one.soil.as_slice()); }
-    }
     let min_odds = best.odds() - UNSURE - UNSURE_SHARE * removed.max(0.0);
     let promising = all.iter().filter(|one| {
-        let same = |other: &&FittedCandidate| {
-            other.proposal.subject == one.subject && other.proposal.kind() != ProposalKind::Local
-        };
-        let known = fitted.iter().filter(same).map(FittedCandidate::odds);
+        let same = fitted.iter().filter(|known| is_of(known, one.subject));
+        let known = same.map(FittedCandidate::odds);
         let known = known.fold(f64::NEG_INFINITY, f64::max);
-        linearised(one) > min_odds && linearised(one) > known + 0.5 * CLOSE
+        linearised(one) > min_odds && linearised(one) > known + BETTER
     });
     let fits = promising
         .take(MOST)
@@ -110,10 +130,11 @@ fn in_place_of<'a>(
         fit.ok().filter(|fit| fit.negative_log_evidence.is_finite())
     });
     let fit = fits.min_by(|a, b| a.negative_log_evidence.total_cmp(&b.negative_log_evidence))?;
-    if std::env::var_os("DEBUG_STEPS").is_some() {
-        eprintln!("  START {} gain {:.1} pred {:.1} {:?} soil {:.2?}", one.subject.name(), before.negative_log_evidence - fit.negative_log_evidence, fit.predicted_reduction, proposal.coefficients.iter().map(|k| fit.solution.coefficients[0][*k]).collect::<Vec<_>>(), fit.solution.soil);
-    }
-    let fit = finish(PartialFit::new(&proposal, problem, fit, before), before, noise)?;
+    let fit = finish(
+        PartialFit::new(&proposal, problem, fit, before),
+        before,
+        noise,
+    )?;
     // All of them relative to the same.
     let without = best.gain + best.fit.negative_log_evidence + best.proposal.price;
     Some(FittedCandidate {

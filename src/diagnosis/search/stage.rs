@@ -128,7 +128,12 @@ pub fn screen<'a>(
     if on.is_empty() {
         proposals.extend(hidden(&view, &screened));
         if !progress.lacks(took) {
-            let further = seen_from_given_soil(&problem, &again, &own, &proposals, seed);
+            let seen: Vec<Proposal> = proposals
+                .iter()
+                .filter(|one| !one.hidden)
+                .cloned()
+                .collect();
+            let further = seen_from_given_soil(&problem, &again, &own, &seen, seed);
             in_time()?;
             proposals.extend(further);
         }

@@ -5,6 +5,7 @@ use super::edges::refine_edges;
 use super::given_soil::from_given_soil;
 use super::naming::{FittedCandidate, PartialFit, finish, partial_fit};
 use super::proposal::{Proposal, ProposalKind};
+use super::replaced::{replaceable, replaced, take_over};
 use super::rerank::rerank;
 use super::stage::Stage;
 use super::subsample_search::SubsampleSearch;
@@ -38,40 +39,57 @@ pub fn try_all<'a>(
     noise: &NoiseModel,
     progress: &'a Progress,
 ) -> Result<Vec<FittedCandidate<'a>>, DiagnosisError> {
-    let Stage { problem, fit, .. } = stage;
+    let Stage {
+        problem,
+        fit,
+        proposals,
+        ..
+    } = stage;
     let hasty = Problem {
         deadline: progress.share_of_search(FIRST_STEPS),
         ..problem.clone()
     };
-    let mut started = match SubsampleSearch::new(&hasty, fit, noise) {
-        Some(subsample_search) => subsampled(&hasty, stage, &subsample_search, noise),
-        None => {
-            let all = stage.proposals.iter();
-            let all = all.take_while(|_| !hasty.deadline.is_over());
-            partially_fitted(all, NEAR, |one, min_odds| {
-                partial_fit(&hasty, one, fit, noise, 1.0, min_odds)
-            })
+    let subsample_search = SubsampleSearch::new(&hasty, fit, noise);
+    let started = |proposals: &[&Proposal]| {
+        let mut started = match &subsample_search {
+            Some(subsample_search) => subsampled(&hasty, stage, proposals, subsample_search, noise),
+            None => {
+                let all = proposals.iter().copied();
+                let all = all.take_while(|_| !hasty.deadline.is_over());
+                partially_fitted(all, NEAR, |one, min_odds| {
+                    partial_fit(&hasty, one, fit, noise, 1.0, min_odds)
+                })
+            }
+        };
+        for partial_fit in &mut started {
+            partial_fit.problem.deadline = problem.deadline;
         }
+        promising(started, NEAR, MOST)
     };
-    for partial_fit in &mut started {
-        partial_fit.problem.deadline = problem.deadline;
-    }
     let best =
         |fitted: &[FittedCandidate]| fitted.iter().map(FittedCandidate::odds).fold(0.0, f64::max);
     let (mut fitted, mut unfinished) = (Vec::new(), Vec::new());
-    for partial_fit in promising(started, NEAR, MOST) {
-        progress.go_on()?;
-        if progress.is_late() {
-            unfinished.push(partial_fit.unfinished());
-            continue;
+    // What is hidden is fitted from the likeliest, see `replaced`, or from afar where nothing is seen.
+    let (hidden, seen): (Vec<&Proposal>, Vec<&Proposal>) =
+        proposals.iter().partition(|proposal| proposal.hidden);
+    for list in [seen, hidden] {
+        if replaceable(&fitted).is_some() {
+            break;
         }
-        let finished = finish(from_given_soil(partial_fit, fit, noise), fit, noise);
-        let list = if progress.is_late() {
-            &mut unfinished
-        } else {
-            &mut fitted
-        };
-        list.extend(finished);
+        for partial_fit in started(&list) {
+            progress.go_on()?;
+            if progress.is_late() {
+                unfinished.push(partial_fit.unfinished());
+                continue;
+            }
+            let finished = finish(from_given_soil(partial_fit, fit, noise), fit, noise);
+            let list = if progress.is_late() {
+                &mut unfinished
+            } else {
+                &mut fitted
+            };
+            list.extend(finished);
+        }
     }
     let largest = best(&fitted);
     refine_edges(&mut fitted, largest, noise);
@@ -90,7 +108,11 @@ pub fn try_all<'a>(
             join(&mut fitted, there);
         }
     }
-    if unfinished.is_empty() {
+    if unfinished.is_empty() && !progress.is_late() {
+        let other = replaced(stage, &fitted, noise);
+        if !progress.is_late() {
+            take_over(&mut fitted, other);
+        }
         rerank(&mut fitted, noise);
     }
     let largest = best(&fitted);
@@ -104,12 +126,14 @@ pub fn try_all<'a>(
 fn subsampled<'a>(
     problem: &Problem<'a>,
     stage: &Stage<'a>,
+    proposals: &[&Proposal],
     subsample_search: &SubsampleSearch<'a>,
     noise: &NoiseModel,
 ) -> Vec<PartialFit<'a>> {
-    let Stage { fit, proposals, .. } = stage;
+    let fit = &stage.fit;
     let in_time = || !problem.deadline.is_over();
-    let (throughout, local): (Vec<_>, Vec<_>) = proposals.iter().partition(|p| p.extent.is_none());
+    let (throughout, local): (Vec<&Proposal>, Vec<&Proposal>) =
+        proposals.iter().copied().partition(|p| p.extent.is_none());
     let throughout = throughout.into_iter().take_while(|_| in_time());
     let started = partially_fitted(throughout, NEAR_ON_A_PART, |one, min_odds| {
         subsample_search.partial_fit(one, min_odds)
