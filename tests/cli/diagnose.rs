@@ -523,7 +523,8 @@ fn without_a_terminal_each_step_is_a_line() {
     let bench = Bench::new();
     bench.write("a.csv", simulated(&bench));
     let diagnosed = |more: &str| {
-        let arguments = format!("diagnose a.csv --terrain dry_clay --within 60{more}");
+        let arguments =
+            format!("diagnose a.csv --vehicle tran2007 --terrain dry_clay --within 60{more}");
         let output = bench.ugv(&arguments).output().unwrap();
         assert!(output.status.success(), "{output:?}");
         String::from_utf8(output.stderr).unwrap()
@@ -534,9 +535,9 @@ fn without_a_terminal_each_step_is_a_line() {
         .filter_map(|line| line.strip_prefix("ugv: step "));
     let numbers: Vec<&str> = steps.filter_map(|line| line.split(':').next()).collect();
     assert_eq!(numbers, [1, 2, 3, 4, 5, 6, 7].map(|n| format!("{n} of 7")));
-    assert!(!diagnosed(" --quiet").contains("step"));
+    assert!(!diagnosed(" --quiet --force").contains("step"));
     let page = bench.read("diagnosis/report.html");
-    let command = "<code>ugv diagnose a.csv --terrain dry_clay --within 60 --quiet</code>";
+    let command = "<code>ugv diagnose a.csv --vehicle tran2007 --terrain dry_clay --within 60 --quiet --force</code>";
     assert_contains(&page, command);
     assert_contains(&page, "1, 60.0 s");
 }

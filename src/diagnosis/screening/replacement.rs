@@ -527,9 +527,11 @@ mod tests {
         let fit = fit_hypothesis(problem, &own, &initial, &noise).unwrap();
         let (all, removed) = replacements(problem, &fit, &own, &noise);
         assert!(removed > 20.0, "{removed}");
-        let first = &all[0];
-        assert_eq!(first.subject.name(), "drag");
-        // Shape freedom costs some evidence where the formula is the catalogue's.
+        let find = |name: &str| all.iter().find(|one| one.subject == subject(name)).unwrap();
+        let first = find("drag");
+        // At one speed a wedge before the wheels is as good, and shape freedom costs some evidence where the formula is
+        // the catalogue's.
+        assert!(first.odds > all[0].odds - 10.0, "{all:?}");
         assert!((-15.0..3.0).contains(&first.odds), "{}", first.odds);
         let size = fit.solution.coefficients[0][own[0]];
         let found = first.coordinates[0].1;

@@ -40,6 +40,8 @@ const MAX_TURN_OF_RIMS: f64 = 5.0;
 const EFFECTIVE: RangeInclusive<f64> = 0.7..=1.2;
 /// The same for an unknown vehicle, whose wheel radius may be a metre.
 const EFFECTIVE_OF_ANY: RangeInclusive<f64> = 0.85..=1.1;
+/// Share of impossible wheel speeds above which they are no spikes.
+const OFTEN: f64 = 0.01;
 /// Minimum share of the distance along the heading, if the distance shows the unit of wheel speeds.
 const AHEAD: f64 = 0.8;
 /// Window of the means for that share \[s\].
@@ -337,6 +339,10 @@ fn wheel_finding(samples: &RawSamples, vehicle: Option<&Vehicle>) -> Option<Stri
             .of(side)
             .any(|sample| sample.value.abs() > limit(side))
     };
+    let often = |side: Channel| {
+        let beyond = samples.of(side).filter(|s| s.value.abs() > limit(side));
+        beyond.count() as f64 > OFTEN * samples.all(side).count as f64
+    };
     let radius = vehicle?.wheel_radius;
     let found = compare(samples, STEP, travel_ahead, wheel_mean)?;
     let (correlation, slope) = found.strongest();
@@ -360,6 +366,8 @@ fn wheel_finding(samples: &RawSamples, vehicle: Option<&Vehicle>) -> Option<Stri
         (Some((name, ..)), false) => Some(format!(
             "both wheel speeds may be {name}: {evidence}; left as they are"
         )),
+        // Spikes are dropped later.
+        (None, true) if !SIDES.into_iter().any(often) => None,
         (unit, true) => {
             let (name, short) =
                 unit.map_or(("another unit", "deg/s"), |(name, _, short)| (name, short));
