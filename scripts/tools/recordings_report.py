@@ -170,7 +170,7 @@ class Tool:
         return folder
 
     def scored(self, path: Path, *arguments: object) -> dict[str, Any]:
-        """What `ugv score` says of a recording."""
+        """The results of `ugv score` on a recording."""
         answer = self.work / f"{path.parent.name}.{path.stem}.score.json"
         self.run("score", path, *arguments, "--json", answer, "--force")
         (scored,) = json.loads(answer.read_text())["recordings"]

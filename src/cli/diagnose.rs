@@ -11,6 +11,7 @@ use crate::diagnosis::{
     Diagnosis, DiagnosisError, Options, Progress, Step, diagnose, insufficient,
 };
 use crate::display::visible_line;
+use crate::import::is_log;
 use crate::json::FittedTo;
 use crate::recording::{Recording, Run};
 use crate::report::diagnosis::{Input, command, json, page, text};
@@ -134,6 +135,8 @@ impl Question {
                 TimeLimit::Within(limit) => Some(limit),
                 TimeLimit::None => None,
             },
+            is_log: args.recordings.first().is_some_and(|path| is_log(path)),
+            runs: recordings.first().map_or(0, |one| one.runs.len()),
             folder: args.output.display().to_string(),
             ..Input::default()
         };
@@ -150,11 +153,7 @@ impl Question {
         })
     }
 
-    fn answer(
-        &self,
-        arguments: impl Iterator<Item = String>,
-        progress: Progress,
-    ) -> Result<Found, Failure> {
+    fn answer(&self, arguments: &[String], progress: Progress) -> Result<Found, Failure> {
         let Self {
             recordings,
             nominal,
@@ -184,7 +183,8 @@ impl Question {
             diagnosis,
             fitted_to,
             input: Input {
-                command: command(std::iter::once("ugv".into()).chain(arguments)),
+                command: command(std::iter::once("ugv".into()).chain(arguments.iter().cloned())),
+                reading: reading(arguments),
                 ..self.input.clone()
             },
         })
@@ -208,15 +208,47 @@ impl Found {
 }
 
 /// The texts of a diagnosis's files and its summary, for a caller that writes no files.
-pub fn answer(args: &Args, arguments: &[String], caller: &Caller) -> Result<Answer, Failure> {
+pub fn answer(args: &Args, caller: &Caller) -> Result<Answer, Failure> {
     let step = |step: Step| (caller.step)(&format!("{step} ({})", step.work));
     let progress = Progress::new(&step).stopped_by(caller.stop);
     let mut notes = Vec::new();
-    let question = Question::of(args, &mut notes)?;
-    let found = question.answer(arguments.iter().cloned(), progress)?;
+    let mut question = Question::of(args, &mut notes)?;
+    question.input.hide_files(&question.recordings);
+    let mut found = question.answer(&[], progress)?;
+    found.input.command.clear();
     let mut texts: Vec<(&str, String)> = FILES.into_iter().zip(found.texts()).collect();
     texts.push(("summary", text(&found.diagnosis)));
     Ok(Answer { texts, notes })
+}
+
+/// Options that say how a recording is read.
+const READING: [&str; 9] = [
+    "--column", "--topics", "--left", "--right", "--wheels", "--frames", "--preset", "--invert",
+    "--pose",
+];
+
+/// Those of the arguments, with their values.
+fn reading(arguments: &[String]) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut is_value = false;
+    for argument in arguments {
+        let name = argument.split('=').next().unwrap_or_default();
+        if READING.contains(&name) {
+            is_value = name == argument;
+            found.push(argument.clone());
+        } else if is_value && !argument.starts_with('-') {
+            found.push(argument.clone());
+            // Topics may be several.
+            is_value = found
+                .iter()
+                .rev()
+                .find(|one| one.starts_with("--"))
+                .is_some_and(|one| one == "--topics");
+        } else {
+            is_value = false;
+        }
+    }
+    found
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
@@ -251,7 +283,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let arguments = std::env::args_os().skip(1);
     let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
-    let found = question.answer(arguments, progress);
+    let found = question.answer(&arguments.collect::<Vec<_>>(), progress);
     line.finish();
     let found = found?;
     let texts = found.texts();

@@ -5,7 +5,7 @@ use super::destination::{ForceArgs, JsonArgs};
 use super::failure::Failure;
 use super::log::LogArgs;
 use super::model::load_vehicle;
-use super::output::{Output, finish_all, notify, print_beside};
+use super::output::{Output, finish_all, notify_all, print_beside};
 use super::recordings;
 use crate::inspection::inspect;
 use crate::report::inspection::{json, page, text};
@@ -66,7 +66,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let inputs = || std::iter::once(&args.recording).chain(&args.vehicle);
+    // The name of a preset vehicle is not a file.
+    let vehicle_file = args.vehicle.iter().filter(|path| path.exists());
+    let inputs = || std::iter::once(&args.recording).chain(vehicle_file.clone());
     let force = args.replace.force;
     let json_file = args.json.output(inputs(), force)?;
     let report = args.report.as_deref();
@@ -80,7 +82,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     args.log.check(std::slice::from_ref(&args.recording))?;
     let (columns, log) = (&args.columns.columns, args.log.options());
     let (recording, notes) = recordings::read(&args.recording, vehicle, columns, &log)?;
-    notes.iter().for_each(|note| notify(note));
+    notify_all(&notes, args.quiet);
     let inspection = inspect(&recording, vehicle);
     let filled = [
         json_file.map(|file| file.with(&json(&recording, &inspection))),

@@ -13,7 +13,7 @@ const HEADING: &str = "Options of a robot's log";
 /// Choices among what a log holds, as `ugv import` takes them.
 #[derive(clap::Args)]
 pub struct LogArgs {
-    /// Topics for any of joints, odometry, imu, fix, twist; `none` omits a kind
+    /// Topics for any of joints, odometry, imu, fix, twist; `none` omits a kind. Stands behind the recordings
     #[arg(long, help_heading = HEADING, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
     topics: Vec<(MessageKind, TopicRequest)>,
 
@@ -33,7 +33,7 @@ pub struct LogArgs {
     #[arg(long, help_heading = HEADING, value_name = "PARENT,CHILD", value_parser = frames)]
     frames: Option<[String; 2]>,
 
-    /// A known vehicle: prefer its topics, and write its dimensions to FILE.json
+    /// A known vehicle: prefer its topics and take its dimensions; `import` writes them to FILE.json
     #[arg(long, help_heading = HEADING, value_name = "NAME", value_parser = preset())]
     preset: Option<Preset>,
 

@@ -117,7 +117,7 @@ pub fn run() -> Result<(), Failure> {
 pub fn answer(arguments: &[String], caller: &Caller) -> Result<Answer, Failure> {
     let all = std::iter::once("ugv").chain(arguments.iter().map(String::as_str));
     match Cli::try_parse_from(all).map_err(Failure::Usage)?.command {
-        Command::Diagnose(args) => diagnose::answer(&args, arguments, caller),
+        Command::Diagnose(args) => diagnose::answer(&args, caller),
         Command::Fit(args) => fit::answer(&args, caller),
         Command::Score(args) => score::answer(&args, caller),
         _ => Err(Failure::argument("no command that is asked without files")),

@@ -119,8 +119,17 @@ impl NominalArgs {
                 None if recordings.iter().any(is_recorded) => Source::Recorded,
                 None => Source::Assumed,
             };
+        // The sidecar of a log with a vehicle has precedence, and says the same or better.
+        let preset = self.log.preset().filter(|preset| {
+            let of_preset = |one: &Recording| one.about.vehicle.as_ref() == Some(&preset.vehicle());
+            recordings.iter().all(of_preset)
+        });
+        let vehicle = match (preset, &self.vehicle, &self.model) {
+            (Some(preset), None, None) => Source::Named(format!("--preset {}", preset.name())),
+            _ => source(&self.vehicle, |one| one.about.vehicle.is_some()),
+        };
         [
-            source(&self.vehicle, |one| one.about.vehicle.is_some()),
+            vehicle,
             source(&self.terrain, |one| one.about.terrain.is_some()),
         ]
     }
@@ -161,25 +170,12 @@ impl NamedModel {
         &self,
         recordings: impl IntoIterator<Item = &'a Recording>,
     ) -> Result<(), Failure> {
-        let mut names = Vec::new();
-        for recording in recordings {
-            if recording.about.vehicle.is_some() {
-                return Ok(());
-            }
-            names.push(format!("{}.json", recording.name));
-        }
-        if self.vehicle.is_some() {
+        let recordings: Vec<&Recording> = recordings.into_iter().collect();
+        let is_known = |one: &&Recording| one.about.vehicle.is_some();
+        if self.vehicle.is_some() || recordings.iter().any(is_known) {
             return Ok(());
         }
-        let reason = format!(
-            "no vehicle: there is no --vehicle or --model, and no {} with the key `vehicle`",
-            names.join(" or ")
-        );
-        Err(Failure::argument(reason).with_remedy(format!(
-            "--vehicle mine.json (`ugv vehicle > mine.json` prints one to edit), or --vehicle {}; or {SIDECAR} in \
-             the JSON file beside the recording",
-            vehicle_names().collect::<Vec<_>>().join("|")
-        )))
+        Err(no_vehicle(&recordings))
     }
 
     /// What the arguments name, or else the recordings, or else the paper's soil; notes say what was chosen.
@@ -206,6 +202,21 @@ impl NamedModel {
     }
 }
 
+/// Nobody names the vehicle of these recordings.
+pub fn no_vehicle(recordings: &[&Recording]) -> Failure {
+    let names = recordings.iter().map(|one| format!("{}.json", one.name));
+    let names: Vec<String> = names.collect();
+    let reason = format!(
+        "no vehicle: there is no --vehicle or --model, and no {} with the key `vehicle`",
+        names.join(" or ")
+    );
+    Failure::argument(reason).with_remedy(format!(
+        "--vehicle mine.json (`ugv vehicle > mine.json` prints one to edit), or --vehicle {}; or {SIDECAR} in the \
+         JSON file beside the recording",
+        vehicle_names().collect::<Vec<_>>().join("|")
+    ))
+}
+
 /// The terrain of the first recording that has one: a fit assumes one soil for all.
 fn recorded_terrain(recordings: &[Recording], notes: &mut Vec<String>) -> Result<Terrain, Failure> {
     let mut named = recordings
@@ -229,7 +240,7 @@ fn recorded_vehicle(recordings: &[Recording]) -> Result<Vehicle, Failure> {
         .iter()
         .filter_map(|r| Some((r, r.about.vehicle.as_ref()?)));
     let Some((first, vehicle)) = named.next() else {
-        return Ok(Vehicle::tran2007());
+        return Err(no_vehicle(&recordings.iter().collect::<Vec<_>>()));
     };
     match named.find(|(_, other)| *other != vehicle) {
         Some((other, _)) => {

@@ -27,6 +27,8 @@ enum Destination {
 pub struct Output {
     destination: Destination,
     spool: BufWriter<SpooledTempFile>,
+    /// Whether it replaces a file that exists.
+    replaces: bool,
 }
 
 impl Output {
@@ -48,6 +50,7 @@ impl Output {
         let output = Self {
             destination,
             spool: BufWriter::new(spool),
+            replaces: true,
         };
         if let Destination::File(path) = &output.destination {
             check_place(path).map_err(|source| output.failure(source))?;
@@ -65,7 +68,7 @@ impl Output {
         inputs: impl IntoIterator<Item = &'a PathBuf>,
         force: bool,
     ) -> Result<Self, Failure> {
-        let output = Self::to(path)?;
+        let mut output = Self::to(path)?;
         for input in inputs {
             let beside = input.with_extension("json");
             if output.is_at(input) || output.is_at(&beside) {
@@ -76,18 +79,15 @@ impl Output {
                 );
             }
         }
-        output.check_free(force)?;
+        output.replaces = force;
+        output.check_free()?;
         Ok(output)
     }
 
     /// Refuses to replace a file, unless by `force`. Devices and pipes are not replaced.
-    fn check_free(&self, force: bool) -> Result<(), Failure> {
+    fn check_free(&self) -> Result<(), Failure> {
         match &self.destination {
-            Destination::File(path) if !force && path.is_file() => {
-                let reason = format!("{} exists", path.display());
-                Err(Failure::argument(reason)
-                    .with_remedy("--force replaces it; or name another place"))
-            }
+            Destination::File(path) if !self.replaces && path.is_file() => Err(exists(path)),
             _ => Ok(()),
         }
     }
@@ -113,6 +113,12 @@ impl Output {
     /// A write error, with the name of the destination instead of a temporary file's.
     pub fn failure(&self, source: io::Error) -> Failure {
         let target = match &self.destination {
+            // It came into being during the work.
+            Destination::File(path)
+                if !self.replaces && source.kind() == io::ErrorKind::AlreadyExists =>
+            {
+                return exists(path);
+            }
             Destination::Stdout => "standard output".into(),
             Destination::File(path) => path.display().to_string(),
         };
@@ -159,7 +165,12 @@ impl Output {
         }
         // Otherwise a crash soon after the rename may leave an empty file.
         file.sync_all()?;
-        Ok(Some(Staged { path, content }))
+        let replaces = self.replaces;
+        Ok(Some(Staged {
+            path,
+            content,
+            replaces,
+        }))
     }
 
     /// Writes to what a file cannot replace: standard output, a device, a named pipe.
@@ -195,10 +206,16 @@ pub fn finish_all(outputs: impl IntoIterator<Item = Output>) -> Result<(), Failu
     replace_all(files).map_err(|(place, source)| outputs[place].failure(source))
 }
 
+fn exists(path: &Path) -> Failure {
+    let reason = format!("{} exists", path.display());
+    Failure::argument(reason).with_remedy("--force replaces it; or name another place")
+}
+
 /// Complete content, beside the file that it replaces.
 struct Staged {
     path: PathBuf,
     content: NamedTempFile,
+    replaces: bool,
 }
 
 /// A replaced file, with its former content.
@@ -227,11 +244,20 @@ impl Replaced {
 fn replace_all(files: Vec<Staged>) -> Result<(), (usize, io::Error)> {
     let is_set = files.len() > 1;
     let mut done: Vec<Replaced> = Vec::new();
-    for (place, Staged { path, content }) in files.into_iter().enumerate() {
+    for (place, staged) in files.into_iter().enumerate() {
+        let Staged {
+            path,
+            content,
+            replaces,
+        } = staged;
         // A single rename succeeds or changes nothing.
         let before = if is_set { second_name(&path) } else { Ok(None) };
         let renamed = before.and_then(|before| {
-            content.persist(&path)?;
+            if replaces {
+                content.persist(&path)?;
+            } else {
+                content.persist_noclobber(&path)?;
+            }
             Ok(before)
         });
         match renamed {

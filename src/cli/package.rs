@@ -104,6 +104,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let force = args.replace.force;
     let output = Output::from_inputs(Some(path), &inputs, force)?;
     let json = args.json.output(&inputs, force)?;
+    check_distinct(json.as_ref(), &output)?;
     let mut fmu = Cursor::new(Vec::new());
     let written = write_fmu(&mut fmu, standard, &configuration, &libraries);
     written.map_err(|error| match error {
@@ -149,6 +150,7 @@ fn merge(args: &Args) -> Result<(), Failure> {
     let force = args.replace.force;
     let output = Output::from_inputs(Some(path), [], force)?;
     let json = args.json.output(&args.merge, force)?;
+    check_distinct(json.as_ref(), &output)?;
     let mut fmu = Cursor::new(Vec::new());
     let merged = merge_fmus(&mut fmu, inputs).map_err(|error| match error {
         MergeError::Write(source) => output.failure(source),
@@ -180,6 +182,12 @@ fn remedy(error: &MergeError) -> &'static str {
     }
 }
 
+fn check_distinct(json: Option<&Output>, output: &Output) -> Result<(), Failure> {
+    json.map_or(Ok(()), |json| {
+        json.check_distinct(output, "--json and --output")
+    })
+}
+
 /// Writes the FMU, and what is in it as JSON.
 fn finish(
     mut output: Output,
@@ -187,9 +195,6 @@ fn finish(
     json: Option<Output>,
     results: &Value,
 ) -> Result<(), Failure> {
-    if let Some(json) = &json {
-        json.check_distinct(&output, "--json and --output")?;
-    }
     let written = output.write_all(fmu);
     written.map_err(|source| output.failure(source))?;
     let json = json.map(|json| json.with(&format!("{results:#}\n")));

@@ -36,12 +36,15 @@ pub fn read(
         )
     });
     let from = format!(
-        "imported by itself ({}; --topics, --left, --right, --invert and --pose choose otherwise)",
+        "note: imported by itself ({}; --topics, --left, --right, --invert and --pose choose otherwise)",
         columns.collect::<Vec<_>>().join("; ")
     );
     let notes = std::iter::once(from).chain(imported.notes);
-    let notes = notes
-        .map(|note| format!("{}: {note}", recording.name))
-        .collect();
+    let name = &recording.name;
+    let named = |note: String| match note.split_once(": ") {
+        Some((kind @ ("note" | "warning"), text)) => format!("{kind}: {name}: {text}"),
+        _ => format!("{name}: {note}"),
+    };
+    let notes = notes.map(named).collect();
     Ok((recording, notes))
 }

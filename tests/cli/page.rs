@@ -29,7 +29,8 @@ that has one of its three files; other files there do not matter. Devices and pi
 file beside the recording of `import`, which keeps its other keys. Input files are never replaced, except by `package --merge`
 with `--force`.
 
-Output has no colour, with or without `NO_COLOR`. Progress is shown on a terminal alone.
+Output has no colour, with or without `NO_COLOR`. A progress bar is shown on a
+terminal alone. Elsewhere `diagnose` prints a line for each of its seven steps.
 ";
 
 fn help(bench: &Bench, command: &str) -> String {

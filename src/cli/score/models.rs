@@ -1,14 +1,14 @@
 //! The models of a comparison.
 
 use crate::cli::failure::Failure;
-use crate::cli::nominal::{DEFAULT_TERRAIN, NamedModel, NominalArgs};
+use crate::cli::nominal::{DEFAULT_TERRAIN, NamedModel, NominalArgs, no_vehicle};
 use crate::identification::{
     FittedKinematics, Kinematics, KinematicsForm, MotionModel, PredictionWindow, WindowOptions,
 };
 use crate::recording::IntervalEstimate;
 use crate::recording::Recording;
 use crate::terrain::Terrain;
-use crate::vehicle::{Specification, Vehicle, VehicleModel};
+use crate::vehicle::{Specification, VehicleModel};
 use std::sync::Arc;
 
 /// A fitted number with its unit.
@@ -160,8 +160,7 @@ impl GivenModel {
                 given.clone(),
                 "the given vehicle (the recording names none)",
             ),
-            // Refused before.
-            (None, None) => (Vehicle::tran2007(), "the paper's vehicle"),
+            (None, None) => return Err(no_vehicle(&[recording])),
         };
         let (terrain, of_terrain) = match (about.terrain, &about.terrain_name) {
             (Some(terrain), Some(name)) => (terrain, name.clone()),

@@ -241,14 +241,13 @@ fn found(
             .map(|u| system.pull[*u].powi(2) / system.precision[*u]);
         0.5 * (prior.sum::<f64>() + scaled.determinant().max(1.0).ln())
     };
-    let mut all: Vec<Replacement> = mechanisms
+    let mut found: Vec<Replacement> = mechanisms
         .iter()
         .filter_map(|mechanism| {
             let (loss, amplitudes, signal) = fitted(problem, mechanism, &matrix, &pull)?;
             let mut step = without.clone();
             step += &signal;
-            let unknowns: Vec<usize> = (first..first + columns).collect();
-            let follows = projection.inverse().1 + projection.following(&unknowns, &step);
+            let follows = projection.inverse().1 + projection.following(&all, &step);
             let alone = mechanism.coefficients.len();
             let all = mechanism.coefficients.iter().chain(&mechanism.further);
             let coordinates = all.zip(&amplitudes).enumerate().map(|(place, (k, a))| {
@@ -269,8 +268,8 @@ fn found(
             })
         })
         .collect();
-    all.sort_by(|a, b| b.odds.total_cmp(&a.odds));
-    Some((all, removed))
+    found.sort_by(|a, b| b.odds.total_cmp(&a.odds));
+    Some((found, removed))
 }
 
 /// A solution with some coefficients off.
@@ -324,7 +323,7 @@ fn append(
     let row = |system: &System, time_bin: usize, axis: usize| {
         system.layout.whole() + time_bin * system.layout.per_bin() + forces[axis]
     };
-    let combinations: Vec<DMatrix<f64>> = system
+    let mut combinations: Vec<DMatrix<f64>> = system
         .segments
         .iter()
         .enumerate()
@@ -338,7 +337,6 @@ fn append(
             columns
         })
         .collect();
-    let mut combinations = combinations;
     for mechanism in mechanisms.iter() {
         for (one, places) in mechanism.each.iter().zip(&mechanism.columns) {
             let features = features(one, mechanism.arguments);

@@ -2,7 +2,7 @@
 //!
 //! Which proposals are fitted first is decided beside a soil that imitates what is missing. The likeliest fit has
 //! nearly the right soil and motion. There every mechanism is asked what it would do in the place of the likeliest
-//! (see [`replacements`]), and the fits of those that come close begin where the linearised problem puts them. So no
+//! (see [`replacements`]), and the fits of those that come close start where the linearised problem puts them. So no
 //! mechanism loses because its fit went elsewhere.
 
 use super::naming::{FittedCandidate, PartialFit, finish};
@@ -20,12 +20,12 @@ const UNSURE: f64 = 15.0;
 const UNSURE_SHARE: f64 = 0.05;
 /// A fit whose odds the linearised ones exceed by less is as good.
 const BETTER: f64 = 2.5;
-/// A fit begins at these multiples of the linearised amplitude: what the soil absorbs may be larger, and its fit has
+/// Initial guesses are these multiples of the linearised amplitude: what the soil absorbs may be larger, and its fit has
 /// several optima (a tow of 250 N on clayed soil: 138 N from the linearised 104 N, gain 51; 215 N from twice that, gain
 /// 64).
 const FACTORS: [f64; 2] = [1.0, 2.0];
 /// Maximum number of fits.
-const MOST: usize = 3;
+const MAX_FITS: usize = 3;
 
 /// The likeliest, if it acts throughout and its odds are high.
 #[must_use]
@@ -75,7 +75,7 @@ pub fn replaced<'a>(
         linearised(one) > min_odds && linearised(one) > known + BETTER
     });
     let fits = promising
-        .take(MOST)
+        .take(MAX_FITS)
         .filter_map(|one| in_place_of(stage, best, one, noise));
     fits.collect()
 }

@@ -18,7 +18,7 @@ pub const AT_STAKE: f64 = 20.0;
 const CLOSE: f64 = 15.0;
 const CLOSE_SHARE: f64 = 0.1;
 /// Maximum number of compared candidates.
-const MOST: usize = 3;
+const MAX_COMPARED: usize = 3;
 
 /// Ranks close candidates.
 pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
@@ -30,12 +30,12 @@ pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
         return;
     }
     let near = |candidate: &&FittedCandidate| candidate.odds() > best - CLOSE - CLOSE_SHARE * best;
-    let count = fitted.iter().take(MOST).take_while(near).count();
+    let count = fitted.iter().take(MAX_COMPARED).take_while(near).count();
     let close = &mut fitted[..count];
     if count < 2 {
         return;
     }
-    // Each under noise and weights of its own: those of the model without it hide what tells them apart.
+    // Each under noise and weights of its own: those of the model without it hide the difference.
     let each: Vec<(FittedHypothesis, NoiseModel)> = close
         .iter()
         .map(|candidate| {

@@ -72,11 +72,11 @@ pub fn try_all<'a>(
     // What is hidden is fitted from the likeliest, see `replaced`, or from afar where nothing is seen.
     let (hidden, seen): (Vec<&Proposal>, Vec<&Proposal>) =
         proposals.iter().partition(|proposal| proposal.hidden);
-    for list in [seen, hidden] {
+    for some in [seen, hidden] {
         if replaceable(&fitted).is_some() {
             break;
         }
-        for partial_fit in started(&list) {
+        for partial_fit in started(&some) {
             progress.go_on()?;
             if progress.is_late() {
                 unfinished.push(partial_fit.unfinished());

@@ -230,8 +230,9 @@ def diagnose(
     """Finds the physics that the model leaves out, as `ugv diagnose` does.
 
     `vehicle` is a description, or the name of a preset such as "tran2007" (the paper's). Without one, that of NAME.json
-    beside NAME.csv is taken, and a recording without one is refused. Without a terrain likewise, or clayed_soil. `within` [s] limits the time, plus 10 % or 2 s. Ctrl-C ends the work within about a second. Notes of the
-    reader become warnings. Raises ValueError for input that cannot be diagnosed.
+    beside NAME.csv is taken, and a recording without one is refused. Without a terrain, that of NAME.json is taken, or
+    else clayed_soil. `within` [s] limits the time, plus 10 % or 2 s. Ctrl-C ends the work within about a second. Notes
+    of the reader become warnings. Raises ValueError for input that cannot be diagnosed.
     """
     with _Question("diagnose") as question:
         question.recordings(recordings)

@@ -142,7 +142,7 @@ fn drop_lines(
     count > 0
 }
 
-/// Checks the limits. Wheel speeds that are doubted already keep their doubt instead.
+/// Checks the limits. Wheel speeds whose unit is doubted may be beyond theirs, as motors before a gear are.
 ///
 /// # Errors
 /// The first value of a channel beyond its limit, with the units that it may be in.
@@ -153,10 +153,11 @@ pub fn check(samples: &RawSamples) -> Result<(), CsvError> {
         .any(|note| note.kind == NoteKind::Suspicion && note.channel == Some(Channel::OmegaLeft));
     for channel in Channel::ALL {
         let is_wheel = matches!(channel, Channel::OmegaLeft | Channel::OmegaRight);
-        if is_doubted && is_wheel {
-            continue;
-        }
-        let bound = limit(channel);
+        let bound = if is_doubted && is_wheel {
+            ANY_UNIT * limit(channel)
+        } else {
+            limit(channel)
+        };
         if let Some(sample) = samples
             .of(channel)
             .find(|sample| sample.value.abs() > bound)

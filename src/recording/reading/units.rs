@@ -325,7 +325,7 @@ fn near(ratio: f64, unit: f64) -> bool {
 }
 
 /// Notes wheel speeds that match the motion of the vehicle in another unit, and related ones beyond the limit. Their size
-/// does not tell a unit from a gear, or from wheels that slip: they are left as they are.
+/// does not distinguish a unit from a gear, or from wheels that slip: they are left as they are.
 fn wheel_unit(samples: &mut RawSamples, vehicle: Option<&Vehicle>) {
     if let Some(text) = wheel_finding(samples, vehicle) {
         wheel_note(samples, NoteKind::Suspicion, 1.0, text);

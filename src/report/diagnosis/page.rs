@@ -99,7 +99,7 @@ fn asked(diagnosis: &Diagnosis, input: &Input) -> String {
         Some(limit) => format!("{} s", digits(limit.as_secs_f64(), 3)),
         None => "none".into(),
     };
-    let mut html = String::from("<section id=\"input\">\n");
+    let mut html = String::from("<section id=\"input\" aria-label=\"Input\">\n");
     if !input.command.is_empty() {
         html += &format!("<pre><code>{}</code></pre>\n", markup(&input.command));
     }
@@ -136,7 +136,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     };
     let mut html = format!("<section id=\"verdict\" class=\"{class}\">");
     html += &format!(
-        "<p class=\"headline\">{}</p>\n",
+        "<h2 class=\"headline\">{}</h2>\n",
         markup(&claim::headline(diagnosis))
     );
     html += &paragraph(claim::reason(diagnosis));

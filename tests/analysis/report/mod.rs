@@ -27,6 +27,7 @@ fn page(diagnosis: &Diagnosis) -> String {
         terrain: Source::Named("dry_sand".into()),
         limit: Some(Duration::from_secs(900)),
         folder: "out & more".into(),
+        ..Input::default()
     };
     report::page(diagnosis, &input)
 }
@@ -414,7 +415,7 @@ fn text_json_and_page_have_one_headline_and_its_colour() {
             assert!(words(&text(&diagnosis)).starts_with(&format!("{headline}.")));
             let page = page(&diagnosis);
             let expected = format!(
-                "<p class=\"headline\">{}</p>",
+                "<h2 class=\"headline\">{}</h2>",
                 headline.replace(" %", "&nbsp;%")
             );
             assert_eq!(page.matches(&expected).count(), 1, "{expected}");
