@@ -355,3 +355,27 @@ impl Drop for NewFolder {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_that_say_how_a_recording_is_read_are_known_again() {
+        let read = |line: &str| {
+            let words: Vec<String> = line.split(' ').map(Into::into).collect();
+            reading(&words).join(" ")
+        };
+        assert_eq!(read("diagnose a.csv --seed 3 --output out"), "");
+        assert_eq!(
+            read("diagnose a.csv --column omega_left=wl:rpm --seed 3 --column=x=east"),
+            "--column omega_left=wl:rpm --column=x=east"
+        );
+        assert_eq!(
+            read("diagnose a.mcap --topics imu=/i fix=none --invert left --force"),
+            "--topics imu=/i fix=none --invert left"
+        );
+        // A value is followed by what is none.
+        assert_eq!(read("diagnose --left a,b a.mcap"), "--left a,b");
+    }
+}

@@ -421,6 +421,26 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_came_into_being_during_the_work_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let [one, two] = ["one", "two"].map(|name| folder.path().join(name));
+        let output = |path: &Path, force| {
+            let output = Output::from_inputs(Some(path), [], force).unwrap();
+            output.with("late").unwrap()
+        };
+        let set = [output(&one, false), output(&two, false)];
+        let forced = output(&two, true);
+        fs::write(&two, "early").unwrap();
+        let failure = finish_all(set).unwrap_err().to_string();
+        assert!(failure.contains("two exists"), "{failure}");
+        assert_eq!(fs::read_to_string(&two).unwrap(), "early");
+        // All or none.
+        assert!(!one.exists());
+        forced.finish().unwrap();
+        assert_eq!(fs::read_to_string(&two).unwrap(), "late");
+    }
+
+    #[test]
     fn a_set_that_cannot_be_renamed_as_a_whole_is_undone() {
         let folder = tempfile::tempdir().unwrap();
         let [old, new, blocked] = ["old", "new", "blocked"].map(|name| folder.path().join(name));

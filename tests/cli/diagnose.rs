@@ -261,6 +261,14 @@ fn no_command_assumes_the_vehicle_of_a_recording() {
         assert_contains(&message, "the nearest preset is --vehicle husky");
     }
     assert_eq!(bench.files(), ["a.csv", "drive.csv"]);
+    // The vehicle of one recording is not that of another one.
+    bench.write("b.csv", drive(20.0));
+    bench.write(
+        "b.json",
+        format!("{{\"vehicle\": {}}}", bench.stdout("vehicle")),
+    );
+    let message = bench.fails("score b.csv a.csv", 2);
+    assert_contains(&message, "no a.json with the key `vehicle`");
 }
 
 #[test]
