@@ -527,18 +527,16 @@ mod tests {
         assert!(removed > 20.0, "{removed}");
         let find = |name: &str| all.iter().find(|one| one.subject == subject(name)).unwrap();
         let first = find("drag");
-        // At one speed a wedge before the wheels is as good, and shape freedom costs some evidence where the formula is
-        // the catalogue's.
-        assert!(first.odds > all[0].odds - 10.0, "{all:?}");
-        assert!((-15.0..3.0).contains(&first.odds), "{}", first.odds);
+        // At one speed a wedge before the wheels is as good. Time bins leave some of it.
+        let all_of_it = format!("{removed} {all:?}");
+        assert!(first.odds > all[0].odds - 0.1 * removed, "{all_of_it}");
+        assert!(first.odds.abs() < 0.2 * removed, "{all_of_it}");
         let size = fit.solution.coefficients[0][own[0]];
         let found = first.coordinates[0].1;
         assert!((found / size - 1.0).abs() < 0.5, "{found} {size}");
-        // A mechanism that cannot do it loses nearly all.
-        let other = all
-            .iter()
-            .find(|one| one.subject == subject("left_right_soil"));
-        assert!(other.unwrap().odds < first.odds - 0.5 * removed);
+        // A mechanism that cannot do it loses much of it.
+        let other = find("left_right_soil").odds;
+        assert!(other < first.odds - 0.3 * removed, "{all_of_it}");
         // Nothing replaces nothing.
         assert!(replacements(problem, &fit, &[], &noise).0.is_empty());
     }
