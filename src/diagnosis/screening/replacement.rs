@@ -533,7 +533,8 @@ mod tests {
         assert!(first.odds.abs() < 0.2 * removed, "{all_of_it}");
         let size = fit.solution.coefficients[0][own[0]];
         let found = first.coordinates[0].1;
-        assert!((found / size - 1.0).abs() < 0.5, "{found} {size}");
+        // Amplitude and direction share a component: together they have the size.
+        assert!((0.4..2.5).contains(&(found / size)), "{found} {size}");
         // A mechanism that cannot do it loses much of it.
         let other = find("left_right_soil").odds;
         assert!(other < first.odds - 0.3 * removed, "{all_of_it}");
