@@ -28,8 +28,7 @@ const FACTORS: [f64; 2] = [1.0, 2.0];
 const MAX_FITS: usize = 3;
 
 /// The likeliest, if it acts throughout and its odds are high.
-#[must_use]
-pub fn replaceable<'n, 'a>(fitted: &'n [FittedCandidate<'a>]) -> Option<&'n FittedCandidate<'a>> {
+fn replaceable<'n, 'a>(fitted: &'n [FittedCandidate<'a>]) -> Option<&'n FittedCandidate<'a>> {
     let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
     let throughout = best.proposal.kind() != ProposalKind::Local;
     (throughout && best.odds() > AT_STAKE).then_some(best)

@@ -5,7 +5,7 @@ use super::edges::refine_edges;
 use super::given_soil::from_given_soil;
 use super::naming::{FittedCandidate, PartialFit, finish, partial_fit};
 use super::proposal::{Proposal, ProposalKind};
-use super::replaced::{replaceable, replaced, take_over};
+use super::replaced::{replaced, take_over};
 use super::rerank::rerank;
 use super::stage::Stage;
 use super::subsample_search::SubsampleSearch;
@@ -50,11 +50,11 @@ pub fn try_all<'a>(
         ..problem.clone()
     };
     let subsample_search = SubsampleSearch::new(&hasty, fit, noise);
-    let started = |proposals: &[&Proposal]| {
+    let started = || {
         let mut started = match &subsample_search {
-            Some(subsample_search) => subsampled(&hasty, stage, proposals, subsample_search, noise),
+            Some(subsample_search) => subsampled(&hasty, stage, subsample_search, noise),
             None => {
-                let all = proposals.iter().copied();
+                let all = proposals.iter();
                 let all = all.take_while(|_| !hasty.deadline.is_over());
                 partially_fitted(all, NEAR, |one, min_odds| {
                     partial_fit(&hasty, one, fit, noise, 1.0, min_odds)
@@ -69,27 +69,19 @@ pub fn try_all<'a>(
     let best =
         |fitted: &[FittedCandidate]| fitted.iter().map(FittedCandidate::odds).fold(0.0, f64::max);
     let (mut fitted, mut unfinished) = (Vec::new(), Vec::new());
-    // What is hidden is fitted from the likeliest, see `replaced`, or from afar where nothing is seen.
-    let (hidden, seen): (Vec<&Proposal>, Vec<&Proposal>) =
-        proposals.iter().partition(|proposal| proposal.hidden);
-    for some in [seen, hidden] {
-        if replaceable(&fitted).is_some() {
-            break;
+    for partial_fit in started() {
+        progress.go_on()?;
+        if progress.is_late() {
+            unfinished.push(partial_fit.unfinished());
+            continue;
         }
-        for partial_fit in started(&some) {
-            progress.go_on()?;
-            if progress.is_late() {
-                unfinished.push(partial_fit.unfinished());
-                continue;
-            }
-            let finished = finish(from_given_soil(partial_fit, fit, noise), fit, noise);
-            let list = if progress.is_late() {
-                &mut unfinished
-            } else {
-                &mut fitted
-            };
-            list.extend(finished);
-        }
+        let finished = finish(from_given_soil(partial_fit, fit, noise), fit, noise);
+        let list = if progress.is_late() {
+            &mut unfinished
+        } else {
+            &mut fitted
+        };
+        list.extend(finished);
     }
     let largest = best(&fitted);
     refine_edges(&mut fitted, largest, noise);
@@ -126,14 +118,12 @@ pub fn try_all<'a>(
 fn subsampled<'a>(
     problem: &Problem<'a>,
     stage: &Stage<'a>,
-    proposals: &[&Proposal],
     subsample_search: &SubsampleSearch<'a>,
     noise: &NoiseModel,
 ) -> Vec<PartialFit<'a>> {
-    let fit = &stage.fit;
+    let Stage { fit, proposals, .. } = stage;
     let in_time = || !problem.deadline.is_over();
-    let (throughout, local): (Vec<&Proposal>, Vec<&Proposal>) =
-        proposals.iter().copied().partition(|p| p.extent.is_none());
+    let (throughout, local): (Vec<_>, Vec<_>) = proposals.iter().partition(|p| p.extent.is_none());
     let throughout = throughout.into_iter().take_while(|_| in_time());
     let started = partially_fitted(throughout, NEAR_ON_A_PART, |one, min_odds| {
         subsample_search.partial_fit(one, min_odds)
