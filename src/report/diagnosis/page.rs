@@ -249,7 +249,7 @@ fn next(diagnosis: &Diagnosis, input: &Input) -> String {
         html += "</ul>\n";
     }
     // Without a fit, the model is the given one.
-    if !diagnosis.soil.is_empty() {
+    if !diagnosis.soil.is_empty() && !input.commands().is_empty() {
         // The model has no sensor faults.
         let mends =
             |finding: &Finding| !finding.subject.is_sensor() && !finding.parameters.is_empty();
