@@ -27,7 +27,7 @@ SLOPE = (0.03, -0.02)  # towards east and north
 MOUNTED = (0.01, -0.005)  # pitch and roll of the sensor on level ground
 HEADER = "time,omega_left,omega_right,x,y,heading,yaw_rate"
 
-# Answers as the tool does; the errors of a model are a number of its own.
+# Answers as the tool does. Each model has another constant error.
 STAND_IN = '''#!{python}
 import json, pathlib, sys
 words = sys.argv[1:]

@@ -1,4 +1,4 @@
-"""Names of families in which mechanisms act by other formulas begin with OTHER. Their conditions are those of the usual families."""
+"""Families whose names start with OTHER have effects with other formulas than the catalogue. Their conditions are the usual ones."""
 
 OTHER = "other_"
 

@@ -241,13 +241,13 @@ fn found(
             .map(|u| system.pull[*u].powi(2) / system.precision[*u]);
         0.5 * (prior.sum::<f64>() + scaled.determinant().max(1.0).ln())
     };
+    let settled = projection.inverse().1;
     let mut found: Vec<Replacement> = mechanisms
         .iter()
         .filter_map(|mechanism| {
             let (loss, amplitudes, signal) = fitted(problem, mechanism, &matrix, &pull)?;
-            let mut step = without.clone();
-            step += &signal;
-            let follows = projection.inverse().1 + projection.following(&all, &step);
+            let step = &without + &signal;
+            let follows = &settled + projection.following(&all, &step);
             let alone = mechanism.coefficients.len();
             let all = mechanism.coefficients.iter().chain(&mechanism.further);
             let coordinates = all.zip(&amplitudes).enumerate().map(|(place, (k, a))| {

@@ -5,6 +5,7 @@
 //! (see [`replacements`]), and the fits of those that come close start where the linearised problem puts them. So no
 //! mechanism loses because its fit went elsewhere.
 
+use super::initial_guess::after_steps;
 use super::naming::{FittedCandidate, PartialFit, finish};
 use super::proposal::{Proposal, ProposalKind};
 use super::rerank::AT_STAKE;
@@ -105,11 +106,7 @@ fn in_place_of<'a>(
             recording[*k] = *at;
         }
     }
-    let soil = there.soil.iter_mut().zip(problem.soil_parameters());
-    for ((value, parameter), step) in soil.zip(one.soil.iter()) {
-        let (low, high) = parameter.bounds();
-        *value = (*value + step).clamp(low, high);
-    }
+    let there = after_steps(problem, &proposal, &there, 1.0);
     let starts = FACTORS.map(|factor| {
         let mut start = there.clone();
         for recording in &mut start.coefficients {

@@ -35,7 +35,7 @@ pub fn rerank(fitted: &mut [FittedCandidate], noise: &NoiseModel) {
     if count < 2 {
         return;
     }
-    // Each under noise and weights of its own: those of the model without it hide the difference.
+    // Noise and weights are re-estimated for each: those of the model without it absorb a part of its signal.
     let each: Vec<(FittedHypothesis, NoiseModel)> = close
         .iter()
         .map(|candidate| {
