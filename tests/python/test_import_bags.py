@@ -390,7 +390,7 @@ class Commands(BagCase):
             for t, s in make_bags.ticks(20)
         ]
         log = self.bag(drive)
-        words = [str(UGV), "inspect", str(log), "--quiet", "--json"]
+        words = [str(UGV), "inspect", str(log), "--json"]
         for more, topic in ([], "/ins/odom"), (["--topics", "odometry=/other/odom"], "/other/odom"):
             done = subprocess.run([*words, *more], capture_output=True, text=True, check=True)
             self.assertIn(f"heading from {topic}", done.stderr)
