@@ -85,6 +85,17 @@ impl Normal {
         }
     }
 
+    /// The sum of the squares after a step of the start and of the parameters.
+    #[must_use]
+    pub fn cost_after(&self, start: &[f64; START], parameters: &DVector<f64>) -> f64 {
+        let start = StartVector::from_row_slice(start);
+        let by_start = self.by_start * start + &self.cross * parameters;
+        let by_parameters = &self.by_parameters * parameters + self.cross.tr_mul(&start);
+        self.cost
+            + start.dot(&(by_start - 2.0 * self.start_gradient))
+            + parameters.dot(&(by_parameters - 2.0 * &self.gradient))
+    }
+
     /// Adds what is known of the start: its distance from the prior's mean.
     pub fn add_start_prior(&mut self, missing: &[f64; START], deviation: &[f64; START]) {
         for k in 0..START {
@@ -222,5 +233,11 @@ mod tests {
         assert!((log_determinant - matrix.determinant().ln()).abs() < 1e-9);
         let gain: f64 = eliminated.iter().map(|e| e.start_gain).sum::<f64>() + gradient.dot(&step);
         assert!((gain - rhs.dot(&expected)).abs() < tolerance);
+        // The same as the difference of the segments' costs.
+        let pairs = normals.iter().zip(&eliminated);
+        let falls = pairs.map(|(normal, one)| {
+            normal.cost - normal.cost_after(&one.start_step(normal, &step), &step)
+        });
+        assert!((falls.sum::<f64>() - gain).abs() < tolerance);
     }
 }

@@ -7,7 +7,7 @@
 //! looked for anew (see [`super::restart`]). A search ends at the predictor's deadline with the best point so far.
 
 use super::bounded::{room, step_within};
-use super::normal::{Eliminated, Normal};
+use super::normal::{Eliminated, Normal, START};
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::restart::{moved, outlying_excess, outlying_restarted};
@@ -93,12 +93,26 @@ const SMALLEST_REACH: f64 = 1e-6;
 const LINEAR: f64 = 0.25;
 const CHORDS: usize = 3;
 
+/// A segment whose cost exceeds what the linearised problem expects by this share of the whole gain takes another step
+/// of its start.
+const EXCESS: f64 = 0.1;
+/// Damping of such a start at least, its growth for each trial, and the number of trials.
+const START_DAMPING: f64 = 0.1;
+const START_GROWTH: f64 = 10.0;
+const START_TRIALS: usize = 3;
+/// A start whose damping falls below this is damped like all unknowns.
+const START_FREE: f64 = 1e-3;
+
 /// A step and the gain that the linearised problem expects of it.
 struct Step {
     point: Point,
     expected_gain: f64,
     /// How far it carries a parameter at most, in standard deviations of its prior.
     reach: f64,
+    /// The step of the parameters.
+    taken: DVector<f64>,
+    /// The cost that the linearised problem expects of each segment.
+    segment_costs: Vec<f64>,
 }
 
 /// Where the search stands.
@@ -187,13 +201,14 @@ pub fn minimise_from<P: Predictor>(
     };
     let first = here.cost;
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
+    let mut start_damping = vec![0.0; here.normals.len()];
     let mut reach = FIRST_REACH;
     let (mut steps, mut max_restarts) = (0, 0);
     // Whether what the next step promises is within the accuracy of the predictions.
     let mut rounded = false;
     let (converged, predicted_reduction) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
-        let step = propose(problem, &here, damping, reach);
+        let step = propose(problem, &here, damping, &start_damping, reach);
         let enough = if rounded { NEARLY } else { 1.0 } * stop.gain;
         let little = step.as_ref().is_some_and(|s| s.expected_gain < enough);
         if problem.predictor().deadline().is_over() {
@@ -227,13 +242,15 @@ pub fn minimise_from<P: Predictor>(
             break (little, step.map_or(0.0, |step| step.expected_gain));
         }
         steps += 1;
-        let Some(step) = step else {
+        let Some(mut step) = step else {
             damping *= 10.0;
             continue;
         };
-        let trial = problem.evaluate_unless_one_fails(&step.point, false);
-        let trial_cost = trial.as_ref().map_or(f64::INFINITY, |residuals| {
-            problem.cost(residuals, &step.point, by)
+        let mut trial = problem.evaluate_unless_one_fails(&step.point, false);
+        let trial_cost = trial.as_mut().map_or(f64::INFINITY, |residuals| {
+            let costs =
+                shorten_starts(problem, &here, &mut step, residuals, &mut start_damping, by);
+            costs.iter().sum::<f64>() + problem.prior_cost(&step.point.coordinates)
         });
         let ratio = (here.cost - trial_cost) / step.expected_gain;
         // A point whose neighbours cannot be predicted is as good as none.
@@ -311,16 +328,96 @@ fn total<P: Predictor>(problem: &ShootingProblem<P>, normals: &[Normal], point: 
     normals.iter().map(|normal| normal.cost).sum::<f64>() + problem.prior_cost(&point.coordinates)
 }
 
+/// Shortens the steps of starts that are less linear than the parameters, as a lateral velocity that is gone after some
+/// tenths of a second. A segment depends on no other start, so each has its own damping, and one start does not hold
+/// up all parameters. Returns the segments' costs.
+fn shorten_starts<P: Predictor>(
+    problem: &ShootingProblem<P>,
+    here: &Stand,
+    step: &mut Step,
+    residuals: &mut [Tables],
+    start_damping: &mut [f64],
+    by: &NoiseModel,
+) -> Vec<f64> {
+    let tolerated = EXCESS * step.expected_gain;
+    let values = problem.values(&step.point);
+    let shortened = |index: usize, tables: &Tables| {
+        let mut end = StartEnd {
+            start: step.point.starts[index],
+            damping: start_damping[index] / START_GROWTH,
+            cost: problem.segment_cost(index, tables, &step.point.starts[index], by),
+            tables: None,
+        };
+        if end.damping < START_FREE {
+            end.damping = 0.0;
+        }
+        let normal = &here.normals[index];
+        let mut damping = start_damping[index];
+        for _ in 0..START_TRIALS {
+            if end.cost - step.segment_costs[index] <= tolerated {
+                break;
+            }
+            damping = (START_GROWTH * damping).max(START_DAMPING);
+            let Some(eliminated) = Eliminated::new(normal, damping) else {
+                break;
+            };
+            let moved = eliminated.start_step(normal, &step.taken);
+            let start = std::array::from_fn(|k| here.point.starts[index][k] + moved[k]);
+            let pair = (&problem.segments[index], &start);
+            let Ok(tables) = problem.predicted(pair, &step.point, &values, false) else {
+                continue;
+            };
+            let cost = problem.segment_cost(index, &tables, &start, by);
+            if cost >= end.cost {
+                break;
+            }
+            end = StartEnd {
+                start,
+                damping,
+                cost,
+                tables: Some(tables),
+            };
+        }
+        end
+    };
+    let all = residuals.par_iter().enumerate();
+    let ends: Vec<StartEnd> = all
+        .map(|(index, tables)| shortened(index, tables))
+        .collect();
+    let mut costs = Vec::with_capacity(ends.len());
+    for (index, end) in ends.into_iter().enumerate() {
+        step.point.starts[index] = end.start;
+        start_damping[index] = end.damping;
+        costs.push(end.cost);
+        if let Some(tables) = end.tables {
+            residuals[index] = tables;
+        }
+    }
+    costs
+}
+
+/// A start after its step.
+struct StartEnd {
+    start: [f64; START],
+    damping: f64,
+    /// The cost of its segment.
+    cost: f64,
+    /// The residuals, if the step is a shorter one.
+    tables: Option<Tables>,
+}
+
 fn propose<P: Predictor>(
     problem: &ShootingProblem<P>,
     here: &Stand,
     damping: f64,
+    start_damping: &[f64],
     reach: f64,
 ) -> Option<Step> {
     let Stand { point, normals, .. } = here;
     let eliminated: Vec<Option<Eliminated>> = normals
         .par_iter()
-        .map(|normal| Eliminated::new(normal, damping))
+        .zip(start_damping)
+        .map(|(normal, own)| Eliminated::new(normal, damping.max(*own)))
         .collect();
     let eliminated: Vec<Eliminated> = eliminated.into_iter().collect::<Option<_>>()?;
     let (precision, pull) = problem.prior(&point.coordinates);
@@ -357,28 +454,22 @@ fn propose<P: Predictor>(
         next.coordinates[k] = (point.coordinates[k] + wanted[k]).clamp(low, high);
     }
     let taken = &next.coordinates - &point.coordinates;
-    // What the linearised cost would fall by: the start's share, and that of the parameters,
-    // of which damping leaves at least half.
-    let mut expected_gain =
-        2.0 * gradient.dot(&taken) - taken.dot(&(&matrix_of(&eliminated, &precision) * &taken));
+    let mut segment_costs = Vec::with_capacity(normals.len());
     for (one, (normal, start)) in eliminated.iter().zip(normals.iter().zip(&mut next.starts)) {
-        expected_gain += one.start_gain;
-        for (value, step) in start.iter_mut().zip(one.start_step(normal, &taken)) {
+        let step = one.start_step(normal, &taken);
+        segment_costs.push(normal.cost_after(&step, &taken));
+        for (value, step) in start.iter_mut().zip(step) {
             *value += step;
         }
     }
+    let expected_cost = segment_costs.iter().sum::<f64>() + problem.prior_cost(&next.coordinates);
+    let expected_gain = here.cost - expected_cost;
     let finite = next.starts.iter().flatten().all(|v| v.is_finite());
     (expected_gain.is_finite() && finite).then_some(Step {
         point: next,
         expected_gain,
         reach: far,
+        taken,
+        segment_costs,
     })
-}
-
-fn matrix_of(eliminated: &[Eliminated], precision: &DVector<f64>) -> DMatrix<f64> {
-    let mut matrix = DMatrix::from_diagonal(precision);
-    for one in eliminated {
-        matrix += &one.matrix;
-    }
-    matrix
 }

@@ -298,21 +298,40 @@ impl<'a, P: Predictor> ShootingProblem<'a, P> {
     /// Sum of the squares of all whitened residuals and of the distances from the priors.
     #[must_use]
     pub fn cost(&self, residuals: &[Tables], point: &Point, by: &NoiseModel) -> f64 {
-        let one = |(index, tables): (usize, &Tables)| {
-            let segment = &self.segments[index];
-            let mut cost = 0.0;
-            for (channel, samples) in segment.samples.iter().enumerate() {
-                let mut table = tables.channels[channel].clone();
-                let noise = by.noise[segment.recording][samples.signal.group() as usize];
-                noise.whiten(&samples.time, &by.weights[index][channel], 1, &mut table);
-                cost += table.iter().map(|r| r * r).sum::<f64>();
-            }
-            let missing = self.start_missing(index, point);
-            let pairs = missing.iter().zip(segment.start_deviation);
-            cost + pairs.map(|(m, d)| (m / d).powi(2)).sum::<f64>()
-        };
-        let costs: Vec<f64> = residuals.par_iter().enumerate().map(one).collect();
+        let costs = self.segment_costs(residuals, point, by);
         costs.iter().sum::<f64>() + self.prior_cost(&point.coordinates)
+    }
+
+    /// The share of each segment in the cost, its start's prior among it.
+    #[must_use]
+    pub fn segment_costs(&self, residuals: &[Tables], point: &Point, by: &NoiseModel) -> Vec<f64> {
+        let all = residuals.par_iter().enumerate();
+        all.map(|(index, tables)| self.segment_cost(index, tables, &point.starts[index], by))
+            .collect()
+    }
+
+    /// The share of a segment with this start in the cost.
+    #[must_use]
+    pub fn segment_cost(
+        &self,
+        index: usize,
+        residuals: &Tables,
+        start: &[f64; START],
+        by: &NoiseModel,
+    ) -> f64 {
+        let segment = &self.segments[index];
+        let mut cost = 0.0;
+        for (channel, samples) in segment.samples.iter().enumerate() {
+            let mut table = residuals.channels[channel].clone();
+            let noise = by.noise[segment.recording][samples.signal.group() as usize];
+            noise.whiten(&samples.time, &by.weights[index][channel], 1, &mut table);
+            cost += table.iter().map(|r| r * r).sum::<f64>();
+        }
+        let apart = segment.start_prior.iter().zip(start);
+        let pairs = apart.zip(segment.start_deviation);
+        cost + pairs
+            .map(|((prior, at), d)| ((prior - at) / d).powi(2))
+            .sum::<f64>()
     }
 
     fn start_missing(&self, index: usize, point: &Point) -> [f64; START] {

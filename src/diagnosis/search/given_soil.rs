@@ -4,14 +4,11 @@
 //! describes another vehicle on another soil: the right effect may be absent from the proposals or misplaced, without
 //! a way back. So everything is screened once more from the given soil.
 
-use super::initial_guess::{after_steps, on_given_soil};
-use super::naming::PartialFit;
+use super::initial_guess::on_given_soil;
 use super::proposal::{Proposal, ProposalKind, proposals, screened, shortlist};
 use super::view::View;
-use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, LONG_PARTIAL_FIT, cost, fit_with_new_starts,
-};
-use crate::diagnosis::hypothesis::{Problem, Solution};
+use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
 use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
 use crate::diagnosis::screening::shape::Shapes;
 use crate::diagnosis::screening::system::linearise;
@@ -64,54 +61,6 @@ pub fn seen_from_given_soil(
         .collect()
 }
 
-/// Repeats a fit from the given soil if the refitted one is far from it. The likelier fit stays.
-#[must_use]
-pub fn from_given_soil<'a>(
-    partial_fit: PartialFit<'a>,
-    before: &FittedHypothesis,
-    noise: &NoiseModel,
-) -> PartialFit<'a> {
-    let (problem, fitted) = (&partial_fit.problem, &partial_fit.fit);
-    let base = on_given_soil(problem, before);
-    if partial_fit.proposal.anew || !is_far(problem, &base.soil, &before.solution.soil) {
-        return partial_fit;
-    }
-    let as_seen = after_steps(problem, &partial_fit.proposal, &before.solution, 1.0);
-    let initials = [&before.solution, &as_seen, &fitted.solution].map(|with| {
-        let initial = Solution {
-            coefficients: with.coefficients.clone(),
-            ..base.clone()
-        };
-        (
-            cost(problem, &fitted.coefficients, &initial, noise),
-            initial,
-        )
-    });
-    let cheapest = initials.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    let again = cheapest.and_then(|(_, initial)| {
-        fit_with_new_starts(
-            problem,
-            &fitted.coefficients,
-            &initial,
-            noise,
-            LONG_PARTIAL_FIT,
-        )
-        .ok()
-    });
-    match again.filter(|again| again.negative_log_evidence < fitted.negative_log_evidence) {
-        Some(again) => PartialFit {
-            gain: partial_fit.gain + fitted.negative_log_evidence - again.negative_log_evidence,
-            fit: again,
-            proposal: Proposal {
-                anew: true,
-                ..partial_fit.proposal
-            },
-            ..partial_fit
-        },
-        None => partial_fit,
-    }
-}
-
 /// Whether a soil parameter is far from another solution.
 fn is_far(problem: &Problem, from: &[f64], to: &[f64]) -> bool {
     let parameters = problem.soil_parameters();
@@ -155,13 +104,5 @@ mod tests {
         assert!(proposal.anew);
         let found = partial_fit(problem, proposal, fit, &noise, 1.0, ANY).unwrap();
         assert!(found.fit.negative_log_evidence < 0.5 * fit.negative_log_evidence);
-        let stuck = Proposal {
-            anew: false,
-            ..proposal.clone()
-        };
-        let stuck = partial_fit(problem, &stuck, fit, &noise, 1.0, ANY).unwrap();
-        let odds = stuck.odds();
-        let again = from_given_soil(stuck, fit, &noise);
-        assert!(again.odds() > odds + 100.0, "{} {odds}", again.odds());
     }
 }

@@ -21,10 +21,6 @@ const UNSURE: f64 = 15.0;
 const UNSURE_SHARE: f64 = 0.05;
 /// A fit whose odds the linearised ones exceed by less is as good.
 const BETTER: f64 = 2.5;
-/// Initial guesses are these multiples of the linearised amplitude: what the soil absorbs may be larger, and its fit has
-/// several optima (a tow of 250 N on clayed soil: 138 N from the linearised 104 N, gain 51; 215 N from twice that, gain
-/// 64).
-const FACTORS: [f64; 2] = [1.0, 2.0];
 /// Maximum number of fits.
 const MAX_FITS: usize = 3;
 
@@ -90,7 +86,6 @@ fn in_place_of<'a>(
     let before = &stage.fit;
     let problem = &stage.problem;
     let proposal = Proposal {
-        anew: true,
         soil: one.soil.clone(),
         ..Proposal::new(one.subject, problem.candidates.of(one.subject).collect())
     };
@@ -106,26 +101,8 @@ fn in_place_of<'a>(
             recording[*k] = *at;
         }
     }
-    let there = after_steps(problem, &proposal, &there, 1.0);
-    let starts = FACTORS.map(|factor| {
-        let mut start = there.clone();
-        for recording in &mut start.coefficients {
-            for k in &proposal.coefficients {
-                let about = &problem.candidates[*k];
-                let (low, high) = about.parameter.bounds();
-                if !about.is_shape() {
-                    let away = factor * (recording[*k] - about.off());
-                    recording[*k] = (about.off() + away).clamp(low, high);
-                }
-            }
-        }
-        start
-    });
-    let fits = starts.iter().filter_map(|start| {
-        let fit = fit_until(problem, &coefficients, start, noise, LONG_PARTIAL_FIT);
-        fit.ok().filter(|fit| fit.negative_log_evidence.is_finite())
-    });
-    let fit = fits.min_by(|a, b| a.negative_log_evidence.total_cmp(&b.negative_log_evidence))?;
+    let start = after_steps(problem, &proposal, &there, 1.0);
+    let fit = fit_until(problem, &coefficients, &start, noise, LONG_PARTIAL_FIT).ok()?;
     let fit = finish(
         PartialFit::new(&proposal, problem, fit, before),
         before,

@@ -2,14 +2,14 @@
 
 use super::colocated::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
 use super::edges::refine_edges;
-use super::given_soil::from_given_soil;
 use super::naming::{FittedCandidate, PartialFit, finish, partial_fit};
 use super::proposal::{Proposal, ProposalKind};
 use super::replaced::{replaced, take_over};
-use super::rerank::rerank;
+use super::rerank::{AT_STAKE, rerank};
 use super::stage::Stage;
 use super::subsample_search::SubsampleSearch;
 use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
 use crate::diagnosis::{DiagnosisError, Progress};
 use crate::fit::problem::NoiseModel;
 
@@ -53,13 +53,7 @@ pub fn try_all<'a>(
     let started = || {
         let mut started = match &subsample_search {
             Some(subsample_search) => subsampled(&hasty, stage, subsample_search, noise),
-            None => {
-                let all = proposals.iter();
-                let all = all.take_while(|_| !hasty.deadline.is_over());
-                partially_fitted(all, NEAR, |one, min_odds| {
-                    partial_fit(&hasty, one, fit, noise, 1.0, min_odds)
-                })
-            }
+            None => all_partially_fitted(&hasty, proposals, fit, noise),
         };
         for partial_fit in &mut started {
             partial_fit.problem.deadline = problem.deadline;
@@ -75,7 +69,7 @@ pub fn try_all<'a>(
             unfinished.push(partial_fit.unfinished());
             continue;
         }
-        let finished = finish(from_given_soil(partial_fit, fit, noise), fit, noise);
+        let finished = finish(partial_fit, fit, noise);
         let list = if progress.is_late() {
             &mut unfinished
         } else {
@@ -113,6 +107,34 @@ pub fn try_all<'a>(
     Ok(fitted)
 }
 
+/// First steps of all proposals: those that act throughout, then the local ones that may come close, and hidden ones
+/// if none of these explains much. If one does, its fit has nearly the right motion, and there other mechanisms take
+/// its place, hidden ones too (see [`replaced`]).
+fn all_partially_fitted<'a>(
+    problem: &Problem<'a>,
+    proposals: &[Proposal],
+    before: &FittedHypothesis,
+    noise: &NoiseModel,
+) -> Vec<PartialFit<'a>> {
+    let in_time = |_: &&Proposal| !problem.deadline.is_over();
+    let fit = |one: &Proposal, min_odds| partial_fit(problem, one, before, noise, 1.0, min_odds);
+    let (hidden, seen): (Vec<_>, Vec<_>) = proposals.iter().partition(|p| p.hidden);
+    let (local, throughout): (Vec<_>, Vec<_>) = seen
+        .into_iter()
+        .partition(|p| p.kind() == ProposalKind::Local);
+    let throughout = throughout.into_iter().take_while(in_time);
+    let mut started = partially_fitted(Vec::new(), throughout, NEAR, fit);
+    let bar = OddsThreshold::of(&started);
+    let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.min_odds(p.kind(), NEAR);
+    let local = local.into_iter().filter(may_be_near).take_while(in_time);
+    started = partially_fitted(started, local, NEAR, fit);
+    let best = started.iter().map(PartialFit::odds).fold(0.0, f64::max);
+    if best > AT_STAKE {
+        return started;
+    }
+    partially_fitted(started, hidden.into_iter().take_while(in_time), NEAR, fit)
+}
+
 /// First steps on a long recording: effects that act throughout are fitted to a subsample, and to all segments if
 /// their odds hold; local effects to all segments, if they may come close.
 fn subsampled<'a>(
@@ -125,7 +147,7 @@ fn subsampled<'a>(
     let in_time = || !problem.deadline.is_over();
     let (throughout, local): (Vec<_>, Vec<_>) = proposals.iter().partition(|p| p.extent.is_none());
     let throughout = throughout.into_iter().take_while(|_| in_time());
-    let started = partially_fitted(throughout, NEAR_ON_A_PART, |one, min_odds| {
+    let started = partially_fitted(Vec::new(), throughout, NEAR_ON_A_PART, |one, min_odds| {
         subsample_search.partial_fit(one, min_odds)
     });
     let near = promising(started, NEAR_ON_A_PART, 2 * MOST);
@@ -147,13 +169,13 @@ fn subsampled<'a>(
     widened.chain(local).collect()
 }
 
-/// The proposals whose fit succeeded. Each is followed as long as it may reach this share of the best so far.
+/// Adds the proposals whose fit succeeded. Each is followed as long as it may reach this share of the best so far.
 fn partially_fitted<'a, 'p>(
+    mut started: Vec<PartialFit<'a>>,
     proposals: impl Iterator<Item = &'p Proposal>,
     share: f64,
     fit: impl Fn(&Proposal, f64) -> Option<PartialFit<'a>>,
 ) -> Vec<PartialFit<'a>> {
-    let mut started = Vec::new();
     for proposal in proposals {
         let min_odds = OddsThreshold::of(&started).min_odds(proposal.kind(), share);
         started.extend(fit(proposal, min_odds));
