@@ -10,7 +10,7 @@ use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal, START};
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
-use super::restart::{moved, outlying_excess, outlying_restarted};
+use super::restart::{moved, outlying_excess, outlying_restarted, settled};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -93,15 +93,9 @@ const SMALLEST_REACH: f64 = 1e-6;
 const LINEAR: f64 = 0.25;
 const CHORDS: usize = 3;
 
-/// A segment whose cost exceeds what the linearised problem expects by this share of the whole gain takes another step
-/// of its start.
+/// Where a segment costs more than the linearised problem expects, by this share of the whole expected gain, its start
+/// alone is fitted to the new parameters, if that concerns half of the segments at most: else the step is too long.
 const EXCESS: f64 = 0.1;
-/// Damping of such a start at least, its growth for each trial, and the number of trials.
-const START_DAMPING: f64 = 0.1;
-const START_GROWTH: f64 = 10.0;
-const START_TRIALS: usize = 3;
-/// A start whose damping falls below this is damped like all unknowns.
-const START_FREE: f64 = 1e-3;
 
 /// A step and the gain that the linearised problem expects of it.
 struct Step {
@@ -109,8 +103,6 @@ struct Step {
     expected_gain: f64,
     /// How far it carries a parameter at most, in standard deviations of its prior.
     reach: f64,
-    /// The step of the parameters.
-    taken: DVector<f64>,
     /// The cost that the linearised problem expects of each segment.
     segment_costs: Vec<f64>,
 }
@@ -201,14 +193,13 @@ pub fn minimise_from<P: Predictor>(
     };
     let first = here.cost;
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
-    let mut start_damping = vec![0.0; here.normals.len()];
     let mut reach = FIRST_REACH;
     let (mut steps, mut max_restarts) = (0, 0);
     // Whether what the next step promises is within the accuracy of the predictions.
     let mut rounded = false;
     let (converged, predicted_reduction) = loop {
         let ended = steps >= stop.steps || damping >= LARGEST_DAMPING || reach <= SMALLEST_REACH;
-        let step = propose(problem, &here, damping, &start_damping, reach);
+        let step = propose(problem, &here, damping, reach);
         let enough = if rounded { NEARLY } else { 1.0 } * stop.gain;
         let little = step.as_ref().is_some_and(|s| s.expected_gain < enough);
         if problem.predictor().deadline().is_over() {
@@ -248,8 +239,7 @@ pub fn minimise_from<P: Predictor>(
         };
         let mut trial = problem.evaluate_unless_one_fails(&step.point, false);
         let trial_cost = trial.as_mut().map_or(f64::INFINITY, |residuals| {
-            let costs =
-                shorten_starts(problem, &here, &mut step, residuals, &mut start_damping, by);
+            let costs = settle_starts(problem, &here, &mut step, residuals, by, stop.gain);
             costs.iter().sum::<f64>() + problem.prior_cost(&step.point.coordinates)
         });
         let ratio = (here.cost - trial_cost) / step.expected_gain;
@@ -328,96 +318,68 @@ fn total<P: Predictor>(problem: &ShootingProblem<P>, normals: &[Normal], point: 
     normals.iter().map(|normal| normal.cost).sum::<f64>() + problem.prior_cost(&point.coordinates)
 }
 
-/// Shortens the steps of starts that are less linear than the parameters, as a lateral velocity that is gone after some
-/// tenths of a second. A segment depends on no other start, so each has its own damping, and one start does not hold
-/// up all parameters. Returns the segments' costs.
-fn shorten_starts<P: Predictor>(
+/// Fits starts that are less linear than the parameters to these, as a lateral velocity that is gone after some tenths of
+/// a second: one such start would hold up all parameters. A segment depends on no other start, so each is a small
+/// problem of its own (Y. Jeong et al., "Pushing the envelope of modern methods for bundle adjustment", 2012: embedded
+/// point iterations). Returns the segments' costs.
+fn settle_starts<P: Predictor>(
     problem: &ShootingProblem<P>,
     here: &Stand,
     step: &mut Step,
     residuals: &mut [Tables],
-    start_damping: &mut [f64],
     by: &NoiseModel,
+    worth: f64,
 ) -> Vec<f64> {
-    let tolerated = EXCESS * step.expected_gain;
+    let mut costs = problem.segment_costs(residuals, &step.point, by);
+    let tolerated = (EXCESS * step.expected_gain).max(worth);
+    let exceeds = |index: &usize| costs[*index] - step.segment_costs[*index] > tolerated;
+    let exceeding: Vec<usize> = (0..costs.len()).filter(exceeds).collect();
+    if 2 * exceeding.len() > costs.len() {
+        return costs;
+    }
     let values = problem.values(&step.point);
-    let shortened = |index: usize, tables: &Tables| {
-        let mut end = StartEnd {
-            start: step.point.starts[index],
-            damping: start_damping[index] / START_GROWTH,
-            cost: problem.segment_cost(index, tables, &step.point.starts[index], by),
-            tables: None,
+    let settle = |index: &usize| {
+        let cost_at = |start: &[f64; START]| {
+            let pair = (&problem.segments[*index], start);
+            let tables = problem.predicted(pair, &step.point, &values, false).ok()?;
+            Some((problem.segment_cost(*index, &tables, start, by), tables))
         };
-        if end.damping < START_FREE {
-            end.damping = 0.0;
-        }
-        let normal = &here.normals[index];
-        let mut damping = start_damping[index];
-        for _ in 0..START_TRIALS {
-            if end.cost - step.segment_costs[index] <= tolerated {
-                break;
-            }
-            damping = (START_GROWTH * damping).max(START_DAMPING);
-            let Some(eliminated) = Eliminated::new(normal, damping) else {
-                break;
-            };
-            let moved = eliminated.start_step(normal, &step.taken);
-            let start = std::array::from_fn(|k| here.point.starts[index][k] + moved[k]);
-            let pair = (&problem.segments[index], &start);
-            let Ok(tables) = problem.predicted(pair, &step.point, &values, false) else {
-                continue;
-            };
-            let cost = problem.segment_cost(index, &tables, &start, by);
-            if cost >= end.cost {
-                break;
-            }
-            end = StartEnd {
-                start,
-                damping,
-                cost,
-                tables: Some(tables),
-            };
-        }
-        end
+        let before = here.point.starts[*index];
+        let kept = cost_at(&before).is_some_and(|(cost, _)| cost < costs[*index]);
+        let from = if kept {
+            before
+        } else {
+            step.point.starts[*index]
+        };
+        let start = settled(
+            problem,
+            *index,
+            &step.point.coordinates,
+            from,
+            &by.of(&[*index]),
+        )?;
+        let (cost, tables) = cost_at(&start)?;
+        (cost < costs[*index]).then_some((*index, start, cost, tables))
     };
-    let all = residuals.par_iter().enumerate();
-    let ends: Vec<StartEnd> = all
-        .map(|(index, tables)| shortened(index, tables))
-        .collect();
-    let mut costs = Vec::with_capacity(ends.len());
-    for (index, end) in ends.into_iter().enumerate() {
-        step.point.starts[index] = end.start;
-        start_damping[index] = end.damping;
-        costs.push(end.cost);
-        if let Some(tables) = end.tables {
-            residuals[index] = tables;
-        }
+    let found: Vec<_> = exceeding.par_iter().filter_map(settle).collect();
+    for (index, start, cost, tables) in found {
+        step.point.starts[index] = start;
+        costs[index] = cost;
+        residuals[index] = tables;
     }
     costs
-}
-
-/// A start after its step.
-struct StartEnd {
-    start: [f64; START],
-    damping: f64,
-    /// The cost of its segment.
-    cost: f64,
-    /// The residuals, if the step is a shorter one.
-    tables: Option<Tables>,
 }
 
 fn propose<P: Predictor>(
     problem: &ShootingProblem<P>,
     here: &Stand,
     damping: f64,
-    start_damping: &[f64],
     reach: f64,
 ) -> Option<Step> {
     let Stand { point, normals, .. } = here;
     let eliminated: Vec<Option<Eliminated>> = normals
         .par_iter()
-        .zip(start_damping)
-        .map(|(normal, own)| Eliminated::new(normal, damping.max(*own)))
+        .map(|normal| Eliminated::new(normal, damping))
         .collect();
     let eliminated: Vec<Eliminated> = eliminated.into_iter().collect::<Option<_>>()?;
     let (precision, pull) = problem.prior(&point.coordinates);
@@ -469,7 +431,6 @@ fn propose<P: Predictor>(
         point: next,
         expected_gain,
         reach: far,
-        taken,
         segment_costs,
     })
 }
