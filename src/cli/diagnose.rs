@@ -238,12 +238,7 @@ fn reading(arguments: &[String]) -> Vec<String> {
             found.push(argument.clone());
         } else if is_value && !argument.starts_with('-') {
             found.push(argument.clone());
-            // Topics may be several.
-            is_value = found
-                .iter()
-                .rev()
-                .find(|one| one.starts_with("--"))
-                .is_some_and(|one| one == "--topics");
+            is_value = false;
         } else {
             is_value = false;
         }
@@ -372,8 +367,8 @@ mod tests {
             "--column omega_left=wl:rpm --column=x=east"
         );
         assert_eq!(
-            read("diagnose a.mcap --topics imu=/i fix=none --invert left --force"),
-            "--topics imu=/i fix=none --invert left"
+            read("diagnose --topics imu=/i,fix=none a.mcap --invert left --force"),
+            "--topics imu=/i,fix=none --invert left"
         );
         // A value is followed by what is none.
         assert_eq!(read("diagnose --left a,b a.mcap"), "--left a,b");
