@@ -29,7 +29,7 @@ Examples:
   ugv simulate --input other.csv --model diagnosis/model.json --output motion.csv
 
 Input:   CSV with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,yaw_rate
-         [s, m, rad], or logs (MCAP, .db3, .bag, the folder of a bag). Several recordings share
+         [s, m, rad], or logs (MCAP, .db3, .bag, .ulg, the folder of a bag). Several recordings share
          vehicle and soil; each has its slopes, latencies and biases. Best is a minute with turns
          both ways, straights and several speeds.
 Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the refitted soil with the
