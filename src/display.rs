@@ -56,6 +56,17 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
     visible.into()
 }
 
+/// An argument for a shell, in quotes where it needs them.
+#[must_use]
+pub fn shell_quoted(argument: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !argument.is_empty() && argument.chars().all(is_plain) {
+        argument.into()
+    } else {
+        format!("'{}'", argument.replace('\'', r"'\''"))
+    }
+}
+
 /// The first characters of a foreign text, and the length of a longer one.
 #[must_use]
 pub fn shortened(text: &str) -> Cow<'_, str> {

@@ -29,7 +29,7 @@ Examples:
   ugv simulate --input other.csv --model diagnosis/model.json --output motion.csv
 
 Input:   CSV with a header time,omega_left,omega_right and any of x,y,heading,v_x,v_y,yaw_rate
-         [s, m, rad], or logs (MCAP, .db3, .bag, the folder of a bag). Several recordings share
+         [s, m, rad], or logs (MCAP, .db3, .bag, .ulg, the folder of a bag). Several recordings share
          vehicle and soil; each has its slopes, latencies and biases. Best is a minute with turns
          both ways, straights and several speeds.
 Output:  DIR/diagnosis.json (format ugv-diagnosis/1), DIR/model.json (the refitted soil with the
@@ -238,12 +238,7 @@ fn reading(arguments: &[String]) -> Vec<String> {
             found.push(argument.clone());
         } else if is_value && !argument.starts_with('-') {
             found.push(argument.clone());
-            // Topics may be several.
-            is_value = found
-                .iter()
-                .rev()
-                .find(|one| one.starts_with("--"))
-                .is_some_and(|one| one == "--topics");
+            is_value = false;
         } else {
             is_value = false;
         }
@@ -372,8 +367,8 @@ mod tests {
             "--column omega_left=wl:rpm --column=x=east"
         );
         assert_eq!(
-            read("diagnose a.mcap --topics imu=/i fix=none --invert left --force"),
-            "--topics imu=/i fix=none --invert left"
+            read("diagnose --topics imu=/i,fix=none a.mcap --invert left --force"),
+            "--topics imu=/i,fix=none --invert left"
         );
         // A value is followed by what is none.
         assert_eq!(read("diagnose --left a,b a.mcap"), "--left a,b");

@@ -19,12 +19,12 @@ const EXAMPLES: &str = "\
 Examples:
   ugv import drive.mcap --list
   ugv import drive.mcap --output drive.csv
-  ugv import drive.bag --output drive.csv --topics odometry=/ins/odom imu=none
+  ugv import drive.bag --output drive.csv --topics odometry=/ins/odom,imu=none
   ugv import drive.bag --output drive.csv --left fl,rl --right fr,rr --invert right
   ugv import bag_folder --output drive.csv --preset husky --frames map,base_link
 
-Input:   MCAP, a ROS 2 bag in SQLite (.db3) or a ROS 1 bag, packed with zstd or not. Or the folder
-         of a bag, whose files are one recording. It may hold any of
+Input:   MCAP, a ROS 2 bag in SQLite (.db3), a ROS 1 bag or a log of PX4 (.ulg), packed with zstd
+         or not. Or the folder of a bag, whose files are one recording. It may hold any of
            joints    sensor_msgs/JointState; Feedback of jackal_msgs, clearpath_platform_msgs
                      omega_left, omega_right (required), effort_* [N m] or current_* [A] of a side
            odometry  nav_msgs/Odometry: x, y, heading, v_x, v_y; without velocities:
@@ -32,6 +32,8 @@ Input:   MCAP, a ROS 2 bag in SQLite (.db3) or a ROS 1 bag, packed with zstd or 
            imu       sensor_msgs/Imu: yaw_rate, a_x, a_y
            fix       sensor_msgs/NavSatFix: x, y, metres east and north of the first fix
            twist     geometry_msgs/TwistStamped: v_x, v_y, yaw_rate, if odometry has none
+         PX4: wheel_encoders (joints; actuator outputs are commands); vehicle_local_position,
+         vehicle_odometry (odometry); vehicle_angular_velocity, sensor_combined, vehicle_attitude (imu)
 Output:  CSV in SI units and radians: time, omega_left, omega_right, then the other columns. It has
          a row for every time with a measurement, and empty cells for the others. FILE.json beside
          FILE.csv gets the origin of each column under `source` and `provenance`, and keeps its
@@ -44,12 +46,12 @@ Choice:  of several topics of a type: one with wheels (joints); one whose name s
          their velocities are used, or else the differences of their positions. yaw_rate is about
          the vertical, which follows from gravity in the accelerations of the IMU.";
 
-/// Make a recording from a robot's log: a bag of ROS 1 or ROS 2 in, CSV out.
+/// Make a recording from a robot's log: a bag of ROS 1 or ROS 2 or a log of PX4 in, CSV out.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// MCAP file, ROS 2 bag in SQLite (.db3), ROS 1 bag, each perhaps packed with zstd; or the folder
-    /// of a bag
+    /// MCAP file, ROS 2 bag in SQLite (.db3), ROS 1 bag or log of PX4 (.ulg), each perhaps packed with
+    /// zstd; or the folder of a bag
     #[arg(value_name = "FILE")]
     input: PathBuf,
 

@@ -21,8 +21,8 @@ Input:   CSV with time,omega_left,omega_right [s, rad/s] and any of x,y [m], hea
          [m/s], yaw_rate [rad/s], a_x,a_y [m/s^2]. An empty cell or nan is a missing sample. A
          column `run` separates runs. Names and units in common use are known, such as yaw_deg
          or wl [rpm]; --column names others. Other columns are ignored. A log is imported first:
-         MCAP, .db3, .bag, the folder of a bag. drive.json beside drive.csv may hold vehicle,
-         terrain and sensors.
+         MCAP, .db3, .bag, .ulg, the folder of a bag. drive.json beside drive.csv may hold
+         vehicle, terrain and sensors.
 Repairs: wrong units, swapped columns, late rows and wrapped headings are corrected if they are
          unambiguous, with a note. Otherwise the file is refused.
 Doubts:  what is wrong with the data rather than with the model, each with its probability, evidence

@@ -13,8 +13,8 @@ const HEADING: &str = "Options of a robot's log";
 /// Choices among what a log holds, as `ugv import` takes them.
 #[derive(clap::Args)]
 pub struct LogArgs {
-    /// Topics for any of joints, odometry, imu, fix, twist; `none` omits a kind. Stands behind the recordings
-    #[arg(long, help_heading = HEADING, value_name = "KIND=TOPIC", num_args = 1.., value_parser = topic)]
+    /// Topics for any of joints, odometry, imu, fix, twist; `none` omits a kind; repeatable
+    #[arg(long, help_heading = HEADING, value_name = "KIND=TOPIC,...", value_delimiter = ',', value_parser = topic)]
     topics: Vec<(MessageKind, TopicRequest)>,
 
     /// Joints of the left wheels [default: by name]

@@ -82,7 +82,8 @@ impl Doubts {
     /// Puts the doubts before the answer.
     ///
     /// The likeliest doubt about data that are used competes with everything else: it takes its probability p, and all other
-    /// probabilities shrink by 1 - p. From [`PROBABLE`] on the verdict is about it, and nothing else is claimed.
+    /// probabilities shrink by 1 - p. From [`PROBABLE`] on the verdict is about it, and nothing else is claimed. Below, and
+    /// where samples are left out, the headline of the verdict mentions it.
     pub fn put_before(&self, diagnosis: &mut Diagnosis) {
         let all = || {
             let each = self.each.iter();
@@ -103,14 +104,15 @@ impl Doubts {
                 doubt: (*doubt).clone(),
             });
         diagnosis.cautions.splice(0..0, cautions);
-        let notes = all().filter(|(_, doubt)| !is_shown(doubt) && doubt.kind != DoubtKind::Source);
-        let notes = notes.map(|(name, doubt)| {
-            format!(
-                "{name}: {doubt} Probability: {:.0} %.",
-                100.0 * doubt.probability
-            )
-        });
-        diagnosis.account.notes.extend(notes);
+        let minor = all().filter(|(_, doubt)| !is_shown(doubt) && doubt.kind != DoubtKind::Source);
+        for (name, doubt) in minor {
+            let percent = 100.0 * doubt.probability;
+            let note = format!("{name}: {doubt} Probability: {percent:.0} %.");
+            diagnosis.account.notes.push(note);
+            diagnosis.minor_doubts.push(doubt.clone());
+        }
+        let by_probability = |a: &Doubt, b: &Doubt| b.probability.total_cmp(&a.probability);
+        diagnosis.minor_doubts.sort_by(by_probability);
         if !self.is_whole {
             diagnosis.account.notes.push(UNFINISHED.into());
         }
@@ -149,4 +151,56 @@ fn lead(diagnosis: &mut Diagnosis, recording: &str, doubt: &Doubt) {
     diagnosis.verdict = Verdict::Sensor;
     diagnosis.insufficient = None;
     diagnosis.leading = None;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::{DiagnosisError, Options, insufficient};
+    use crate::effects::Effects;
+    use crate::terrain::Terrain;
+    use crate::vehicle::Specification;
+
+    /// A diagnosis with doubts of these kinds and probabilities, frozen ones left out.
+    fn doubted(doubts: &[(DoubtKind, f64)]) -> Diagnosis {
+        let nominal = Specification {
+            vehicle: Vehicle::tran2007(),
+            terrain: Terrain::preset("dry_sand").unwrap(),
+            effects: Effects::default(),
+        };
+        let error = DiagnosisError::OutOfTime;
+        let mut diagnosis = insufficient(&[], &nominal, &Options::default(), &error);
+        let doubts = doubts.iter().map(|(kind, probability)| Doubt {
+            kind: *kind,
+            channels: Vec::new(),
+            span: None,
+            probability: *probability,
+            left_out: *kind == DoubtKind::Frozen,
+            evidence: String::new(),
+            remedy: String::new(),
+        });
+        let each = vec![("drive".into(), doubts.collect())];
+        let is_whole = true;
+        Doubts { each, is_whole }.put_before(&mut diagnosis);
+        diagnosis
+    }
+
+    #[test]
+    fn every_doubt_has_its_place() {
+        let found = doubted(&[
+            (DoubtKind::Frozen, 0.97),
+            (DoubtKind::Jump, 0.3),
+            (DoubtKind::Quantised, 0.4),
+            (DoubtKind::Source, 0.3),
+        ]);
+        assert_eq!(found.verdict, Verdict::InsufficientData);
+        let minor: Vec<DoubtKind> = found.minor_doubts.iter().map(|doubt| doubt.kind).collect();
+        assert_eq!(minor, [DoubtKind::Quantised, DoubtKind::Jump]);
+        let is_data = |one: &&Caution| matches!(one, Caution::DoubtfulData { .. });
+        assert_eq!(found.cautions.iter().filter(is_data).count(), 1);
+        // A probable doubt about data that are used is the verdict.
+        let found = doubted(&[(DoubtKind::Jump, 0.6), (DoubtKind::Quantised, 0.4)]);
+        assert_eq!(found.verdict, Verdict::Sensor);
+        assert_eq!(found.minor_doubts.len(), 1);
+    }
 }

@@ -3,6 +3,7 @@
 use super::Caution;
 use crate::effects::{CATALOGUE, EffectKind};
 use crate::fit::{Estimate, NoiseEstimate};
+use crate::inspection::Doubt;
 use crate::vehicle::Specification;
 
 /// The overall result.
@@ -439,6 +440,8 @@ pub struct Diagnosis {
     pub statement: String,
     /// Limits of the verdict, such as a time limit.
     pub cautions: Vec<Caution>,
+    /// Doubts about data that are used and probably right, the likeliest first.
+    pub minor_doubts: Vec<Doubt>,
     /// Names of the recordings.
     pub recordings: Vec<String>,
     /// What is missing, in the order of what each explains beside the others; an unknown main cause comes first.

@@ -136,6 +136,10 @@ pub(super) fn origin(topic: &str) -> Origin {
 
 /// The same for a topic with its frames: transforms from the map are localisation, those from `odom` alone are not.
 pub(super) fn source(topic: &Topic) -> Origin {
+    // The estimator of PX4 takes its pose from satellites, inertial sensors and vision.
+    if topic.encoding == "ulog" {
+        return Origin::Independent;
+    }
     if !is_transforms(&topic.message_type) {
         return origin(&topic.name);
     }
@@ -170,7 +174,8 @@ fn standing(kind: MessageKind, topic: &Topic, wheels: &WheelJoints) -> u8 {
         MessageKind::Twist => u8::from(origin(&name) == Origin::Wheels),
         MessageKind::Imu => {
             let elsewhere = has_word(&name, ELSEWHERE) || has_word(&topic.frame, ELSEWHERE);
-            2 * u8::from(elsewhere) + u8::from(name.contains("raw"))
+            let place = kind.place(&topic.message_type).min(15) as u8;
+            32 * u8::from(elsewhere) + 16 * u8::from(name.contains("raw")) + place
         }
         MessageKind::Fix => u8::from(name.contains("raw") || name.contains("filtered")),
     }
@@ -266,7 +271,7 @@ fn named<'s>(
     let reason = match survey.topics.iter().find(same) {
         None => "the file has no such topic".into(),
         Some(topic) if MessageKind::of_type(&topic.message_type) == Some(kind) => format!(
-            "its encoding `{}` cannot be read, only cdr and ros1",
+            "its encoding `{}` cannot be read, only cdr, ros1 and ulog",
             topic.encoding
         ),
         Some(topic) => format!("it is of type {}", topic.message_type),

@@ -309,7 +309,8 @@ impl Collected {
             };
             stream.push(&message.header, logged, value);
         } else if let Some(stream) = carrying(&mut self.odometry, channel) {
-            let message = Odometry::decode(encoding, data).map_err(|error| stream.refuse(error))?;
+            let message = Odometry::decode_type(&channel.message_type, encoding, data)
+                .map_err(|error| stream.refuse(error))?;
             if stream.samples.is_empty() {
                 stream.child_frame = message.child_frame.clone().into_owned();
             }
@@ -323,7 +324,8 @@ impl Collected {
             };
             stream.push(&message.header, logged, value);
         } else if let Some(stream) = carrying(&mut self.imu, channel) {
-            let message = Imu::decode(encoding, data).map_err(|error| stream.refuse(error))?;
+            let message = Imu::decode_type(&channel.message_type, encoding, data)
+                .map_err(|error| stream.refuse(error))?;
             let value = ImuSample {
                 yaw: message.orientation.map(yaw),
                 angular_velocity: message.angular_velocity,

@@ -1,6 +1,7 @@
 //! Why a file cannot be made a recording.
 
 use super::message::MessageKind;
+use super::px4;
 use super::wire::DecodeError;
 use crate::display;
 use std::io;
@@ -78,6 +79,8 @@ pub enum ImportError {
     NoWheelSpeeds {
         /// The topics with their types.
         topics: Vec<String>,
+        /// Whether the log is one of PX4.
+        is_px4: bool,
     },
     /// Joints of an unknown side, or missing joints.
     #[error(
@@ -115,6 +118,11 @@ impl ImportError {
             | Self::Missing { remedy, .. } => Some(remedy.clone()),
             Self::Broken { messages: 0, .. } => None,
             Self::Broken { .. } => Some("--partial imports what comes before".into()),
+            Self::NoWheelSpeeds { is_px4: true, .. } => Some(format!(
+                "wheel speeds are required: log the topic {}; actuator outputs and setpoints are commands, no measured \
+                 speeds",
+                px4::WHEEL_ENCODERS
+            )),
             Self::NoWheelSpeeds { .. } => Some(
                 "wheel speeds are required: record a topic of sensor_msgs/JointState that has the \
                  wheels' joints"

@@ -1,6 +1,7 @@
 //! The messages of a recording. Their definitions have not changed since 2010, except for the header's counter, which
 //! ROS 2 dropped.
 
+use super::px4::{self, PlanarMotion};
 use super::wire::{DecodeError, Encoding, Wire};
 use std::borrow::Cow;
 
@@ -19,7 +20,7 @@ pub enum MessageKind {
     Twist,
 }
 
-/// Name of each kind, and the type names of ROS 1, the best first.
+/// Name of each kind, and the type names of ROS 1 and PX4, the best first.
 const KINDS: [(&str, &[&str]); 5] = [
     (
         "joints",
@@ -27,6 +28,7 @@ const KINDS: [(&str, &[&str]); 5] = [
             "sensor_msgs/JointState",
             "clearpath_platform_msgs/Feedback",
             "jackal_msgs/Feedback",
+            px4::WHEEL_ENCODERS,
         ],
     ),
     (
@@ -38,9 +40,19 @@ const KINDS: [(&str, &[&str]); 5] = [
             "geometry_msgs/TransformStamped",
             "tf2_msgs/TFMessage",
             "tf/tfMessage",
+            px4::LOCAL_POSITION,
+            px4::ODOMETRY,
         ],
     ),
-    ("imu", &["sensor_msgs/Imu"]),
+    (
+        "imu",
+        &[
+            "sensor_msgs/Imu",
+            px4::ANGULAR_VELOCITY,
+            px4::SENSOR_COMBINED,
+            px4::ATTITUDE,
+        ],
+    ),
     ("fix", &["sensor_msgs/NavSatFix"]),
     (
         "twist",
@@ -72,13 +84,13 @@ impl MessageKind {
         KINDS[self as usize].0
     }
 
-    /// Type names of ROS 1.
+    /// Type names of ROS 1 and PX4.
     #[must_use]
     pub fn message_types(self) -> &'static [&'static str] {
         KINDS[self as usize].1
     }
 
-    /// From a type name of ROS 1 or ROS 2.
+    /// From a type name of ROS 1, ROS 2 or PX4.
     #[must_use]
     pub fn of_type(name: &str) -> Option<Self> {
         let name = ros1_name(name);
@@ -105,13 +117,16 @@ pub(super) fn is_transforms(message_type: &str) -> bool {
 
 /// Whether messages of a type have velocities beside the pose.
 pub(super) fn has_twist(message_type: &str) -> bool {
-    ros1_name(message_type) == "nav_msgs/Odometry"
+    matches!(
+        ros1_name(message_type).as_str(),
+        "nav_msgs/Odometry" | px4::LOCAL_POSITION | px4::ODOMETRY
+    )
 }
 
 /// Time and frame of a measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MessageHeader<'a> {
-    /// Time of measurement \[ns\] since 1970; zero if the publisher did not set it.
+    /// Time of measurement \[ns\] since 1970, or since the start of PX4; zero if the publisher did not set it.
     pub stamp: i64,
     /// The frame's name.
     pub frame: Cow<'a, str>,
@@ -124,12 +139,18 @@ impl<'a> MessageHeader<'a> {
     }
 
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
-        if wire.encoding() == Encoding::Ros1 {
-            let _counter = wire.u32()?;
-        }
         let seconds = match wire.encoding() {
-            Encoding::Ros1 => i64::from(wire.u32()?),
+            Encoding::Ros1 => {
+                let _counter = wire.u32()?;
+                i64::from(wire.u32()?)
+            }
             Encoding::Cdr => i64::from(wire.i32()?),
+            Encoding::Ulog => {
+                return Ok(Self {
+                    stamp: wire.i64()?,
+                    frame: "".into(),
+                });
+            }
         };
         let nanoseconds = i64::from(wire.u32()?);
         Ok(Self {
@@ -167,6 +188,41 @@ pub(super) struct Odometry<'a> {
     pub angular_velocity: [f64; 3],
 }
 
+impl<'a> Odometry<'a> {
+    /// A message of one of the types with a pose and velocities.
+    pub fn decode_type(
+        message_type: &str,
+        encoding: Encoding,
+        bytes: &'a [u8],
+    ) -> Result<Self, DecodeError> {
+        let mut wire = Wire::new(encoding, bytes)?;
+        let message = match message_type {
+            px4::LOCAL_POSITION => Self::px4(&mut wire, px4::local_position)?,
+            px4::ODOMETRY => Self::px4(&mut wire, px4::odometry)?,
+            _ => Self::read(&mut wire)?,
+        };
+        wire.finish()?;
+        Ok(message)
+    }
+
+    fn px4<const N: usize>(
+        wire: &mut Wire<'a>,
+        motion: fn([f64; N]) -> PlanarMotion,
+    ) -> Result<Self, DecodeError> {
+        let header = MessageHeader::read(wire)?;
+        let motion = motion(wire.f64s()?);
+        let ([x, y], [v_x, v_y]) = (motion.position, motion.velocity);
+        Ok(Self {
+            header,
+            child_frame: "".into(),
+            position: [x, y, 0.0],
+            orientation: px4::attitude(motion.heading),
+            velocity: [v_x, v_y, 0.0],
+            angular_velocity: [0.0, 0.0, motion.yaw_rate],
+        })
+    }
+}
+
 impl<'a> Decode<'a> for Odometry<'a> {
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError> {
         let (header, child_frame) = (MessageHeader::read(wire)?, wire.text()?);
@@ -195,6 +251,41 @@ pub(super) struct Imu<'a> {
     pub angular_velocity: Option<[f64; 3]>,
     /// Specific force in the sensor's frame: +9.81 upwards at rest \[m/s^2\].
     pub acceleration: Option<[f64; 3]>,
+}
+
+impl<'a> Imu<'a> {
+    /// A message of one of the types with inertial measurements.
+    pub fn decode_type(
+        message_type: &str,
+        encoding: Encoding,
+        bytes: &'a [u8],
+    ) -> Result<Self, DecodeError> {
+        let mut wire = Wire::new(encoding, bytes)?;
+        let vector = |wire: &mut Wire| wire.f64s().map(px4::forward_left_up);
+        let nothing = |header| Self {
+            header,
+            orientation: None,
+            angular_velocity: None,
+            acceleration: None,
+        };
+        let message = match message_type {
+            px4::ANGULAR_VELOCITY | px4::SENSOR_COMBINED | px4::ATTITUDE => {
+                let mut message = nothing(MessageHeader::read(&mut wire)?);
+                if message_type == px4::ATTITUDE {
+                    message.orientation = Some(px4::level_attitude(wire.f64s()?));
+                } else {
+                    message.angular_velocity = Some(vector(&mut wire)?);
+                }
+                if message_type == px4::SENSOR_COMBINED {
+                    message.acceleration = Some(vector(&mut wire)?);
+                }
+                message
+            }
+            _ => Self::read(&mut wire)?,
+        };
+        wire.finish()?;
+        Ok(message)
+    }
 }
 
 impl<'a> Decode<'a> for Imu<'a> {
@@ -368,6 +459,7 @@ impl<'a> Joints<'a> {
         let joints = match ros1_name(message_type).as_str() {
             "jackal_msgs/Feedback" => Self::drives(header, &mut wire, 2)?,
             "clearpath_platform_msgs/Feedback" => Self::drives(header, &mut wire, 0)?,
+            px4::WHEEL_ENCODERS => Self::encoders(header, wire.f64s()?, wire.f64s()?),
             _ => Self::states(header, &mut wire)?,
         };
         wire.finish()?;
@@ -390,6 +482,18 @@ impl<'a> Joints<'a> {
             loads,
             load: Load::Effort,
         })
+    }
+
+    /// The encoders of PX4.
+    fn encoders(header: MessageHeader<'a>, speeds: [f64; 2], angles: [f64; 2]) -> Self {
+        Self {
+            header,
+            names: px4::WHEELS.map(Cow::from).into(),
+            positions: angles.into(),
+            velocities: speeds.into(),
+            loads: Vec::new(),
+            load: Load::Effort,
+        }
     }
 
     /// The feedback of Clearpath's drives, left and right, with so many temperatures behind them (jackal_msgs,

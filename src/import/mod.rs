@@ -1,5 +1,5 @@
-//! Recordings from robots' logs: MCAP files and bags of ROS 1 and ROS 2 with joint states, poses, inertial measurements and
-//! satellite fixes.
+//! Recordings from robots' logs: MCAP files, bags of ROS 1 and ROS 2 and logs of PX4, with wheel speeds, poses, inertial
+//! measurements and satellite fixes.
 //!
 //! A log is read twice from front to back: first for its topics ([`survey()`]), then for the samples of the chosen ones
 //! ([`import`]). Memory holds a chunk of the file and the samples.
@@ -20,6 +20,7 @@ mod mounting;
 mod options;
 mod plan;
 mod preset;
+mod px4;
 mod request;
 mod sample;
 mod side;
@@ -154,7 +155,8 @@ fn choices<'s>(survey: &'s Survey, options: &ImportOptions) -> Result<Choices<'s
             _ => format!("{} ({})", topic.name, topic.message_type),
         };
         let topics = survey.topics.iter().map(describe).collect();
-        return Err(ImportError::NoWheelSpeeds { topics });
+        let is_px4 = survey.container == Container::Ulog;
+        return Err(ImportError::NoWheelSpeeds { topics, is_px4 });
     };
     let joined = choose::joined(survey, &joints, &options.wheels);
     let topics = std::iter::once(joints.topic).chain(joined.iter().copied());
@@ -214,13 +216,17 @@ impl Imported {
             (column.name.to_owned(), origin)
         });
         let name = path.file_name().unwrap_or(path.as_os_str());
+        let start = match survey.container {
+            Container::Ulog => "start_since_boot_s",
+            _ => "start_unix_s",
+        };
         json!({
             "tool": concat!("ugv import ", env!("CARGO_PKG_VERSION")),
             "file": name.to_string_lossy(),
             "container": survey.container.name(),
             "damaged": survey.ending != Ending::Whole,
             "clock": self.clock.name(),
-            "start_unix_s": table::seconds(self.start),
+            start: table::seconds(self.start),
             "topics": topics,
             "columns": Value::Object(columns.collect()),
             "notes": self.notes,

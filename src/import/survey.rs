@@ -3,6 +3,7 @@
 use super::container::{self, Connection, Container, Ending, LogFile, ReadProgress};
 use super::error::ImportError;
 use super::message::{Joints, MessageHeader, MessageKind, Pose, UNNAMED, is_transforms};
+use super::px4;
 use super::wire::{Encoding, unpacked};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -78,8 +79,9 @@ impl Topic {
     /// Kind of its messages, if the import supports it.
     #[must_use]
     pub fn kind(&self) -> Option<MessageKind> {
-        Encoding::of_name(&self.encoding)?;
-        MessageKind::of_type(&self.message_type)
+        let is_px4 = Encoding::of_name(&self.encoding)? == Encoding::Ulog;
+        let is_fitting = px4::layout(&self.message_type).is_some() == is_px4;
+        MessageKind::of_type(&self.message_type).filter(|_| is_fitting)
     }
 
     /// From the first message to the last \[s\].
@@ -137,7 +139,10 @@ impl Survey {
 /// # Errors
 /// A file that cannot be read or is no file of messages. Damage is no error: the survey ends there.
 pub fn survey(path: &Path, progress: &mut ReadProgress) -> Result<Survey, ImportError> {
-    let (files, notes) = container::open(path)?;
+    let (files, mut notes) = container::open(path)?;
+    if files.iter().any(|file| file.container == Container::Ulog) {
+        notes.extend(px4::NOTES.map(Into::into));
+    }
     let mut topics: BTreeMap<Connection, Topic> = BTreeMap::new();
     let mut buffer = Vec::new();
     let ending = container::read(&files, progress, &mut |channel, time, data| {

@@ -14,15 +14,18 @@ pub enum Encoding {
     Ros1,
     /// ROS 2.
     Cdr,
+    /// PX4: the time of measurement and the fields of a layout, as the reader of its logs hands them over.
+    Ulog,
 }
 
 impl Encoding {
-    /// From its name in MCAP files.
+    /// From its name in MCAP files, and that of PX4.
     #[must_use]
     pub fn of_name(name: &str) -> Option<Self> {
         match name {
             "ros1" => Some(Self::Ros1),
             "cdr" => Some(Self::Cdr),
+            "ulog" => Some(Self::Ulog),
             _ => None,
         }
     }
@@ -170,6 +173,10 @@ impl<'a> Wire<'a> {
         self.number().map(i32::from_le_bytes)
     }
 
+    pub fn i64(&mut self) -> Result<i64, DecodeError> {
+        self.number().map(i64::from_le_bytes)
+    }
+
     pub fn f32(&mut self) -> Result<f32, DecodeError> {
         self.number().map(f32::from_le_bytes)
     }
@@ -211,7 +218,7 @@ impl<'a> Wire<'a> {
     pub fn finish(self) -> Result<(), DecodeError> {
         let (bytes, expected) = (self.bytes.len(), self.place);
         let padded = match self.encoding {
-            Encoding::Ros1 => expected,
+            Encoding::Ros1 | Encoding::Ulog => expected,
             Encoding::Cdr => expected.next_multiple_of(CDR_PADDING),
         };
         if bytes > padded {

@@ -129,6 +129,7 @@ fn wrong_arguments_are_explained() {
             "simulate --input drive.csv --terrain dry_sadn",
             "the nearest preset is --terrain dry_sand",
         ),
+        ("inspect drive.csv --preset scout", "husky, jackal, warthog"),
         (
             "simulate --input drive.csv --initial vx=1",
             "the nearest is `v_x`",

@@ -89,6 +89,6 @@ fn a_hint_is_an_argument_that_a_shell_takes() {
     let message = bench.fails("inspect log.csv", 2);
     assert_contains(
         &message,
-        "`omega lft` may be it: --column \"omega_left=omega lft:UNIT\"",
+        "`omega lft` may be it: --column 'omega_left=omega lft:UNIT'",
     );
 }

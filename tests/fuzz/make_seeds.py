@@ -31,6 +31,7 @@ from make_bags import (
     velocities,
     write_mcap,
 )
+from make_ulog import ulog
 from mcap.writer import CompressionType
 
 SEEDS = Path(__file__).resolve().parent / "seeds"
@@ -92,7 +93,8 @@ def bag(messages: list[Message], compression: str) -> bytes:
 
 
 def logs(folder: Path) -> None:
-    """MCAP files and ROS 1 bags."""
+    """MCAP files, ROS 1 bags and logs of PX4."""
+    (folder / "ulog_all_there_is").write_bytes(bytes([WISHES["all_there_is"]]) + ulog(duration=0.1))
     ros1, ros2 = log(Factory(ROS1)), log(Factory(ROS2))
     for compression, (wish, byte) in zip(("none", "bz2", "lz4", "none"), WISHES.items()):
         (folder / f"bag_{compression}_{wish}").write_bytes(bytes([byte]) + bag(ros1, compression))

@@ -492,10 +492,10 @@ class Choices(ImportCase):
     def test_files_of_other_formats(self) -> None:
         for content, words in (
             (b"", "is empty"),
-            (b"time,omega_left,omega_right\n", "is no MCAP file and no bag of ROS 1 or ROS 2"),
+            (b"time,omega_left,omega_right\n", "is no MCAP file, no bag of ROS 1 or ROS 2 and no log of PX4"),
             (b"SQLite format 3\0 and more", "is damaged behind message 0"),
             (b"\x1f\x8b and more", "gunzip"),
-            (b"ULog\x01\x12\x35 and more", "PX4"),
+            (b"\xa3\x95\x80\x80 and more", "ArduPilot"),
             (b"#ROSBAG V1.2\n", "rosbag migrate"),
         ):
             log = self.folder / "other"

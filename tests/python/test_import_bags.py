@@ -391,9 +391,16 @@ class Commands(BagCase):
         ]
         log = self.bag(drive)
         words = [str(UGV), "inspect", str(log), "--json"]
-        for more, topic in ([], "/ins/odom"), (["--topics", "odometry=/other/odom"], "/other/odom"):
-            done = subprocess.run([*words, *more], capture_output=True, text=True, check=True)
-            self.assertIn(f"heading from {topic}", done.stderr)
+        for more, topic in (
+            ([], "/ins/odom"),
+            (["--topics", "odometry=/other/odom"], "/other/odom"),
+            (["--topics", "imu=none,odometry=/other/odom"], "/other/odom"),
+            (["--topics", "odometry=/other/odom", "--topics", "imu=none"], "/other/odom"),
+        ):
+            # A log behind the option is no topic.
+            for order in ([*words, *more], [*words[:2], *more, *words[2:]]):
+                done = subprocess.run(order, capture_output=True, text=True, check=True)
+                self.assertIn(f"heading from {topic}", done.stderr)
         done = subprocess.run([*words, "--preset", "husky"], capture_output=True, text=True, check=True)
         self.assertEqual(json.loads(done.stdout)["format"], "ugv-inspection/1")
 

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import threading
@@ -227,6 +228,48 @@ class Analyses(unittest.TestCase):
         drives = ugv.rollout([ugv.Model(), ugv.Model(terrain="dry_sand")], time_, omega)
         for drawn, label in [(score.plot(), "error"), (fit.plot(), "interval"), (drives.plot(), "x [m]")]:
             self.assertIn(label, drawn.get_xlabel())
+
+    def test_several_paths_have_a_legend(self) -> None:
+        import matplotlib
+
+        matplotlib.use("agg")
+        time_, omega = wheels(5.0)
+
+        def legend(count: int, labels: list[str] | None = None) -> list[str] | None:
+            shown = ugv.rollout([ugv.Model()] * count, time_, omega).plot(labels=labels).get_legend()
+            return None if shown is None else [text.get_text() for text in shown.get_texts()]
+
+        self.assertIsNone(legend(1))
+        self.assertEqual(legend(2), ["0", "1"])
+        self.assertEqual(legend(2, ["clay", "sand"]), ["clay", "sand"])
+        self.assertIsNone(legend(21))
+        self.assertEqual(len(legend(21, [f"soil {k}" for k in range(21)]) or []), 21)
+        with self.assertRaisesRegex(ValueError, "1 labels for 2 paths"):
+            legend(2, ["clay"])
+
+    def test_a_frame_of_pandas_is_a_recording(self) -> None:
+        import pandas
+
+        columns = recorded(ugv.Model(terrain="sandy_loam", effects={"drag": {"coefficient": 60.0}}))
+        # A missing cell, and a column that the tool does not know.
+        columns["x"][7] = math.nan
+        frame = pandas.DataFrame({**columns, "comment": "dry"})
+        frame.index += 100
+        model = ugv.Model(terrain="sandy_loam")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for ask in (
+                lambda data: ugv.fit(data, model=model, free=["friction_angle"], starts=0),
+                lambda data: ugv.score(data, model=model),
+                lambda data: ugv.diagnose(data, model=model),
+            ):
+                found, same = ask(frame).data, ask(columns).data
+                # Times of work differ, and the names of temporary files.
+                texts = [json.dumps({k: v for k, v in data.items() if k != "account"}) for data in (found, same)]
+                self.assertEqual(*(re.sub(r"[^\" ]*/ugv_terrain_[^/]*/", "", text) for text in texts))
+            self.assertEqual(found["candidates"][0]["effect"], "drag")
+            several = ugv.score([frame, columns], model=model)
+        self.assertEqual(len(several.data["recordings"]), 2)
 
     def test_what_cannot_be_read_is_a_value_error_with_its_remedy(self) -> None:
         with self.assertRaisesRegex(ValueError, "wheel|omega"):

@@ -25,13 +25,35 @@ pub(in crate::import) struct Connection {
     pub topic: String,
     /// Name of the message's type.
     pub message_type: String,
-    /// "cdr", "ros1", or whatever the file says.
+    /// "cdr", "ros1", "ulog", or whatever the file says.
     pub encoding: String,
 }
 
-/// Receives every message: its topic, when it was logged \[ns\] since 1970, and its bytes.
+/// Receives every message: its topic, when it was logged \[ns\], and its bytes. Times count from 1970, or, in a log of PX4,
+/// from its start.
 pub(in crate::import) type Visit<'v> =
     dyn FnMut(&Connection, i64, &[u8]) -> Result<(), ImportError> + 'v;
+
+/// Why reading stops early.
+pub(super) enum Stop {
+    /// Refused by the visitor or the file system.
+    Refused(ImportError),
+    /// Damage.
+    Broken(String),
+}
+
+impl From<ImportError> for Stop {
+    fn from(error: ImportError) -> Self {
+        Self::Refused(error)
+    }
+}
+
+pub(super) fn broken<T>(reason: impl Into<String>) -> Result<T, Stop> {
+    Err(Stop::Broken(reason.into()))
+}
+
+/// The damage of a file that was cut off.
+pub(super) const CUT: &str = "the file ends in the middle of a record";
 
 /// Receives the number of bytes read and the number of all bytes.
 pub type ReadProgress<'p> = dyn FnMut(u64, u64) + 'p;

@@ -1,7 +1,7 @@
 //! Formats of files of messages, by their first bytes.
 
 use super::ros1;
-use super::sqlite;
+use super::{sqlite, ulog};
 use crate::import::error::ImportError;
 use std::path::Path;
 
@@ -14,6 +14,8 @@ pub enum Container {
     Ros2Sqlite,
     /// The bag of ROS 1, version 2.0.
     Ros1Bag,
+    /// The log of PX4. Its times count from the start of the autopilot.
+    Ulog,
 }
 
 impl Container {
@@ -24,12 +26,13 @@ impl Container {
             Self::Mcap => "MCAP",
             Self::Ros2Sqlite => "ROS 2 bag in SQLite",
             Self::Ros1Bag => "ROS 1 bag",
+            Self::Ulog => "PX4 ULog",
         }
     }
 }
 
 /// Magic bytes of other files, their format, and a remedy.
-const OTHERS: [(&[u8], &str, &str); 5] = [
+const OTHERS: [(&[u8], &str, &str); 4] = [
     (
         b"#ROSBAG V1",
         "a ROS 1 bag of version 1",
@@ -41,11 +44,6 @@ const OTHERS: [(&[u8], &str, &str); 5] = [
         "unpack it: gunzip",
     ),
     (b"PK\x03\x04", "a zip archive", "unpack it: unzip"),
-    (
-        b"ULog\x01\x12\x35",
-        "a log of PX4 (.ulg)",
-        "write a CSV with time, omega_left, omega_right: ulog2csv makes one of each topic",
-    ),
     (
         b"\xa3\x95\x80\x80",
         "a log of ArduPilot (.bin)",
@@ -59,6 +57,7 @@ pub(super) fn of_magic(path: &Path, start: &[u8]) -> Result<Container, ImportErr
         (::mcap::MAGIC, Container::Mcap),
         (ros1::MAGIC, Container::Ros1Bag),
         (sqlite::MAGIC, Container::Ros2Sqlite),
+        (ulog::MAGIC, Container::Ulog),
     ];
     if let Some((_, container)) = known
         .into_iter()
@@ -69,8 +68,8 @@ pub(super) fn of_magic(path: &Path, start: &[u8]) -> Result<Container, ImportErr
     let other = OTHERS.iter().find(|(magic, ..)| start.starts_with(magic));
     let (found, remedy) = other.map_or(
         (
-            "no MCAP file and no bag of ROS 1 or ROS 2",
-            "name a .mcap, .db3 or .bag file, or the folder of a bag",
+            "no MCAP file, no bag of ROS 1 or ROS 2 and no log of PX4",
+            "name a .mcap, .db3, .bag or .ulg file, or the folder of a bag",
         ),
         |(_, found, remedy)| (*found, *remedy),
     );

@@ -6,6 +6,7 @@ mod kind;
 mod mcap;
 mod ros1;
 mod sqlite;
+mod ulog;
 
 pub(super) use files::{LogFile, open};
 pub(super) use input::{Connection, Visit};
@@ -19,10 +20,11 @@ use std::path::Path;
 /// Whether a path is a log rather than a table: a folder, or a file with the first bytes of one, packed or not.
 #[must_use]
 pub fn is_log(path: &Path) -> bool {
-    let starts: [&[u8]; 4] = [
+    let starts: [&[u8]; 5] = [
         ::mcap::MAGIC,
         b"#ROSBAG V",
         sqlite::MAGIC,
+        ulog::MAGIC,
         b"\x28\xb5\x2f\xfd",
     ];
     let mut start = [0; 16];
@@ -63,6 +65,7 @@ pub(super) fn read(
         let ending = match file.container {
             Container::Mcap => mcap::read(Input::open(file.path())?, &mut within, visit)?,
             Container::Ros1Bag => ros1::read(Input::open(file.path())?, &mut within, visit)?,
+            Container::Ulog => ulog::read(Input::open(file.path())?, &mut within, visit)?,
             Container::Ros2Sqlite => sqlite::read(file.path(), &mut within, visit)?,
         };
         let ending = match (ending, &file.damage) {

@@ -3,7 +3,9 @@
 //!
 //! The crate `rosbag` maps the file into memory and panics if a bag is truncated or was never closed, so it is not used.
 
-use super::input::{Connection, Ending, Input, LONGEST_NAME, ReadProgress, Visit};
+use super::input::{
+    CUT, Connection, Ending, Input, LONGEST_NAME, ReadProgress, Stop, Visit, broken,
+};
 use crate::display::shortened;
 use crate::import::error::ImportError;
 use std::collections::HashMap;
@@ -18,24 +20,6 @@ mod op {
     pub const CHUNK: u8 = 0x05;
     pub const CONNECTION: u8 = 0x07;
     pub const ALL: [u8; 4] = [MESSAGE, BAG_HEADER, CHUNK, CONNECTION];
-}
-
-/// Why reading stops early.
-enum Stop {
-    /// Refused by the visitor or the file system.
-    Refused(ImportError),
-    /// Damage.
-    Broken(String),
-}
-
-impl From<ImportError> for Stop {
-    fn from(error: ImportError) -> Self {
-        Self::Refused(error)
-    }
-}
-
-fn broken<T>(reason: impl Into<String>) -> Result<T, Stop> {
-    Err(Stop::Broken(reason.into()))
 }
 
 /// Visits every message.
@@ -148,8 +132,6 @@ impl Bag {
         Ok(())
     }
 }
-
-const CUT: &str = "the file ends in the middle of a record";
 
 fn length(input: &mut Input) -> Result<u32, Stop> {
     let mut bytes = [0; 4];

@@ -17,6 +17,9 @@ STATES = ("x", "y", "heading", "v_x", "v_y", "yaw_rate")
 """Columns of a state: east, north [m], heading [rad, counterclockwise from east]; velocity ahead and to the left [m/s],
 yaw rate [rad/s, counterclockwise]."""
 
+MAX_LEGEND = 20
+"""More paths than this have a legend with `labels` alone."""
+
 _Floats = NDArray[np.float64]
 
 
@@ -97,14 +100,19 @@ class Rollout:
             return self.states[..., STATES.index(name)]
         raise AttributeError(f"a rollout has no `{name}`")
 
-    def plot(self, axes: Any = None) -> Any:
-        """Draws the paths; needs matplotlib. Returns the axes."""
+    def plot(self, axes: Any = None, labels: Sequence[str] | None = None) -> Any:
+        """Draws the paths; needs matplotlib. Returns the axes. Several paths have a legend: `labels`, or their places."""
         if axes is None:
             from matplotlib import pyplot
 
             axes = pyplot.figure().add_subplot()
-        for path in self.states.reshape(-1, len(self.time), len(STATES)):
-            axes.plot(path[:, 0], path[:, 1])
+        paths = self.states.reshape(-1, len(self.time), len(STATES))
+        if labels is not None and len(labels) != len(paths):
+            raise ValueError(f"{len(labels)} labels for {len(paths)} paths")
+        for path, label in zip(paths, labels if labels is not None else map(str, range(len(paths)))):
+            axes.plot(path[:, 0], path[:, 1], label=label)
+        if labels is not None or 1 < len(paths) <= MAX_LEGEND:
+            axes.legend()
         axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
         return axes
 

@@ -1,6 +1,6 @@
 //! Errors of CSV files, with their place.
 
-use crate::display::{listed, shortened};
+use crate::display::{listed, shell_quoted, shortened};
 use std::fmt;
 use std::io;
 use thiserror::Error;
@@ -102,30 +102,19 @@ fn remedy(missing: &str, found: &[String], likely: &[String]) -> String {
         [] => format!(" (--column {missing}=NAME{unit} names it)"),
         [one] => {
             let one = shortened(one);
-            let argument = quoted(&format!("{missing}={one}{unit}"));
+            let argument = format!("{missing}={one}{unit}");
+            let argument = shell_quoted(&argument);
             format!(" (`{one}` may be it: --column {argument})")
         }
         several => {
-            let mean = quoted(&format!("{missing}={}{unit}", listed(several, "+")));
+            let mean = format!("{missing}={}{unit}", listed(several, "+"));
+            let mean = shell_quoted(&mean);
             format!(
                 " (`{}` may be it: --column {missing}=NAME{unit}, or their mean: --column {mean})",
                 listed(several, "`, `")
             )
         }
     }
-}
-
-/// An argument as a shell takes it: in quotes if it has a blank or another character that a shell treats differently.
-fn quoted(argument: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "_-=:+./%#,".contains(c);
-    if argument.chars().all(is_plain) {
-        return argument.into();
-    }
-    let escaped = argument.chars().map(|c| match c {
-        '"' | '\\' | '$' | '`' => format!("\\{c}"),
-        other => other.into(),
-    });
-    format!("\"{}\"", escaped.collect::<String>())
 }
 
 pub fn malformed(cell: Cell, found: impl Into<String>, expected: impl Into<String>) -> CsvError {

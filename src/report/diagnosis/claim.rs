@@ -48,12 +48,49 @@ fn doubt(diagnosis: &Diagnosis) -> Option<&Doubt> {
     })
 }
 
-/// The verdict in plain words: one for the terminal, the page and `diagnosis.json`.
+/// The verdict in plain words: one for the terminal, the page and `diagnosis.json`. It does not hide that data were left
+/// out or doubted.
 #[must_use]
 pub fn headline(diagnosis: &Diagnosis) -> String {
-    if let Some(doubt) = doubt(diagnosis) {
-        return format!("The data, before any physics: {}", doubt.evidence);
+    match doubt(diagnosis) {
+        Some(doubt) => format!("The data, before any physics: {}", doubt.evidence),
+        None => verdict(diagnosis) + &reservations(diagnosis),
     }
+}
+
+/// What the headline adds to the verdict: samples that are left out, and the likeliest doubt about the others.
+fn reservations(diagnosis: &Diagnosis) -> String {
+    let doubts = diagnosis
+        .cautions
+        .iter()
+        .filter_map(|caution| match caution {
+            Caution::DoubtfulData { doubt, .. } if doubt.left_out => Some(doubt),
+            _ => None,
+        });
+    let mut channels: Vec<String> = Vec::new();
+    for channel in doubts.flat_map(|doubt| &doubt.channels) {
+        let name = channel.to_string();
+        if !channels.contains(&name) {
+            channels.push(name);
+        }
+    }
+    let mut text = String::new();
+    if !channels.is_empty() {
+        let channels = list(&channels, "and");
+        text += &format!("; frozen samples of {channels} are left out");
+    }
+    if let Some(doubt) = diagnosis.minor_doubts.first() {
+        let percent = percent(doubt.probability);
+        text += &format!(
+            "; {percent} that the data are wrong ({})",
+            doubt.kind.name()
+        );
+    }
+    text
+}
+
+/// The verdict alone.
+fn verdict(diagnosis: &Diagnosis) -> String {
     let findings = &diagnosis.findings[..];
     let leading = diagnosis.leading.and_then(|k| findings.get(k));
     match (diagnosis.verdict, leading) {

@@ -1,5 +1,6 @@
 //! What a diagnosis was asked with, for its reader.
 
+use crate::display::shell_quoted;
 use crate::recording::Recording;
 use std::path::Path;
 use std::time::Duration;
@@ -60,12 +61,12 @@ impl Input {
             return Vec::new();
         }
         let model = Path::new(&self.folder).join("model.json");
-        let model = quoted(&model.display().to_string());
+        let model = shell_quoted(&model.display().to_string());
         let file = self.recordings.first().map_or("drive.csv", |one| &one.0);
-        let reading = self.reading.iter().map(|argument| quoted(argument));
+        let reading = self.reading.iter().map(|argument| shell_quoted(argument));
         let reading: String = reading.map(|argument| format!(" {argument}")).collect();
         let mut commands = Vec::new();
-        let mut input = format!("{}{reading}", quoted(file));
+        let mut input = format!("{}{reading}", shell_quoted(file));
         if self.is_log {
             commands.push((
                 "Make a table of the log",
@@ -97,18 +98,8 @@ impl Input {
 /// A command of its arguments, for a shell.
 #[must_use]
 pub fn command(arguments: impl Iterator<Item = String>) -> String {
-    let arguments = arguments.map(|argument| quoted(&argument));
+    let arguments = arguments.map(|argument| shell_quoted(&argument));
     arguments.collect::<Vec<_>>().join(" ")
-}
-
-/// An argument for a shell, in quotes where it needs them.
-fn quoted(argument: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
-    if !argument.is_empty() && argument.chars().all(is_plain) {
-        argument.into()
-    } else {
-        format!("'{}'", argument.replace('\'', r"'\''"))
-    }
 }
 
 #[cfg(test)]

@@ -11,9 +11,6 @@ use crate::report::number::digits;
 /// Marks the time under the pointer in all charts of a run, and hides models. Without it the page has the same content.
 const SCRIPT: &str = include_str!("page.js");
 
-/// Maximum number of detectable effects beside the verdict; the table of candidates has all.
-const MAX_SIZES: usize = 8;
-
 /// A finished diagnosis as a self-contained HTML page.
 #[must_use]
 pub fn page(diagnosis: &Diagnosis, input: &Input) -> String {
@@ -154,21 +151,12 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     }
     if diagnosis.verdict == Verdict::NothingMissing {
         let (shown, hidden) = words::detectable(diagnosis);
-        all.push(("Smallest detectable", some(shown)));
-        all.push(("Undetectable", some(hidden)));
+        let first = |all: &[String]| words::first(all, words::MAX_SIZES, " under Candidates");
+        all.push(("Smallest detectable", first(&shown)));
+        all.push(("Undetectable", first(&hidden)));
     }
     html += &facts(all);
     html + "</section>\n"
-}
-
-/// The first lines, and how many more the candidates have.
-fn some(mut lines: Vec<String>) -> Vec<String> {
-    let more = lines.len().saturating_sub(MAX_SIZES);
-    if more > 0 {
-        lines.truncate(MAX_SIZES);
-        lines.push(format!("{more} more under Candidates"));
-    }
-    lines
 }
 
 /// The size of what was found.

@@ -1,5 +1,6 @@
 //! As text, for a reader in a hurry.
 
+use super::words::MAX_SIZES;
 use super::{claim, law, words};
 use crate::diagnosis::{Diagnosis, Finding, Verdict};
 use crate::report::number::digits;
@@ -11,8 +12,6 @@ const WIDTH: usize = 100;
 const INDENT: usize = 13;
 /// Maximum number of places, findings or notes; the page has all.
 const MAX_ENTRIES: usize = 3;
-/// Maximum number of detectable effects; the page has all.
-const MAX_SIZES: usize = 8;
 
 /// A finished diagnosis in a few lines.
 #[must_use]
@@ -35,8 +34,14 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     }
     if diagnosis.findings.is_empty() && diagnosis.verdict == Verdict::NothingMissing {
         let (shown, hidden) = words::detectable(diagnosis);
-        lines.add("detectable", &some(&shown, MAX_SIZES, ", "));
-        lines.add("undetectable", &some(&hidden, MAX_SIZES, ", "));
+        lines.add(
+            "detectable",
+            &words::first(&shown, MAX_SIZES, "").join(", "),
+        );
+        lines.add(
+            "undetectable",
+            &words::first(&hidden, MAX_SIZES, "").join(", "),
+        );
     }
     if let Some(held_out) = &diagnosis.held_out {
         let errors = words::improvement(held_out, diagnosis);
@@ -63,15 +68,6 @@ fn mended(finding: &Finding) -> String {
         "" => String::new(),
         terms => format!("differs from the catalogue's; mended by {terms}"),
     }
-}
-
-/// The first of many, and how many more.
-fn some(all: &[String], max: usize, separator: &str) -> String {
-    let mut text = all[..all.len().min(max)].join(separator);
-    if all.len() > max {
-        text += &format!("{separator}{} more", all.len() - max);
-    }
-    text
 }
 
 fn took(diagnosis: &Diagnosis) -> String {
@@ -126,19 +122,7 @@ impl Lines {
         } else {
             "mainly at"
         };
-        self.add(label, &some(&places, MAX_ENTRIES, "; "));
+        self.add(label, &words::first(&places, MAX_ENTRIES, "").join("; "));
         self.add("look-alikes", &words::alike(finding, diagnosis).join(", "));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_others_are_counted() {
-        let all = ["a", "b", "c"].map(String::from);
-        assert_eq!(some(&all, 2, ", "), "a, b, 1 more");
-        assert_eq!(some(&all, 3, ", "), "a, b, c");
     }
 }

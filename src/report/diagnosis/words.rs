@@ -254,6 +254,16 @@ pub fn smallest(candidate: &Candidate) -> String {
     }
 }
 
+/// Maximum number of detectable effects beside the verdict; the table of candidates has all.
+pub const MAX_SIZES: usize = 8;
+
+/// The first of many, and how many more there are, and where.
+pub fn first(all: &[String], max: usize, place: &str) -> Vec<String> {
+    let more = all.len().saturating_sub(max);
+    let more = (more > 0).then(|| format!("{more} more{place}"));
+    all.iter().take(max).cloned().chain(more).collect()
+}
+
 /// Effects that these recordings would have shown, with the smallest size; and those that they cannot show. A candidate
 /// that was not screened is in neither list.
 pub fn detectable(diagnosis: &Diagnosis) -> (Vec<String>, Vec<String>) {
@@ -293,6 +303,13 @@ pub fn alike(finding: &Finding, diagnosis: &Diagnosis) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_others_are_counted() {
+        let all = ["a", "b", "c"].map(String::from);
+        assert_eq!(first(&all, 2, " below"), ["a", "b", "1 more below"]);
+        assert_eq!(first(&all, 3, ""), ["a", "b", "c"]);
+    }
 
     #[test]
     fn lists_read_as_in_a_sentence() {

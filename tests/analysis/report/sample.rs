@@ -68,6 +68,7 @@ pub fn sample(verdict: Verdict) -> Diagnosis {
         insufficient: (verdict == Verdict::InsufficientData).then_some(Insufficient::TooLittle),
         statement: statement.into(),
         cautions: Vec::new(),
+        minor_doubts: Vec::new(),
         recordings,
         candidates: candidates(verdict, &findings),
         leading: (!findings.is_empty()).then_some(0),

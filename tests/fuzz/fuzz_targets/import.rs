@@ -1,4 +1,4 @@
-//! MCAP files and ROS 1 bags: what is imported has a table of finite numbers, which is a recording again
+//! MCAP files, ROS 1 bags and logs of PX4: what is imported has a table of finite numbers, which is a recording again
 //! or is refused in words. The first byte chooses what the user asks for.
 #![no_main]
 
