@@ -266,14 +266,23 @@ mod tests {
     use super::*;
 
     use crate::diagnosis::Options;
-    use crate::diagnosis::testing::{driven, fitted, on, with_effects};
+    use crate::diagnosis::testing::{driven, fitted, on};
     use crate::fit::restart::outlying_restarted;
+
+    /// Noise of all channels \[m, rad, m/s, rad/s\].
+    const WHITE: f64 = 2e-3;
 
     /// Pivots on the given clayed soil, and the refitted soil.
     fn with_pivots(check: impl FnOnce(&Problem, &NoiseModel, &FittedHypothesis)) {
         let truth = on("clayed_soil");
         let recordings = [driven(&truth, "pivots")];
-        let (problem, fit, noise) = fitted(&truth, &recordings, &Options::default());
+        let (problem, fit, mut noise) = fitted(&truth, &recordings, &Options::default());
+        // The recording has none, and the estimate depends on where the fit ended.
+        for noise in noise.noise.iter_mut().flatten() {
+            noise.white = WHITE;
+            noise.coloured = 0.0;
+        }
+        let fit = fit_hypothesis(&problem, &[], &fit.solution, &noise).unwrap();
         check(&problem, &noise, &fit);
     }
 
@@ -294,7 +303,7 @@ mod tests {
             // Already optimal.
             let same = fit_restarted(problem, fit, noise);
             assert!((same.negative_log_evidence - fit.negative_log_evidence).abs() < 1.0);
-            for (segment, left, alone) in [(3, 3.0, true), (4, 1.0, false)] {
+            for (segment, left) in [(3, 3.0), (4, 1.0)] {
                 let wrong = with_wrong_start(&fit.solution, segment, left);
                 let predictor = problem.predictor(&[]);
                 let shooting = problem.shooting(&predictor, &[]);
@@ -309,14 +318,14 @@ mod tests {
                 }
                 // Only outlying segments are restarted.
                 assert!(outlying_restarted(&shooting, &point, noise, costs(segment + 1)).is_none());
-                // From there the soil follows. The fit itself finds the start again if it is an outlier, else the
-                // restart does.
-                let stuck = fit_hypothesis(problem, &[], &wrong, noise).unwrap();
-                assert_eq!(
-                    (stuck.negative_log_evidence - fit.negative_log_evidence).abs() < 10.0,
-                    alone
-                );
-                assert!(alone || stuck.negative_log_evidence > fit.negative_log_evidence + 100.0);
+                // The fit itself finds the start, which is fitted to the parameters at each step.
+                let found = fit_hypothesis(problem, &[], &wrong, noise).unwrap();
+                let off = found.negative_log_evidence - fit.negative_log_evidence;
+                assert!(off.abs() < 10.0, "{off}");
+                // So does a restart where a fit has ended.
+                let ended = Stop::after(0, 0.0).without_renewals();
+                let stuck = fit_until(problem, &[], &wrong, noise, ended).unwrap();
+                assert!(stuck.negative_log_evidence > fit.negative_log_evidence + 100.0);
                 let again = fit_restarted(problem, &stuck, noise);
                 let off = again.negative_log_evidence - fit.negative_log_evidence;
                 assert!(off.abs() < 10.0, "{off}");
@@ -331,35 +340,6 @@ mod tests {
                 assert!(off.abs() < 10.0, "{off}");
             }
         });
-    }
-
-    /// A tow that the soil nearly absorbs, with turns in which lateral velocities of the starts are gone after some tenths
-    /// of a second. From "off", the fit comes as far as from the truth.
-    #[test]
-    fn nonlinear_starts_do_not_hold_up_the_parameters() {
-        let nominal = on("clayed_soil");
-        let towing = with_effects(
-            &nominal,
-            r#"{"drawbar": {"force": 250, "hitch_behind": 0.3}}"#,
-        );
-        let recordings = [driven(&towing, "slalom"), driven(&towing, "spiral")];
-        let (problem, fit, noise) = fitted(&nominal, &recordings, &Options::default());
-        let subjects = problem.candidates.subjects.iter();
-        let mut drawbar = subjects.filter(|subject| subject.name() == "drawbar");
-        let tow: Vec<usize> = problem.candidates.of(*drawbar.next().unwrap()).collect();
-        let stop = Stop::after(20, 1.0);
-        let found = fit_until(&problem, &tow, &fit.solution, &noise, stop).unwrap();
-        let mut truth = found.solution.clone();
-        truth.soil = problem.initial().soil;
-        for recording in &mut truth.coefficients {
-            for (k, value) in tow.iter().zip([250.0, 0.3]) {
-                recording[*k] = problem.candidates[*k].parameter.coordinate(value);
-            }
-        }
-        let right = fit_until(&problem, &tow, &truth, &noise, stop).unwrap();
-        let short = found.negative_log_evidence - right.negative_log_evidence;
-        assert!(short < 1.0, "{short}");
-        assert!(found.negative_log_evidence < fit.negative_log_evidence - 20.0);
     }
 
     #[test]
