@@ -71,7 +71,9 @@ pub struct Minimum {
     pub tables: Vec<Tables>,
 }
 
-const FIRST_DAMPING: f64 = 1e-3;
+/// What the soil parameters share is known to some 1e-5 of their own curvature: damping of 1e-3 walked along that valley, and
+/// a fit to a noise-free drive ended at a friction angle of 28.2 deg for 29, after 2.0 s in place of 1.0 s.
+const FIRST_DAMPING: f64 = 1e-6;
 const LARGEST_DAMPING: f64 = 1e8;
 /// How far a first step may carry a parameter, in standard deviations of its prior, and any.
 const FIRST_REACH: f64 = 1.0;
