@@ -14,6 +14,9 @@ const WIDTH: f64 = 0.3;
 const FASTEST_TURN: f64 = 6.0;
 /// Jumps in more of the samples are the sensor's noise.
 const MAX_SHARE: f64 = 0.02;
+/// Samples on either side whose medians must differ as well. Single samples that lie apart are outliers, which robust fits
+/// bear.
+const SIDE: usize = 3;
 
 /// Doubts about jumps of the pose.
 pub fn doubts(recording: &Recording) -> Vec<Doubt> {
@@ -28,7 +31,8 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
         if let Some(heading) = run.series(Channel::Heading) {
             let steps = steps(heading, |k| (heading.value[k] - heading.value[k - 1]).abs());
             angles += steps.len();
-            headings.extend(jumps(&steps, TURNED, FASTEST_TURN, index));
+            let shift = |k: usize| shift(&heading.value, k).abs();
+            headings.extend(jumps(&steps, shift, TURNED, FASTEST_TURN, index));
         }
     }
     let found = [
@@ -84,29 +88,56 @@ fn of(
     })
 }
 
-/// Time, interval and size of each step without a gap.
-fn steps(series: &Series, size: impl Fn(usize) -> f64) -> Vec<[f64; 3]> {
+/// Difference of the medians of a few values from here on and before.
+fn shift(values: &[f64], k: usize) -> f64 {
+    let mut before = values[k.saturating_sub(SIDE)..k].to_vec();
+    let mut after = values[k..(k + SIDE).min(values.len())].to_vec();
+    median(&mut after) - median(&mut before)
+}
+
+/// A step from one sample to the next.
+struct Step {
+    /// Place of the later sample.
+    place: usize,
+    start: f64,
+    interval: f64,
+    size: f64,
+}
+
+/// All steps without a gap.
+fn steps(series: &Series, size: impl Fn(usize) -> f64) -> Vec<Step> {
     let limit = longest_interval(series);
     let steps = 1..series.len();
     let steps = steps.map(|k| {
-        let interval = series.time[k] - series.time[k - 1];
-        [series.time[k - 1], interval, size(k)]
+        let start = series.time[k - 1];
+        Step {
+            place: k,
+            start,
+            interval: series.time[k] - start,
+            size: size(k),
+        }
     });
-    steps
-        .filter(|[_, interval, _]| *interval <= limit)
-        .collect()
+    steps.filter(|step| step.interval <= limit).collect()
 }
 
-/// The steps that are too large.
-fn jumps(steps: &[[f64; 3]], far: f64, speed: f64, run: usize) -> Vec<(Span, f64)> {
-    let mut sizes: Vec<f64> = steps.iter().map(|step| step[2]).collect();
+/// The steps that are too large, and behind which the values stay shifted.
+fn jumps(
+    steps: &[Step],
+    shift: impl Fn(usize) -> f64,
+    far: f64,
+    speed: f64,
+    run: usize,
+) -> Vec<(Span, f64)> {
+    let mut sizes: Vec<f64> = steps.iter().map(|step| step.size).collect();
     let usual = median(&mut sizes);
-    let too_large = steps
-        .iter()
-        .filter(|[_, interval, size]| *size > far + speed * interval && *size > USUAL * usual);
-    let jump = |[start, interval, size]: &[f64; 3]| {
-        let (start, end) = (*start, start + interval);
-        (Span { run, start, end }, *size)
+    let too_large = steps.iter().filter(|step| {
+        step.size > far + speed * step.interval
+            && step.size > USUAL * usual
+            && shift(step.place) > far
+    });
+    let jump = |step: &Step| {
+        let (start, end) = (step.start, step.start + step.interval);
+        (Span { run, start, end }, step.size)
     };
     too_large.map(jump).collect()
 }
@@ -125,14 +156,13 @@ fn position_jumps(run: &Run, index: usize) -> (Vec<(Span, f64)>, usize) {
     }
     let size = |k: usize| (x.value[k] - x.value[k - 1]).hypot(north.value[k] - north.value[k - 1]);
     let steps = steps(x, size);
-    let mut speeds: Vec<f64> = steps
-        .iter()
-        .map(|[_, interval, size]| size / interval)
-        .collect();
+    let mut speeds: Vec<f64> = steps.iter().map(|step| step.size / step.interval).collect();
     speeds.sort_by(f64::total_cmp);
     let fastest = crate::recording::quantile(&speeds, 0.95);
     if fastest.is_nan() {
         return (Vec::new(), 0);
     }
-    (jumps(&steps, FAR, 2.0 * fastest, index), steps.len())
+    let shift = |k: usize| shift(&x.value, k).hypot(shift(&north.value, k));
+    let found = jumps(&steps, shift, FAR, 2.0 * fastest, index);
+    (found, steps.len())
 }

@@ -356,6 +356,15 @@ fn values_that_are_cut_off_coarse_or_jump_are_doubted() {
     let found = of(&jump);
     assert_eq!(probable(&found), [DoubtKind::Jump], "{found:#?}");
     assert!((found[0].span.unwrap().start - 30.0).abs() < 0.1);
+    // A sample that lies apart is an outlier.
+    let apart = with(&rows, |row| {
+        if (row[0] - 30.0).abs() < 0.01 {
+            row[3] += 2.5;
+            row[5] += 1.0;
+        }
+    });
+    assert_ne!(apart, rows);
+    assert!(of(&apart).is_empty(), "{:?}", of(&apart));
 }
 
 #[test]
