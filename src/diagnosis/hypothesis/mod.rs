@@ -109,6 +109,18 @@ impl<'a> Problem<'a> {
         Self::until(nominal, recordings, Deadline::NEVER)
     }
 
+    /// A solution with some coefficients off.
+    #[must_use]
+    pub fn turned_off(&self, at: &Solution, coefficients: impl Iterator<Item = usize>) -> Solution {
+        let mut off = at.clone();
+        for k in coefficients {
+            for recording in &mut off.coefficients {
+                recording[k] = self.candidates[k].off();
+            }
+        }
+        off
+    }
+
     /// Seconds that the segments cover.
     #[must_use]
     pub fn seconds(&self) -> f64 {

@@ -102,7 +102,7 @@ fn found(
     for soil in system.soil() {
         system.precision[soil] += LINEAR.powi(-2);
     }
-    let off = turned_off(problem, at, own);
+    let off = problem.turned_off(at, own.iter().copied());
     let effects: Vec<usize> = own.iter().map(|k| problem.candidates[*k].effect).collect();
     let motions: Vec<_> = system
         .segments
@@ -270,17 +270,6 @@ fn found(
         .collect();
     found.sort_by(|a, b| b.odds.total_cmp(&a.odds));
     Some((found, removed))
-}
-
-/// A solution with some coefficients off.
-fn turned_off(problem: &Problem, at: &Solution, coefficients: &[usize]) -> Solution {
-    let mut off = at.clone();
-    for recording in &mut off.coefficients {
-        for k in coefficients {
-            recording[*k] = problem.candidates[*k].off();
-        }
-    }
-    off
 }
 
 /// The coordinate that the catalogue expects, or a standard deviation from "off" where that is the likeliest.

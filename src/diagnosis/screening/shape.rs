@@ -279,10 +279,7 @@ fn acting(
     start: &[f64; State::COUNT],
     edges: &[f64],
 ) -> Option<Vec<Acting>> {
-    let mut off = at.clone();
-    for &place in coefficients {
-        off.coefficients[segment.recording][place] = problem.candidates[place].off();
-    }
+    let off = problem.turned_off(at, coefficients.iter().copied());
     let path = follow(problem, at, segment, start, edges)?;
     let effects = coefficients.iter();
     let effects: Vec<usize> = effects.map(|k| problem.candidates[*k].effect).collect();

@@ -203,21 +203,11 @@ fn refit_soil(
     last: &Solution,
     noise: &NoiseModel,
 ) -> Result<FittedHypothesis, PredictionError> {
-    let mut initial = back(problem, last);
+    let all = 0..problem.candidates.coefficients.len();
+    let mut initial = problem.turned_off(last, all);
     initial.soil.clone_from(&baseline.soil);
     fit_hypothesis(problem, &[], &initial, noise)
         .or_else(|_| fit_hypothesis(problem, &[], baseline, noise))
-}
-
-/// A solution with every effect off.
-fn back(problem: &Problem, solution: &Solution) -> Solution {
-    let mut back = solution.clone();
-    for recording in &mut back.coefficients {
-        for (value, coefficient) in recording.iter_mut().zip(&problem.candidates.coefficients) {
-            *value = coefficient.off();
-        }
-    }
-    back
 }
 
 #[cfg(test)]
