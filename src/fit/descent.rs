@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Answers are the same where no parameter differs by more of its standard deviations.
 const SAME: f64 = 1.0;
-const DESCENT: Stop = Stop::after(12, 0.1);
+const DESCENT: Stop = Stop::after(12, 0.1).with_low_damping();
 /// Turns of motion and weights on the way down.
 const TURNS: usize = 6;
 /// Where the cost is looked at on the straight way to an answer that is known.

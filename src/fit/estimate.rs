@@ -71,10 +71,10 @@ const STILL: f64 = 0.5;
 const STILL_NOISE: f64 = 0.1;
 /// Steps of a turn: few, as noise and weights are still to come. A gain of 0.05 moves no
 /// parameter by more than a quarter of its standard deviation.
-const TURN: Stop = Stop::after(6, 0.05);
+const TURN: Stop = Stop::after(6, 0.05).with_low_damping();
 /// The first turn goes all the way: noise estimated half way down would take the misfit for slow
 /// noise, and hold the fit there.
-const FIRST_TURN: Stop = Stop::after(40, 0.5);
+const FIRST_TURN: Stop = Stop::after(40, 0.5).with_low_damping();
 /// Samples go to other segments when the pose proves later by more than this \[s\].
 const LATER: f64 = 0.03;
 

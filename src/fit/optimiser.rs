@@ -25,6 +25,8 @@ pub struct Stop {
     pub cost_ceiling: f64,
     /// Starts are looked for anew so often at most.
     pub max_restarts: usize,
+    /// Damping of the first step, as a share of the diagonal.
+    pub first_damping: f64,
 }
 
 impl Stop {
@@ -36,7 +38,15 @@ impl Stop {
             gain,
             cost_ceiling: f64::INFINITY,
             max_restarts: RENEWALS,
+            first_damping: FIRST_DAMPING,
         }
+    }
+
+    /// With low damping at first, for parameters that are known only in combination.
+    #[must_use]
+    pub const fn with_low_damping(mut self) -> Self {
+        self.first_damping = LOW_DAMPING;
+        self
     }
 
     /// With the starts at the end of the steps.
@@ -71,13 +81,11 @@ pub struct Minimum {
     pub tables: Vec<Tables>,
 }
 
-/// First damping, and the one near the minimum, where the next step promises at most this share of the cost. What
-/// soil parameters share is known to some 1e-5 of their own curvature: near the minimum, a damping of 1e-3 walked along
-/// that valley, and a fit to a noise-free drive ended at a friction angle of 28.2 deg for 29. Far from it, 1e-6 leads
-/// astray: from 0.7 standard deviations of the soil's priors a fit was lost.
 const FIRST_DAMPING: f64 = 1e-3;
-const NEAR_DAMPING: f64 = 1e-6;
-const NEAR: f64 = 0.1;
+/// What soil parameters share is known to some 1e-5 of their own curvature: a damping of 1e-3 walked along that valley, and
+/// a fit to a noise-free drive ended at a friction angle of 28.3 deg for 29. From 0.7 standard deviations of the priors
+/// with pivots, 1e-6 leads astray.
+const LOW_DAMPING: f64 = 1e-6;
 const LARGEST_DAMPING: f64 = 1e8;
 /// How far a first step may carry a parameter, in standard deviations of its prior, and any.
 const FIRST_REACH: f64 = 1.0;
@@ -198,7 +206,7 @@ pub fn minimise_from<P: Predictor>(
         renewed.unwrap_or_else(|_: PredictionError| sure.take().unwrap_or(here))
     };
     let first = here.cost;
-    let (mut damping, mut growth) = (first_damping(problem, &here), 2.0);
+    let (mut damping, mut growth) = (stop.first_damping, 2.0);
     let mut reach = FIRST_REACH;
     let (mut steps, mut max_restarts) = (0, 0);
     // Whether what the next step promises is within the accuracy of the predictions.
@@ -229,7 +237,7 @@ pub fn minimise_from<P: Predictor>(
             if let Some(there) = restarted(problem, &here, by) {
                 if there.cost < (1.0 - RENEWED) * here.cost {
                     steps = steps.min(stop.steps / 2);
-                    (damping, growth) = (first_damping(problem, &there), 2.0);
+                    (damping, growth) = (stop.first_damping, 2.0);
                     reach = FIRST_REACH;
                 }
                 here = there;
@@ -292,14 +300,6 @@ pub fn minimise_from<P: Predictor>(
         steps,
         converged,
         tables: here.tables,
-    }
-}
-
-fn first_damping<P: Predictor>(problem: &ShootingProblem<P>, here: &Stand) -> f64 {
-    let step = propose(problem, here, FIRST_DAMPING, FIRST_REACH);
-    match step {
-        Some(step) if step.expected_gain < NEAR * here.cost => NEAR_DAMPING,
-        _ => FIRST_DAMPING,
     }
 }
 
