@@ -334,9 +334,9 @@ fn total<P: Predictor>(problem: &ShootingProblem<P>, normals: &[Normal], point: 
 }
 
 /// Fits starts that are less linear than the parameters to these, as a lateral velocity that is gone after some tenths of
-/// a second: one such start would hold up all parameters. A segment depends on no other start, so each is a small
-/// problem of its own (Y. Jeong et al., "Pushing the envelope of modern methods for bundle adjustment", 2012: embedded
-/// point iterations). Returns the segments' costs.
+/// a second: one such start would hold up all parameters. A segment depends on no other start, so each is fitted alone
+/// ("embedded point iterations" in Y. Jeong et al., "Pushing the envelope of modern methods for bundle adjustment",
+/// 2012). Returns the segments' costs.
 fn settle_starts<P: Predictor>(
     problem: &ShootingProblem<P>,
     here: &Stand,

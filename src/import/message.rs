@@ -165,8 +165,17 @@ pub(super) trait Decode<'a>: Sized {
     fn read(wire: &mut Wire<'a>) -> Result<Self, DecodeError>;
 
     fn decode(encoding: Encoding, bytes: &'a [u8]) -> Result<Self, DecodeError> {
+        Self::decode_by(encoding, bytes, Self::read)
+    }
+
+    /// A message in another layout.
+    fn decode_by(
+        encoding: Encoding,
+        bytes: &'a [u8],
+        read: impl FnOnce(&mut Wire<'a>) -> Result<Self, DecodeError>,
+    ) -> Result<Self, DecodeError> {
         let mut wire = Wire::new(encoding, bytes)?;
-        let message = Self::read(&mut wire)?;
+        let message = read(&mut wire)?;
         wire.finish()?;
         Ok(message)
     }
@@ -195,14 +204,11 @@ impl<'a> Odometry<'a> {
         encoding: Encoding,
         bytes: &'a [u8],
     ) -> Result<Self, DecodeError> {
-        let mut wire = Wire::new(encoding, bytes)?;
-        let message = match message_type {
-            px4::LOCAL_POSITION => Self::px4(&mut wire, px4::local_position)?,
-            px4::ODOMETRY => Self::px4(&mut wire, px4::odometry)?,
-            _ => Self::read(&mut wire)?,
-        };
-        wire.finish()?;
-        Ok(message)
+        Self::decode_by(encoding, bytes, |wire| match message_type {
+            px4::LOCAL_POSITION => Self::px4(wire, px4::local_position),
+            px4::ODOMETRY => Self::px4(wire, px4::odometry),
+            _ => Self::read(wire),
+        })
     }
 
     fn px4<const N: usize>(
@@ -260,31 +266,28 @@ impl<'a> Imu<'a> {
         encoding: Encoding,
         bytes: &'a [u8],
     ) -> Result<Self, DecodeError> {
-        let mut wire = Wire::new(encoding, bytes)?;
-        let vector = |wire: &mut Wire| wire.f64s().map(px4::forward_left_up);
-        let nothing = |header| Self {
-            header,
-            orientation: None,
-            angular_velocity: None,
-            acceleration: None,
-        };
-        let message = match message_type {
-            px4::ANGULAR_VELOCITY | px4::SENSOR_COMBINED | px4::ATTITUDE => {
-                let mut message = nothing(MessageHeader::read(&mut wire)?);
-                if message_type == px4::ATTITUDE {
-                    message.orientation = Some(px4::level_attitude(wire.f64s()?));
-                } else {
-                    message.angular_velocity = Some(vector(&mut wire)?);
-                }
-                if message_type == px4::SENSOR_COMBINED {
-                    message.acceleration = Some(vector(&mut wire)?);
-                }
-                message
+        Self::decode_by(encoding, bytes, |wire| {
+            if ![px4::ANGULAR_VELOCITY, px4::SENSOR_COMBINED, px4::ATTITUDE].contains(&message_type)
+            {
+                return Self::read(wire);
             }
-            _ => Self::read(&mut wire)?,
-        };
-        wire.finish()?;
-        Ok(message)
+            let vector = |wire: &mut Wire| wire.f64s().map(px4::forward_left_up);
+            let mut message = Self {
+                header: MessageHeader::read(wire)?,
+                orientation: None,
+                angular_velocity: None,
+                acceleration: None,
+            };
+            if message_type == px4::ATTITUDE {
+                message.orientation = Some(px4::level_attitude(wire.f64s()?));
+            } else {
+                message.angular_velocity = Some(vector(wire)?);
+            }
+            if message_type == px4::SENSOR_COMBINED {
+                message.acceleration = Some(vector(wire)?);
+            }
+            Ok(message)
+        })
     }
 }
 

@@ -32,7 +32,7 @@ FORMATS = {
     "vehicle_angular_velocity": "uint64_t timestamp;uint64_t timestamp_sample;float[3] xyz;uint8_t[4] _padding0;",
     "sensor_combined": "uint64_t timestamp;float[3] gyro_rad;float[3] accelerometer_m_s2;",
     "vehicle_attitude": "uint64_t timestamp;uint64_t timestamp_sample;float[4] q;",
-    # A part with a format of its own.
+    # A nested format.
     "esc_status": "uint64_t timestamp;uint8_t counter;esc_report[2] esc;",
     "esc_report": "uint64_t timestamp;float esc_rpm;uint8_t[4] _padding0;",
     "actuator_outputs": "uint64_t timestamp;float[2] output;",

@@ -108,8 +108,8 @@ pub fn try_all<'a>(
 }
 
 /// First steps of all proposals: those that act throughout, then the local ones that may come close, and hidden ones
-/// if none of these explains much. If one does, its fit has nearly the right motion, and there other mechanisms take
-/// its place, hidden ones too (see [`replaced`]).
+/// unless one that acts throughout explains much. If one does, its fit has nearly the right motion, and there other
+/// mechanisms take its place, hidden ones too (see [`replaced`]).
 fn all_partially_fitted<'a>(
     problem: &Problem<'a>,
     proposals: &[Proposal],
@@ -125,11 +125,11 @@ fn all_partially_fitted<'a>(
     let throughout = throughout.into_iter().take_while(in_time);
     let mut started = partially_fitted(Vec::new(), throughout, NEAR, fit);
     let bar = OddsThreshold::of(&started);
-    let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.min_odds(p.kind(), NEAR);
-    let local = local.into_iter().filter(may_be_near).take_while(in_time);
-    started = partially_fitted(started, local, NEAR, fit);
-    let best = started.iter().map(PartialFit::odds).fold(0.0, f64::max);
-    if best > AT_STAKE {
+    let local = local.into_iter().filter(|p| bar.may_be_near(p, NEAR));
+    started = partially_fitted(started, local.take_while(in_time), NEAR, fit);
+    let explains_much =
+        |one: &PartialFit| one.proposal.kind() != ProposalKind::Local && one.odds() > AT_STAKE;
+    if started.iter().any(explains_much) {
         return started;
     }
     partially_fitted(started, hidden.into_iter().take_while(in_time), NEAR, fit)
@@ -161,8 +161,9 @@ fn subsampled<'a>(
         let min_odds = bar.min_odds(partial_fit.proposal.kind(), NEAR);
         subsample_search.widened(partial_fit, problem, fit, noise, min_odds)
     });
-    let may_be_near = |p: &&Proposal| LINEAR * p.evidence > bar.min_odds(p.kind(), NEAR_ON_A_PART);
-    let local = local.into_iter().filter(may_be_near);
+    let local = local
+        .into_iter()
+        .filter(|p| bar.may_be_near(p, NEAR_ON_A_PART));
     let local = local.take_while(|_| in_time());
     let min_odds = |one: &Proposal| bar.min_odds(one.kind(), NEAR_ON_A_PART);
     let local = local.filter_map(|one| partial_fit(problem, one, fit, noise, 1.0, min_odds(one)));
@@ -223,6 +224,11 @@ impl OddsThreshold {
             residual_model: best(residual_models),
             name: best(names),
         }
+    }
+
+    /// Whether a local proposal may come near by its linearised evidence.
+    fn may_be_near(&self, proposal: &Proposal, share: f64) -> bool {
+        LINEAR * proposal.evidence > self.min_odds(proposal.kind(), share)
     }
 
     /// Minimum log odds to continue. Names are compared with the best name, if that explains a good share of what a

@@ -319,12 +319,12 @@ struct Format {
     measured: Option<usize>,
     /// The fields of the layout; `None` for missing ones.
     fields: Vec<Option<(usize, Number)>>,
-    /// Its length without and with padding at the end \[bytes\]; `None` if it has parts with a format of their own.
+    /// Its length without and with padding at the end \[bytes\]; `None` if it has nested formats.
     length: Option<[usize; 2]>,
 }
 
 impl Format {
-    /// Of the fields `type name;` or `type[length] name;`. Fields behind a part with a format of its own are not found.
+    /// Of the fields `type name;` or `type[length] name;`. Fields behind a nested format are not found.
     fn parse(name: &str, fields: &str) -> Option<Self> {
         let wanted = px4::layout(name).map_or(&[][..], |layout| layout.fields);
         let mut format = Self {
@@ -396,7 +396,7 @@ mod tests {
             length: Some([30, 34]),
         };
         assert_eq!(format, expected);
-        // Behind a part with a format of its own no place is known.
+        // Behind a nested format no place is known.
         let nested = Format::parse(
             "vehicle_angular_velocity",
             "uint64_t timestamp;part p;float[3] xyz;",
