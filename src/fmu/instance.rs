@@ -225,8 +225,11 @@ impl Instance {
             return;
         }
         let time = self.core.time;
-        let lifted = self.core.simulation().map(Simulation::wheel_lifted);
-        if let Ok(Ok(true)) = lifted {
+        let lifted = self
+            .core
+            .simulation()
+            .map(|simulation| simulation.wheel_lifted_lately());
+        if let Ok(true) = lifted {
             self.core.lift_reported = true;
             self.logger.report(Status::Warning, &format!(
                 "at {time} s a wheel lifts off the ground; the loads of the others are scaled to carry the weight"

@@ -42,6 +42,24 @@ pub(super) const SHORT_JACOBIAN: f64 = 0.5;
 /// Wheel speed \[rad/s\] below which a step is never taken so: twice that which bounds the contact time.
 pub(super) const SHORT_SLOWEST: f64 = 0.1;
 
+/// Longest time \[s\] without an evaluation of the forces.
+pub(super) const LONGEST_LINEAR: f64 = 0.05;
+/// Steps go without an evaluation while wheel speeds have changed by no more than so many times what they changed
+/// between the last two evaluations, or than this \[rad/s\].
+pub(super) const LINEAR_REACH: f64 = 3.0;
+pub(super) const SMALLEST_REACH: f64 = 0.01;
+/// The same of the velocities \[m/s, rad/s\] of wheels that stand: far below the slip speed at which the shear fades.
+pub(super) const STANDING_REACH: f64 = 1e-5;
+
+/// Steps since the last evaluation that had none.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Linear {
+    /// Their length \[s\].
+    pub seconds: f64,
+    /// How far the wheel speeds may go from those of the evaluation \[rad/s\].
+    pub reach: f64,
+}
+
 /// What the integrator carries from step to step.
 #[derive(Debug, Clone)]
 pub(super) struct Integrator {
@@ -51,6 +69,7 @@ pub(super) struct Integrator {
     pub may_be_short: bool,
     /// What a step without a middle evaluation errs by, over the square of its length \[1/s^2\].
     pub short_error: f64,
+    pub linear: Linear,
     /// Of the rates by the state what the forces give; the kinematics are exact at every step.
     pub by_state: StateMatrix,
     pub by_input: InputMatrix,
@@ -87,6 +106,7 @@ impl Integrator {
             next_step: FIRST_STEP,
             may_be_short: false,
             short_error: f64::MAX,
+            linear: Linear::default(),
             by_state: StateMatrix::zeros(),
             by_input: InputMatrix::zeros(),
             memory: MemoryJacobian::new(memory_count),

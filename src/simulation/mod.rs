@@ -223,6 +223,12 @@ impl Simulation {
         Ok(self.now.balance.lifted())
     }
 
+    /// Whether some wheel carried nothing at the last evaluation of the forces, some hundredths of a second ago at most.
+    #[cfg(feature = "fmu")]
+    pub(crate) fn wheel_lifted_lately(&self) -> bool {
+        self.anchor.valid && self.anchor.balance.lifted()
+    }
+
     /// Forgets what the vehicle and its ground remember.
     pub(crate) fn forget(&mut self) {
         self.memory.fill(0.0);

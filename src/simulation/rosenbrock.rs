@@ -5,16 +5,20 @@
 //! step; of order 2 with any matrix in place of the Jacobian, so that one Jacobian serves
 //! several steps; and its last stage is the next step's first, so that a step costs two
 //! evaluations of the forces. Where the step is so short that the forces are linear over it, its middle stage is taken
-//! from the Jacobian, and the evaluation at the end checks it.
+//! from the Jacobian, and the evaluation at the end checks it. Where they are linear over several such steps, the last
+//! of them checks all.
 
+use super::evaluation::Evaluation;
 use super::integrator::{
     ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
-    LONGEST_CALL, LONGEST_STEP, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE, SHORT_EXPECTED,
-    SHORT_JACOBIAN, SHORT_SLOWEST, SHRINK, SMALLEST_SHARE, SMALLEST_STEP, Stages,
+    LINEAR_REACH, LONGEST_CALL, LONGEST_LINEAR, LONGEST_STEP, Linear, RELATIVE_TOLERANCE, SAFETY,
+    SHORT_ERROR_RATE, SHORT_EXPECTED, SHORT_JACOBIAN, SHORT_SLOWEST, SHRINK, SMALLEST_REACH,
+    SMALLEST_SHARE, SMALLEST_STEP, STANDING_REACH, Stages,
 };
 use super::memory::{StageSystem, worst_error};
 use super::state::{State, StateVector, WheelSpeeds};
 use super::{Simulation, SimulationError};
+use crate::vehicle::Wrench;
 
 impl Simulation {
     /// What the integration has cost so far.
@@ -148,10 +152,15 @@ impl Simulation {
         end_speeds: WheelSpeeds,
         end_time: f64,
     ) -> Result<bool, SimulationError> {
-        if self.try_short(step, end_speeds, end_time) {
+        let rolls = self.rolls(end_speeds);
+        if self.may_be_short(step)
+            && (self.try_linear(step, end_speeds, rolls)
+                || rolls && self.try_short(step, end_speeds, end_time))
+        {
             return Ok(true);
         }
         self.evaluate()?;
+        self.integrator.linear = Linear::default();
         self.refresh_jacobian();
         let attempt = self.attempt(step, end_speeds, end_time, false);
         let error = match attempt {
@@ -209,39 +218,112 @@ impl Simulation {
         self.anchor.copy_from(&self.now);
     }
 
-    /// Takes a step with one evaluation, if the forces are linear over it.
-    fn try_short(&mut self, step: f64, end_speeds: WheelSpeeds, end_time: f64) -> bool {
-        let integrator = &self.integrator;
-        let allowed = SHORT_ERROR_RATE * step;
-        let hopeful = integrator.short_error * step * step < SHORT_EXPECTED * allowed.min(1.0);
-        // Next to standstill the forces turn round within a step.
+    /// Whether the wheels roll on in a step: next to standstill the forces turn round within it.
+    fn rolls(&self, end_speeds: WheelSpeeds) -> bool {
         let slowest = end_speeds.left.abs().min(end_speeds.right.abs());
-        let rolls = slowest > SHORT_SLOWEST
+        slowest > SHORT_SLOWEST
             && self.inputs.left * end_speeds.left > 0.0
-            && self.inputs.right * end_speeds.right > 0.0;
-        if !integrator.may_be_short
-            || !rolls
-            || !hopeful
-            || !self.anchor.valid
-            || integrator.jacobian_age >= JACOBIAN_STEPS
+            && self.inputs.right * end_speeds.right > 0.0
+    }
+
+    /// Whether the forces may be linear over a step: nobody looks within it, and the last step's end and Jacobian hold.
+    fn may_be_short(&self, step: f64) -> bool {
+        let integrator = &self.integrator;
+        let elapsed = integrator.linear.seconds + step;
+        integrator.may_be_short
+            && integrator.short_error * elapsed * elapsed < SHORT_EXPECTED * allowed(elapsed)
+            && self.anchor.valid
+            && integrator.jacobian_age < JACOBIAN_STEPS
+    }
+
+    /// Takes a step without any evaluation, if the forces are linear over this and the next.
+    ///
+    /// The state goes on from the forces of the last evaluation; a later step's evaluation finds what they missed since
+    /// (see [`Simulation::attempt`], 7).
+    fn try_linear(&mut self, step: f64, end_speeds: WheelSpeeds, rolls: bool) -> bool {
+        let integrator = &self.integrator;
+        let Linear { seconds, reach } = integrator.linear;
+        // With the next step, which may be the one that is evaluated.
+        let elapsed = seconds + 2.0 * step;
+        let next_speeds = end_speeds.after(self.input_rates, step);
+        let reach = if rolls { reach } else { 0.0 };
+        // What changes by itself or by the place alone is not in the Jacobian.
+        let is_steady = self.memory.is_empty()
+            && self.model.min_feature_length().is_none()
+            && self.model.next_event(self.time).is_none()
+            && self.model.next_knot(self.time).is_none();
+        if !is_steady
+            || elapsed > LONGEST_LINEAR
+            || integrator.short_error * elapsed * elapsed > SHORT_EXPECTED * allowed(elapsed)
+            || self.anchor.apart(next_speeds) > reach
         {
             return false;
         }
+        let a = self.state.kinematic_jacobian().by_state + integrator.by_state;
+        let rates = [self.input_rates.left, self.input_rates.right];
+        let by_time = integrator.by_input * nalgebra::Vector2::from(rates);
+        let system = StageSystem::new(&a, &integrator.memory, step * D);
+        let f0 = self.linear_rates(&self.anchor);
+        let k1 = system.solve(f0 + by_time * (step * D), &mut []);
+        let f1 = f0 + (a * k1 + by_time) * (0.5 * step);
+        let moved = (system.solve(f1 - k1, &mut []) + k1) * step;
+        let beside = self.anchor.beside + moved;
+        let change = beside.fixed_rows::<3>(3).amax();
+        let is_linear = rolls || change < STANDING_REACH;
+        if !is_linear || !moved.iter().all(|change| change.is_finite()) {
+            return false;
+        }
+        self.state = State::from_array((StateVector::from(self.state.to_array()) + moved).into());
+        self.anchor.beside = beside;
+        self.now.valid = false;
+        self.integrator.linear.seconds += step;
+        self.integrator.counters.steps += 1;
+        true
+    }
+
+    /// Rates of the state by the forces of an evaluation, linear in what has changed since.
+    fn linear_rates(&self, from: &Evaluation) -> StateVector {
+        let (motion, integrator) = (&from.motion, &self.integrator);
+        let jump = [
+            self.inputs.left - motion.omega_left,
+            self.inputs.right - motion.omega_right,
+        ];
+        let changed =
+            integrator.by_state * from.beside + integrator.by_input * nalgebra::Vector2::from(jump);
+        let rates = &from.derivative;
+        let wrench = Wrench {
+            a_x: rates[3] - motion.v_y * motion.yaw_rate + changed[3],
+            a_y: rates[4] + motion.v_x * motion.yaw_rate + changed[4],
+            yaw_acceleration: rates[5] + changed[5],
+            ..Wrench::default()
+        };
+        self.state.derivative(&wrench).into()
+    }
+
+    /// Takes a step with one evaluation, if the forces are linear over it and those before it that had none.
+    fn try_short(&mut self, step: f64, end_speeds: WheelSpeeds, end_time: f64) -> bool {
+        let elapsed = self.integrator.linear.seconds + step;
+        let allowed = allowed(elapsed);
+        let moved = self.anchor.apart(end_speeds);
         let attempt = self.attempt(step, end_speeds, end_time, true);
         let integrator = &mut self.integrator;
         let Ok((state, error, nonlinear)) = attempt else {
             integrator.short_error = f64::MAX;
             return false;
         };
-        integrator.short_error = expected(nonlinear, step);
+        integrator.short_error = expected(nonlinear, elapsed);
         let error = error + nonlinear;
-        if error.is_nan() || error > allowed.min(1.0) {
+        if error.is_nan() || error > allowed {
             return false;
         }
         if nonlinear > SHORT_JACOBIAN * allowed {
             integrator.jacobian_age = JACOBIAN_STEPS;
         }
         integrator.counters.steps += 1;
+        integrator.linear = Linear {
+            seconds: 0.0,
+            reach: LINEAR_REACH * moved.max(SMALLEST_REACH),
+        };
         self.accept(state);
         true
     }
@@ -264,8 +346,8 @@ impl Simulation {
     /// 4. W (k_2 - k_1) = f_1 - k_1, and the new state is y + h k_2.
     /// 5. f_2 = f(t + h, y + h k_2), the next step's f_0.
     /// 6. W k_3 = f_2 - e_32 (k_2 - f_1) - 2 (k_1 - f_0) + h d T; the error is h/6 (k_1 - 2 k_2 + k_3).
-    /// 7. Forces taken as linear miss h/2 W^-1 (f_2 - f_0 - h (A k_2 + T)): as if what is missing grew evenly. A short
-    ///    step adds that.
+    /// 7. Forces taken as linear miss g/2 W^-1 (f_2 - f_0 - h (A k_2 + T)), as if what is missing grew evenly, over the
+    ///    time g since the last evaluation, with W = I - g d A. A short step adds that.
     fn attempt(
         &mut self,
         h: f64,
@@ -323,7 +405,7 @@ impl Simulation {
         ];
         let jumped = if short { jump } else { [0.0; 2] };
         let (beside, memory_beside) = (&start.beside, &start.memory_beside);
-        let mut f0 = start.derivative + a * beside + by_input * nalgebra::Vector2::from(jumped);
+        let mut f0 = self.linear_rates(start);
         coupling.add_accelerations(memory_beside.iter().copied(), &mut f0);
         for i in 0..count {
             g0[i] = start.memory_rates[i]
@@ -400,8 +482,17 @@ impl Simulation {
                 - coupling.by_motion(i, &moved, h * l2[i])
                 - h * coupling.by_input(i, rates);
         }
-        let missed = system.solve(missing, l3) * (0.5 * h);
-        let errors = l3.iter().map(|missed| missed * 0.5 * h);
+        let since = h + if short {
+            self.integrator.linear.seconds
+        } else {
+            0.0
+        };
+        let missed = if since > h {
+            StageSystem::new(&a, coupling, since * D).solve(missing, l3)
+        } else {
+            system.solve(missing, l3)
+        } * (0.5 * since);
+        let errors = l3.iter().map(|missed| missed * 0.5 * since);
         let nonlinear = self::worst(&missed, &sizes, worst_error(m, new_memory, errors));
         if !short {
             return Ok((end, worst / tolerance, nonlinear / tolerance));
@@ -409,7 +500,7 @@ impl Simulation {
         slopes[1] += missed / h;
         at_end.beside = missed;
         for i in 0..count {
-            at_end.memory_beside[i] = l3[i] * 0.5 * h;
+            at_end.memory_beside[i] = l3[i] * 0.5 * since;
             new_memory[i] += at_end.memory_beside[i];
         }
         let end = State::from_array((y + k2 * h + missed).into());
@@ -425,6 +516,11 @@ fn worst(error: &StateVector, sizes: &[[f64; State::COUNT]; 2], other: f64) -> f
     });
     // max() would drop a NaN.
     ratio.fold(other, |a, b| if b > a || b.is_nan() { b } else { a })
+}
+
+/// What steps without a middle evaluation may err by over so many seconds, in units of the tolerance.
+fn allowed(seconds: f64) -> f64 {
+    (SHORT_ERROR_RATE * seconds).min(1.0)
 }
 
 /// What a step without a middle evaluation errs by over the square of its length, from one of this length.

@@ -103,6 +103,8 @@ impl Simulation {
         visit(&mut integrator.next_step);
         visit(&mut integrator.short_error);
         visit(&mut integrator.owed);
+        visit(&mut integrator.linear.seconds);
+        visit(&mut integrator.linear.reach);
         integrator.by_state.iter_mut().for_each(&mut *visit);
         integrator.by_input.iter_mut().for_each(&mut *visit);
         integrator.memory.visit(visit);
