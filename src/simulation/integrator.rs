@@ -51,6 +51,11 @@ pub(super) const SMALLEST_REACH: f64 = 0.01;
 /// The same of the velocities \[m/s, rad/s\] of wheels that stand: far below the slip speed at which the shear fades.
 pub(super) const STANDING_REACH: f64 = 1e-5;
 
+/// Broyden's update takes changes of the motion as those of a point of the rim \[m/s\] at some 0.25 m, 1 m off the middle,
+/// and nothing from a change whose square is less than this: the rounding of a balance would be its slope.
+pub(super) const BROYDEN_SCALE: [f64; 5] = [1.0, 1.0, 1.0, 0.25, 0.25];
+pub(super) const BROYDEN_SMALLEST: f64 = 1e-8;
+
 /// Steps since the last evaluation that had none.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Linear {
@@ -76,6 +81,8 @@ pub(super) struct Integrator {
     pub memory: MemoryJacobian,
     /// Steps that the Jacobian has served; `JACOBIAN_STEPS` where there is none.
     pub jacobian_age: u32,
+    /// How long before the last evaluation the Jacobian is that of the forces \[s\].
+    pub jacobian_lag: f64,
     pub counters: Counters,
     /// Steps that were taken beyond those that the driven time pays for ([`STEPS_PER_SECOND`]).
     pub owed: f64,
@@ -111,6 +118,7 @@ impl Integrator {
             by_input: InputMatrix::zeros(),
             memory: MemoryJacobian::new(memory_count),
             jacobian_age: JACOBIAN_STEPS,
+            jacobian_lag: 0.0,
             counters: Counters::default(),
             owed: 0.0,
             steps_per_second: STEPS_PER_SECOND,
@@ -134,6 +142,8 @@ pub(super) struct Stages {
     /// Rates of what is remembered at the start and in the middle, and its slopes l_1, l_2 and l_3.
     pub rates: [Vec<f64>; 2],
     pub memory_slopes: [Vec<f64>; 3],
+    /// Rates of the state at the end less those that are linear from the start.
+    pub missing: StateVector,
 }
 
 impl Stages {
@@ -148,6 +158,7 @@ impl Stages {
             slopes: [StateVector::zeros(); 2],
             rates: std::array::from_fn(|_| memory.clone()),
             memory_slopes: std::array::from_fn(|_| memory.clone()),
+            missing: StateVector::zeros(),
         }
     }
 

@@ -305,6 +305,7 @@ impl Simulation {
         integrator.by_state = jacobian.by_state;
         integrator.by_input = jacobian.by_input;
         integrator.jacobian_age = 0;
+        integrator.jacobian_lag = 0.0;
     }
 
     /// The same, in the integrator's own directions.

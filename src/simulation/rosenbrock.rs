@@ -10,10 +10,10 @@
 
 use super::evaluation::Evaluation;
 use super::integrator::{
-    ABSOLUTE_TOLERANCE, Counters, D, E32, GROW, Integrator, JACOBIAN_ERROR, JACOBIAN_STEPS,
-    LINEAR_REACH, LONGEST_CALL, LONGEST_LINEAR, LONGEST_STEP, Linear, RELATIVE_TOLERANCE, SAFETY,
-    SHORT_ERROR_RATE, SHORT_EXPECTED, SHORT_JACOBIAN, SHORT_SLOWEST, SHRINK, SMALLEST_REACH,
-    SMALLEST_SHARE, SMALLEST_STEP, STANDING_REACH, Stages,
+    ABSOLUTE_TOLERANCE, BROYDEN_SCALE, BROYDEN_SMALLEST, Counters, D, E32, GROW, Integrator,
+    JACOBIAN_ERROR, JACOBIAN_STEPS, LINEAR_REACH, LONGEST_CALL, LONGEST_LINEAR, LONGEST_STEP,
+    Linear, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE, SHORT_EXPECTED, SHORT_JACOBIAN,
+    SHORT_SLOWEST, SHRINK, SMALLEST_REACH, SMALLEST_SHARE, SMALLEST_STEP, STANDING_REACH, Stages,
 };
 use super::memory::{StageSystem, worst_error};
 use super::state::{State, StateVector, WheelSpeeds};
@@ -186,7 +186,7 @@ impl Simulation {
                 proposed
             };
             let state = *state;
-            self.accept(state);
+            self.accept(state, step);
             return Ok(true);
         }
         integrator.counters.rejected += 1;
@@ -211,7 +211,9 @@ impl Simulation {
         Ok(false)
     }
 
-    fn accept(&mut self, state: State) {
+    /// Goes on from the end of steps whose forces were evaluated so many seconds after those before.
+    fn accept(&mut self, state: State, elapsed: f64) {
+        self.update_jacobian(elapsed);
         self.state = state;
         self.memory.copy_from_slice(&self.work.stages.memory);
         self.now.copy_from(&self.work.stages.end);
@@ -324,8 +326,32 @@ impl Simulation {
             seconds: 0.0,
             reach: LINEAR_REACH * moved.max(SMALLEST_REACH),
         };
-        self.accept(state);
+        self.accept(state, elapsed);
         true
+    }
+
+    /// Broyden's update, of the smallest change with which the forces of the last two evaluations lie on a line.
+    /// (What is remembered has no part in it, and then nothing is updated.)
+    fn update_jacobian(&mut self, elapsed: f64) {
+        let (end, missing) = (&self.work.stages.end, &self.work.stages.missing);
+        let (from, to) = (self.anchor.motion.to_array(), end.motion.to_array());
+        let change: [f64; 5] = std::array::from_fn(|k| (to[k] - from[k]) * BROYDEN_SCALE[k]);
+        let square: f64 = change.iter().map(|x| x * x).sum();
+        let integrator = &mut self.integrator;
+        if !self.memory.is_empty() || !self.anchor.valid || square < BROYDEN_SMALLEST {
+            integrator.jacobian_lag += elapsed;
+            return;
+        }
+        for row in 3..State::COUNT {
+            for (k, change) in change.into_iter().enumerate() {
+                let update = missing[row] * change * BROYDEN_SCALE[k] / square;
+                match k {
+                    0..3 => integrator.by_state[(row, 3 + k)] += update,
+                    _ => integrator.by_input[(row, k - 3)] += update,
+                }
+            }
+        }
+        integrator.jacobian_lag = 0.5 * elapsed;
     }
 
     fn refresh_jacobian(&mut self) {
@@ -346,8 +372,9 @@ impl Simulation {
     /// 4. W (k_2 - k_1) = f_1 - k_1, and the new state is y + h k_2.
     /// 5. f_2 = f(t + h, y + h k_2), the next step's f_0.
     /// 6. W k_3 = f_2 - e_32 (k_2 - f_1) - 2 (k_1 - f_0) + h d T; the error is h/6 (k_1 - 2 k_2 + k_3).
-    /// 7. Forces taken as linear miss g/2 W^-1 (f_2 - f_0 - h (A k_2 + T)), as if what is missing grew evenly, over the
-    ///    time g since the last evaluation, with W = I - g d A. A short step adds that.
+    /// 7. Forces taken as linear miss u = f_2 - f_0 - h (A k_2 + T) at the end of the time g since the last evaluation.
+    ///    If A is exact a time l before that, u grows like l t + t^2 / 2, and the state misses w W^-1 u with
+    ///    w = g (l/2 + g/6) / (l + g/2) and W = I - g d A. A short step adds that.
     fn attempt(
         &mut self,
         h: f64,
@@ -384,6 +411,7 @@ impl Simulation {
             slopes,
             rates: [g0, g1],
             memory_slopes: [l1, l2, l3],
+            missing: kept,
         } = stages;
         let Integrator {
             by_state,
@@ -476,6 +504,7 @@ impl Simulation {
         // 7.
         let moved = k2 * h;
         let missing = f2 - linear(moved, l2, h);
+        *kept = missing;
         for i in 0..count {
             l3[i] = g2[i]
                 - g0[i]
@@ -487,12 +516,14 @@ impl Simulation {
         } else {
             0.0
         };
+        let lag = self.integrator.jacobian_lag;
+        let mean = since * (lag / 2.0 + since / 6.0) / (lag + since / 2.0);
         let missed = if since > h {
             StageSystem::new(&a, coupling, since * D).solve(missing, l3)
         } else {
             system.solve(missing, l3)
-        } * (0.5 * since);
-        let errors = l3.iter().map(|missed| missed * 0.5 * since);
+        } * mean;
+        let errors = l3.iter().map(|missed| missed * mean);
         let nonlinear = self::worst(&missed, &sizes, worst_error(m, new_memory, errors));
         if !short {
             return Ok((end, worst / tolerance, nonlinear / tolerance));
@@ -500,7 +531,7 @@ impl Simulation {
         slopes[1] += missed / h;
         at_end.beside = missed;
         for i in 0..count {
-            at_end.memory_beside[i] = l3[i] * 0.5 * since;
+            at_end.memory_beside[i] = l3[i] * mean;
             new_memory[i] += at_end.memory_beside[i];
         }
         let end = State::from_array((y + k2 * h + missed).into());

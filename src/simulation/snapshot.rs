@@ -103,6 +103,7 @@ impl Simulation {
         visit(&mut integrator.next_step);
         visit(&mut integrator.short_error);
         visit(&mut integrator.owed);
+        visit(&mut integrator.jacobian_lag);
         visit(&mut integrator.linear.seconds);
         visit(&mut integrator.linear.reach);
         integrator.by_state.iter_mut().for_each(&mut *visit);
