@@ -1,7 +1,7 @@
 //! Forces and rates at one state and input.
 
 use super::error::SimulationError;
-use super::state::{State, StateVector, WheelSpeeds};
+use super::state::{State, StateVector};
 use crate::vehicle::{Balance, Motion, Prepared, Tracks, Trend, VehicleModel, Wrench};
 
 /// Forces and rates at one state and input.
@@ -62,12 +62,6 @@ impl Evaluation {
             change[k] = to[k] - from[k];
         }
         trend.predict(&mut self.balance, &change);
-    }
-
-    /// How far wheel speeds lie from those of the evaluation \[rad/s\].
-    pub fn apart(&self, speeds: WheelSpeeds) -> f64 {
-        let left = (speeds.left - self.motion.omega_left).abs();
-        left.max((speeds.right - self.motion.omega_right).abs())
     }
 
     pub fn copy_from(&mut self, other: &Self) {

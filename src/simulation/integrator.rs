@@ -2,7 +2,7 @@
 
 use super::evaluation::Evaluation;
 use super::memory::MemoryJacobian;
-use super::state::{InputMatrix, State, StateMatrix, StateVector};
+use super::state::{InputMatrix, State, StateMatrix, StateVector, WheelSpeeds};
 
 /// d = 1 / (2 + sqrt 2) and e_32 = 6 + sqrt 2 of the method.
 pub(super) const D: f64 = 0.292_893_218_813_452_5;
@@ -35,21 +35,23 @@ pub(super) const JACOBIAN_ERROR: f64 = 0.6;
 /// the ends of the benchmarks' mixed minute then differ by 1 mm at most on the four soils. With 30 the velocity
 /// under held wheel speeds erred by up to 2 mm/s in a transient, for a tenth fewer evaluations.
 pub(super) const SHORT_ERROR_RATE: f64 = 10.0;
-/// It is tried where it is expected to err by no more than this share of that, and asks for a new Jacobian above the
-/// other.
+/// It is tried where it is expected to err by no more than this share of that, a step without any by no more than the
+/// second, and asks for a new Jacobian above the third.
 pub(super) const SHORT_EXPECTED: f64 = 0.7;
+pub(super) const LINEAR_EXPECTED: f64 = 0.35;
 pub(super) const SHORT_JACOBIAN: f64 = 0.5;
 /// Wheel speed \[rad/s\] below which a step is never taken so: twice that which bounds the contact time.
 pub(super) const SHORT_SLOWEST: f64 = 0.1;
 
 /// Longest time \[s\] without an evaluation of the forces.
 pub(super) const LONGEST_LINEAR: f64 = 0.05;
-/// Steps go without an evaluation while wheel speeds have changed by no more than so many times what they changed
-/// between the last two evaluations, or than this \[rad/s\].
-pub(super) const LINEAR_REACH: f64 = 3.0;
-pub(super) const SMALLEST_REACH: f64 = 0.01;
+/// Steps go without an evaluation while the wheel speeds lie no farther from where their change between the last two
+/// evaluations leads than this \[rad/s\], or this share of that change. A Jacobian that has served for a while is right
+/// along the motion, not across it.
+pub(super) const LINEAR_REACH: f64 = 0.3;
+pub(super) const SMALLEST_REACH: f64 = 0.003;
 /// The same of the velocities \[m/s, rad/s\] of wheels that stand: far below the slip speed at which the shear fades.
-pub(super) const STANDING_REACH: f64 = 1e-5;
+pub(super) const STANDING_REACH: f64 = 1e-9;
 
 /// Broyden's update takes changes of the motion as those of a point of the rim \[m/s\] at some 0.25 m, 1 m off the middle,
 /// and nothing from a change whose square is less than this: the rounding of a balance would be its slope.
@@ -61,8 +63,8 @@ pub(super) const BROYDEN_SMALLEST: f64 = 1e-8;
 pub(super) struct Linear {
     /// Their length \[s\].
     pub seconds: f64,
-    /// How far the wheel speeds may go from those of the evaluation \[rad/s\].
-    pub reach: f64,
+    /// How the wheel speeds changed between the last two evaluations \[rad/s^2\].
+    pub trend: WheelSpeeds,
 }
 
 /// What the integrator carries from step to step.

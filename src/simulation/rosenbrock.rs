@@ -11,14 +11,15 @@
 use super::evaluation::Evaluation;
 use super::integrator::{
     ABSOLUTE_TOLERANCE, BROYDEN_SCALE, BROYDEN_SMALLEST, Counters, D, E32, GROW, Integrator,
-    JACOBIAN_ERROR, JACOBIAN_STEPS, LINEAR_REACH, LONGEST_CALL, LONGEST_LINEAR, LONGEST_STEP,
-    Linear, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE, SHORT_EXPECTED, SHORT_JACOBIAN,
-    SHORT_SLOWEST, SHRINK, SMALLEST_REACH, SMALLEST_SHARE, SMALLEST_STEP, STANDING_REACH, Stages,
+    JACOBIAN_ERROR, JACOBIAN_STEPS, LINEAR_EXPECTED, LINEAR_REACH, LONGEST_CALL, LONGEST_LINEAR,
+    LONGEST_STEP, Linear, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE, SHORT_EXPECTED,
+    SHORT_JACOBIAN, SHORT_SLOWEST, SHRINK, SMALLEST_REACH, SMALLEST_SHARE, SMALLEST_STEP,
+    STANDING_REACH, Stages,
 };
 use super::memory::{StageSystem, worst_error};
 use super::state::{State, StateVector, WheelSpeeds};
 use super::{Simulation, SimulationError};
-use crate::vehicle::Wrench;
+use crate::vehicle::{Motion, Wrench};
 
 impl Simulation {
     /// What the integration has cost so far.
@@ -160,7 +161,7 @@ impl Simulation {
             return Ok(true);
         }
         self.evaluate()?;
-        self.integrator.linear = Linear::default();
+        self.integrator.linear.seconds = 0.0;
         self.refresh_jacobian();
         let attempt = self.attempt(step, end_speeds, end_time, false);
         let error = match attempt {
@@ -186,7 +187,7 @@ impl Simulation {
                 proposed
             };
             let state = *state;
-            self.accept(state, step);
+            self.accept(state, self.now.motion, step);
             return Ok(true);
         }
         integrator.counters.rejected += 1;
@@ -211,9 +212,17 @@ impl Simulation {
         Ok(false)
     }
 
-    /// Goes on from the end of steps whose forces were evaluated so many seconds after those before.
-    fn accept(&mut self, state: State, elapsed: f64) {
-        self.update_jacobian(elapsed);
+    /// Goes on from the end of steps since the forces were evaluated so many seconds ago, in another motion.
+    fn accept(&mut self, state: State, from: Motion, elapsed: f64) {
+        self.update_jacobian(from, elapsed);
+        let [from, to] = [&from, &self.work.stages.end.motion].map(WheelSpeeds::of);
+        self.integrator.linear = Linear {
+            seconds: 0.0,
+            trend: WheelSpeeds {
+                left: (to.left - from.left) / elapsed,
+                right: (to.right - from.right) / elapsed,
+            },
+        };
         self.state = state;
         self.memory.copy_from_slice(&self.work.stages.memory);
         self.now.copy_from(&self.work.stages.end);
@@ -244,20 +253,26 @@ impl Simulation {
     /// (see [`Simulation::attempt`], 7).
     fn try_linear(&mut self, step: f64, end_speeds: WheelSpeeds, rolls: bool) -> bool {
         let integrator = &self.integrator;
-        let Linear { seconds, reach } = integrator.linear;
+        let Linear { seconds, trend } = integrator.linear;
         // With the next step, which may be the one that is evaluated.
         let elapsed = seconds + 2.0 * step;
         let next_speeds = end_speeds.after(self.input_rates, step);
-        let reach = if rolls { reach } else { 0.0 };
+        let expected = WheelSpeeds::of(&self.anchor.motion).after(trend, elapsed);
+        let reach = if rolls {
+            let changed = expected.apart(WheelSpeeds::of(&self.anchor.motion));
+            LINEAR_REACH * changed + SMALLEST_REACH
+        } else {
+            0.0
+        };
         // What changes by itself or by the place alone is not in the Jacobian.
         let is_steady = self.memory.is_empty()
             && self.model.min_feature_length().is_none()
             && self.model.next_event(self.time).is_none()
             && self.model.next_knot(self.time).is_none();
         if !is_steady
-            || elapsed > LONGEST_LINEAR
-            || integrator.short_error * elapsed * elapsed > SHORT_EXPECTED * allowed(elapsed)
-            || self.anchor.apart(next_speeds) > reach
+            || elapsed > LONGEST_LINEAR * (1.0 + 1e-9)
+            || integrator.short_error * elapsed * elapsed > LINEAR_EXPECTED * allowed(elapsed)
+            || next_speeds.apart(expected) > reach
         {
             return false;
         }
@@ -306,7 +321,6 @@ impl Simulation {
     fn try_short(&mut self, step: f64, end_speeds: WheelSpeeds, end_time: f64) -> bool {
         let elapsed = self.integrator.linear.seconds + step;
         let allowed = allowed(elapsed);
-        let moved = self.anchor.apart(end_speeds);
         let attempt = self.attempt(step, end_speeds, end_time, true);
         let integrator = &mut self.integrator;
         let Ok((state, error, nonlinear)) = attempt else {
@@ -322,23 +336,19 @@ impl Simulation {
             integrator.jacobian_age = JACOBIAN_STEPS;
         }
         integrator.counters.steps += 1;
-        integrator.linear = Linear {
-            seconds: 0.0,
-            reach: LINEAR_REACH * moved.max(SMALLEST_REACH),
-        };
-        self.accept(state, elapsed);
+        self.accept(state, self.anchor.motion, elapsed);
         true
     }
 
     /// Broyden's update, of the smallest change with which the forces of the last two evaluations lie on a line.
     /// (What is remembered has no part in it, and then nothing is updated.)
-    fn update_jacobian(&mut self, elapsed: f64) {
+    fn update_jacobian(&mut self, from: Motion, elapsed: f64) {
         let (end, missing) = (&self.work.stages.end, &self.work.stages.missing);
-        let (from, to) = (self.anchor.motion.to_array(), end.motion.to_array());
+        let (from, to) = (from.to_array(), end.motion.to_array());
         let change: [f64; 5] = std::array::from_fn(|k| (to[k] - from[k]) * BROYDEN_SCALE[k]);
         let square: f64 = change.iter().map(|x| x * x).sum();
         let integrator = &mut self.integrator;
-        if !self.memory.is_empty() || !self.anchor.valid || square < BROYDEN_SMALLEST {
+        if !self.memory.is_empty() || square < BROYDEN_SMALLEST {
             integrator.jacobian_lag += elapsed;
             return;
         }

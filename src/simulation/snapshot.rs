@@ -105,7 +105,8 @@ impl Simulation {
         visit(&mut integrator.owed);
         visit(&mut integrator.jacobian_lag);
         visit(&mut integrator.linear.seconds);
-        visit(&mut integrator.linear.reach);
+        visit(&mut integrator.linear.trend.left);
+        visit(&mut integrator.linear.trend.right);
         integrator.by_state.iter_mut().for_each(&mut *visit);
         integrator.by_input.iter_mut().for_each(&mut *visit);
         integrator.memory.visit(visit);

@@ -139,6 +139,20 @@ impl WheelSpeeds {
         }
     }
 
+    /// Those of a motion.
+    pub(super) fn of(motion: &Motion) -> Self {
+        Self {
+            left: motion.omega_left,
+            right: motion.omega_right,
+        }
+    }
+
+    /// The greater of the differences of both sides from other speeds.
+    pub(super) fn apart(self, other: Self) -> f64 {
+        let left = (self.left - other.left).abs();
+        left.max((self.right - other.right).abs())
+    }
+
     /// Whether two speeds differ by no more than rounding leaves where one was integrated from its
     /// rate: no force shows it.
     pub(super) fn is_nearly(self, other: Self) -> bool {

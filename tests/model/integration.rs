@@ -175,8 +175,38 @@ fn clones_and_restored_snapshots_go_on_to_the_bit() {
         simulation.jacobian().unwrap();
     });
     assert_eq!(whole.state(), clone.state());
-    assert_eq!(whole.snapshot(), restored.snapshot());
     assert_eq!(whole.wrench().unwrap(), restored.wrench().unwrap());
+    assert_eq!(whole.snapshot(), restored.snapshot());
+}
+
+#[test]
+fn short_steps_go_without_evaluations_as_long_as_the_forces_are_linear() {
+    // Under held and evenly changing wheel speeds in steps of 1 ms, and at rest; a jump of them is evaluated at once.
+    for terrain in Terrain::PRESETS {
+        let mut simulation = Simulation::new(paper_model(terrain));
+        let mut evaluations = |seconds: f64, from: f64, rate: f64| {
+            let before = simulation.counters().evaluations;
+            let steps = (seconds / 1e-3).round() as usize;
+            for step in 0..steps {
+                let speed = from + rate * 1e-3 * step as f64;
+                simulation.set_wheel_speeds(speeds(speed, speed)).unwrap();
+                simulation
+                    .set_wheel_accelerations(speeds(rate, rate))
+                    .unwrap();
+                simulation.step(1e-3).unwrap();
+            }
+            simulation.counters().evaluations - before
+        };
+        let starts = evaluations(2.0, 0.0, 2.0);
+        let held = evaluations(1.0, 4.0, 0.0);
+        let jump = evaluations(1e-3, 6.0, 0.0);
+        evaluations(4.0, 6.0, -1.5);
+        evaluations(2.0, 0.0, 0.0);
+        let rest = evaluations(1.0, 0.0, 0.0);
+        println!("{terrain}: {starts} {held} {jump} {rest}");
+        assert!(starts < 700 && held < 150 && rest < 150, "{terrain}");
+        assert!(jump >= 1, "{terrain}");
+    }
 }
 
 /// A slalom on sand with a pivot and a stop, in steps of 10 ms that are longer by a share of themselves.
