@@ -11,10 +11,10 @@
 use super::evaluation::Evaluation;
 use super::integrator::{
     ABSOLUTE_TOLERANCE, BROYDEN_SCALE, BROYDEN_SMALLEST, Counters, D, E32, GROW, Integrator,
-    JACOBIAN_ERROR, JACOBIAN_STEPS, LINEAR_EXPECTED, LINEAR_REACH, LONGEST_CALL, LONGEST_LINEAR,
-    LONGEST_STEP, Linear, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE, SHORT_EXPECTED,
-    SHORT_JACOBIAN, SHORT_SLOWEST, SHRINK, SMALLEST_REACH, SMALLEST_SHARE, SMALLEST_STEP,
-    STANDING_REACH, Stages,
+    JACOBIAN_ERROR, JACOBIAN_STEPS, LINEAR_BEND, LINEAR_EXPECTED, LINEAR_REACH, LONGEST_CALL,
+    LONGEST_LINEAR, LONGEST_STEP, Linear, RELATIVE_TOLERANCE, SAFETY, SHORT_ERROR_RATE,
+    SHORT_EXPECTED, SHORT_JACOBIAN, SHORT_SLOWEST, SHRINK, SMALLEST_REACH, SMALLEST_SHARE,
+    SMALLEST_STEP, STANDING_REACH, Stages,
 };
 use super::memory::{StageSystem, worst_error};
 use super::state::{State, StateVector, WheelSpeeds};
@@ -187,6 +187,7 @@ impl Simulation {
                 proposed
             };
             let state = *state;
+            self.integrator.jacobian_lag += step;
             self.accept(state, self.now.motion, step);
             return Ok(true);
         }
@@ -214,7 +215,6 @@ impl Simulation {
 
     /// Goes on from the end of steps since the forces were evaluated so many seconds ago, in another motion.
     fn accept(&mut self, state: State, from: Motion, elapsed: f64) {
-        self.update_jacobian(from, elapsed);
         let [from, to] = [&from, &self.work.stages.end.motion].map(WheelSpeeds::of);
         self.integrator.linear = Linear {
             seconds: 0.0,
@@ -249,33 +249,41 @@ impl Simulation {
 
     /// Takes a step without any evaluation, if the forces are linear over this and the next.
     ///
-    /// The state goes on from the forces of the last evaluation; a later step's evaluation finds what they missed since
-    /// (see [`Simulation::attempt`], 7).
+    /// # Algorithm
+    /// 1. Nothing acts that is not in the Jacobian: what is remembered, what changes in time or lies in the way.
+    /// 2. The wheel speeds go on as between the last two evaluations, or stand; and by what the last evaluation found, the
+    ///    forces are linear for so long.
+    /// 3. The step of [`Simulation::attempt`] with f_0 and f_1 from the Jacobian, from the last evaluation on.
+    /// 4. It is left where a side of the vehicle turns round, or the forces' change since that evaluation has moved the
+    ///    velocities by more than their tolerance: a kink of the forces may lie within.
+    ///
+    /// A later step's evaluation finds what the forces missed since, and puts it right.
     fn try_linear(&mut self, step: f64, end_speeds: WheelSpeeds, rolls: bool) -> bool {
         let integrator = &self.integrator;
         let Linear { seconds, trend } = integrator.linear;
-        // With the next step, which may be the one that is evaluated.
-        let elapsed = seconds + 2.0 * step;
-        let next_speeds = end_speeds.after(self.input_rates, step);
-        let expected = WheelSpeeds::of(&self.anchor.motion).after(trend, elapsed);
-        let reach = if rolls {
-            let changed = expected.apart(WheelSpeeds::of(&self.anchor.motion));
-            LINEAR_REACH * changed + SMALLEST_REACH
-        } else {
-            0.0
-        };
-        // What changes by itself or by the place alone is not in the Jacobian.
+        // 1.
         let is_steady = self.memory.is_empty()
             && self.model.min_feature_length().is_none()
             && self.model.next_event(self.time).is_none()
             && self.model.next_knot(self.time).is_none();
+        // 2. With the next step, which may be the one that is evaluated.
+        let elapsed = seconds + 2.0 * step;
+        let next_speeds = end_speeds.after(self.input_rates, step);
+        let from = WheelSpeeds::of(&self.anchor.motion);
+        let expected = from.after(trend, elapsed);
+        let reach = if rolls {
+            LINEAR_REACH * expected.apart(from) + SMALLEST_REACH
+        } else {
+            0.0
+        };
         if !is_steady
-            || elapsed > LONGEST_LINEAR * (1.0 + 1e-9)
+            || elapsed > LONGEST_LINEAR
             || integrator.short_error * elapsed * elapsed > LINEAR_EXPECTED * allowed(elapsed)
             || next_speeds.apart(expected) > reach
         {
             return false;
         }
+        // 3.
         let a = self.state.kinematic_jacobian().by_state + integrator.by_state;
         let rates = [self.input_rates.left, self.input_rates.right];
         let by_time = integrator.by_input * nalgebra::Vector2::from(rates);
@@ -284,10 +292,16 @@ impl Simulation {
         let k1 = system.solve(f0 + by_time * (step * D), &mut []);
         let f1 = f0 + (a * k1 + by_time) * (0.5 * step);
         let moved = (system.solve(f1 - k1, &mut []) + k1) * step;
+        // 4.
         let beside = self.anchor.beside + moved;
-        let change = beside.fixed_rows::<3>(3).amax();
-        let is_linear = rolls || change < STANDING_REACH;
-        if !is_linear || !moved.iter().all(|change| change.is_finite()) {
+        let largest = |change: StateVector| change.fixed_rows::<3>(3).amax();
+        let bend = largest(beside - self.anchor.derivative * (seconds + step));
+        let goes_on = if rolls {
+            bend < LINEAR_BEND && !self.turns_round(&beside)
+        } else {
+            largest(beside) < STANDING_REACH
+        };
+        if !goes_on || !moved.iter().all(|change| change.is_finite()) {
             return false;
         }
         self.state = State::from_array((StateVector::from(self.state.to_array()) + moved).into());
@@ -296,6 +310,18 @@ impl Simulation {
         self.integrator.linear.seconds += step;
         self.integrator.counters.steps += 1;
         true
+    }
+
+    /// Whether a side of the vehicle is slow, or travels the other way, so far from the last evaluation: there the side
+    /// of the wheels changes that compacts soil.
+    fn turns_round(&self, beside: &StateVector) -> bool {
+        let (motion, half_track) = (&self.anchor.motion, self.model.vehicle().half_track);
+        let slowest = 2.0 * self.model.contact().regularisation().travel_speed;
+        [-half_track, half_track].into_iter().any(|lever| {
+            let before = motion.v_x + lever * motion.yaw_rate;
+            let after = before + beside[3] + lever * beside[5];
+            before * after <= 0.0 || before.abs().min(after.abs()) < slowest
+        })
     }
 
     /// Rates of the state by the forces of an evaluation, linear in what has changed since.
@@ -336,15 +362,16 @@ impl Simulation {
             integrator.jacobian_age = JACOBIAN_STEPS;
         }
         integrator.counters.steps += 1;
+        self.update_jacobian(elapsed);
         self.accept(state, self.anchor.motion, elapsed);
         true
     }
 
     /// Broyden's update, of the smallest change with which the forces of the last two evaluations lie on a line.
     /// (What is remembered has no part in it, and then nothing is updated.)
-    fn update_jacobian(&mut self, from: Motion, elapsed: f64) {
+    fn update_jacobian(&mut self, elapsed: f64) {
         let (end, missing) = (&self.work.stages.end, &self.work.stages.missing);
-        let (from, to) = (from.to_array(), end.motion.to_array());
+        let (from, to) = (self.anchor.motion.to_array(), end.motion.to_array());
         let change: [f64; 5] = std::array::from_fn(|k| (to[k] - from[k]) * BROYDEN_SCALE[k]);
         let square: f64 = change.iter().map(|x| x * x).sum();
         let integrator = &mut self.integrator;

@@ -244,7 +244,7 @@ impl VehicleModel {
         self.level
     }
 
-    pub(super) fn contact(&self) -> &WheelContact {
+    pub(crate) fn contact(&self) -> &WheelContact {
         &self.contact
     }
 
