@@ -9,7 +9,9 @@ mod odometry;
 mod pairs;
 mod provenance;
 mod ratios;
+mod sides;
 mod signs;
+mod standing;
 
 pub use doubt::{Doubt, DoubtKind, PROBABLE, Span};
 
@@ -58,9 +60,11 @@ impl Fitness {
 ///    acceleration and on turning. The wheel speeds therefore drive the given vehicle over the soils of the paper, of
 ///    several stiffnesses. A factor on the wheel speeds, or on the track, has to explain the motion much better than the
 ///    best soil without one, and to exceed the model's own errors. Where the factor of a unit explains the motion as well
-///    as the best number, it is the unit.
+///    as the best number, it is the unit. Before that, distance and turns are compared with each side alone: where both
+///    find that one side rolls by another factor, it has another unit or gear.
 /// 4. *Values.* Stretches of one value, cut-off or coarse values and jumps are judged against the same channel elsewhere.
-/// 5. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
+/// 5. *Standstill.* Wheels, a gyro or a position that stay exactly where they are, though the others move, are broken.
+/// 6. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
 ///
 /// A doubt that another one explains is dropped: a pose from the wheels fits neither the gyro nor any soil.
 #[must_use]
@@ -88,10 +92,14 @@ pub fn doubts_until(
     if !is_own {
         found.extend(ratios::heading(&alive));
     }
-    if is_signed {
+    let unequal = sides::doubt(&alive).filter(|_| is_signed && !is_own);
+    let is_equal = unequal.is_none();
+    found.extend(unequal);
+    if is_signed && is_equal {
         found.extend(vehicle.and_then(|vehicle| ratios::wheels(&alive, vehicle, is_own, is_over)));
     }
     found.extend(frozen);
+    found.extend(standing::doubts(recording));
     found.extend(constant::coarse(recording));
     found.extend(jumps::doubts(&alive));
     found.extend(commands::doubts(&alive));

@@ -159,6 +159,66 @@ fn factors_on_the_wheel_speeds_are_doubted_on_firm_and_on_slipping_soil() {
 }
 
 #[test]
+fn a_side_with_another_factor_is_doubted() {
+    for soil in Terrain::PRESETS {
+        let rows = drive(soil, &robot(), 1.0);
+        for (column, factor, expected) in [
+            (1, 2.0, true),
+            (2, 0.5, true),
+            (2, 9.55, true),
+            (1, 1.2, false),
+        ] {
+            let found = of(&with(&rows, |row| row[column] *= factor));
+            let of_sides = found
+                .iter()
+                .filter(|doubt| doubt.evidence.contains("by the turns"));
+            let doubted = of_sides.count() == 1;
+            assert_eq!(doubted, expected, "{soil} {column} {factor}: {found:#?}");
+        }
+    }
+}
+
+#[test]
+fn sensors_that_stand_still_in_a_drive_are_doubted() {
+    let rows = drive("sandy_loam", &robot(), 1.0);
+    let dead = |columns: &[usize], from: f64, to: f64| {
+        let spoiled = with(&rows, |row| {
+            if (from..to).contains(&row[0]) {
+                columns.iter().for_each(|column| row[*column] = 0.0);
+            }
+        });
+        let found = of(&spoiled);
+        let standing = found.iter().find(|doubt| {
+            doubt.kind == DoubtKind::Frozen && doubt.channels.contains(&CHANNELS[columns[0] - 1])
+        });
+        standing.is_some_and(|doubt| doubt.probability >= PROBABLE)
+    };
+    for column in [1, 2, 6] {
+        assert!(dead(&[column], 0.0, 60.0), "{column}");
+        assert!(dead(&[column], 20.0, 30.0), "{column}");
+    }
+    assert!(dead(&[1, 2], 0.0, 60.0));
+    assert!(dead(&[3, 4], 0.0, 60.0));
+    // Too short to tell.
+    assert!(!dead(&[1], 20.0, 20.5));
+    // At rest, and about a locked side.
+    let pivoting = |left: f64| {
+        let rows = driven("dry_clay", &robot(), 1.0, move |time| {
+            let on = f64::from(u8::from((5.0..40.0).contains(&time)));
+            [left * on, 3.0 * on]
+        });
+        let exact = with(&rows, |row| {
+            row[1] = if left == 0.0 { 0.0 } else { row[1] };
+            row[6] = if row[0] < 5.0 { 0.0 } else { row[6] };
+        });
+        let found = of(&exact);
+        !found.iter().any(|doubt| doubt.kind == DoubtKind::Frozen)
+    };
+    assert!(pivoting(0.0));
+    assert!(pivoting(-3.0));
+}
+
+#[test]
 fn speeds_of_wheels_behind_a_gear_are_neither_rest_nor_without_sign() {
     let slow = with(&drive("sandy_loam", &robot(), 1.0), |row| {
         row[1] /= 38.3;

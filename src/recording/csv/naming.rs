@@ -164,6 +164,9 @@ pub fn matched(target: &str, quantity: Quantity, name: &str) -> Option<Match> {
     };
     let base = words(base);
     if let Some(rank) = rank(target, &base) {
+        // Names in common use that say their unit: `rpm_left`.
+        let says = || base.split('_').any(|word| word == "rpm");
+        let unit = unit.or_else(|| says().then(|| "rpm".to_owned()));
         return Some(Match { rank, unit });
     }
     // `heading_deg`, `omega_left_rad_s`.
@@ -279,6 +282,14 @@ mod tests {
             ("omega_left", Quantity::WheelSpeed, "omegaLeft", ""),
             ("omega_left", Quantity::WheelSpeed, "ω_l", ""),
             ("omega_left", Quantity::WheelSpeed, "wl_rpm", "rpm"),
+            ("omega_left", Quantity::WheelSpeed, "rpm_left", "rpm"),
+            ("omega_right", Quantity::WheelSpeed, "right RPM", "rpm"),
+            (
+                "omega_right",
+                Quantity::WheelSpeed,
+                "rpm_r [rad/s]",
+                "rad/s",
+            ),
             (
                 "omega_left",
                 Quantity::WheelSpeed,
