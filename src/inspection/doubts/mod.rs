@@ -119,6 +119,10 @@ pub fn fitness(recording: &Recording, doubts: &[Doubt]) -> (Fitness, String) {
             "no motion is recorded beside the wheel speeds: add x, y and heading, or yaw_rate";
         return (Fitness::Unfit, why.into());
     }
+    if recording.runs.iter().all(standing::never_turn) {
+        let why = "the wheel speeds are zero throughout: there is nothing to diagnose, or they were not recorded";
+        return (Fitness::Unfit, why.into());
+    }
     let Some(first) = doubts.first() else {
         let why = "nothing in it contradicts itself";
         let corrected = recording.notes.iter().any(|note| is_correction(note.kind));

@@ -90,8 +90,20 @@ fn doubt(index: usize, channels: Vec<Channel>, span: [f64; 2], evidence: String)
     }
 }
 
+/// Whether wheels never turn: then there is nothing to diagnose, whatever the pose does.
+pub fn never_turn(run: &Run) -> bool {
+    let sides = [Channel::OmegaLeft, Channel::OmegaRight].into_iter();
+    let mut speeds = sides
+        .filter_map(|side| run.series(side))
+        .flat_map(|series| series.value.iter());
+    speeds.all(|speed| *speed == 0.0)
+}
+
 /// Wheels that are exactly at rest while the vehicle drives on.
 fn wheels(index: usize, run: &Run) -> Vec<Doubt> {
+    if never_turn(run) {
+        return Vec::new();
+    }
     let sides = [Channel::OmegaLeft, Channel::OmegaRight].into_iter();
     let found = sides.filter_map(|channel| {
         let [start, end] = zero(run.series(channel)?)?;

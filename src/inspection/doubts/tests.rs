@@ -197,7 +197,9 @@ fn sensors_that_stand_still_in_a_drive_are_doubted() {
         assert!(dead(&[column], 0.0, 60.0), "{column}");
         assert!(dead(&[column], 20.0, 30.0), "{column}");
     }
-    assert!(dead(&[1, 2], 0.0, 60.0));
+    let dead_wheels = with(&rows, |row| (row[1], row[2]) = (0.0, 0.0));
+    let dead_wheels = recording(&dead_wheels, &CHANNELS, &robot());
+    assert_eq!(fitness(&dead_wheels, &[]).0, Fitness::Unfit);
     assert!(dead(&[3, 4], 0.0, 60.0));
     // Too short to tell.
     assert!(!dead(&[1], 20.0, 20.5));
