@@ -23,8 +23,8 @@ use rayon::prelude::*;
 
 /// Steps at most.
 const STEPS: usize = 12;
-/// The cost, a chi-square, need not fall by more than this any further.
-const LEAST: f64 = 0.5;
+/// The cost, a chi-square, need not fall by more than this any further where starts are looked for anew.
+pub const LEAST: f64 = 0.5;
 /// Another start is taken where it costs so much less.
 const WORTH: f64 = 2.0;
 const FIRST_DAMPING: f64 = 1e-3;
@@ -121,8 +121,8 @@ pub fn moved<P: Predictor>(
     Some((moved, tables?))
 }
 
-/// The start of a segment in the basin of `start` that costs least, the parameters and the weights held. `None` where
-/// the vehicle cannot be driven. The weighing is of this segment alone.
+/// The start of a segment in the basin of `start` that costs least, the parameters and the weights held, where steps that gain
+/// less than `least` are not taken. `None` where the vehicle cannot be driven. The weighing is of this segment alone.
 #[must_use]
 pub fn settled<P: Predictor>(
     problem: &ShootingProblem<P>,
@@ -130,6 +130,7 @@ pub fn settled<P: Predictor>(
     coordinates: &DVector<f64>,
     start: [f64; START],
     by: &NoiseModel,
+    least: f64,
 ) -> Option<[f64; START]> {
     let segment = &problem.segments[index];
     let values = problem.model_values(segment.recording, coordinates);
@@ -140,7 +141,7 @@ pub fn settled<P: Predictor>(
         by: by.clone(),
         reweighed: false,
     };
-    let settled = stretch.settled(stretch.start(start)?, None)?;
+    let settled = stretch.settled(stretch.start(start)?, None, least)?;
     Some(settled.at)
 }
 
@@ -254,9 +255,10 @@ impl<P: Predictor> Stretch<'_, P> {
     ) -> Option<[f64; START]> {
         let here = self.start(*start)?;
         let enough = here.cost - WORTH;
-        let here = self.settled(here, None)?;
+        let here = self.settled(here, None, LEAST)?;
         let others = others.filter(|begin| !self.foretells(&here, begin));
-        let others = others.filter_map(|begin| self.settled(self.start(*begin)?, Some(&here)));
+        let others =
+            others.filter_map(|begin| self.settled(self.start(*begin)?, Some(&here), LEAST));
         let elsewhere = others.min_by(|a, b| a.cost.total_cmp(&b.cost));
         let better = elsewhere.filter(|there| there.cost < here.cost);
         let best = better.unwrap_or(here);
@@ -339,7 +341,7 @@ impl<P: Predictor> Stretch<'_, P> {
     }
 
     /// The start in the same basin that costs least. `None` where that one is `known`.
-    fn settled(&self, mut here: Start, known: Option<&Start>) -> Option<Start> {
+    fn settled(&self, mut here: Start, known: Option<&Start>, least: f64) -> Option<Start> {
         let mut damping = FIRST_DAMPING;
         for _ in 0..STEPS {
             if known.is_some_and(|known| known.reached(&here.at)) {
@@ -348,7 +350,7 @@ impl<P: Predictor> Stretch<'_, P> {
             let Some(eliminated) = Eliminated::new(&here.normal, damping) else {
                 break;
             };
-            if eliminated.start_gain < LEAST || damping > LARGEST_DAMPING {
+            if eliminated.start_gain < least || damping > LARGEST_DAMPING {
                 break;
             }
             let step = eliminated.start_step(&here.normal, &DVector::zeros(0));
@@ -358,7 +360,7 @@ impl<P: Predictor> Stretch<'_, P> {
                     let gain = here.cost - there.cost;
                     here = there;
                     damping *= 0.3;
-                    if gain < LEAST {
+                    if gain < least {
                         break;
                     }
                 }

@@ -17,7 +17,7 @@ use crate::fit::exact::ExactPredictor;
 use crate::fit::observation::observe;
 use crate::fit::optimiser::{Stop, minimise};
 use crate::fit::problem::{NoiseModel, Point, ShootingProblem};
-use crate::fit::restart::settled;
+use crate::fit::restart::{LEAST, settled};
 use crate::fit::robust::penalty;
 use crate::fit::segment::Segment;
 use crate::fit::signal::Signal;
@@ -213,7 +213,7 @@ fn predicted(
             }
         }
     }
-    let start = settled(shooting, index, at, start, &own)?;
+    let start = settled(shooting, index, at, start, &own, LEAST)?;
     let observed = observe(
         shooting.predictor(),
         segment,

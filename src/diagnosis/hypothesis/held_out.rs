@@ -15,7 +15,7 @@ use crate::fit::exact::ExactPredictor;
 use crate::fit::normal::START;
 use crate::fit::optimiser::minimise_from;
 use crate::fit::problem::{NoiseModel, Point, ShootingProblem};
-use crate::fit::restart::settled;
+use crate::fit::restart::{LEAST, settled};
 use crate::fit::segment::Segment;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -217,7 +217,7 @@ impl<'p> Fold<'p> {
         } = &self.point;
         let own = |(index, start): (usize, &[f64; START])| {
             let noise = self.noise.of(&[index]);
-            settled(&self.shooting, index, coordinates, *start, &noise)
+            settled(&self.shooting, index, coordinates, *start, &noise, LEAST)
         };
         let starts: Option<Vec<_>> = starts.par_iter().enumerate().map(own).collect();
         self.point.starts = starts?;

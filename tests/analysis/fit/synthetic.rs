@@ -146,10 +146,7 @@ pub fn record(truth: &Specification, seconds: f64, by: &Sensors) -> Recording {
                     list.push((time, value));
                 }
             }
-            // Evaluated in every step: the truth owes nothing to steps that take the forces as linear.
-            simulation
-                .step_looking(0.05, |_| std::ops::ControlFlow::Continue(()))
-                .unwrap();
+            simulation.step(0.05).unwrap();
         }
     }
     let mut noise = Noise {
