@@ -16,6 +16,6 @@ pub fn settled(recording: Recording, vehicle: Option<&Vehicle>) -> (Recording, V
 /// The doubts that a user must know, each a line.
 pub fn lines<'a>(name: &'a str, doubts: &'a [Doubt]) -> impl Iterator<Item = String> + 'a {
     let known = doubts.iter();
-    let known = known.filter(|doubt| doubt.left_out || doubt.probability >= PROBABLE);
+    let known = known.filter(|doubt| doubt.is_left_out() || doubt.probability >= PROBABLE);
     known.map(move |doubt| format!("doubt ({}): {name}: {doubt}", percent(doubt.probability)))
 }

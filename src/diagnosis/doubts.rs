@@ -68,7 +68,7 @@ impl Doubts {
     /// The recordings without the samples that are left out; `None` if all are used.
     pub fn remaining(&self, recordings: &[Recording]) -> Option<Vec<Recording>> {
         let mut all = self.each.iter().flat_map(|(_, doubts)| doubts);
-        if !all.any(|doubt| doubt.left_out) {
+        if !all.any(Doubt::is_left_out) {
             return None;
         }
         let pairs = recordings.iter().zip(&self.each);
@@ -90,11 +90,11 @@ impl Doubts {
             each.flat_map(|(name, doubts)| doubts.iter().map(move |doubt| (name, doubt)))
         };
         // What the reader and the importer noted may be harmless, and has a place among the notes.
-        let is_shown = |doubt: &Doubt| doubt.left_out || doubt.probability >= PROBABLE;
+        let is_shown = |doubt: &Doubt| doubt.is_left_out() || doubt.probability >= PROBABLE;
         let mut shown: Vec<(&String, &Doubt)> =
             all().filter(|(_, doubt)| is_shown(doubt)).collect();
         shown.sort_by(|a, b| {
-            let used = a.1.left_out.cmp(&b.1.left_out);
+            let used = a.1.is_left_out().cmp(&b.1.is_left_out());
             used.then(b.1.probability.total_cmp(&a.1.probability))
         });
         let cautions = shown
@@ -116,7 +116,7 @@ impl Doubts {
         if !self.is_whole {
             diagnosis.account.notes.push(UNFINISHED.into());
         }
-        let used = shown.iter().find(|(_, doubt)| !doubt.left_out);
+        let used = shown.iter().find(|(_, doubt)| !doubt.is_left_out());
         if let Some((recording, doubt)) = used {
             lead(diagnosis, recording, doubt);
         }
@@ -158,6 +158,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::{DiagnosisError, Options, insufficient};
     use crate::effects::Effects;
+    use crate::inspection::Span;
     use crate::terrain::Terrain;
     use crate::vehicle::Specification;
 
@@ -168,6 +169,11 @@ mod tests {
             terrain: Terrain::preset("dry_sand").unwrap(),
             effects: Effects::default(),
         };
+        let span = Span {
+            run: 0,
+            start: 0.0,
+            end: 1.0,
+        };
         let error = DiagnosisError::OutOfTime;
         let mut diagnosis = insufficient(&[], &nominal, &Options::default(), &error);
         let doubts = doubts.iter().map(|(kind, probability)| Doubt {
@@ -175,7 +181,11 @@ mod tests {
             channels: Vec::new(),
             span: None,
             probability: *probability,
-            left_out: *kind == DoubtKind::Frozen,
+            left_out: if *kind == DoubtKind::Frozen {
+                vec![span]
+            } else {
+                Vec::new()
+            },
             evidence: String::new(),
             remedy: String::new(),
         });

@@ -9,7 +9,7 @@ mod signals;
 mod timing;
 
 pub use delay::{Delay, Pair, Quality};
-pub use doubts::{Doubt, DoubtKind, Fitness, Span};
+pub use doubts::{Doubt, DoubtKind, Fitness, SHORTEST, Span};
 pub use motion::{MotionSummary, rest_spans};
 pub use noise::Noise;
 pub use signals::{MotionSignal, heading_rate, wheel_mean};

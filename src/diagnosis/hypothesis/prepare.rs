@@ -9,10 +9,9 @@ use crate::fit::predictor::PredictionError;
 use crate::fit::problem::{NoiseModel, Tables};
 use crate::fit::segment::cut;
 use crate::fit::sensor::SensorValues;
+use crate::inspection::SHORTEST;
 use crate::recording::{Channel, Recording};
 
-/// Minimum driving for a diagnosis \[s\].
-const SHORTEST: f64 = 10.0;
 /// Minimum number of segments: two to hold out, two to fit.
 const FEWEST: usize = 2 * SMALLEST_FOLD;
 /// Long segments contain more information, but few of them give neither overdispersion nor a held-out score: this

@@ -17,7 +17,11 @@ use super::error::ImportError;
 use input::Input;
 use std::path::Path;
 
-/// Whether a path is a log rather than a table: a folder, or a file with the first bytes of one, packed or not.
+/// Endings of logs.
+const ENDINGS: [&str; 4] = ["mcap", "db3", "bag", "ulg"];
+
+/// Whether a path is a log rather than a table: a folder, a file with the first bytes of one, packed or not, or with the
+/// ending of one.
 #[must_use]
 pub fn is_log(path: &Path) -> bool {
     let starts: [&[u8]; 5] = [
@@ -27,21 +31,18 @@ pub fn is_log(path: &Path) -> bool {
         ulog::MAGIC,
         b"\x28\xb5\x2f\xfd",
     ];
-    let mut start = [0; 16];
-    let read = || {
-        Input::open(path)
-            .and_then(|mut input| input.read(&mut start))
-            .ok()
-    };
     if path.is_dir() {
         return true;
     }
-    let mut read = read;
-    read().is_some_and(|length| {
-        starts
-            .iter()
-            .any(|magic| start[..length].starts_with(magic))
-    })
+    let mut start = [0; 16];
+    let read = Input::open(path).and_then(|mut input| input.read(&mut start));
+    let Ok(length) = read else {
+        return false;
+    };
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let mut starts = starts.iter();
+    starts.any(|magic| start[..length].starts_with(magic))
+        || ENDINGS.iter().any(|known| ending == *known)
 }
 
 /// Visits every message of a log, file by file.

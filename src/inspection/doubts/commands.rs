@@ -19,7 +19,7 @@ const MIN_SAMPLES: usize = 100;
 const MEASURED: f64 = 0.1;
 
 /// Whether the wheel speeds jump and stay, while the motion is measured.
-pub fn doubts(recording: &Recording) -> Vec<Doubt> {
+pub fn doubt(recording: &Recording) -> Option<Doubt> {
     let sides = [Channel::OmegaLeft, Channel::OmegaRight];
     let (mut held, mut moving, mut steps, mut changed) = (0, 0, 0, 0);
     let mut is_measured = false;
@@ -36,14 +36,14 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
     let share = held as f64 / moving.max(1) as f64;
     let is_stepwise = steps >= MIN_STEPS && steps as f64 >= STEPWISE * changed as f64;
     if moving < MIN_SAMPLES || share < HELD || !is_stepwise || !is_measured {
-        return Vec::new();
+        return None;
     }
-    vec![Doubt {
+    Some(Doubt {
         kind: DoubtKind::Commanded,
         channels: sides.into(),
         span: None,
         probability: 0.7,
-        left_out: false,
+        left_out: Vec::new(),
         evidence: format!(
             "the wheel speeds change in {steps} steps and are exactly constant for {:.0} % of the driving, as commands are",
             100.0 * share
@@ -51,7 +51,7 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
         remedy: "Record the speeds that the encoders measured: between a command and the wheels lie the motor and its \
                  controller"
             .into(),
-    }]
+    })
 }
 
 /// Numbers of unchanged samples in motion, of samples in motion, of steps, and of all changes.

@@ -47,40 +47,55 @@ pub fn frozen(recording: &Recording) -> Vec<Doubt> {
             let by_chance = |count: usize| {
                 elsewhere as f64 * repeats.max(1.0 / elsewhere as f64).powi(count as i32)
             };
-            for [from, to] in long {
-                let (start, end) = (series.time[from], series.time[to]);
-                // A locked wheel reads exactly nothing.
-                let is_rest = series.value[from] == 0.0;
-                if !is_rest && by_chance(to - from) < CHANCE && moves(run, channel, start, end) {
-                    // The first sample may be a measurement; the last one is followed by another value.
-                    found.push(frozen_doubt(
-                        index,
-                        channel,
-                        series.value[from],
-                        [start, end],
-                    ));
-                }
-            }
+            // The first sample may be a measurement; the last one is followed by another value. A locked wheel reads
+            // exactly nothing.
+            let held = long.into_iter().filter(|[from, to]| {
+                series.value[*from] != 0.0
+                    && by_chance(to - from) < CHANCE
+                    && moves(run, channel, series.time[*from], series.time[*to])
+            });
+            let held =
+                held.map(|[from, to]| (series.value[from], [from, to].map(|k| series.time[k])));
+            found.extend(frozen_doubt(index, channel, &held.collect::<Vec<_>>()));
         }
     }
     found
 }
 
-fn frozen_doubt(run: usize, channel: Channel, value: f64, [start, end]: [f64; 2]) -> Doubt {
-    Doubt {
+/// A doubt about stretches of one value each.
+fn frozen_doubt(run: usize, channel: Channel, held: &[(f64, [f64; 2])]) -> Option<Doubt> {
+    let length = |[start, end]: [f64; 2]| end - start;
+    let longest = held
+        .iter()
+        .max_by(|a, b| length(a.1).total_cmp(&length(b.1)))?;
+    let (value, [start, end]) = longest;
+    let spans = held.iter().map(|(_, [start, end])| Span {
+        run,
+        start: *start,
+        end: *end,
+    });
+    let others = match held.len() - 1 {
+        0 => String::new(),
+        more => format!(" ({more} more such stretches)"),
+    };
+    Some(Doubt {
         kind: DoubtKind::Frozen,
         channels: vec![channel],
-        span: Some(Span { run, start, end }),
+        span: Some(Span {
+            run,
+            start: *start,
+            end: *end,
+        }),
         probability: 0.97,
-        left_out: true,
+        left_out: spans.collect(),
         evidence: format!(
-            "{channel} is exactly {value} from {start:.1} to {end:.1} s, though it changes from sample to sample elsewhere \
-             and the vehicle moves"
+            "{channel} is exactly {value} from {start:.1} to {end:.1} s{others}, though it changes from sample to sample \
+             elsewhere and the vehicle moves"
         ),
         remedy: format!(
             "These samples of {channel} are left out; check the sensor, its bus and its driver"
         ),
-    }
+    })
 }
 
 /// Share of the changes from sample to sample that go the other way than the one before: two thirds for white noise, none for
@@ -167,7 +182,7 @@ fn saturated(recording: &Recording, channel: Channel) -> Option<Doubt> {
         channels: vec![channel],
         span: None,
         probability: 0.7,
-        left_out: false,
+        left_out: Vec::new(),
         evidence: format!(
             "{channel} stays at its largest magnitude of exactly {largest} {} for {:.0} % of its samples, though it \
              changes from sample to sample elsewhere",
@@ -206,7 +221,7 @@ fn quantised(recording: &Recording, channel: Channel) -> Option<Doubt> {
         channels: vec![channel],
         span: None,
         probability: 0.5,
-        left_out: false,
+        left_out: Vec::new(),
         evidence: format!(
             "{channel} takes only {} values, in steps of {step:.3} {}, which is {:.0} % of its standard deviation",
             values.len(),

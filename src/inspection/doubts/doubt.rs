@@ -21,10 +21,14 @@ pub enum DoubtKind {
     RollingRatio,
     /// Wheel difference and turning do not belong together: track.
     TurningRatio,
+    /// The position is in another unit than metres.
+    PositionUnit,
     /// Heading and yaw rate differ by a factor.
     HeadingFactor,
     /// A channel repeats one value for seconds.
     Frozen,
+    /// Missing values were written as 0.
+    Dropout,
     /// A channel is cut off at its largest value.
     Saturated,
     /// A channel has coarse steps.
@@ -49,8 +53,10 @@ impl DoubtKind {
             Self::Unsigned => "unsigned",
             Self::RollingRatio => "rolling_ratio",
             Self::TurningRatio => "turning_ratio",
+            Self::PositionUnit => "position_unit",
             Self::HeadingFactor => "heading_factor",
             Self::Frozen => "frozen",
+            Self::Dropout => "dropout",
             Self::Saturated => "saturated",
             Self::Quantised => "quantised",
             Self::Jump => "jump",
@@ -83,12 +89,20 @@ pub struct Doubt {
     pub span: Option<Span>,
     /// Probability that this is wrong with the data.
     pub probability: f64,
-    /// Whether fit, score and diagnosis leave these samples out.
-    pub left_out: bool,
+    /// Where fit, score and diagnosis leave these channels out.
+    pub left_out: Vec<Span>,
     /// The evidence, in a sentence.
     pub evidence: String,
     /// What to check or do, in a sentence.
     pub remedy: String,
+}
+
+impl Doubt {
+    /// Whether it concerns samples that are not used.
+    #[must_use]
+    pub fn is_left_out(&self) -> bool {
+        !self.left_out.is_empty()
+    }
 }
 
 impl fmt::Display for Doubt {

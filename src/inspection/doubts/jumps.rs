@@ -1,17 +1,21 @@
 //! Positions and headings that jump further than the vehicle can move.
 
 use super::doubt::{Doubt, DoubtKind, Span, logistic};
-use crate::recording::{Channel, Recording, Run, Series, longest_interval, median};
+use crate::recording::{Channel, Recording, Run, Series, longest_interval, median, quantile};
 
 /// A jump exceeds this distance \[m\] or angle \[rad\], and this multiple of the usual step.
 const FAR: f64 = 0.5;
 const TURNED: f64 = 0.5;
 const USUAL: f64 = 8.0;
-/// Size of a jump at even odds \[m, rad\], as robust fits bear smaller ones; width of the transition in its logarithm.
+/// Size of a jump at even odds \[m\], as robust fits bear smaller ones, and \[rad\], as no vehicle turns in one sample; width of
+/// the transition in its logarithm.
 const CLEAR: f64 = 1.5;
+const CLEAR_TURN: f64 = 0.75;
 const WIDTH: f64 = 0.3;
-/// Largest speed of a vehicle beyond its wheels' fastest, and fastest turn without a gyro \[rad/s\].
+/// No vehicle turns faster than this \[rad/s\], whatever its heading does.
 const FASTEST_TURN: f64 = 6.0;
+/// Nearly all steps are so fast at most, and others no more than twice that.
+const NEARLY_ALL: f64 = 0.95;
 /// Jumps in more of the samples are the sensor's noise.
 const MAX_SHARE: f64 = 0.02;
 /// Samples on either side whose medians must differ as well. Single samples that lie apart are outliers, which robust fits
@@ -32,7 +36,8 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
             let steps = steps(heading, |k| (heading.value[k] - heading.value[k - 1]).abs());
             angles += steps.len();
             let shift = |k: usize| shift(&heading.value, k).abs();
-            headings.extend(jumps(&steps, shift, TURNED, FASTEST_TURN, index));
+            let fastest = fastest(&steps).min(FASTEST_TURN);
+            headings.extend(jumps(&steps, shift, TURNED, fastest, index));
         }
     }
     let found = [
@@ -41,16 +46,16 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
             places,
             vec![Channel::X, Channel::Y],
             "the position",
-            "m",
-            1.0,
+            CLEAR,
+            ("m", 1.0),
         ),
         of(
             &headings,
             angles,
             vec![Channel::Heading],
             "heading",
-            "deg",
-            1f64.to_degrees(),
+            CLEAR_TURN,
+            ("deg", 1f64.to_degrees()),
         ),
     ];
     found.into_iter().flatten().collect()
@@ -61,8 +66,8 @@ fn of(
     samples: usize,
     channels: Vec<Channel>,
     what: &str,
-    unit: &str,
-    scale: f64,
+    clear: f64,
+    (unit, scale): (&str, f64),
 ) -> Option<Doubt> {
     let (span, size) = jumps.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     if jumps.len() as f64 > (MAX_SHARE * samples as f64).max(1.0) {
@@ -76,8 +81,8 @@ fn of(
         kind: DoubtKind::Jump,
         channels,
         span: Some(*span),
-        probability: logistic((size / CLEAR).ln() / WIDTH),
-        left_out: false,
+        probability: logistic((size / clear).ln() / WIDTH),
+        left_out: Vec::new(),
         evidence: format!(
             "{what} jumps {count} by {:.1} {unit} between {:.2} and {:.2} s, which the vehicle cannot",
             scale * size,
@@ -120,6 +125,13 @@ fn steps(series: &Series, size: impl Fn(usize) -> f64) -> Vec<Step> {
     steps.filter(|step| step.interval <= limit).collect()
 }
 
+/// The fastest plausible speed: twice that of nearly all steps.
+fn fastest(steps: &[Step]) -> f64 {
+    let mut speeds: Vec<f64> = steps.iter().map(|step| step.size / step.interval).collect();
+    speeds.sort_by(f64::total_cmp);
+    2.0 * quantile(&speeds, NEARLY_ALL)
+}
+
 /// The steps that are too large, and behind which the values stay shifted.
 fn jumps(
     steps: &[Step],
@@ -142,7 +154,7 @@ fn jumps(
     too_large.map(jump).collect()
 }
 
-/// Jumps of a position, and the number of its steps. The fastest plausible speed is that of nearly all steps.
+/// Jumps of a position, and the number of its steps.
 fn position_jumps(run: &Run, index: usize) -> (Vec<(Span, f64)>, usize) {
     let (Some(x), Some(y)) = (run.series(Channel::X), run.series(Channel::Y)) else {
         return (Vec::new(), 0);
@@ -156,13 +168,7 @@ fn position_jumps(run: &Run, index: usize) -> (Vec<(Span, f64)>, usize) {
     }
     let size = |k: usize| (x.value[k] - x.value[k - 1]).hypot(north.value[k] - north.value[k - 1]);
     let steps = steps(x, size);
-    let mut speeds: Vec<f64> = steps.iter().map(|step| step.size / step.interval).collect();
-    speeds.sort_by(f64::total_cmp);
-    let fastest = crate::recording::quantile(&speeds, 0.95);
-    if fastest.is_nan() {
-        return (Vec::new(), 0);
-    }
     let shift = |k: usize| shift(&x.value, k).hypot(shift(&north.value, k));
-    let found = jumps(&steps, shift, FAR, 2.0 * fastest, index);
+    let found = jumps(&steps, shift, FAR, fastest(&steps), index);
     (found, steps.len())
 }

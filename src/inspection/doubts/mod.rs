@@ -1,8 +1,10 @@
 //! Whether a recording can be what it claims: doubts about its data, to be asked before any name of physics.
 
+mod clocks;
 mod commands;
 mod constant;
 mod doubt;
+mod dropouts;
 mod expected;
 mod jumps;
 mod odometry;
@@ -15,13 +17,15 @@ mod standing;
 
 pub use doubt::{Doubt, DoubtKind, PROBABLE, Span};
 
-use crate::recording::{Channel, NoteKind, Recording, Series};
+use crate::recording::{Channel, NoteKind, Recording, Run, Series};
 use crate::vehicle::Vehicle;
 
 /// From this probability on the recording is unfit as it is.
 const NEARLY_SURE: f64 = 0.9;
 /// Less likely doubts are not reported.
 const WORTH_SAYING: f64 = 0.2;
+/// Minimum driving for a diagnosis \[s\]: two segments to fit and two to hold out.
+pub const SHORTEST: f64 = 10.0;
 
 /// Whether a recording can be diagnosed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,9 +66,12 @@ impl Fitness {
 ///    best soil without one, and to exceed the model's own errors. Where the factor of a unit explains the motion as well
 ///    as the best number, it is the unit. Before that, distance and turns are compared with each side alone: where both
 ///    find that one side rolls by another factor, it has another unit or gear.
-/// 4. *Values.* Stretches of one value, cut-off or coarse values and jumps are judged against the same channel elsewhere.
+///    A position that gets much farther than the wheels roll, while the turns agree with them, is in another unit.
+/// 4. *Values.* Stretches of one value, single zeros, cut-off or coarse values and jumps are judged against the same channel
+///    elsewhere.
 /// 5. *Standstill.* Wheels, a gyro or a position that stay exactly where they are, though the others move, are broken.
-/// 6. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
+/// 6. *Clocks.* Where two sensors of one motion agree at a delay of seconds, and nowhere near, their clocks differ.
+/// 7. *Notes.* What the reader left as it is, and what the importer warned of, is a doubt as well.
 ///
 /// A doubt that another one explains is dropped: a pose from the wheels fits neither the gyro nor any soil.
 #[must_use]
@@ -80,29 +87,41 @@ pub fn doubts_until(
     is_over: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Doubt> {
     let vehicle = vehicle.or(recording.about.vehicle.as_ref());
-    let frozen = constant::frozen(recording);
-    let alive = without(recording, &frozen);
+    let commanded = commands::doubt(recording);
+    let mut unread = dropouts::doubts(recording);
+    unread.extend(constant::frozen(recording).into_iter().filter(|doubt| {
+        // Commands stay as they are.
+        commanded.is_none() || !doubt.channels.iter().any(|channel| channel.is_required())
+    }));
+    let alive = without(recording, &unread);
     let mut found = odometry::doubts(&alive);
-    let is_own = found.iter().any(|doubt| doubt.probability >= PROBABLE);
+    let is_probable = |found: &[Doubt], kinds: &[DoubtKind]| {
+        let mut probable = found.iter().filter(|doubt| doubt.probability >= PROBABLE);
+        probable.any(|doubt| kinds.contains(&doubt.kind))
+    };
+    let is_own = is_probable(&found, &[DoubtKind::OwnOdometry]);
     found.extend(signs::doubts(&alive));
-    let is_signed = !found.iter().any(|doubt| {
-        matches!(doubt.kind, DoubtKind::MirroredSide | DoubtKind::Unsigned)
-            && doubt.probability >= PROBABLE
-    });
+    let is_signed = !is_probable(&found, &[DoubtKind::MirroredSide, DoubtKind::Unsigned]);
     if !is_own {
         found.extend(ratios::heading(&alive));
     }
-    let unequal = sides::doubt(&alive).filter(|_| is_signed && !is_own);
-    let is_equal = unequal.is_none();
-    found.extend(unequal);
-    if is_signed && is_equal {
+    if is_signed && !is_own {
+        found.extend(sides::doubt(&alive));
+        found.extend(vehicle.and_then(|vehicle| ratios::position(&alive, vehicle)));
+    }
+    let is_scaled = is_probable(&found, &[DoubtKind::PositionUnit]);
+    if is_signed && !is_scaled && !is_probable(&found, &[DoubtKind::RollingRatio]) {
         found.extend(vehicle.and_then(|vehicle| ratios::wheels(&alive, vehicle, is_own, is_over)));
     }
-    found.extend(frozen);
-    found.extend(standing::doubts(recording));
+    found.extend(unread);
     found.extend(constant::coarse(recording));
-    found.extend(jumps::doubts(&alive));
-    found.extend(commands::doubts(&alive));
+    // How far a position moves is judged in metres.
+    if !is_scaled {
+        found.extend(standing::doubts(recording));
+        found.extend(jumps::doubts(&alive));
+    }
+    found.extend(clocks::doubts(&alive));
+    found.extend(commanded);
     found.extend(provenance::doubts(recording));
     found.retain(|doubt| doubt.probability >= WORTH_SAYING);
     found.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -123,6 +142,13 @@ pub fn fitness(recording: &Recording, doubts: &[Doubt]) -> (Fitness, String) {
         let why = "the wheel speeds are zero throughout: there is nothing to diagnose, or they were not recorded";
         return (Fitness::Unfit, why.into());
     }
+    let seconds: f64 = recording.runs.iter().map(Run::duration).sum();
+    if seconds < SHORTEST {
+        let why = format!(
+            "it lasts {seconds:.1} s: a diagnosis needs {SHORTEST} s of driving, a minute with turns both ways is good"
+        );
+        return (Fitness::Unfit, why);
+    }
     let Some(first) = doubts.first() else {
         let why = "nothing in it contradicts itself";
         let corrected = recording.notes.iter().any(|note| is_correction(note.kind));
@@ -138,13 +164,17 @@ pub fn fitness(recording: &Recording, doubts: &[Doubt]) -> (Fitness, String) {
         1 => " (and 1 more doubt)".into(),
         more => format!(" (and {more} more doubts)"),
     };
-    let is_open = |doubt: &&Doubt| !doubt.left_out && doubt.probability >= NEARLY_SURE;
+    let is_open = |doubt: &&Doubt| !doubt.is_left_out() && doubt.probability >= NEARLY_SURE;
     let is_source = |doubt: &&Doubt| doubt.kind != DoubtKind::Source;
     let unfit = doubts.iter().filter(is_open).find(is_source);
     match unfit {
         Some(worst) => (Fitness::Unfit, format!("{}{others}", worst.evidence)),
         None if first.probability >= PROBABLE => {
-            let left_out = if first.left_out { "; left out" } else { "" };
+            let left_out = if first.is_left_out() {
+                "; left out"
+            } else {
+                ""
+            };
             let why = format!("{}{left_out}{others}", first.evidence);
             (Fitness::WithDoubts, why)
         }
@@ -170,18 +200,17 @@ fn is_correction(kind: NoteKind) -> bool {
 #[must_use]
 pub fn without(recording: &Recording, doubts: &[Doubt]) -> Recording {
     let mut rest = recording.clone();
-    for doubt in doubts.iter().filter(|doubt| doubt.left_out) {
-        let Some(Span { run, start, end }) = doubt.span else {
-            continue;
-        };
-        for channel in &doubt.channels {
-            let Some(series) = rest.runs[run].series(*channel) else {
-                continue;
-            };
-            let kept = series.samples();
-            let kept: Series = kept.filter(|(t, _)| *t < start || *t > end).collect();
-            let shortened = std::mem::take(&mut rest.runs[run]).with(*channel, kept);
-            rest.runs[run] = shortened;
+    for doubt in doubts {
+        for Span { run, start, end } in &doubt.left_out {
+            for channel in &doubt.channels {
+                let Some(series) = rest.runs[*run].series(*channel) else {
+                    continue;
+                };
+                let kept = series.samples();
+                let kept: Series = kept.filter(|(t, _)| t < start || t > end).collect();
+                let shortened = std::mem::take(&mut rest.runs[*run]).with(*channel, kept);
+                rest.runs[*run] = shortened;
+            }
         }
     }
     rest

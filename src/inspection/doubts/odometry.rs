@@ -89,7 +89,7 @@ fn doubt(probability: f64, ratio: &Ratio, channels: Vec<Channel>, what: &str) ->
         channels,
         span: None,
         probability,
-        left_out: false,
+        left_out: Vec::new(),
         evidence: format!("{what} within {share:.1} % of the variation, which slip does not allow"),
         remedy: "Slip cannot be seen in wheel odometry: take the pose from a source that does not use the wheels \
                  (lidar, satellites, cameras)"

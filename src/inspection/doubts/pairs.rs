@@ -2,11 +2,13 @@
 
 use crate::inspection::signals::MotionSignal;
 use crate::recording::{Cumulated, Moments, Run, TimeGrid};
+use std::ops::RangeInclusive;
 
-/// Window of the mean rates and step of the delays \[s\]; range of the delays in steps.
+/// Window of the mean rates and step of the delays \[s\].
 const WINDOW: f64 = 1.0;
 const STEP: f64 = 0.05;
-const SHIFTS: std::ops::RangeInclusive<isize> = -12..=20;
+/// Delays of sensors, in steps.
+pub const LATE: RangeInclusive<isize> = -12..=20;
 /// Parts of a step in which the best delay is refined.
 const FINE: isize = 5;
 /// Fewer windows, which overlap, prove nothing.
@@ -39,12 +41,29 @@ pub struct Ratio {
 impl Pairs {
     /// Of all runs; `None` if a signal is missing or too short.
     pub fn of(runs: &[Run], a: MotionSignal, b: MotionSignal) -> Option<Self> {
-        let integrals = runs.iter().filter_map(|run| Some((a.of(run)?, b.of(run)?)));
-        Self::between(&integrals.collect::<Vec<_>>())
+        Self::within(runs, a, b, LATE)
     }
 
-    /// Of pairs of integrals.
-    pub fn between(integrals: &[(Cumulated, Cumulated)]) -> Option<Self> {
+    /// As [`Pairs::of`] with a delay within this range, in steps.
+    pub fn within(
+        runs: &[Run],
+        a: MotionSignal,
+        b: MotionSignal,
+        delays: RangeInclusive<isize>,
+    ) -> Option<Self> {
+        let integrals = runs.iter().filter_map(|run| Some((a.of(run)?, b.of(run)?)));
+        Self::between(&integrals.collect::<Vec<_>>(), delays)
+    }
+
+    /// The step of a delay \[s\].
+    pub fn steps(delay: f64) -> isize {
+        (delay / STEP).round() as isize
+    }
+
+    fn between(
+        integrals: &[(Cumulated, Cumulated)],
+        delays: RangeInclusive<isize>,
+    ) -> Option<Self> {
         let rates = |(a, b): &(Cumulated, Cumulated)| {
             let grid = TimeGrid::over(a, b, STEP)?;
             Some((a.mean_rates(&grid, WINDOW), b.mean_rates(&grid, WINDOW)))
@@ -57,7 +76,7 @@ impl Pairs {
                 .correlation()
                 .abs()
         };
-        let best = SHIFTS.map(|shift| (correlation(shift), shift));
+        let best = delays.map(|shift| (correlation(shift), shift));
         // Nearest to no delay where nothing correlates.
         let best = best.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.abs().cmp(&a.1.abs())))?;
         // A copy is exact at its own delay only, so it is found to a fraction of the step.

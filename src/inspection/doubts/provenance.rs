@@ -21,7 +21,7 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
         } else {
             OPEN
         },
-        left_out: false,
+        left_out: Vec::new(),
         evidence: format!("ugv import warned: {warning}"),
         remedy: "Import again with other sources (--topics, --pose, --heading, --time)".into(),
     });
@@ -38,7 +38,7 @@ pub fn doubts(recording: &Recording) -> Vec<Doubt> {
             channels: note.channel.into_iter().collect(),
             span: None,
             probability,
-            left_out: false,
+            left_out: Vec::new(),
             evidence: note.to_string(),
             remedy: "Check the file".into(),
         })

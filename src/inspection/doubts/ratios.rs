@@ -29,6 +29,20 @@ const SOILS: f64 = 2.0;
 /// Weaker correlations show no relation between wheels and motion.
 const RELATED: f64 = 0.6;
 
+/// Units of a position that are no metres: how many of each are one.
+const POSITION_UNITS: [(&str, f64); 5] = [
+    ("mm", 1000.0),
+    ("cm", 100.0),
+    ("in", 39.370_078_740_157_48),
+    ("ft", 3.280_839_895_013_123),
+    ("km", 0.001),
+];
+/// What a vehicle covers of the way that its wheels roll, and of the turn, where the units are right: dry sand takes four
+/// tenths of the way, and clay nine tenths of the turn.
+const ROLLS: std::ops::RangeInclusive<f64> = 0.6..=1.15;
+const TURNS: std::ops::RangeInclusive<f64> = 0.1..=1.2;
+const IMPOSSIBLE: f64 = 0.97;
+
 /// Heading and yaw rate of different size.
 pub fn heading(recording: &Recording) -> Option<Doubt> {
     let pairs = Pairs::of(
@@ -47,7 +61,7 @@ pub fn heading(recording: &Recording) -> Option<Doubt> {
         channels: vec![Channel::Heading, Channel::YawRate],
         span: None,
         probability,
-        left_out: false,
+        left_out: Vec::new(),
         evidence: format!(
             "heading turns {:.2} times as far as yaw_rate says, at a correlation of {:.2}",
             ratio.value, ratio.correlation
@@ -55,6 +69,38 @@ pub fn heading(recording: &Recording) -> Option<Doubt> {
         remedy: format!(
             "Check the scale of the gyro, the unit of time ({:.2} s a second would fit) and the source of the heading",
             1.0 / ratio.value
+        ),
+    })
+}
+
+/// A position in another unit: the vehicle gets much farther, or less far, than its wheels roll, while it turns as they say.
+pub fn position(recording: &Recording, vehicle: &Vehicle) -> Option<Doubt> {
+    let ratio = |signal, wheels| {
+        let ratio = Pairs::of(&recording.runs, signal, wheels)?.ratio()?;
+        (ratio.correlation >= RELATED).then_some(ratio.value)
+    };
+    let ahead = ratio(MotionSignal::Distance, MotionSignal::WheelMean)? / vehicle.wheel_radius;
+    let by_track = 2.0 * vehicle.half_track / vehicle.wheel_radius;
+    let turn = [MotionSignal::YawRate, MotionSignal::Heading];
+    let mut turns = turn.into_iter().filter_map(|signal| {
+        let turn = by_track * ratio(signal, MotionSignal::WheelDifference)?;
+        TURNS.contains(&turn).then_some(turn)
+    });
+    let turn = turns.next()?;
+    let is = |(_, factor): &&(&str, f64)| ROLLS.contains(&(ahead / factor));
+    let (unit, _) = POSITION_UNITS.iter().find(is)?;
+    Some(Doubt {
+        kind: DoubtKind::PositionUnit,
+        channels: vec![Channel::X, Channel::Y],
+        span: None,
+        probability: IMPOSSIBLE,
+        left_out: Vec::new(),
+        evidence: format!(
+            "x and y change by {ahead:.3} of what the wheels roll, though the vehicle turns at {turn:.2} of the rate without \
+             slip"
+        ),
+        remedy: format!(
+            "They look like {unit}: give them in metres, or name the columns x_{unit} and y_{unit}"
         ),
     })
 }
@@ -221,7 +267,7 @@ fn doubt(
         channels: vec![Channel::OmegaLeft, Channel::OmegaRight],
         span: None,
         probability: *probability,
-        left_out: false,
+        left_out: Vec::new(),
         evidence,
         remedy: remedies.join(", or "),
     }

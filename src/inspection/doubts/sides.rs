@@ -83,7 +83,7 @@ pub fn doubt(recording: &Recording) -> Option<Doubt> {
             channels: vec![Channel::OmegaLeft, Channel::OmegaRight],
             span: None,
             probability: PROBABILITY,
-            left_out: false,
+            left_out: Vec::new(),
             evidence: format!(
                 "omega_{more} counts {times:.2} times as much as omega_{less} for the same way, by the distance; by the \
                  turns {:.2} times",

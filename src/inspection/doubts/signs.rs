@@ -57,7 +57,7 @@ fn mirrored(recording: &Recording) -> Option<Doubt> {
         channels: vec![channel],
         span: None,
         probability: CLEAR,
-        left_out: false,
+        left_out: Vec::new(),
         evidence: format!(
             "the {side} side counts backwards: the vehicle turns with the mean of the wheel speeds (correlation \
              {turn_by_mean:.2}) and not with their difference ({turn_by_difference:.2})"
@@ -84,7 +84,7 @@ fn unsigned(recording: &Recording) -> Option<Doubt> {
         channels,
         span: None,
         probability: CLEAR,
-        left_out: false,
+        left_out: Vec::new(),
         evidence,
         remedy: remedy.into(),
     };

@@ -84,7 +84,7 @@ fn doubt(index: usize, channels: Vec<Channel>, span: [f64; 2], evidence: String)
             end,
         }),
         probability: PROBABILITY,
-        left_out: false,
+        left_out: Vec::new(),
         evidence,
         remedy: "Check the sensor, its bus and its driver; leave this part of the recording, or this column, out".into(),
     }

@@ -436,9 +436,112 @@ fn commands_are_no_measurements() {
     for k in 0..rows.len() {
         commanded[k][1..3].copy_from_slice(&rows[k / 60 * 60][1..3]);
     }
-    let found = commands::doubts(&recording(&commanded, &CHANNELS, &robot()));
-    assert_eq!(probable(&found), [DoubtKind::Commanded]);
-    assert!(commands::doubts(&recording(&rows, &CHANNELS, &robot())).is_empty());
+    // No stretch of them is called frozen.
+    assert_eq!(probable(&of(&commanded)), [DoubtKind::Commanded]);
+    assert!(commands::doubt(&recording(&rows, &CHANNELS, &robot())).is_none());
+}
+
+#[test]
+fn missing_values_that_were_written_as_zero_are_left_out() {
+    let rows = drive("sandy_loam", &robot(), 1.0);
+    let spoiled = |places: &[usize], column: usize| {
+        let mut spoiled = rows.clone();
+        places.iter().for_each(|k| spoiled[*k][column] = 0.0);
+        let given = recording(&spoiled, &CHANNELS, &robot());
+        let found = doubts(&given, None);
+        let rest = without(&given, &found);
+        let left = rest.runs[0].channels().map(|(_, series)| series.len());
+        (
+            probable(&found),
+            CHANNELS.len() * rows.len() - left.sum::<usize>(),
+        )
+    };
+    for column in [1, 2] {
+        let (kinds, left_out) = spoiled(&[200, 201, 430, 800], column);
+        assert_eq!(kinds, [DoubtKind::Dropout]);
+        assert_eq!(left_out, 4);
+    }
+    // A yaw rate that passes zero, and a stop.
+    assert_eq!(spoiled(&[], 6), (Vec::new(), 0));
+    let stop: Vec<usize> = (400..440).collect();
+    assert!(!spoiled(&stop, 1).0.contains(&DoubtKind::Dropout));
+}
+
+#[test]
+fn a_position_in_another_unit_is_doubted_and_nothing_else() {
+    for soil in ["dry_clay", "sandy_loam"] {
+        let rows = drive(soil, &robot(), 1.0);
+        for (unit, factor, expected) in [
+            ("mm", 1000.0, true),
+            ("cm", 100.0, true),
+            ("ft", 3.281, true),
+            ("km", 0.001, true),
+            ("m", 1.0, false),
+        ] {
+            let scaled = with(&rows, |row| {
+                row[3] *= factor;
+                row[4] *= factor;
+            });
+            let found = of(&scaled);
+            let unit = format!("x_{unit}");
+            let is_named = found
+                .first()
+                .is_some_and(|doubt| doubt.remedy.contains(&unit));
+            assert_eq!(is_named, expected, "{soil} {factor}: {found:#?}");
+            assert_eq!(probable(&found).len(), usize::from(expected), "{found:#?}");
+        }
+    }
+}
+
+#[test]
+fn clocks_that_differ_by_seconds_are_doubted() {
+    let rows = drive("sandy_loam", &robot(), 1.0);
+    for (late, expected) in [(0, false), (8, false), (40, true), (-60, true)] {
+        let mut shifted = rows.clone();
+        for (k, row) in shifted.iter_mut().enumerate() {
+            let from = (k as i32 - late).clamp(0, rows.len() as i32 - 1) as usize;
+            row[3..6].copy_from_slice(&rows[from][3..6]);
+        }
+        let found = of(&shifted);
+        let clock = found.iter().find(|doubt| doubt.kind == DoubtKind::Clock);
+        let is_doubted = clock.is_some_and(|doubt| doubt.probability >= PROBABLE);
+        assert_eq!(is_doubted, expected, "{late}: {found:#?}");
+        if let Some(doubt) = clock.filter(|_| expected) {
+            // The vehicle follows its wheels a little late.
+            let said = doubt.remedy.split(' ').nth(1).unwrap();
+            let off = said.parse::<f64>().unwrap() - 0.05 * f64::from(late);
+            assert!((0.0..0.25).contains(&off), "{}", doubt.remedy);
+        }
+    }
+}
+
+#[test]
+fn a_heading_that_jumps_is_doubted() {
+    let rows = drive("sandy_loam", &robot(), 1.0);
+    for (angle, expected) in [(0.3, false), (1.0, true), (-1.2, true)] {
+        let jump = with(&rows, |row| {
+            if row[0] > 30.0 {
+                row[5] += angle;
+            }
+        });
+        let found = of(&jump);
+        let is_doubted = probable(&found).contains(&DoubtKind::Jump);
+        assert_eq!(is_doubted, expected, "{angle}: {found:#?}");
+    }
+}
+
+#[test]
+fn too_short_a_recording_is_unfit() {
+    let rows = drive("sandy_loam", &robot(), 1.0);
+    for (count, expected) in [
+        (1, Fitness::Unfit),
+        (150, Fitness::Unfit),
+        (600, Fitness::Fit),
+    ] {
+        let given = recording(&rows[..count].to_vec(), &CHANNELS, &robot());
+        let (fitness, why) = fitness(&given, &doubts(&given, None));
+        assert_eq!(fitness, expected, "{count}: {why}");
+    }
 }
 
 #[test]

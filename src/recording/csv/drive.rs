@@ -287,11 +287,11 @@ mod tests {
             ),
             (
                 of("0,1,2\n0.1,abc,2\n"),
-                "drive.csv: line 3, column 2 (omega_left): found `abc`, expected a number [rad/s]",
+                "drive.csv: line 3, column 2 (omega_left): found `abc`, expected a number [rad/s], or an empty cell where nothing was measured",
             ),
             (
                 of("0,1,NaN\n"),
-                "drive.csv: line 2, column 3 (omega_right): found `NaN`, expected a finite number [rad/s]",
+                "drive.csv: line 2, column 3 (omega_right): found `NaN`, expected a finite number [rad/s], or an empty cell where nothing was measured",
             ),
             (
                 of("inf,1,2\n"),
@@ -299,7 +299,7 @@ mod tests {
             ),
             (
                 of("0,1,1e999\n"),
-                "drive.csv: line 2, column 3 (omega_right): found `1e999`, expected a finite number [rad/s]",
+                "drive.csv: line 2, column 3 (omega_right): found `1e999`, expected a finite number [rad/s], or an empty cell where nothing was measured",
             ),
             (
                 of("0,1,2\n\n1,2\n"),

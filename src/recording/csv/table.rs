@@ -319,9 +319,9 @@ fn open_quote(cell: Cell) -> CsvError {
     malformed(cell, "a quote that is not closed on its line", expected)
 }
 
-/// A line of spaces, which some editors append.
+/// A line of spaces, which some editors append, or of separators alone, as spreadsheets write empty rows.
 fn is_blank(record: &ByteRecord) -> bool {
-    record.len() == 1 && record[0].trim_ascii().is_empty()
+    record.iter().all(|cell| cell.trim_ascii().is_empty())
 }
 
 /// Names of the required columns.
@@ -789,7 +789,8 @@ impl TableRow<'_> {
                 };
                 let date = match self.header.columns[index].quantity {
                     Quantity::Time if other.is_none() => " or an ISO 8601 date and time",
-                    _ => "",
+                    Quantity::Time => "",
+                    _ => ", or an empty cell where nothing was measured",
                 };
                 let expected = format!("{kind} [{}]{date}", self.header.unit(index));
                 Err(malformed(

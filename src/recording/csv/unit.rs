@@ -56,7 +56,8 @@ const ANGLE: Units = &[
     ("deg degs degree degrees", DEGREE),
     ("mrad", 1e-3),
     ("rev turn turns", TAU),
-    ("gon grad", PI / 200.0),
+    // Not "grad": these are degrees in German.
+    ("gon", PI / 200.0),
 ];
 const ANGULAR_VELOCITY: Units = &[
     ("rad/s rads radps", 1.0),

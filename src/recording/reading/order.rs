@@ -27,7 +27,7 @@ pub fn settle(samples: &mut RawSamples) -> Result<(), CsvError> {
             total += found.len();
             reorder(found, &mut late).map_err(|[latest, sample]| {
                 let expected = format!(
-                    "a time later than {} s (other runs need other values in a column `run`)",
+                    "a time later than {} s (sort the rows by time; other runs need other values in a column `run`)",
                     number(latest.time)
                 );
                 malformed(places.time_cell(sample.line), number(sample.time), expected)

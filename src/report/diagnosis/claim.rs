@@ -43,7 +43,7 @@ fn doubt(diagnosis: &Diagnosis) -> Option<&Doubt> {
         return None;
     }
     diagnosis.cautions.iter().find_map(|caution| match caution {
-        Caution::DoubtfulData { doubt, .. } if !doubt.left_out => Some(doubt),
+        Caution::DoubtfulData { doubt, .. } if !doubt.is_left_out() => Some(doubt),
         _ => None,
     })
 }
@@ -64,7 +64,7 @@ fn reservations(diagnosis: &Diagnosis) -> String {
         .cautions
         .iter()
         .filter_map(|caution| match caution {
-            Caution::DoubtfulData { doubt, .. } if doubt.left_out => Some(doubt),
+            Caution::DoubtfulData { doubt, .. } if doubt.is_left_out() => Some(doubt),
             _ => None,
         });
     let mut channels: Vec<String> = Vec::new();

@@ -45,7 +45,7 @@ pub fn doubt(doubt: &Doubt) -> Value {
             "end": span.end,
         })),
         "probability": doubt.probability,
-        "left_out": doubt.left_out,
+        "left_out": doubt.is_left_out(),
         "evidence": doubt.evidence,
         "remedy": doubt.remedy,
     })
