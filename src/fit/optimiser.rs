@@ -10,7 +10,7 @@ use super::bounded::{room, step_within};
 use super::normal::{Eliminated, Normal, START};
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
-use super::restart::{moved, outlying_excess, outlying_restarted, settled};
+use super::restart::{LEAST, moved, outlying_excess, outlying_restarted, settled};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -94,6 +94,8 @@ const LARGEST_REACH: f64 = 3.0;
 /// rounding. Only what the parameters are promised counts: of 16 fits to dry sand and to ruts half went on for twelve
 /// turns because starts, which are less linear, were promised in vain; so all converge, in half the time.
 const NEARLY: f64 = 5.0;
+/// A step that gains less than this share of what it promised.
+const VAIN: f64 = 0.1;
 /// So often starts are looked for anew where the search would end; it goes on, with half of the steps at least, where the
 /// cost falls by this share.
 const RENEWALS: usize = 2;
@@ -261,7 +263,7 @@ pub fn minimise_from<P: Predictor>(
         let ratio = gained / step.expected_gain;
         let worth = if gained > 0.0 { 1.0 } else { NEARLY } * stop.gain;
         settled = here.age == 0
-            && gained < stop.gain
+            && gained < stop.gain.min(VAIN * step.expected_gain)
             && parameter_gain(problem, &here).is_some_and(|gain| gain < worth);
         // A point whose neighbours cannot be predicted is as good as none.
         let moved = match trial {
@@ -387,7 +389,7 @@ fn settle_starts<P: Predictor>(
             &step.point.coordinates,
             from,
             &by.of(&[*index]),
-            worth,
+            worth.min(LEAST),
         )?;
         let (cost, tables) = cost_at(&start)?;
         (cost < costs[*index]).then_some((*index, start, cost, tables))

@@ -18,8 +18,8 @@ const FASTEST_TURN: f64 = 6.0;
 const NEARLY_ALL: f64 = 0.95;
 /// Jumps in more of the samples are the sensor's noise.
 const MAX_SHARE: f64 = 0.02;
-/// Samples on either side whose medians must differ as well. Single samples that lie apart are outliers, which robust fits
-/// bear.
+/// Samples on either side whose medians must differ as well, so that none is seen at the very ends. Single samples that lie
+/// apart are outliers, which robust fits bear.
 const SIDE: usize = 3;
 
 /// Doubts about jumps of the pose.
@@ -95,8 +95,11 @@ fn of(
 
 /// Difference of the medians of a few values from here on and before.
 fn shift(values: &[f64], k: usize) -> f64 {
-    let mut before = values[k.saturating_sub(SIDE)..k].to_vec();
-    let mut after = values[k..(k + SIDE).min(values.len())].to_vec();
+    if k < SIDE || values.len() - k < SIDE {
+        return 0.0;
+    }
+    let mut before = values[k - SIDE..k].to_vec();
+    let mut after = values[k..k + SIDE].to_vec();
     median(&mut after) - median(&mut before)
 }
 

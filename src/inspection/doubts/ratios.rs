@@ -3,6 +3,7 @@
 use super::doubt::{Doubt, DoubtKind, logistic};
 use super::expected::{CLOSE_LIKELIHOOD, Expectation, Explained, Measured, Scaled};
 use super::pairs::{Pairs, Ratio};
+use crate::display::rounded;
 use crate::inspection::signals::MotionSignal;
 use crate::recording::{Channel, Recording, range};
 use crate::vehicle::Vehicle;
@@ -96,8 +97,9 @@ pub fn position(recording: &Recording, vehicle: &Vehicle) -> Option<Doubt> {
         probability: IMPOSSIBLE,
         left_out: Vec::new(),
         evidence: format!(
-            "x and y change by {ahead:.3} of what the wheels roll, though the vehicle turns at {turn:.2} of the rate without \
-             slip"
+            "x and y move by {} for each metre that the wheels roll, though the vehicle turns at {turn:.2} of the rate without \
+             slip",
+            rounded(ahead, 2 - ahead.log10().floor() as i32)
         ),
         remedy: format!(
             "They look like {unit}: give them in metres, or name the columns x_{unit} and y_{unit}"
