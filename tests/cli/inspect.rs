@@ -76,6 +76,29 @@ fn repairs_are_noted_and_faults_refused() {
         message.starts_with("ugv: error: field.csv: line 3, column 3 (omega_right): found `x`"),
         "{message}"
     );
+    assert_contains(&message, "or an empty cell where nothing was measured");
+    bench.write(
+        "field.csv",
+        "time,omega_left,omega_right\n5,1,1\n4,1,1\n3,1,1\n",
+    );
+    assert_contains(
+        &bench.fails("inspect field.csv", 2),
+        "sort the rows by time",
+    );
+    bench.write(
+        "field.csv",
+        "time,omega_left,omega_right,heading [Grad]\n0,1,1,0\n5,1,1,0\n",
+    );
+    // These are degrees in German, and a four-hundredth of a turn in English.
+    assert_contains(
+        &bench.stdout("inspect field.csv"),
+        "`heading [Grad]` looks like it and is not read",
+    );
+    for name in ["field.mcap", "field.db3", "field.bag", "field.ulg"] {
+        bench.write(name, "\u{1}\u{2} no log of any kind");
+        let message = bench.fails(&format!("inspect {name}"), 2);
+        assert_contains(&message, "is no MCAP file, no bag of ROS 1");
+    }
     bench.write("field.csv", DRIVE);
     bench.write("field.json", r#"{"terrain": "moon"}"#);
     let message = bench.fails("inspect field.csv", 2);
@@ -135,6 +158,12 @@ fn short_recordings_have_no_delays() {
         "{text}"
     );
     assert!(bench.read("page.html").contains("Wheel speeds"));
+    let recording = recording();
+    let start: Vec<&str> = recording.lines().take(100).collect();
+    bench.write("field.csv", start.join("\n"));
+    let text = bench.stdout("inspect field.csv");
+    let first = "Fit for diagnosis: no, because it lasts 4.9 s: a diagnosis needs 10 s of driving";
+    assert!(text.starts_with(first), "{text}");
 }
 
 /// The size of wheel speeds does not tell degrees per second from a motor in front of a gear.

@@ -3,7 +3,6 @@
 use super::doubt::{Doubt, DoubtKind, logistic};
 use super::expected::{CLOSE_LIKELIHOOD, Expectation, Explained, Measured, Scaled};
 use super::pairs::{Pairs, Ratio};
-use crate::display::rounded;
 use crate::inspection::signals::MotionSignal;
 use crate::recording::{Channel, Recording, range};
 use crate::vehicle::Vehicle;
@@ -88,6 +87,7 @@ pub fn position(recording: &Recording, vehicle: &Vehicle) -> Option<Doubt> {
         TURNS.contains(&turn).then_some(turn)
     });
     let turn = turns.next()?;
+    let decimals = (2.0 - ahead.log10().floor()).max(0.0) as usize;
     let is = |(_, factor): &&(&str, f64)| ROLLS.contains(&(ahead / factor));
     let (unit, _) = POSITION_UNITS.iter().find(is)?;
     Some(Doubt {
@@ -97,9 +97,8 @@ pub fn position(recording: &Recording, vehicle: &Vehicle) -> Option<Doubt> {
         probability: IMPOSSIBLE,
         left_out: Vec::new(),
         evidence: format!(
-            "x and y move by {} for each metre that the wheels roll, though the vehicle turns at {turn:.2} of the rate without \
-             slip",
-            rounded(ahead, 2 - ahead.log10().floor() as i32)
+            "x and y move by {ahead:.decimals$} for each metre that the wheels roll, though the vehicle turns at {turn:.2} of the rate without \
+             slip"
         ),
         remedy: format!(
             "They look like {unit}: give them in metres, or name the columns x_{unit} and y_{unit}"

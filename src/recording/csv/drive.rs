@@ -266,6 +266,12 @@ mod tests {
     }
 
     #[test]
+    fn rows_of_separators_alone_are_empty_lines() {
+        let drive = read("time,omega_left,omega_right\n0,1,2\n,,\n\n1,3,4\n , ,\n").unwrap();
+        assert_eq!(drive.omega_left, [1.0, 3.0]);
+    }
+
+    #[test]
     fn empty_cells_of_wheel_speeds_are_missing_samples() {
         let drive = read("time,omega_left,omega_right\n0,1,2\n1,,4\n2,5,\n").unwrap();
         assert_eq!(drive.omega_left, [1.0, 3.0, 5.0]);
