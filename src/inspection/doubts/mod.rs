@@ -52,8 +52,8 @@ impl Fitness {
 
 /// The doubts about a recording of a vehicle, the likeliest first.
 ///
-/// Without a vehicle, ratios of wheel speeds to motion cannot be judged. The work is bounded: usually a second,
-/// a few where no soil fits at once.
+/// Without a vehicle, ratios of wheel speeds to motion cannot be judged. The work is bounded: usually a second, up to
+/// fifteen where no soil fits at once.
 ///
 /// # Algorithm
 /// 1. *Pairs.* Two sensors of one motion are compared by their mean rates over a second, at the delay of the highest

@@ -17,7 +17,7 @@ const SCALE_WIDTH: f64 = 0.02;
 const NEAR: f64 = 1.25;
 /// Width of the transition in its logarithm.
 const NEAR_WIDTH: f64 = 0.03;
-/// A factor explains the motion if the error, as a share of it, is below this.
+/// A factor explains what a sensor measured if the error, as a share of the motion, is below this.
 const EXPLAINED: f64 = 0.2;
 /// Log prior odds of a wrong factor. They are low, as what the model lacks may look like a factor for a while.
 const PRIOR: f64 = -5.0;
@@ -165,17 +165,14 @@ pub fn wheels(
     }
     let wheels = wheels.map(|start| in_unit(expectation.explain(&start), &expectation, vehicle));
     let track = track.map(|start| expectation.explain(&start));
-    let given = given.map_or(f64::NEG_INFINITY, |given| given.likelihood);
+    let likelihood = given.map_or(f64::NEG_INFINITY, |given| given.likelihood);
+    let errors = given.map_or([None; 2], |given| given.errors);
     let judged = [(Scaled::Wheels, wheels), (Scaled::Track, track)];
     let judged = judged.into_iter().filter_map(|(scaled, found)| {
         let found = found?;
         let size = logistic((found.factor.ln().abs() - NEAR.ln()) / NEAR_WIDTH);
-        let is_explained = found
-            .errors
-            .iter()
-            .flatten()
-            .all(|error| *error <= EXPLAINED);
-        let odds = found.likelihood - given + PRIOR;
+        let is_explained = is_explained(found.errors, errors);
+        let odds = found.likelihood - likelihood + PRIOR;
         let probability = if is_explained {
             size * logistic(odds)
         } else {
@@ -198,6 +195,17 @@ pub fn wheels(
         turn: turn.map(|found| (found.2, by_track)),
     };
     Some(doubt(best, other, &ratios, vehicle))
+}
+
+/// Whether a factor explains the motion: one sensor nearly whole, and none worse than without it. A poor one, as a matched
+/// pose of a vehicle that turns on the spot, is explained by nothing.
+fn is_explained(errors: [Option<f64>; 2], without: [Option<f64>; 2]) -> bool {
+    let mut pairs = errors.into_iter().zip(without);
+    errors.iter().flatten().any(|error| *error <= EXPLAINED)
+        && pairs.all(|(error, without)| {
+            let bearable = without.unwrap_or(f64::INFINITY).max(EXPLAINED);
+            error.is_none_or(|error| error <= bearable)
+        })
 }
 
 /// Names of units of wheel speeds, the commonest first, with the factors that make them rad/s.

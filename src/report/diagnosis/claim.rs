@@ -77,7 +77,7 @@ fn reservations(diagnosis: &Diagnosis) -> String {
     let mut text = String::new();
     if !channels.is_empty() {
         let channels = list(&channels, "and");
-        text += &format!("; frozen samples of {channels} are left out");
+        text += &format!("; faulty samples of {channels} are left out");
     }
     if let Some(doubt) = diagnosis.minor_doubts.first() {
         let percent = percent(doubt.probability);

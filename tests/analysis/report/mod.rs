@@ -11,7 +11,7 @@ use std::time::Duration;
 use ugv_terrain::diagnosis::{
     Caution, Claim, ClaimLevel, Diagnosis, Insufficient, Subject, Verdict, phrase,
 };
-use ugv_terrain::inspection::{Doubt, DoubtKind};
+use ugv_terrain::inspection::{Doubt, DoubtKind, Span};
 use ugv_terrain::recording::Channel as Measured;
 use ugv_terrain::report::diagnosis::{self as report, Input, Source, headline, json, text};
 
@@ -436,27 +436,32 @@ fn text_json_and_page_have_one_headline_and_its_colour() {
 
 #[test]
 fn no_headline_hides_frozen_samples_or_a_doubt() {
-    let doubt = |kind, channel, probability, left_out| Doubt {
+    let doubt = |kind, channel, probability, left_out: &[Span]| Doubt {
         kind,
         channels: vec![channel],
         span: None,
         probability,
-        left_out,
+        left_out: left_out.to_vec(),
         evidence: "it stands still".into(),
         remedy: "Check it".into(),
     };
+    let span = Span {
+        run: 0,
+        start: 20.0,
+        end: 32.0,
+    };
     let frozen = |channel| Caution::DoubtfulData {
         recording: "drive3".into(),
-        doubt: doubt(DoubtKind::Frozen, channel, 0.97, true),
+        doubt: doubt(DoubtKind::Frozen, channel, 0.97, &[span]),
     };
     for verdict in VERDICTS {
         let mut diagnosis = sample(verdict);
         let plain = headline(&diagnosis);
         let channels = [Measured::OmegaLeft, Measured::YawRate, Measured::OmegaLeft];
         diagnosis.cautions.extend(channels.map(frozen));
-        let left_out = format!("{plain}; frozen samples of omega_left and yaw_rate are left out");
+        let left_out = format!("{plain}; faulty samples of omega_left and yaw_rate are left out");
         assert_eq!(headline(&diagnosis), left_out);
-        let minor = doubt(DoubtKind::Quantised, Measured::X, 0.4, false);
+        let minor = doubt(DoubtKind::Quantised, Measured::X, 0.4, &[]);
         diagnosis.minor_doubts.push(minor);
         let doubted = format!("{left_out}; 40 % that the data are wrong (quantised)");
         assert_eq!(headline(&diagnosis), doubted);
