@@ -19,6 +19,8 @@ const NEAR: f64 = 1.25;
 const NEAR_WIDTH: f64 = 0.03;
 /// A factor explains what a sensor measured if the error, as a share of the motion, is below this.
 const EXPLAINED: f64 = 0.2;
+/// Errors of a poor sensor within this factor are the same.
+const WORSE: f64 = 1.1;
 /// Log prior odds of a wrong factor. They are low, as what the model lacks may look like a factor for a while.
 const PRIOR: f64 = -5.0;
 /// Largest factor between a number and that of a unit, and between the numbers on two soils that are reported as one.
@@ -197,13 +199,13 @@ pub fn wheels(
     Some(doubt(best, other, &ratios, vehicle))
 }
 
-/// Whether a factor explains the motion: one sensor nearly whole, and none worse than without it. A poor one, as a matched
-/// pose of a vehicle that turns on the spot, is explained by nothing.
+/// Whether a factor explains the motion: one sensor nearly whole, and none clearly worse than without it. A poor one, as a
+/// matched pose of a vehicle that turns on the spot, is explained by nothing.
 fn is_explained(errors: [Option<f64>; 2], without: [Option<f64>; 2]) -> bool {
     let mut pairs = errors.into_iter().zip(without);
     errors.iter().flatten().any(|error| *error <= EXPLAINED)
         && pairs.all(|(error, without)| {
-            let bearable = without.unwrap_or(f64::INFINITY).max(EXPLAINED);
+            let bearable = (WORSE * without.unwrap_or(f64::INFINITY)).max(EXPLAINED);
             error.is_none_or(|error| error <= bearable)
         })
 }

@@ -6,7 +6,7 @@ use super::layout::{Layout, are_units, is_comment, layout};
 use super::naming::{Match, likely, matched, resembles};
 use super::request::{ColumnRequest, TableOptions};
 use super::unit::{Quantity, UnitSize};
-use crate::display::shortened;
+use crate::display::{shell_quoted, shortened};
 use csv::{ByteRecord, ReaderBuilder};
 use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
 use std::cell::RefCell;
@@ -595,11 +595,13 @@ impl TableHeader<'_> {
                 .map(|place| shortened(&self.names[place]).into())
                 .collect();
             if let Some(first) = alike.first() {
+                // What is in brackets is no unit that is known.
+                let unit = if first.contains(['[', '(']) { ":UNIT" } else { "" };
+                let argument = format!("{}={first}{unit}", column.name);
                 let text = format!(
-                    "there is none, but `{}` looks like it and is not read; if it is, --column {}={first} \
-                     takes it",
+                    "there is none, but `{}` looks like it and is not read; if it is, --column {} takes it",
                     alike.join("`, `"),
-                    column.name
+                    shell_quoted(&argument)
                 );
                 self.found(index, text, true);
             }
