@@ -596,7 +596,11 @@ impl TableHeader<'_> {
                 .collect();
             if let Some(first) = alike.first() {
                 // What is in brackets is no unit that is known.
-                let unit = if first.contains(['[', '(']) { ":UNIT" } else { "" };
+                let unit = if first.contains(['[', '(']) {
+                    ":UNIT"
+                } else {
+                    ""
+                };
                 let argument = format!("{}={first}{unit}", column.name);
                 let text = format!(
                     "there is none, but `{}` looks like it and is not read; if it is, --column {} takes it",
