@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::output::{Output, is_stream, write_product};
+use crate::import::LOG_ENDINGS;
 use std::path::{Path, PathBuf};
 
 /// Whether files that exist are replaced.
@@ -27,13 +28,14 @@ pub struct JsonArgs {
     json: Option<PathBuf>,
 }
 
-/// Endings of what people record: such a file behind `--json` is an input that lost its place.
-const RECORDED: [&str; 6] = ["csv", "tsv", "mcap", "db3", "bag", "zstd"];
+/// Endings of what people record, besides those of logs: such a file behind `--json` is an input that lost its place.
+const RECORDED: [&str; 3] = ["csv", "tsv", "zstd"];
 
 fn json_place(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    if RECORDED.iter().any(|known| ending == *known) {
+    let mut recorded = RECORDED.iter().chain(&LOG_ENDINGS);
+    if recorded.any(|known| ending == *known) {
         return Err("a recording takes no results; write --json=- or put --json last".into());
     }
     Ok(path)

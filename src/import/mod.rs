@@ -35,7 +35,7 @@ mod wire;
 pub use choose::{TopicChoice, choose};
 pub use clock::Clock;
 pub use columns::Column;
-pub use container::{Container, Ending, ReadProgress, is_log};
+pub use container::{Container, Ending, LOG_ENDINGS, ReadProgress, is_log};
 pub use error::ImportError;
 pub use message::MessageKind;
 pub use options::{HeadingChoice, ImportOptions, PoseChoice};

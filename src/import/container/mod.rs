@@ -18,7 +18,7 @@ use input::Input;
 use std::path::Path;
 
 /// Endings of logs.
-const ENDINGS: [&str; 4] = ["mcap", "db3", "bag", "ulg"];
+pub const LOG_ENDINGS: [&str; 4] = ["mcap", "db3", "bag", "ulg"];
 
 /// Whether a path is a log rather than a table: a folder, a file with the first bytes of one, packed or not, or with the
 /// ending of one.
@@ -42,7 +42,7 @@ pub fn is_log(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let mut starts = starts.iter();
     starts.any(|magic| start[..length].starts_with(magic))
-        || ENDINGS.iter().any(|known| ending == *known)
+        || LOG_ENDINGS.iter().any(|known| ending == *known)
 }
 
 /// Visits every message of a log, file by file.
