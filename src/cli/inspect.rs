@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(value_name = "REC.csv|LOG")]
     recording: PathBuf,
 
-    /// Vehicle that drove: a file, tran2007, husky, jackal or warthog [default: that of REC.json]
+    /// Vehicle that drove: a file, tran2007, husky, jackal, warthog or scout [default: that of REC.json]
     #[arg(long, value_name = "NAME|FILE.json")]
     vehicle: Option<PathBuf>,
 

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// The vehicle, the terrain and the effects of a simulation.
 #[derive(clap::Args)]
 pub struct ModelArgs {
-    /// Vehicle: tran2007 (of the paper), husky, jackal, warthog, or a file as printed by
+    /// Vehicle: tran2007 (of the paper), husky, jackal, warthog, scout, or a file as printed by
     /// `ugv vehicle`, or with one under the key `vehicle` [default: tran2007]
     #[arg(long, value_name = "NAME|FILE.json")]
     pub vehicle: Option<PathBuf>,

@@ -27,7 +27,7 @@ const SIDECAR: &str = r#"{"vehicle": {"mass": .., "yaw_inertia": .., "wheel_radi
 #[derive(clap::Args)]
 pub struct NominalArgs {
     /// Vehicle: a file as printed by `ugv vehicle`, or tran2007 (the paper's), husky, jackal,
-    /// warthog [default: that of the JSON file beside a recording; without one it is required]
+    /// warthog, scout [default: that of the JSON file beside a recording; without one it is required]
     #[arg(long, value_name = "NAME|FILE.json")]
     vehicle: Option<PathBuf>,
 

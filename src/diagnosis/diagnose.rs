@@ -20,6 +20,7 @@ use crate::fit::Estimate;
 use crate::fit::error::LENGTHS;
 use crate::fit::parameter::NORMAL_95;
 use crate::fit::signal::Signal;
+use crate::identification::with_true_gyro;
 use crate::recording::{Recording, different_names};
 use crate::vehicle::Specification;
 
@@ -31,7 +32,8 @@ use crate::vehicle::Specification;
 /// # Algorithm
 /// 0. *Doubts.* The data themselves are questioned first ([`crate::inspection::doubts`]): a wrong gear, a pose from the
 ///    wheels, a frozen encoder. Frozen samples are left out. From a probability of 0.5 on the likeliest doubt is the
-///    verdict, and all other probabilities shrink by the rest.
+///    verdict, and all other probabilities shrink by the rest. A gyro whose scale clearly differs from the heading's is put
+///    right ([`crate::identification::GyroScale`]).
 /// 1. *Segments.* Recordings are cut into segments of some seconds (multiple shooting). Every segment has a free
 ///    initial state with a Gaussian prior around the measured one, so errors do not accumulate over a drive.
 ///    Rest, gaps and segments that the model cannot follow are dropped.
@@ -127,6 +129,10 @@ pub fn diagnose(
     let doubted = Doubts::of(recordings, &nominal.vehicle, progress);
     let remaining = doubted.remaining(recordings);
     let recordings = remaining.as_deref().unwrap_or(recordings);
+    let scaled = recordings
+        .iter()
+        .map(|one| with_true_gyro(one).unwrap_or_else(|| one.clone()));
+    let recordings: &[Recording] = &scaled.collect::<Vec<_>>();
     progress.in_time(deadline)?;
     let mut problem = Problem::until(nominal, recordings, deadline);
     progress.in_time(deadline)?;

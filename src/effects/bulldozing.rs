@@ -26,7 +26,7 @@ effect! {
     equation "F_Y = -lateral int R_b(h) r cos theta sin(beta) dtheta, F_X = -frontal b R_b(h_0) cos(beta); R_b = D1 (c h + D2 gamma h^2 / 2), sin(beta) = V_Y / |V|",
     source "Ishigami, Miwa, Nagatani, Yoshida, J. Field Robotics 24 (2007), after Hegedus 1960; the width of the blades by geometry",
     check "Measure the depth of the ruts in a turn, and look for soil heaped ahead of and beside the wheels.",
-    varies with Sinkage SideSpeed Speed,
+    formulas differ,
     {
         lateral ["1"] 0.0..30.0, off 0.0, lognormal(1.0, 1.2), "Strength of the lateral wedge, 1 as in the source";
         frontal ["1"] 0.0..30.0, off 0.0, lognormal(0.3, 1.2), "Strength of the frontal wedge, 1 for a blade as deep as the wheel";

@@ -148,19 +148,6 @@ pub enum Class {
     Sensor,
 }
 
-/// What the formula of an effect depends on: by this, another formula of the same mechanism may differ.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Argument {
-    /// Speed of the vehicle \[m/s\].
-    Speed,
-    /// Lateral speed of the outer rows \[m/s\].
-    SideSpeed,
-    /// Longitudinal slip of the wheels \[-\].
-    Slip,
-    /// Sinkage of the wheels \[m\].
-    Sinkage,
-}
-
 /// One effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Declaration {
@@ -184,8 +171,8 @@ pub struct Declaration {
     pub check: &'static str,
     /// What kind of thing it changes.
     pub class: Class,
-    /// What its formula depends on, besides its parameters; empty where the mechanism has one formula only.
-    pub varies_with: &'static [Argument],
+    /// Whether the mechanism has other formulas as well: statics and geometry have one.
+    pub formulas_differ: bool,
     /// Its parameters.
     pub parameters: &'static [ParameterDeclaration],
 }
@@ -213,7 +200,7 @@ macro_rules! effect {
         source $source:literal,
         check $check:literal,
         $(class $class:ident,)?
-        $(varies with $($argument:ident)+,)?
+        $(formulas $differ:ident,)?
         {
             $($field:ident [$unit:literal] $low:literal..$high:literal, $role:ident $default:literal,
                 $prior:ident($centre:literal, $deviation:literal), $what:literal
@@ -239,7 +226,7 @@ macro_rules! effect {
                 source: $source,
                 check: $check,
                 class: effect!(@class $acts $($class)?),
-                varies_with: &[$($($crate::effects::Argument::$argument),+)?],
+                formulas_differ: effect!(@differ $($differ)?),
                 parameters: &[$($crate::effects::ParameterDeclaration {
                     name: stringify!($field),
                     unit: $unit,
@@ -274,6 +261,8 @@ macro_rules! effect {
     (@class SoilByPlace) => { $crate::effects::Class::Ground };
     (@class $acts:ident) => { $crate::effects::Class::Resistance };
     (@class $acts:ident $class:ident) => { $crate::effects::Class::$class };
+    (@differ differ) => { true };
+    (@differ) => { false };
     (@memory memory) => { true };
     (@memory) => { false };
     (@step first_step_to($value:expr)) => { $crate::effects::FirstStep::To($value) };

@@ -11,7 +11,7 @@ effect! {
     equation "F = -k |V| V, k = rho C_d A / 2 for air (about 0.7 for a plate of a square metre); the prior spans water and high grass",
     source "quadratic drag; Wong, Theory of Ground Vehicles, 3.2",
     check "Look for what resists more at speed: wind, water, high grass, or something that is dragged along.",
-    varies with Speed,
+    formulas differ,
     {
         coefficient ["N s^2/m^2"] 0.0..1000.0, off 0.0, lognormal(10.0, 1.5), "Coefficient k";
     }

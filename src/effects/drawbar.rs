@@ -14,7 +14,7 @@ effect! {
     equation "F = -D v_h / sqrt(|v_h|^2 + v_0^2), v_h = (V_X, V_Y + Omega x_h) at the hitch; M_Z += x_h F_Y; sum X F_Z += (h_h - h) F_X, sum Y F_Z += (h_h - h) F_Y; x_h = -(d + hitch_behind), d that of the centre of mass ahead of the centroid, h_h the hitch's height, h that of the centre of mass; about the centre of mass as it is with payload and com_shift",
     source "dry friction of a dragged load; moments about the centre of mass derived here, cf. Wong, Theory of Ground Vehicles, 3.1",
     check "Look for a load in tow or a cable that drags; measure its pull, and how far behind and how high the hitch is.",
-    varies with Speed,
+    formulas differ,
     {
         force ["N"] 0.0..20000.0, off 0.0, lognormal(200.0, 1.2), "Force D";
         hitch_behind ["m"] -10.0..10.0, shape 1.0, normal(0.7, 0.7), "Distance of the hitch behind the centroid", estimated;

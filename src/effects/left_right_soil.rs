@@ -13,7 +13,7 @@ effect! {
     source "modelling assumption: the geometric mean of both sides is the terrain",
     check "Compare the ruts of the left and the right wheels, and the tyre pressures of both sides.",
     class Ground,
-    varies with Slip Sinkage,
+    formulas differ,
     {
         ratio ["1"] 0.1..10.0, off 1.0, lognormal(1.0, 0.4), "Strength and stiffness of the left soil over the right one's";
     }

@@ -40,7 +40,7 @@ pub use bulldozing::Bulldozing;
 pub use catalogue::{ActiveEffects, CATALOGUE, Effects, PARAMETER_COUNT, ParameterName};
 pub use com_shift::ComShift;
 pub use declaration::{
-    Acts, Argument, Axis, Class, Declaration, EffectKind, FirstStep, ParameterDeclaration, Prior,
+    Acts, Axis, Class, Declaration, EffectKind, FirstStep, ParameterDeclaration, Prior,
     StandingWheel,
 };
 pub use drag::Drag;

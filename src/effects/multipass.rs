@@ -22,7 +22,7 @@ effect! {
     equation "sigma = K_e (z - z_p) up to z_m, k z^n beyond; K_e = ratio k z_m^(n-1), z_p = z_m (1 - 1/ratio); dz_m/dt = 3 |V| / r (memory z / (1 + (d/b)^2) - z_m), z the depth of the track that makes most of it, d how far beside the wheel it lies, r/3 before the axle",
     source "elastic reloading below the greatest pressure so far: Wong, Theory of Ground Vehicles (2001), ch. 2; as Chrono's SCM terrain adds it to Krenn & Hirzinger, ISTVS European conference, Bremen 2009",
     check "Measure the rut after the first row and after the last one, on ground that was not driven before.",
-    varies with Slip Sinkage,
+    formulas differ,
     {
         memory ["1"] 0.0..1.0, off 0.0, normal(1.0, 0.3), "Share of the rut ahead that a row meets", first_step_to(1.0);
         stiffness_ratio ["1"] 1.5..100.0, shape 10.0, lognormal(10.0, 0.7), "Stiffness of unloaded soil over the secant stiffness of its first loading";

@@ -12,7 +12,7 @@ effect! {
     equation "tau = tau_max (1 - exp(-sqrt((j_X^2 + j_Z^2)/K_X^2 + j_Y^2/K_Y^2))); tau_Y times the strength ratio; K_X = K",
     source "elliptic form of Janosi & Hanamoto, as in Wong, Theory of Ground Vehicles, ch. 2, and Schwanghart, J. Terramechanics 5 (1968), for K_Y /= K_X",
     check "Look at the treads: grousers and lugs shear the soil along the wheel, while its flanks slide.",
-    varies with Slip SideSpeed,
+    formulas differ,
     {
         modulus_ratio ["1"] 0.3..3.0, off 1.0, lognormal(1.0, 0.4), "K_Y / K_X";
         strength_ratio ["1"] 0.5..2.0, off 1.0, lognormal(1.0, 0.2), "Strength across the wheel over the strength along it";

@@ -20,7 +20,7 @@ effect! {
     equation "p = k z^n / f^n0, n = n0 + n1 s, f = (1 + S s)/(1 - S s/2); s = sqrt((r omega - V_X)^2 + V_Y^2)/max(abs(r omega), abs(V)), rounded off within 0.01 of 0, held from 1 on",
     source "n1: Ding et al., J. Terramechanics 48 (2011); f with S = 1: Lyasko, J. Terramechanics 47 (2010), there of a wheel's sinkage under its load, here of a plate's under its pressure; s across the wheel as well: data of Pavlov, CMU 2022 (the project's docs/explanation/single_wheel.md)",
     check "Let the vehicle pull against an obstacle, and measure how much deeper its wheels dig in.",
-    varies with Slip Sinkage,
+    formulas differ,
     {
         exponent_growth ["1"] 0.0..1.0, off 0.0, lognormal(0.2, 0.8), "Growth n1 of the sinkage exponent with the slip s";
         sinkage_growth ["1"] 0.0..1.4, off 0.0, lognormal(0.8, 0.5), "Growth S of the sinkage at equal pressure with the slip s";

@@ -11,7 +11,7 @@ effect! {
     equation "theta_m = (a0 + a1 abs(i)) theta_1",
     source "Wong & Reece, J. Terramechanics 4 (1967), part I, driven wheels: a0 0.43, a1 0.32 in compact sand (0.18, 0.32 in loose sand, which is below the range here); for braking wheels abs(i) is assumed",
     check "Pressure under a wheel shows only on a test bench; predict another drive with both models and compare.",
-    varies with Slip,
+    formulas differ,
     {
         a0 ["1"] 0.2..0.6, off 0.5, normal(0.4, 0.1), "theta_m / theta_1 without slip";
         a1 ["1"] 0.0..0.4, off 0.0, normal(0.15, 0.1), "Its growth with abs(i)";

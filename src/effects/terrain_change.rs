@@ -15,7 +15,7 @@ effect! {
     equation "c, tan phi, k, K times factor^w, w the quintic step of (u - position) / transition; u the time, the distance driven, or the wheel's x cos(direction) + y sin(direction)",
     source "modelling assumption: soil parameters vary monotonously across a boundary of finite width",
     check "Look at the ground on both sides of the boundary: soil, moisture, vegetation.",
-    varies with Slip Sinkage,
+    formulas differ,
     {
         cohesion_factor ["1"] 0.02..50.0, off 1.0, lognormal(1.0, 0.7), "Cohesion beyond the boundary, as a factor";
         friction_factor ["1"] 0.1..5.0, off 1.0, lognormal(1.0, 0.3), "tan(phi) beyond the boundary, as a factor";

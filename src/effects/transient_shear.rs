@@ -21,7 +21,7 @@ effect! {
     equation "dJ/dt = 2/(s L) (V - abs(omega) J), j as in (14) with J for V/abs(omega), L the angle of contact, theta_1 or theta_1 + theta_2; what is sheared beyond 10 K stores no more; s is 0.01 at least",
     source "transport equation of the brush model (Pacejka, Tyre and Vehicle Dynamics, ch. 2), projected here",
     check "Start and stop gently, and compare how far the rims turn before the vehicle follows.",
-    varies with Slip,
+    formulas differ,
     {
         relaxation ["1"] 0.0..5.0, off 0.0, lognormal(1.0, 0.4), "Scale s of the relaxation length, 1 as derived; 0 is the steady state of the paper", first_step_to(1.0);
     }

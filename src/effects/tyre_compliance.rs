@@ -26,7 +26,7 @@ effect! {
     equation "r* = max(r, (3 W / ((3-n) b))^2 k^(1/n) p^(-(2n+1)/n) / 2), W what the normal stress carries; c = min(c, p / 2)",
     source "rigid limit: Wong, Theory of Ground Vehicles (2001), ch. 2, after Bekker (moderate sinkage, n up to about 1.3); the substitute circle: Schmid, J. Terramechanics 32 (1995)",
     check "Measure the pressure of every tyre, and look how much the tyres flatten under load.",
-    varies with Sinkage,
+    formulas differ,
     {
         pressure ["Pa"] 15000.0..2e6, off 2e6, lognormal(60000.0, 0.6), "Inflation pressure with what the carcass carries; 2 MPa switches it off: the wheel is then rigid on any ground", first_step_of(soft);
     }

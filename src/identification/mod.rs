@@ -5,6 +5,7 @@
 //! judged on other windows than those it is fitted on.
 
 mod error;
+mod gyro;
 mod kinematics;
 mod latency;
 mod prediction;
@@ -14,6 +15,7 @@ mod start;
 mod windows;
 
 pub use error::IdentificationError;
+pub use gyro::{GyroScale, with_true_gyro};
 pub use kinematics::{FittedKinematics, Kinematics, KinematicsForm};
 pub use latency::{Latencies, Latency, heading_noise};
 pub use prediction::{ErrorSummary, MotionModel, PoseError, common, summarise};

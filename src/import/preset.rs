@@ -38,8 +38,14 @@ const CLEARPATH: &[(MessageKind, &str)] = &[
     (MessageKind::Fix, "/navsat/fix"),
 ];
 
+/// Topics of drivers that have no namespace.
+const USUAL: &[(MessageKind, &str)] = &[
+    (MessageKind::Joints, "/joint_states"),
+    (MessageKind::Imu, "/imu/data"),
+];
+
 /// Masses, yaw inertias and centres of mass are sums over the bodies of the published models.
-const KNOWN: [Known; 3] = [
+const KNOWN: [Known; 4] = [
     Known {
         name: "husky",
         source: "Clearpath Husky A200: husky_description (github.com/husky/husky, BSD)",
@@ -82,6 +88,20 @@ const KNOWN: [Known; 3] = [
         com_offset: -0.015,
         com_height: 0.42,
         topics: CLEARPATH,
+    },
+    Known {
+        name: "scout",
+        source: "AgileX Scout 2.0: scout_description (github.com/agilexrobotics/scout_ros, BSD)",
+        // Body 50, wheels 4 x 8.
+        mass: 82.0,
+        yaw_inertia: 8.6,
+        wheel_radius: 0.1646,
+        wheel_width: 0.1165,
+        half_wheelbase: 0.249,
+        half_track: 0.2915,
+        com_offset: 0.0,
+        com_height: 0.207,
+        topics: USUAL,
     },
 ];
 

@@ -9,6 +9,10 @@ pub enum MotionSignal {
     WheelDifference,
     /// Mean of both wheel speeds \[rad/s\]: driving, by the wheels.
     WheelMean,
+    /// Speed of the left wheels \[rad/s\].
+    LeftWheels,
+    /// Speed of the right wheels \[rad/s\].
+    RightWheels,
     /// Yaw rate \[rad/s\], by the gyro.
     YawRate,
     /// Rate of the heading \[rad/s\], by the pose.
@@ -24,7 +28,9 @@ impl MotionSignal {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::WheelDifference | Self::WheelMean => "wheels",
+            Self::WheelDifference | Self::WheelMean | Self::LeftWheels | Self::RightWheels => {
+                "wheels"
+            }
             Self::YawRate => "yaw_rate",
             Self::Heading => "heading",
             Self::Distance => "position",
@@ -39,6 +45,8 @@ impl MotionSignal {
         let sum = match self {
             Self::WheelDifference => rate(&wheels(run, [-1.0, 1.0])?),
             Self::WheelMean => rate(&wheel_mean(run)?),
+            Self::LeftWheels => rate(run.series(Channel::OmegaLeft)?),
+            Self::RightWheels => rate(run.series(Channel::OmegaRight)?),
             Self::YawRate => rate(run.series(Channel::YawRate)?),
             Self::Velocity => rate(run.series(Channel::VX)?),
             Self::Heading => Cumulated::of_position(run.series(Channel::Heading)?),

@@ -5,6 +5,7 @@
 //! of [`crate::vehicle`].
 
 mod about;
+mod by_sides;
 mod channel;
 mod csv;
 mod cumulated;
@@ -21,6 +22,7 @@ mod statistics;
 pub use about::About;
 #[cfg(feature = "cli")]
 pub(crate) use about::IMPORT_WARNING;
+pub(crate) use by_sides::{BySides, SideMotion};
 pub use channel::Channel;
 pub use csv::{
     Cell, ColumnRequest, CsvError, FoundColumns, TableOptions, read_bytes, read_drive,

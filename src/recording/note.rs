@@ -22,6 +22,8 @@ pub enum NoteKind {
     TimeUnit,
     /// Values in another unit were converted to the channel's.
     Unit,
+    /// An error of a sensor's scale was put right.
+    Scale,
     /// Impossible values were dropped.
     Outlier,
     /// Left and right wheel speeds were swapped.

@@ -252,7 +252,7 @@ fn no_command_assumes_the_vehicle_of_a_recording() {
         for expected in [
             "no vehicle: there is no --vehicle or --model, and no a.json with the key `vehicle`",
             "`ugv vehicle > mine.json`",
-            "--vehicle tran2007|husky|jackal|warthog",
+            "--vehicle tran2007|husky|jackal|warthog|scout",
             "\"half_track\": ..",
         ] {
             assert_contains(&message, expected);

@@ -21,7 +21,7 @@ An option means the same in every command:
 | `--report FILE.html` | a page for people (`inspect`; `diagnose` writes one into its folder) |
 | `--force` | replace files that exist |
 | `-q`, `--quiet` | neither summary nor progress; warnings and errors remain |
-| `--vehicle NAME\\|FILE` | `tran2007`, `husky`, `jackal`, `warthog`, or a file. `fit`, `score` and `diagnose` need one, from here, from `--model` or from the JSON file beside a recording |
+| `--vehicle NAME\\|FILE` | `tran2007`, `husky`, `jackal`, `warthog`, `scout`, or a file. `fit`, `score` and `diagnose` need one, from here, from `--model` or from the JSON file beside a recording |
 
 **Files that exist are kept.** A command that would replace a file stops before its work, names the file, and does
 nothing; `--force` replaces it. This holds for tables, models, reports, pictures and FMUs alike. `diagnose` refuses a folder

@@ -129,7 +129,10 @@ fn wrong_arguments_are_explained() {
             "simulate --input drive.csv --terrain dry_sadn",
             "the nearest preset is --terrain dry_sand",
         ),
-        ("inspect drive.csv --preset scout", "husky, jackal, warthog"),
+        (
+            "inspect drive.csv --preset tank",
+            "husky, jackal, warthog, scout",
+        ),
         (
             "simulate --input drive.csv --initial vx=1",
             "the nearest is `v_x`",

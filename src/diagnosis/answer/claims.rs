@@ -47,7 +47,7 @@ pub fn claims(searched: &SearchResult, judgement: &Judgement, findings: &[Findin
     let mending = searched.accepted.iter().filter(|effect| effect.mends);
     let mending: f64 = mending.map(|effect| effect.gain).sum();
     let exact = match finding.subject {
-        Subject::Effect(effect) if !CATALOGUE[effect].varies_with.is_empty() => {
+        Subject::Effect(effect) if CATALOGUE[effect].formulas_differ => {
             shape::exactness(searched.augmented.shape_gain + mending)
         }
         _ => 1.0,

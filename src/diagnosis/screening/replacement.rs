@@ -202,7 +202,7 @@ fn found(
                 subject,
                 each: each.collect(),
                 coefficients: acting,
-                arguments: CATALOGUE[effect].varies_with.len(),
+                arguments: super::shape::arguments(effect).len(),
                 columns: Vec::new(),
                 further,
                 differences,

@@ -7,8 +7,8 @@
 //! sum over i of w_ai(t) (1 + d_a + sum over u of p_au l_ui(t) + q_au l_ui(t)^2),    l_ui = ln(u_i / u_0)
 //! ```
 //!
-//! with the shares w_ai of the wheels and of the body, and there the arguments u that the effect declares (speed, slip,
-//! sinkage ...), u_0 their mean where the effect acts. What remembers has no shares of wheels. p is
+//! with the shares w_ai of the wheels and of the body, and there the arguments u (speed, lateral speed, slip, sinkage, row),
+//! u_0 their mean where the effect acts. What remembers has no shares of wheels. p is
 //! a difference of the exponent, q bends the power law towards saturation, d changes the direction. All have normal
 //! priors around zero. The wrench is the difference between the accelerations with the effect and without it at the
 //! fitted motion. Its signal follows from the sensitivities to a force in each time bin, so a shape costs no
@@ -20,7 +20,7 @@ use super::system::{System, linearise};
 use super::wrench::force_columns;
 use crate::diagnosis::hypothesis::candidate::Target;
 use crate::diagnosis::hypothesis::{Problem, Solution};
-use crate::effects::{Argument, CATALOGUE};
+use crate::effects::{Acts, CATALOGUE, Declaration};
 use crate::fit::exact::ExactPredictor;
 use crate::fit::parameter::{FreeParameter, Prior, Scale};
 use crate::fit::predictor::{Predictor, Request, Trajectory};
@@ -46,6 +46,31 @@ const RANGE: f64 = 2.0;
 const SMALLEST: f64 = 1e-3;
 /// Log prior of the catalogue's own formula, and of another one.
 const EVEN: f64 = std::f64::consts::LN_2;
+
+/// What an effect's formula may depend on, besides its parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Argument {
+    /// Speed of the vehicle \[m/s\].
+    Speed,
+    /// Lateral speed of the wheel \[m/s\].
+    SideSpeed,
+    /// Longitudinal slip of the wheel \[-\].
+    Slip,
+    /// Sinkage of the wheel \[m\].
+    Sinkage,
+    /// Place of the wheel along the vehicle: exp(x / x_1), x_1 that of the first row.
+    Row,
+}
+
+impl Argument {
+    const OF_WHEELS: [Self; 5] = [
+        Self::Slip,
+        Self::Sinkage,
+        Self::SideSpeed,
+        Self::Speed,
+        Self::Row,
+    ];
+}
 
 /// Unknowns of the shapes of some effects, appended to a linearised problem.
 #[derive(Debug, Clone, Default)]
@@ -123,13 +148,30 @@ pub fn gain_at(problem: &Problem, on: &[usize], at: &Solution, noise: &NoiseMode
     shapes.gain(&system, &further)
 }
 
+/// What the formula of an effect may depend on, besides its parameters. Wheels' formulas may depend on anything that the
+/// contact knows: declared one by one (the catalogue's own arguments), a wrong name patched a right one's other formula in
+/// nine of sixteen drives; with all of them, five of those were gone or no longer sure.
+#[must_use]
+pub fn arguments(effect: usize) -> &'static [Argument] {
+    match &CATALOGUE[effect] {
+        Declaration {
+            formulas_differ: false,
+            ..
+        } => &[],
+        Declaration {
+            acts: Acts::Body, ..
+        } => &[Argument::Speed],
+        _ => &Argument::OF_WHEELS,
+    }
+}
+
 /// The effects with shape freedom among those of some coefficients.
 fn effects(problem: &Problem, on: &[usize]) -> Vec<usize> {
     let mut effects: Vec<usize> = on
         .iter()
         .filter(|place| matches!(problem.candidates[**place].target, Target::Model(_)))
         .map(|place| problem.candidates[*place].effect)
-        .filter(|effect| !CATALOGUE[*effect].varies_with.is_empty())
+        .filter(|effect| CATALOGUE[*effect].formulas_differ)
         .collect();
     effects.sort_unstable();
     effects.dedup();
@@ -153,7 +195,7 @@ pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut Syste
             acting(problem, &own, at, data, start, &segment.edges).unwrap_or_default()
         });
         let each: Vec<Vec<Acting>> = each.collect();
-        let arguments = CATALOGUE[effect].varies_with;
+        let arguments = arguments(effect);
         let features = features(&each, arguments.len());
         let deviations = deviations(arguments.len());
         let first = system.parameters.len();
@@ -352,7 +394,7 @@ pub fn between(
     let memory = effects.iter().any(|effect| CATALOGUE[*effect].memory);
     let arguments = effects
         .first()
-        .map_or(&[][..], |effect| CATALOGUE[*effect].varies_with);
+        .map_or(&[][..], |effect| self::arguments(*effect));
     let with = problem.specification(with, segment.recording).ok()?;
     let without = problem.specification(without, segment.recording).ok()?;
     let Motion {
@@ -471,6 +513,10 @@ fn value(
         (Argument::SideSpeed, Some(Standing { at: [x, _], .. })) => {
             (state.v_y + state.yaw_rate * x).abs()
         }
+        (Argument::Row, Some(Standing { at: [x, _], .. })) => {
+            (x / vehicle.row_positions[0].abs().max(1e-3)).exp()
+        }
+        (Argument::Row, None) => 1.0,
         (Argument::Slip, Some(wheel)) => wheel.slip,
         (Argument::Sinkage, wheel) => wheel.map_or(0.0, |wheel| wheel.sinkage),
         (Argument::Speed, None) => state.v_x.hypot(state.v_y),

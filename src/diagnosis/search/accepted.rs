@@ -35,7 +35,7 @@ pub struct AcceptedEffect {
 /// Whether a name has a residual model beside it that mends its formula.
 #[must_use]
 pub fn is_mended(accepted: &[AcceptedEffect], index: usize) -> bool {
-    let named = |effect: &AcceptedEffect| matches!(effect.proposal.subject, Subject::Effect(k) if !CATALOGUE[k].varies_with.is_empty());
+    let named = |effect: &AcceptedEffect| matches!(effect.proposal.subject, Subject::Effect(k) if CATALOGUE[k].formulas_differ);
     named(&accepted[index]) && accepted.iter().any(|effect| effect.mends)
 }
 

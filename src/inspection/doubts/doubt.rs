@@ -105,6 +105,39 @@ impl Doubt {
     }
 }
 
+/// The same doubt in several runs becomes one, about where it is first.
+pub fn joined(doubts: Vec<Doubt>) -> Vec<Doubt> {
+    let mut joined: Vec<(Doubt, usize)> = Vec::new();
+    for doubt in doubts {
+        let is_same = |other: &Doubt| {
+            doubt.span.is_some()
+                && other.span.is_some()
+                && other.kind == doubt.kind
+                && other.channels == doubt.channels
+                && other.is_left_out() == doubt.is_left_out()
+        };
+        match joined.iter_mut().find(|(other, _)| is_same(other)) {
+            Some((other, more)) => {
+                other.left_out.extend(doubt.left_out);
+                other.probability = other.probability.max(doubt.probability);
+                *more += 1;
+            }
+            None => joined.push((doubt, 0)),
+        }
+    }
+    let each = joined.into_iter().map(|(mut doubt, more)| {
+        match more {
+            0 => {}
+            1 => doubt.evidence.push_str("; and so in 1 more run"),
+            more => doubt
+                .evidence
+                .push_str(&format!("; and so in {more} more runs")),
+        }
+        doubt
+    });
+    each.collect()
+}
+
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {

@@ -12,10 +12,12 @@ mod pairs;
 mod provenance;
 mod ratios;
 mod sides;
-mod signs;
 mod standing;
+mod unsigned;
 
 pub use doubt::{Doubt, DoubtKind, PROBABLE, Span};
+
+use doubt::joined;
 
 use crate::recording::{Channel, NoteKind, Recording, Run, Series};
 use crate::vehicle::Vehicle;
@@ -64,10 +66,13 @@ impl Fitness {
 ///    acceleration and on turning. The wheel speeds therefore drive the given vehicle over the soils of the paper, of
 ///    several stiffnesses. A factor on the wheel speeds, or on the track, has to explain the motion much better than the
 ///    best soil without one, and to exceed the model's own errors. Where the factor of a unit explains the motion as well
-///    as the best number, it is the unit. Before that, distance and turns are compared with each side alone: where both
-///    find that one side rolls by another factor, it has another unit or gear.
+///    as the best number, it is the unit.
+///    Before that, distance and turns are taken apart into what each side's wheels add, by least squares: a side that adds
+///    with the wrong sign counts backwards; where both find that one side rolls by another factor, it has another unit or
+///    gear.
 ///    A position that gets much farther than the wheels roll, while the turns agree with them, is in another unit.
 /// 4. *Values.* Stretches of one value, single zeros, cut-off or coarse values and jumps are judged against the same channel
+///    elsewhere. Wheel speeds without noise may be constant: there the turns have to contradict what both sides add
 ///    elsewhere.
 /// 5. *Standstill.* Wheels, a gyro or a position that stay exactly where they are, though the others move, are broken.
 /// 6. *Clocks.* Where two sensors of one motion agree at a delay of seconds, and nowhere near, their clocks differ.
@@ -88,7 +93,7 @@ pub fn doubts_until(
 ) -> Vec<Doubt> {
     let vehicle = vehicle.or(recording.about.vehicle.as_ref());
     let commanded = commands::doubt(recording);
-    let mut unread = dropouts::doubts(recording);
+    let mut unread = joined(dropouts::doubts(recording));
     unread.extend(constant::frozen(recording).into_iter().filter(|doubt| {
         // Commands stay as they are.
         commanded.is_none() || !doubt.channels.iter().any(|channel| channel.is_required())
@@ -100,13 +105,14 @@ pub fn doubts_until(
         probable.any(|doubt| kinds.contains(&doubt.kind))
     };
     let is_own = is_probable(&found, &[DoubtKind::OwnOdometry]);
-    found.extend(signs::doubts(&alive));
+    found.extend(sides::mirrored(&alive));
+    found.extend(unsigned::doubt(&alive));
     let is_signed = !is_probable(&found, &[DoubtKind::MirroredSide, DoubtKind::Unsigned]);
     if !is_own {
         found.extend(ratios::heading(&alive));
     }
     if is_signed && !is_own {
-        found.extend(sides::doubt(&alive));
+        found.extend(sides::factor(&alive));
         found.extend(vehicle.and_then(|vehicle| ratios::position(&alive, vehicle)));
     }
     let is_scaled = is_probable(&found, &[DoubtKind::PositionUnit]);
@@ -117,7 +123,7 @@ pub fn doubts_until(
     found.extend(constant::coarse(recording));
     // How far a position moves is judged in metres.
     if !is_scaled {
-        found.extend(standing::doubts(recording));
+        found.extend(joined(standing::doubts(recording)));
         found.extend(jumps::doubts(&alive));
     }
     found.extend(clocks::doubts(&alive));

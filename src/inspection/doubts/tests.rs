@@ -1,10 +1,11 @@
 //! Drives by the project's own model, spoiled in one way each.
 
 use super::*;
+use crate::effects::Effects;
 use crate::recording::{About, Note, NoteKind, Run};
 use crate::simulation::{Simulation, WheelSpeeds};
 use crate::terrain::Terrain;
-use crate::vehicle::VehicleModel;
+use crate::vehicle::{Specification, VehicleModel};
 
 /// A robot of 50 kg on four wheels.
 fn robot() -> Vehicle {
@@ -25,18 +26,27 @@ type Rows = Vec<[f64; 7]>;
 
 /// A minute of several speeds with turns both ways on a soil, with the noise of sensors times a factor.
 fn drive(soil: &str, vehicle: &Vehicle, noise: f64) -> Rows {
-    driven(soil, vehicle, noise, |time| {
+    driven(soil, vehicle, noise, wheels(vehicle.wheel_radius))
+}
+
+/// Wheel speeds of a varied drive.
+fn wheels(radius: f64) -> impl Fn(f64) -> [f64; 2] {
+    move |time| {
         let ramp = (time / 2.0).min(1.0);
-        let ahead = ramp * (0.8 + 0.45 * (0.4 * time).sin()) / vehicle.wheel_radius;
-        let turn = ramp * 0.45 * (0.5 * time).sin() * (0.17 * time).cos() / vehicle.wheel_radius;
+        let ahead = ramp * (0.8 + 0.45 * (0.4 * time).sin()) / radius;
+        let turn = ramp * 0.45 * (0.5 * time).sin() * (0.17 * time).cos() / radius;
         [ahead - turn, ahead + turn]
-    })
+    }
 }
 
 /// A minute at 20 Hz with wheel speeds over time.
 fn driven(soil: &str, vehicle: &Vehicle, noise: f64, wheels: impl Fn(f64) -> [f64; 2]) -> Rows {
     let terrain = Terrain::preset(soil).unwrap();
     let model = VehicleModel::new(vehicle.clone(), terrain).unwrap();
+    driven_by(model, noise, wheels)
+}
+
+fn driven_by(model: VehicleModel, noise: f64, wheels: impl Fn(f64) -> [f64; 2]) -> Rows {
     let mut simulation = Simulation::new(model);
     let mut random = fastrand::Rng::with_seed(7);
     let mut normal = |size: f64| {
@@ -343,6 +353,67 @@ fn a_frozen_channel_is_left_out() {
         held[k][6] = rows[k / 40 * 40][6];
     }
     assert!(frozen_kinds(&held).is_empty());
+}
+
+#[test]
+fn soil_that_differs_between_the_sides_is_no_other_gear() {
+    let robot = robot();
+    for soil in Terrain::PRESETS {
+        for ratio in [0.45, 0.7, 1.7, 2.2] {
+            let effects = Effects::NONE.with("left_right_soil.ratio", ratio).unwrap();
+            let plain = Specification::plain(robot.clone(), Terrain::preset(soil).unwrap());
+            let model = VehicleModel::from_specification(&plain.with_effects(effects)).unwrap();
+            let found = of(&driven_by(model, 1.0, wheels(robot.wheel_radius)));
+            let of_sides = found
+                .iter()
+                .filter(|doubt| doubt.evidence.contains("by the turns"));
+            assert_eq!(of_sides.count(), 0, "{soil} {ratio}: {found:#?}");
+        }
+    }
+}
+
+#[test]
+fn without_noise_a_constant_wheel_speed_has_to_contradict_the_turns() {
+    // Wheels that are steered in steps, on the left less often.
+    let steps = |time: f64| {
+        let left = 4.0 + 2.0 * (time / 12.0).floor().rem_euclid(2.0);
+        [left, left + (0.6 * time).sin()]
+    };
+    let rows = driven("sandy_loam", &robot(), 0.0, steps);
+    assert!(frozen_kinds(&rows).is_empty(), "{:#?}", frozen_kinds(&rows));
+    let rows = drive("sandy_loam", &robot(), 0.0);
+    assert!(frozen_kinds(&rows).is_empty());
+    // Encoders that are read every tenth of a second.
+    let mut slow = rows.clone();
+    for k in 0..slow.len() {
+        (slow[k][1], slow[k][2]) = (rows[k / 2 * 2][1], rows[k / 2 * 2][2]);
+    }
+    assert!(frozen_kinds(&slow).is_empty());
+    for rows in [rows, slow] {
+        let held = rows[400][2];
+        let frozen = with(&rows, |row| {
+            if (20.0..=32.0).contains(&row[0]) {
+                row[2] = held;
+            }
+        });
+        let found = frozen_kinds(&frozen);
+        assert_eq!(found.len(), 1, "{found:#?}");
+        assert_eq!(found[0].channels, [Channel::OmegaRight]);
+    }
+}
+
+#[test]
+fn sensors_that_stand_still_in_several_runs_are_one_doubt() {
+    let rows = with(&drive("dry_clay", &robot(), 1.0), |row| row[6] = 0.0);
+    let mut given = recording(&rows, &CHANNELS, &robot());
+    given.runs.push(given.runs[0].clone());
+    let found = doubts(&given, None);
+    let of_gyro: Vec<&Doubt> = found
+        .iter()
+        .filter(|doubt| doubt.channels == [Channel::YawRate])
+        .collect();
+    assert_eq!(of_gyro.len(), 1, "{found:#?}");
+    assert!(of_gyro[0].evidence.ends_with("; and so in 1 more run"));
 }
 
 fn frozen_kinds(rows: &Rows) -> Vec<Doubt> {

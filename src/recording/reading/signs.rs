@@ -3,6 +3,7 @@
 use super::agreement::{
     Agreement, compare, cumulated, gyro, heading, wheel_difference, wheel_mean,
 };
+use crate::recording::by_sides::{BySides, SideMotion};
 use crate::recording::channel::Channel;
 use crate::recording::csv::{RawRun, RawSamples};
 use crate::recording::cumulated::{Cumulated, TimeGrid};
@@ -26,10 +27,6 @@ pub const CLEAR: f64 = 0.9;
 const UNCLEAR: f64 = 0.5;
 /// Largest angle between the measured and the expected relation \[rad\].
 pub const NEAR: f64 = 0.3;
-
-/// Minimum correlation of a crossed relation, and maximum of the usual one, for a side that counts backwards.
-const CROSSED: f64 = 0.9;
-const UNRELATED: f64 = 0.5;
 
 /// The result of comparing two signals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,40 +124,35 @@ pub fn settle(samples: &mut RawSamples) {
     }
 }
 
-/// Inverts the side that counts backwards. Then the vehicle turns with the mean of the wheel speeds and moves ahead with
-/// their difference; both witnesses must show it.
+/// Inverts the side that counts backwards: both sides turn the vehicle the same way then, and move it in opposite
+/// directions. Distance and turns must show the same side.
 fn correct_side(samples: &mut RawSamples) {
-    let correlation = |found: Option<Agreement>| found.map(|found| found.strongest().0);
-    let crossed = |by_one: Option<f64>, by_other: Option<f64>| {
-        Some(by_one?.abs() >= CROSSED && by_other?.abs() <= UNRELATED)
+    let by_sides = |motion: fn(&RawRun) -> Option<Cumulated>| {
+        let sides = [Channel::OmegaLeft, Channel::OmegaRight];
+        let runs = samples.runs.iter().filter_map(|run| {
+            let [left, right] = sides.map(|side| cumulated(run, side));
+            Some([motion(run)?, left?, right?])
+        });
+        BySides::of(&runs.collect::<Vec<SideMotion>>())
     };
-    let mut turns = None;
-    for turn in [heading, gyro] {
-        let by_mean = correlation(compare(samples, STEP, turn, wheel_mean));
-        let by_difference = correlation(compare(samples, STEP, turn, wheel_difference));
-        match crossed(by_mean, by_difference) {
-            Some(false) => return,
-            Some(true) => turns = by_mean.zip(by_difference),
-            None => {}
-        }
-    }
-    let by_difference = correlation(compare(samples, STEP, travel, wheel_difference));
-    let by_mean = correlation(compare(samples, STEP, travel, wheel_mean));
-    let (Some((turn, usual)), Some(true)) = (turns, crossed(by_difference, by_mean)) else {
+    let Some(ahead) = by_sides(travel) else {
         return;
     };
-    // With the right side inverted the mean is half the difference, with its sign changed.
-    let side = if turn < 0.0 {
-        Channel::OmegaRight
-    } else {
-        Channel::OmegaLeft
+    let turns = [heading, gyro].into_iter().filter_map(by_sides);
+    let turns: Vec<BySides> = turns.filter(BySides::is_clear).collect();
+    let side = ahead.inverted_by_distance();
+    let all_agree = turns.iter().all(|turn| turn.inverted_by_turn() == side);
+    let (Some(side), Some(turn), true) = (side, turns.first(), all_agree) else {
+        return;
     };
+    let other = 1 - side;
     let text = format!(
-        "its sign turned round: this side counted backwards. The vehicle turns with the mean of the wheel speeds \
-         (correlation {turn:.2}) and not with their difference ({usual:.2}), and moves ahead with their difference ({:.2})",
-        by_difference.unwrap_or(0.0)
+        "its sign turned round: this side counted backwards. For each radian of it the vehicle moves by {:.3} m and turns \
+         by {:.3} rad; for each of the other side by {:.3} m and {:.3} rad",
+        ahead.by[side], turn.by[side], ahead.by[other], turn.by[other]
     );
-    invert(samples, side, 0.0, text);
+    let channel = [Channel::OmegaLeft, Channel::OmegaRight][side];
+    invert(samples, channel, 0.0, text);
 }
 
 /// Converts a heading that counts clockwise from this direction, as wheels and course over ground show, and inverts the

@@ -1,13 +1,12 @@
-//! Sides that count backwards, and magnitudes in place of velocities.
+//! Magnitudes in place of velocities.
 
 use super::doubt::{Doubt, DoubtKind, standing};
 use super::pairs::Pairs;
 use crate::inspection::signals::MotionSignal;
 use crate::recording::{Channel, Recording};
 
-/// Minimum correlation of the relation that a mirrored side explains, and the maximum of the usual one.
+/// Minimum correlation of the magnitudes.
 const STRONG: f64 = 0.9;
-const WEAK: f64 = 0.5;
 /// Slower wheels stand \[rad/s\], and slower vehicles \[m/s\].
 const STANDING: f64 = 0.2;
 /// Minimum share of windows in reverse for a conclusion, and of those with the wrong sign.
@@ -16,58 +15,8 @@ const MOST: f64 = 0.9;
 /// Probability of a relation that has no other explanation.
 const CLEAR: f64 = 0.95;
 
-/// Doubts about signs.
-pub fn doubts(recording: &Recording) -> Vec<Doubt> {
-    let found = [mirrored(recording), unsigned(recording)];
-    found.into_iter().flatten().collect()
-}
-
-/// A side that counts backwards turns the mean of the wheel speeds into their difference.
-fn mirrored(recording: &Recording) -> Option<Doubt> {
-    let runs = &recording.runs;
-    let correlation = |a, b| Some(Pairs::of(runs, a, b)?.ratio()?.correlation);
-    let strongest = |signals: [MotionSignal; 2], wheels| {
-        let found = signals.into_iter().filter_map(|a| correlation(a, wheels));
-        found.max_by(|a, b| a.abs().total_cmp(&b.abs()))
-    };
-    let turn = [MotionSignal::YawRate, MotionSignal::Heading];
-    let ahead = [MotionSignal::Distance, MotionSignal::Velocity];
-    let (mean, difference) = (MotionSignal::WheelMean, MotionSignal::WheelDifference);
-    let (turn_by_mean, turn_by_difference) = (strongest(turn, mean)?, strongest(turn, difference)?);
-    let ahead_by_difference = strongest(ahead, difference);
-    let ahead_by_mean = strongest(ahead, mean);
-    let crossed = turn_by_mean.abs() >= STRONG && turn_by_difference.abs() <= WEAK;
-    let crossed_ahead = match (ahead_by_difference, ahead_by_mean) {
-        (Some(by_difference), Some(by_mean)) => {
-            by_difference.abs() >= STRONG && by_mean.abs() <= WEAK
-        }
-        _ => true,
-    };
-    if !(crossed && crossed_ahead) {
-        return None;
-    }
-    // With the right side inverted the sum of both is the difference, with its sign changed.
-    let (side, channel) = if turn_by_mean < 0.0 {
-        ("right", Channel::OmegaRight)
-    } else {
-        ("left", Channel::OmegaLeft)
-    };
-    Some(Doubt {
-        kind: DoubtKind::MirroredSide,
-        channels: vec![channel],
-        span: None,
-        probability: CLEAR,
-        left_out: Vec::new(),
-        evidence: format!(
-            "the {side} side counts backwards: the vehicle turns with the mean of the wheel speeds (correlation \
-             {turn_by_mean:.2}) and not with their difference ({turn_by_difference:.2})"
-        ),
-        remedy: format!("Turn the sign of {channel} round"),
-    })
-}
-
 /// A velocity, or wheel speeds, that stay positive while the vehicle goes back.
-fn unsigned(recording: &Recording) -> Option<Doubt> {
+pub fn doubt(recording: &Recording) -> Option<Doubt> {
     let runs = &recording.runs;
     let still = standing(runs, STANDING);
     let never_negative = |channel, still: f64| {
