@@ -148,9 +148,9 @@ pub fn gain_at(problem: &Problem, on: &[usize], at: &Solution, noise: &NoiseMode
     shapes.gain(&system, &further)
 }
 
-/// What the formula of an effect may depend on, besides its parameters. Wheels' formulas may depend on anything that the
-/// contact knows: declared one by one (the catalogue's own arguments), a wrong name patched a right one's other formula in
-/// nine of sixteen drives; with all of them, five of those were gone or no longer sure.
+/// What the formula of an effect may depend on, besides its parameters. That of wheels may depend on anything that the
+/// contact knows: with the arguments of the catalogue's formulas alone, six wrong names patched right ones with 0.9 or more on
+/// four drives by other formulas; with all arguments none had 0.7.
 #[must_use]
 pub fn arguments(effect: usize) -> &'static [Argument] {
     match &CATALOGUE[effect] {

@@ -33,7 +33,10 @@ const FEW_VALUES: usize = 40;
 struct Held {
     run: usize,
     value: f64,
+    /// First and last time \[s\].
     span: [f64; 2],
+    /// Samples that repeat the one before. The first may be a measurement; the last is followed by another value.
+    repeats: usize,
 }
 
 /// Stretches in which a channel repeats one value exactly while the vehicle moves and the channel changes elsewhere.
@@ -44,33 +47,38 @@ pub fn frozen(recording: &Recording) -> Vec<Doubt> {
         .collect()
 }
 
+/// The stretches of a channel.
+///
+/// # Algorithm
+/// 1. Long stretches of one value, and the share of repeats elsewhere. Exact zeros are no evidence: a locked wheel reads
+///    nothing, and so does a vehicle at rest.
+/// 2. A channel with noise is alive if it hardly repeats a value elsewhere. Its stretches must be longer than chance makes them.
+/// 3. Other channels must show that the vehicle moves.
+/// 4. A constant wheel speed may be one: the turns must contradict what both sides add to them elsewhere. Where that is not
+///    clear, channels that are alive keep their stretches.
 fn held(recording: &Recording, channel: Channel) -> Vec<Held> {
-    let (mut long, mut inside, mut repeats, mut count) = (Vec::new(), 0, 0, 0);
-    for (index, run) in recording.runs.iter().enumerate() {
-        let Some(series) = run.series(channel) else {
+    // 1.
+    let (mut long, mut inside, mut short, mut count) = (Vec::new(), 0, 0, 0);
+    for (run, one) in recording.runs.iter().enumerate() {
+        let Some(series) = one.series(channel) else {
             continue;
         };
         count += series.len() - 1;
         for [from, to] in stretches(series) {
-            let span = [series.time[from], series.time[to]];
-            let value = series.value[from];
-            // The first sample may be a measurement; the last one is followed by another value.
-            let length = to - from;
-            if value == 0.0 {
-                // A locked wheel reads exactly nothing, and so does a vehicle at rest.
-                inside += length;
-            } else if length >= MANY && span[1] - span[0] >= LONG {
-                inside += length;
-                long.push((
-                    length,
-                    Held {
-                        run: index,
-                        value,
-                        span,
-                    },
-                ));
+            let held = Held {
+                run,
+                value: series.value[from],
+                span: [from, to].map(|k| series.time[k]),
+                repeats: to - from,
+            };
+            let lasts = held.repeats >= MANY && held.span[1] - held.span[0] >= LONG;
+            if held.value == 0.0 || lasts {
+                inside += held.repeats;
             } else {
-                repeats += length;
+                short += held.repeats;
+            }
+            if held.value != 0.0 && lasts {
+                long.push(held);
             }
         }
     }
@@ -78,30 +86,30 @@ fn held(recording: &Recording, channel: Channel) -> Vec<Held> {
     if long.is_empty() || elsewhere < ALIVE_SAMPLES {
         return Vec::new();
     }
-    let repeats = repeats as f64 / elsewhere as f64;
+    // 2.
+    let share = short as f64 / elsewhere as f64;
     let runs = recording.runs.iter();
     let is_alive =
-        repeats <= ALIVE && noise_share(runs.filter_map(|run| run.series(channel))) >= NOISY;
-    let by_chance =
-        |length: usize| elsewhere as f64 * repeats.max(1.0 / elsewhere as f64).powi(length as i32);
-    long.retain(|(length, held)| {
-        (!is_alive || by_chance(*length) < CHANCE)
+        share <= ALIVE && noise_share(runs.filter_map(|run| run.series(channel))) >= NOISY;
+    let by_chance = |held: &Held| {
+        elsewhere as f64 * share.max(1.0 / elsewhere as f64).powi(held.repeats as i32)
+    };
+    // 3.
+    long.retain(|held| {
+        (!is_alive || by_chance(held) < CHANCE)
             && moves(&recording.runs[held.run], channel, held.span)
     });
-    let mut held: Vec<Held> = long.into_iter().map(|(_, held)| held).collect();
-    let wheels = channel.is_required() && !held.is_empty();
-    match wheels
-        .then(|| Elsewhere::of(recording, channel, &held))
-        .flatten()
-    {
-        // A constant speed may be one.
+    // 4.
+    let is_wheel = channel.is_required() && !long.is_empty();
+    let elsewhere = is_wheel.then(|| Elsewhere::of(recording, channel, &long));
+    match elsewhere.flatten() {
         Some(elsewhere) => {
-            held.retain(|held| elsewhere.is_contradicted(&recording.runs[held.run], held.span))
+            long.retain(|held| elsewhere.is_contradicted(&recording.runs[held.run], held.span));
         }
         None if is_alive => {}
-        None => held.clear(),
+        None => long.clear(),
     }
-    held
+    long
 }
 
 /// How the vehicle turns by its sides outside of stretches.
@@ -112,25 +120,19 @@ struct Elsewhere {
 
 impl Elsewhere {
     fn of(recording: &Recording, channel: Channel, held: &[Held]) -> Option<Self> {
-        let rest = recording
-            .runs
-            .iter()
-            .enumerate()
-            .filter_map(|(index, run)| {
-                let samples = run.series(channel)?.samples();
-                let is_outside = |(time, _): &(f64, f64)| {
-                    let mut spans = held
-                        .iter()
-                        .filter(|held| held.run == index)
-                        .map(|held| held.span);
-                    spans.all(|[from, to]| *time < from || *time > to)
-                };
-                Some(
-                    run.clone()
-                        .with(channel, samples.filter(is_outside).collect()),
+        let rest = |(index, run): (usize, &Run)| {
+            let spans = || held.iter().filter(|held| held.run == index);
+            let is_outside = |(time, _): &(f64, f64)| {
+                spans().all(
+                    |Held {
+                         span: [from, to], ..
+                     }| time < from || time > to,
                 )
-            });
-        let rest: Vec<Run> = rest.collect();
+            };
+            let samples = run.series(channel)?.samples().filter(is_outside);
+            Some(run.clone().with(channel, samples.collect()))
+        };
+        let rest: Vec<Run> = recording.runs.iter().enumerate().filter_map(rest).collect();
         let turns = [MotionSignal::Heading, MotionSignal::YawRate];
         turns.into_iter().find_map(|turn| {
             let by_sides = by_sides(&rest, turn)?;

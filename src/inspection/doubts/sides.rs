@@ -7,9 +7,9 @@ use crate::recording::{BySides, Channel, Recording, Run, SideMotion};
 /// Sides roll alike within this factor: a strength of the soil that differs between them by 2.2, two standard deviations of
 /// its prior, makes 1.6 of it on sandy loam.
 const ALIKE: f64 = 1.7;
-/// Share of the motion that another factor leaves unexplained at most. Soil that differs between the sides gives sides that differ by up to
-/// 2.8 as well, but not steadily: 0.33 and 0.41 on two simulated drives, for 0.15 to 0.25 of real drives with one side's
-/// speeds doubled.
+/// Share of the motion that another factor leaves unexplained at most. Soil that differs between the sides makes up to 2.8 of
+/// it as well, but not steadily: 0.33 and 0.41 on two simulated drives. Real drives with one side's speeds doubled have 0.15
+/// to 0.25.
 const UNSTEADY: f64 = 0.3;
 /// Turning and distance have to find the same factor, within this one.
 const SAME: f64 = 1.2;
