@@ -15,7 +15,7 @@ pub use noise::Noise;
 pub use signals::{MotionSignal, heading_rate, wheel_mean};
 pub use timing::Timing;
 
-use crate::recording::{Channel, Recording, Run};
+use crate::recording::{Channel, Recording};
 use crate::vehicle::Vehicle;
 
 /// One channel over all runs.
@@ -34,7 +34,7 @@ pub struct ChannelReport {
 /// One run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunReport {
-    /// The run's label.
+    /// The run's label, or its number from 1 where several have that label.
     pub label: String,
     /// Time of its first sample \[s\].
     pub start: f64,
@@ -65,7 +65,8 @@ pub struct Inspection {
 #[must_use]
 pub fn inspect(recording: &Recording, vehicle: Option<&Vehicle>) -> Inspection {
     let doubts = doubts::doubts(recording, vehicle);
-    let runs: Vec<RunReport> = recording.runs.iter().map(inspect_run).collect();
+    let runs = (0..recording.runs.len()).map(|run| inspect_run(recording, run));
+    let runs: Vec<RunReport> = runs.collect();
     let motion = runs
         .iter()
         .map(|run| run.motion)
@@ -86,10 +87,14 @@ pub fn inspect(recording: &Recording, vehicle: Option<&Vehicle>) -> Inspection {
     }
 }
 
-fn inspect_run(run: &Run) -> RunReport {
+fn inspect_run(recording: &Recording, index: usize) -> RunReport {
+    let run = &recording.runs[index];
     let timing = |(channel, series)| Some((channel, Timing::of([series])?));
     RunReport {
-        label: run.label.clone(),
+        label: match recording.runs.len() {
+            1 => run.label.clone(),
+            _ => recording.label_of(index),
+        },
         start: run.start(),
         motion: MotionSummary::of(run),
         timing: run.channels().filter_map(timing).collect(),

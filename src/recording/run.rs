@@ -129,6 +129,17 @@ impl Recording {
         self.runs.iter().any(|run| run.series(channel).is_some())
     }
 
+    /// The label of a run where it is the only one of that label, else its number from 1.
+    #[must_use]
+    pub fn label_of(&self, run: usize) -> String {
+        let label = &self.runs[run].label;
+        let alike = self.runs.iter().filter(|other| other.label == *label);
+        match alike.count() {
+            1 if !label.is_empty() => label.clone(),
+            _ => (run + 1).to_string(),
+        }
+    }
+
     /// The notes that need a check by the user, each with the recording's name.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         let warnings = self.notes.iter().filter(|note| note.kind.is_warning());
@@ -142,6 +153,16 @@ mod tests {
 
     fn series(samples: &[(f64, f64)]) -> Series {
         samples.iter().copied().collect()
+    }
+
+    #[test]
+    fn runs_of_one_label_have_numbers() {
+        let recording = Recording {
+            runs: ["a", "b", "a", ""].map(Run::new).into(),
+            ..Recording::default()
+        };
+        let labels: Vec<String> = (0..4).map(|run| recording.label_of(run)).collect();
+        assert_eq!(labels, ["1", "b", "3", "4"]);
     }
 
     #[test]

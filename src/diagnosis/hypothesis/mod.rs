@@ -184,16 +184,13 @@ impl<'a> Problem<'a> {
         runs
     }
 
-    /// Label of a run in a recording of several: unique labels as they are, else the number from 1.
+    /// Label of a run in a recording of several.
     #[must_use]
     pub fn label_of(&self, recording: usize, run: usize) -> String {
-        let runs = &self.recordings[recording].runs;
-        let label = &runs[run].label;
-        let alike = runs.iter().filter(|other| other.label == *label).count();
-        match runs.len() {
+        let recording = &self.recordings[recording];
+        match recording.runs.len() {
             1 => String::new(),
-            _ if alike == 1 && !label.is_empty() => label.clone(),
-            _ => (run + 1).to_string(),
+            _ => recording.label_of(run),
         }
     }
 

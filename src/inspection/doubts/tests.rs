@@ -1,7 +1,6 @@
 //! Drives by the project's own model, spoiled in one way each.
 
 use super::*;
-use crate::effects::Effects;
 use crate::recording::{About, Note, NoteKind, Run};
 use crate::simulation::{Simulation, WheelSpeeds};
 use crate::terrain::Terrain;
@@ -360,9 +359,9 @@ fn soil_that_differs_between_the_sides_is_no_other_gear() {
     let robot = robot();
     for soil in Terrain::PRESETS {
         for ratio in [0.45, 0.7, 1.7, 2.2] {
-            let effects = Effects::NONE.with("left_right_soil.ratio", ratio).unwrap();
-            let plain = Specification::plain(robot.clone(), Terrain::preset(soil).unwrap());
-            let model = VehicleModel::from_specification(&plain.with_effects(effects)).unwrap();
+            let mut given = Specification::plain(robot.clone(), Terrain::preset(soil).unwrap());
+            given.effects = given.effects.with("left_right_soil.ratio", ratio).unwrap();
+            let model = VehicleModel::from_specification(&given).unwrap();
             let found = of(&driven_by(model, 1.0, wheels(robot.wheel_radius)));
             let of_sides = found
                 .iter()

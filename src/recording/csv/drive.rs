@@ -296,6 +296,10 @@ mod tests {
                 "drive.csv: line 3, column 2 (omega_left): found `abc`, expected a number [rad/s], or an empty cell where nothing was measured",
             ),
             (
+                of("\"1,000.5\",1,2\n"),
+                "drive.csv: line 2, column 1 (time): found `1,000.5`, expected a number [s] without separators of thousands",
+            ),
+            (
                 of("0,1,NaN\n"),
                 "drive.csv: line 2, column 3 (omega_right): found `NaN`, expected a finite number [rad/s], or an empty cell where nothing was measured",
             ),

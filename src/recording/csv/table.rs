@@ -794,6 +794,7 @@ impl TableRow<'_> {
                     "a number"
                 };
                 let date = match self.header.columns[index].quantity {
+                    _ if text.is_some_and(groups_thousands) => " without separators of thousands",
                     Quantity::Time if other.is_none() => " or an ISO 8601 date and time",
                     Quantity::Time => "",
                     _ => ", or an empty cell where nothing was measured",
@@ -833,4 +834,15 @@ impl TableRow<'_> {
             malformed(self.cell(index), "an empty cell", expected)
         })
     }
+}
+
+/// Whether a number's digits stand in groups, as in `1,234,567.8` or `1'234`.
+fn groups_thousands(text: &str) -> bool {
+    let whole = text.trim_start_matches(['-', '+']).split('.').next();
+    let groups: Vec<&str> = whole.unwrap_or_default().split([',', '\'', ' ']).collect();
+    let is_whole = |group: &str| group.bytes().all(|byte| byte.is_ascii_digit());
+    groups.len() > 1
+        && groups.iter().all(|group| is_whole(group))
+        && (1..=3).contains(&groups[0].len())
+        && groups[1..].iter().all(|group| group.len() == 3)
 }
