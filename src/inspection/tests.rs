@@ -1,5 +1,5 @@
 use super::*;
-use crate::recording::Series;
+use crate::recording::{Run, Series};
 
 /// Noise of a given standard deviation: a sum of twelve uniform numbers.
 fn normal(random: &mut fastrand::Rng, deviation: f64) -> f64 {
