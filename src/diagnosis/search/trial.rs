@@ -108,7 +108,7 @@ pub fn try_all<'a>(
 }
 
 /// First steps of all proposals: those that act throughout, then the local ones that may come close, and hidden ones
-/// unless a name that acts throughout explains much. If one does, its fit has nearly the right motion, and there other
+/// unless one that acts throughout explains much. If one does, its fit has nearly the right motion, and there other
 /// mechanisms take its place, hidden ones too (see [`replaced`]).
 fn all_partially_fitted<'a>(
     problem: &Problem<'a>,
@@ -127,13 +127,9 @@ fn all_partially_fitted<'a>(
     let bar = OddsThreshold::of(&started);
     let local = local.into_iter().filter(|p| bar.may_be_near(p, NEAR));
     started = partially_fitted(started, local.take_while(in_time), NEAR, fit);
-    let of_names = started
-        .iter()
-        .filter(|one| one.proposal.kind() == ProposalKind::Throughout);
-    let name = of_names.map(PartialFit::odds).fold(0.0, f64::max);
-    // A residual model explains any force, and is no reason not to ask whose it is.
-    let residual_model = OddsThreshold::of(&started).residual_model;
-    if name > AT_STAKE.max(NEAR * residual_model) {
+    let explains_much =
+        |one: &PartialFit| one.proposal.kind() != ProposalKind::Local && one.odds() > AT_STAKE;
+    if started.iter().any(explains_much) {
         return started;
     }
     partially_fitted(started, hidden.into_iter().take_while(in_time), NEAR, fit)
