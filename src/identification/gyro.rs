@@ -1,16 +1,13 @@
 //! The scale of a gyro, by the heading that was recorded beside it.
 
 use crate::recording::{
-    Channel, Cumulated, Moments, Note, NoteKind, Recording, Run, Series, TimeGrid,
+    Channel, Cumulated, DELAY_STEP, Moments, Note, NoteKind, Recording, Run, SENSOR_DELAYS, Series,
+    TimeGrid,
 };
-use std::ops::RangeInclusive;
 
-/// Window of the mean rates, and step between windows \[s\]. Of windows of 1, 3, 6 and 12 s on ten simulated drives with known
-/// scales, these came nearest: 0.1 to 0.4 % off.
+/// Window of the mean rates \[s\]. Of windows of 1, 3, 6 and 12 s on ten simulated drives with known scales, these came
+/// nearest: 0.1 to 0.4 % off.
 const WINDOW: f64 = 3.0;
-const STEP: f64 = 0.05;
-/// Delays of the heading behind the gyro, in steps.
-const DELAYS: RangeInclusive<isize> = -12..=20;
 /// Standard deviation of gyros' scales before anything is known: data sheets of micromechanical gyros name 1 to 3 %.
 const USUAL: f64 = 0.01;
 /// A larger factor is no scale of a gyro, but a doubt about the data.
@@ -43,7 +40,7 @@ impl GyroScale {
         let rates = |run: &Run| {
             let heading = Cumulated::of_position(run.series(Channel::Heading)?);
             let gyro = Cumulated::of_rate(run.series(Channel::YawRate)?);
-            let grid = TimeGrid::over(&heading, &gyro, STEP)?;
+            let grid = TimeGrid::over(&heading, &gyro, DELAY_STEP)?;
             Some([heading, gyro].map(|sum| sum.mean_rates(&grid, WINDOW)))
         };
         let rates: Vec<_> = recording.runs.iter().filter_map(rates).collect();
@@ -54,11 +51,11 @@ impl GyroScale {
             });
             runs.fold(Moments::default(), Moments::and)
         };
-        let best = DELAYS.map(at);
+        let best = SENSOR_DELAYS.map(at);
         let best = best.max_by(|a, b| a.correlation().total_cmp(&b.correlation()))?;
         let correlation = best.correlation();
         let unexplained = (1.0 - correlation * correlation).max(0.0).sqrt();
-        let windows = best.count * STEP / WINDOW;
+        let windows = best.count * DELAY_STEP / WINDOW;
         let ratio = best.slope();
         let error = ratio * unexplained / correlation / windows.sqrt();
         (correlation > 0.0 && unexplained < UNEXPLAINED && error > 0.0)

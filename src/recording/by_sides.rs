@@ -1,17 +1,13 @@
 //! What the wheels of each side add to a motion.
 
-use super::cumulated::{Cumulated, TimeGrid};
+use super::cumulated::{Cumulated, DELAY_STEP, SENSOR_DELAYS, TimeGrid};
 use nalgebra::{Matrix2, Vector2};
-use std::ops::RangeInclusive;
 
-/// Window of the mean rates, and step between windows \[s\].
+/// Window of the mean rates \[s\].
 const WINDOW: f64 = 1.0;
-const STEP: f64 = 0.05;
-/// Delays of the motion behind the wheels, in steps.
-const DELAYS: RangeInclusive<isize> = -12..=20;
 /// Fewer windows, which overlap, prove nothing.
 const MIN_WINDOWS: usize = 160;
-/// Maximum share of the motion that the wheels leave unexplained. Eight real recordings have 0.05 to 0.30; with one side's
+/// Maximum share of the motion that the wheels leave unexplained. Seven real recordings have 0.05 to 0.30; with one side's
 /// wheel speeds frozen for most of the time, 0.4 to 0.9.
 const UNEXPLAINED: f64 = 0.4;
 /// Minimum of a ratio over its standard error. Straight driving alone does not separate the sides.
@@ -27,8 +23,9 @@ pub struct BySides {
     pub by: [f64; 2],
     /// Their standard errors.
     pub errors: [f64; 2],
-    /// Root mean square of the motion that is left over \[1/s\], and as a share of its own.
-    pub left_over: f64,
+    /// Root mean square of the residual: of the motion's rate less what both sides add to it.
+    pub residual: f64,
+    /// The same as a share of that of the rate.
     pub unexplained: f64,
     /// Delay of the motion behind the wheels \[s\].
     pub delay: f64,
@@ -43,11 +40,11 @@ impl BySides {
     /// 3. The delay that leaves least unexplained. The standard errors count only windows that do not overlap.
     pub fn of(runs: &[SideMotion]) -> Option<Self> {
         let rates = |[motion, left, right]: &SideMotion| {
-            let grid = TimeGrid::over(motion, left, STEP)?;
+            let grid = TimeGrid::over(motion, left, DELAY_STEP)?;
             Some([motion, left, right].map(|sum| sum.mean_rates(&grid, WINDOW)))
         };
         let rates: Vec<_> = runs.iter().filter_map(rates).collect();
-        let found = DELAYS.filter_map(|delay| Self::at(&rates, delay));
+        let found = SENSOR_DELAYS.filter_map(|delay| Self::at(&rates, delay));
         found.min_by(|a, b| a.unexplained.total_cmp(&b.unexplained))
     }
 
@@ -70,27 +67,27 @@ impl BySides {
         }
         let factor = normal.cholesky()?;
         let by = factor.solve(&product);
-        let left_over = (square - by.dot(&product)).max(0.0);
-        let overlap = WINDOW / STEP;
-        let variance = left_over / (count as f64 - 2.0 * overlap);
+        let squares = (square - by.dot(&product)).max(0.0);
+        let overlap = WINDOW / DELAY_STEP;
+        let variance = squares / (count as f64 - 2.0 * overlap);
         let inverse = factor.inverse();
         let error = |k: usize| (variance * inverse[(k, k)] * overlap).sqrt();
         (count >= MIN_WINDOWS && square > 0.0).then(|| Self {
             by: by.into(),
             errors: [error(0), error(1)],
-            left_over: (left_over / count as f64).sqrt(),
-            unexplained: (left_over / square).sqrt(),
-            delay: delay as f64 * STEP,
+            residual: (squares / count as f64).sqrt(),
+            unexplained: (squares / square).sqrt(),
+            delay: delay as f64 * DELAY_STEP,
         })
     }
 
-    /// Root mean square of a run's motion that is left over within a time \[1/s\], in windows of a second.
-    pub fn left_over_within(
+    /// Root mean square of the residual of a run within a time, in windows of a second.
+    pub fn residual_within(
         &self,
         [motion, left, right]: &SideMotion,
         [start, end]: [f64; 2],
     ) -> Option<f64> {
-        let grid = TimeGrid::over(motion, left, STEP)?;
+        let grid = TimeGrid::over(motion, left, DELAY_STEP)?;
         let half = 0.5 * WINDOW;
         let times = (0..grid.count).map(|index| grid.time(index));
         let inside = times.filter(|time| (start + half..=end - half).contains(time));

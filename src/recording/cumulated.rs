@@ -113,6 +113,10 @@ impl Cumulated {
     }
 }
 
+/// Step in which delays between sensors are compared \[s\], and the delays that sensors have, in such steps.
+pub(crate) const DELAY_STEP: f64 = 0.05;
+pub(crate) const SENSOR_DELAYS: std::ops::RangeInclusive<isize> = -12..=20;
+
 /// Equidistant times that skip long holes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeGrid {

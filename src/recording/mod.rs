@@ -29,6 +29,7 @@ pub use csv::{
     read_drive_of, read_poses,
 };
 pub use cumulated::{Cumulated, TimeGrid, longest_interval, stretches};
+pub(crate) use cumulated::{DELAY_STEP, SENSOR_DELAYS};
 pub use drive::Drive;
 pub use fault::{RecordingFault, SameName, SeriesFault, different_names};
 pub use note::{Note, NoteKind};

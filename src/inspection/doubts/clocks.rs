@@ -1,9 +1,9 @@
 //! Sensors of one motion whose clocks differ by seconds.
 
 use super::doubt::{Doubt, DoubtKind, logistic};
-use super::pairs::{LATE, Pairs};
+use super::pairs::Pairs;
 use crate::inspection::signals::MotionSignal;
-use crate::recording::{Channel, Recording};
+use crate::recording::{Channel, Recording, SENSOR_DELAYS};
 
 /// Delays that are looked at, in steps of [`Pairs`]: 10 s either way.
 const FAR: std::ops::RangeInclusive<isize> = -200..=200;
@@ -45,10 +45,10 @@ fn doubt(
             let pairs = Pairs::within(&recording.runs, *signal, *wheels, delays)?;
             Some((pairs.ratio()?.correlation.abs(), pairs.delay))
         };
-        Some((delays(LATE)?.0, delays(FAR)?))
+        Some((delays(SENSOR_DELAYS)?.0, delays(FAR)?))
     });
     let (near, (far, delay)) = found.max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
-    if far < STRONG || LATE.contains(&Pairs::steps(delay)) {
+    if far < STRONG || SENSOR_DELAYS.contains(&Pairs::steps(delay)) {
         return None;
     }
     let (late, side) = if delay > 0.0 {

@@ -14,7 +14,7 @@ const ALIVE: f64 = 0.15;
 /// Minimum share of changes back and forth of a channel with noise.
 const NOISY: f64 = 0.1;
 /// Turns that the wheels leave unexplained in a stretch, as a multiple of those elsewhere, for a speed that is not true. With
-/// a side frozen in six real drives most stretches have 13 to 60, on the poorest pose 3 to 8; constant speeds of simulated
+/// a side frozen in five real drives most stretches have 13 to 60, on the poorest pose 3 to 8; constant speeds of simulated
 /// drives without noise have 1.3 at most.
 const CONTRADICTED: f64 = 5.0;
 /// Probability by chance of as many repeats below which the stretch of a channel with noise is no coincidence.
@@ -150,8 +150,8 @@ impl Elsewhere {
         let [Some(turn), Some(left), Some(right)] = signals.map(|signal| signal.of(run)) else {
             return false;
         };
-        let left_over = self.by_sides.left_over_within(&[turn, left, right], span);
-        left_over.is_some_and(|inside| inside > CONTRADICTED * self.by_sides.left_over)
+        let residual = self.by_sides.residual_within(&[turn, left, right], span);
+        residual.is_some_and(|inside| inside > CONTRADICTED * self.by_sides.residual)
     }
 }
 

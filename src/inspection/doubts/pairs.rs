@@ -1,14 +1,11 @@
 //! Two signals of one motion, over the same windows.
 
 use crate::inspection::signals::MotionSignal;
-use crate::recording::{Cumulated, Moments, Run, TimeGrid};
+use crate::recording::{Cumulated, DELAY_STEP, Moments, Run, SENSOR_DELAYS, TimeGrid};
 use std::ops::RangeInclusive;
 
-/// Window of the mean rates and step of the delays \[s\].
+/// Window of the mean rates \[s\].
 const WINDOW: f64 = 1.0;
-const STEP: f64 = 0.05;
-/// Delays of sensors, in steps.
-pub const LATE: RangeInclusive<isize> = -12..=20;
 /// Parts of a step in which the best delay is refined.
 const FINE: isize = 5;
 /// Fewer windows, which overlap, prove nothing.
@@ -41,7 +38,7 @@ pub struct Ratio {
 impl Pairs {
     /// Of all runs; `None` if a signal is missing or too short.
     pub fn of(runs: &[Run], a: MotionSignal, b: MotionSignal) -> Option<Self> {
-        Self::within(runs, a, b, LATE)
+        Self::within(runs, a, b, SENSOR_DELAYS)
     }
 
     /// As [`Pairs::of`] with a delay within this range, in steps.
@@ -57,7 +54,7 @@ impl Pairs {
 
     /// The step of a delay \[s\].
     pub fn steps(delay: f64) -> isize {
-        (delay / STEP).round() as isize
+        (delay / DELAY_STEP).round() as isize
     }
 
     fn between(
@@ -65,7 +62,7 @@ impl Pairs {
         delays: RangeInclusive<isize>,
     ) -> Option<Self> {
         let rates = |(a, b): &(Cumulated, Cumulated)| {
-            let grid = TimeGrid::over(a, b, STEP)?;
+            let grid = TimeGrid::over(a, b, DELAY_STEP)?;
             Some((a.mean_rates(&grid, WINDOW), b.mean_rates(&grid, WINDOW)))
         };
         let rates: Vec<_> = integrals.iter().filter_map(rates).collect();
@@ -81,10 +78,10 @@ impl Pairs {
         let best = best.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.abs().cmp(&a.1.abs())))?;
         // A copy is exact at its own delay only, so it is found to a fraction of the step.
         let fine = -FINE..=FINE;
-        let fine = fine.map(|k| (best.1 as f64 + k as f64 / FINE as f64) * STEP);
+        let fine = fine.map(|k| (best.1 as f64 + k as f64 / FINE as f64) * DELAY_STEP);
         let at = |delay: f64| {
             let pairs = integrals.iter().flat_map(|(a, b)| {
-                let grid = TimeGrid::over(a, b, STEP);
+                let grid = TimeGrid::over(a, b, DELAY_STEP);
                 let times = grid
                     .into_iter()
                     .flat_map(|grid| (0..grid.count).map(move |index| grid.time(index)));
