@@ -55,7 +55,8 @@ use crate::vehicle::Specification;
 ///    Forward selection by log B proposes an empirical residual model of up to three terms.
 /// 7. *Evidence.* The best proposals are fitted in full, from several initial guesses. Integrating soil, initial
 ///    states and effects by Laplace's method, -2 ln E = cost + ln det H - ln det P, H = J^T S J + P. Edges of
-///    regions are refined in the full fit. Close candidates are fitted under each other's noise and ranked by the mean.
+///    regions are refined in the full fit. Close candidates are ranked by the restricted likelihood of step 3, each under its
+///    own noise, as is the model without them.
 /// 8. *Held-out score.* Blocks of neighbouring segments are left out; each is scored by its log predictive density under
 ///    the posterior of the others. A candidate that scores worse by more than a standard error is not accepted.
 /// 9. *Selection.* The candidate with the largest log odds is accepted, if these exceed those of "nothing" by a

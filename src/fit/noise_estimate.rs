@@ -13,6 +13,7 @@ use super::linearised::Linearised;
 use super::noise::ChannelNoise;
 use super::normal::{Eliminated, Normal};
 use super::problem::{NoiseModel, Tables};
+use super::robust::penalty;
 use super::signal::NoiseGroup;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -63,6 +64,79 @@ pub fn update(problem: &Linearised, tables: &[Tables], by: &mut NoiseModel) -> f
         others.renew(recording, problem, tables, &plain);
     }
     largest
+}
+
+/// Minus twice the restricted log likelihood with Student's t weights (see [`super::robust`]), but for a constant that
+/// noise and unknowns do not change. Infinite if numbers are not finite.
+#[must_use]
+pub fn restricted(
+    problem: &Linearised,
+    tables: &[Tables],
+    prior_cost: f64,
+    by: &NoiseModel,
+) -> f64 {
+    let mut value = prior_cost - problem.precision.iter().map(|p| p.ln()).sum::<f64>();
+    let mut matrix = DMatrix::from_diagonal(&problem.precision);
+    let mut gradient = problem.pull.clone();
+    for (index, segment) in problem.segments.iter().enumerate() {
+        let normal = problem.normal(index, &tables[index], by);
+        let Some(one) = Eliminated::new(&normal, 0.0) else {
+            return f64::INFINITY;
+        };
+        value += normal.cost - one.start_gain + one.log_determinant();
+        matrix += &one.matrix;
+        gradient += &one.gradient;
+        for (samples, weights) in segment.samples.iter().zip(&by.weights[index]) {
+            let noise = by.noise[segment.recording][samples.signal.group() as usize];
+            // The penalty has the weights' own part of the determinant.
+            value += noise.whiten(&samples.time, &vec![1.0; weights.len()], 0, &mut []);
+            value += weights.iter().map(|weight| penalty(*weight)).sum::<f64>();
+        }
+    }
+    let Some(factor) = matrix.cholesky() else {
+        return f64::INFINITY;
+    };
+    value - gradient.dot(&factor.solve(&gradient))
+        + 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum()
+}
+
+/// Residuals of all segments after the likeliest step of starts and unknowns. `None` if numbers are not finite.
+#[must_use]
+pub fn residuals_after_step(
+    problem: &Linearised,
+    tables: &[Tables],
+    by: &NoiseModel,
+) -> Option<Vec<Tables>> {
+    let mut matrix = DMatrix::from_diagonal(&problem.precision);
+    let mut gradient = problem.pull.clone();
+    let mut each = Vec::new();
+    for (index, table) in tables.iter().enumerate() {
+        let normal = problem.normal(index, table, by);
+        let one = Eliminated::new(&normal, 0.0)?;
+        matrix += &one.matrix;
+        gradient += &one.gradient;
+        each.push((normal, one));
+    }
+    let step = matrix.cholesky()?.solve(&gradient);
+    let after = tables.iter().zip(&each).enumerate();
+    let after = after.map(|(index, (table, (normal, one)))| {
+        let places = &problem.places[problem.segments[index].recording];
+        let own = one.start_step(normal, &step);
+        let steps: Vec<f64> = own
+            .into_iter()
+            .chain(places.iter().map(|k| step[*k]))
+            .collect();
+        let rows = |channel: &Vec<f64>| -> Vec<f64> {
+            let rows = channel.chunks_exact(table.columns);
+            rows.map(|row| row[0] - row[1..].iter().zip(&steps).map(|(d, s)| d * s).sum::<f64>())
+                .collect()
+        };
+        Tables {
+            channels: table.channels.iter().map(rows).collect(),
+            columns: 1,
+        }
+    });
+    Some(after.collect())
 }
 
 /// The segments with their starts eliminated, for the recordings whose noise is not searched just then; none where there

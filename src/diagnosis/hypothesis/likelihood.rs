@@ -221,6 +221,69 @@ pub fn own_noise(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) 
     own
 }
 
+/// Derivatives of all samples by further unknowns, in units of the prior deviations of these.
+#[derive(Debug, Clone)]
+pub struct FurtherColumns {
+    /// Number of unknowns.
+    pub count: usize,
+    /// By segment and channel, row by row; none for a segment that the model cannot follow.
+    pub each: Vec<Option<Vec<Vec<f64>>>>,
+}
+
+/// Negative log evidence of a hypothesis under the noise and weights that are likeliest for it, beginning with these:
+/// the restricted likelihood, in which further unknowns are integrated out as well. Infinite if numbers are not finite.
+#[must_use]
+pub fn evidence_under_own_noise(
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    further: Option<&FurtherColumns>,
+    noise: &NoiseModel,
+) -> f64 {
+    problem.at(&fit.coefficients, &fit.solution, |shooting, point| {
+        let count = further.map_or(0, |further| further.count);
+        let linearised = shooting.linearised(&point).with_further(&vec![1.0; count]);
+        let each = fit.tables.iter().enumerate();
+        let tables = each.map(|(index, table)| {
+            let columns = further.and_then(|further| further.each[index].as_ref());
+            with_columns(table, count, columns)
+        });
+        let tables: Vec<Tables> = tables.collect();
+        let mut own = noise.clone();
+        for _ in 0..TURNS {
+            let change = noise_estimate::update(&linearised, &tables, &mut own);
+            let Some(residuals) = noise_estimate::residuals_after_step(&linearised, &tables, &own)
+            else {
+                return f64::INFINITY;
+            };
+            reweigh(shooting, &residuals, &mut own);
+            if change < STILL_NOISE {
+                break;
+            }
+        }
+        let prior_cost = shooting.prior_cost(&point.coordinates);
+        0.5 * noise_estimate::restricted(&linearised, &tables, prior_cost, &own)
+    })
+}
+
+/// A table with further columns; zeros if there are none for it.
+fn with_columns(table: &Tables, count: usize, further: Option<&Vec<Vec<f64>>>) -> Tables {
+    let channels = table.channels.iter().enumerate().map(|(channel, rows)| {
+        let rows = rows.chunks_exact(table.columns).enumerate();
+        let rows = rows.flat_map(|(number, row)| {
+            let own = further.map_or_else(
+                || vec![0.0; count],
+                |further| further[channel][number * count..(number + 1) * count].to_vec(),
+            );
+            row.iter().copied().chain(own)
+        });
+        rows.collect()
+    });
+    Tables {
+        channels: channels.collect(),
+        columns: table.columns + count,
+    }
+}
+
 /// Re-estimates noise and weights from the residuals; returns the change of the noise.
 pub fn follow<P: Predictor>(
     shooting: &ShootingProblem<P>,
@@ -339,6 +402,61 @@ mod tests {
                 let off = again.negative_log_evidence - right.negative_log_evidence;
                 assert!(off.abs() < 10.0, "{off}");
             }
+        });
+    }
+
+    #[test]
+    fn what_further_unknowns_explain_is_no_noise() {
+        with_pivots(|problem, noise, fit| {
+            let mut random = fastrand::Rng::with_seed(1);
+            let mut normal = || (0..12).map(|_| random.f64()).sum::<f64>() - 6.0;
+            let mut noisy = fit.clone();
+            let mut signal = noisy.clone();
+            let mut columns = Vec::new();
+            for (plain, bent) in noisy.tables.iter_mut().zip(&mut signal.tables) {
+                let width = plain.columns;
+                let mut each = Vec::new();
+                for (plain, bent) in plain.channels.iter_mut().zip(&mut bent.channels) {
+                    let rows = plain.len() / width;
+                    let column: Vec<f64> =
+                        (0..rows).map(|k| WHITE * (0.9 * k as f64).sin()).collect();
+                    for (row, column) in column.iter().enumerate() {
+                        plain[row * width] += WHITE * normal();
+                        bent[row * width] = plain[row * width] + 5.0 * column;
+                    }
+                    each.push(column);
+                }
+                columns.push(Some(each));
+            }
+            let columns = FurtherColumns {
+                count: 1,
+                each: columns,
+            };
+            // The search is one of logarithms.
+            let mut noise = noise.clone();
+            for noise in noise.noise.iter_mut().flatten() {
+                noise.coloured = 0.2 * WHITE;
+            }
+            let noise = &noise;
+            let negative = |fit: &FittedHypothesis, further: bool, noise: &NoiseModel| {
+                evidence_under_own_noise(problem, fit, further.then_some(&columns), noise)
+            };
+            let plain = negative(&noisy, false, noise);
+            // Where the noise begins does not matter.
+            let mut louder = noise.clone();
+            for noise in louder.noise.iter_mut().flatten() {
+                noise.white *= 3.0;
+            }
+            let again = negative(&noisy, false, &louder);
+            assert!((plain - again).abs() < 3.0, "{plain} {again}");
+            // An unknown of five standard deviations: its prior costs 12.5, its determinant some units.
+            let explained = negative(&signal, true, noise) - plain;
+            assert!((10.0..30.0).contains(&explained), "{explained}");
+            let mistaken = negative(&signal, false, noise) - plain;
+            assert!(mistaken > 10.0 * explained, "{mistaken}");
+            // One without a signal costs its determinant.
+            let idle = negative(&noisy, true, noise) - plain;
+            assert!((0.0..10.0).contains(&idle), "{idle}");
         });
     }
 

@@ -36,7 +36,10 @@ fn push(problem: &Problem, system: &System, at: &Solution) -> Option<(Region, [u
     let mut found = found
         .into_iter()
         .filter(|found| found.score.evidence > FAINT);
-    Some((found.next()?.extent, force_columns(problem, system)?))
+    Some((
+        found.next()?.extent,
+        force_columns(problem, &system.layout)?,
+    ))
 }
 
 /// Re-estimates the noise.

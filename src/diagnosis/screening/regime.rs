@@ -189,7 +189,7 @@ pub fn regime(gains: &[BinGain]) -> String {
 #[must_use]
 pub fn channel(problem: &Problem, system: &System, steps: &[(usize, Vec<f64>)]) -> Channel {
     const CHANNELS: [Channel; 3] = [Channel::Longitudinal, Channel::Lateral, Channel::Yaw];
-    let Some(force_columns) = wrench::force_columns(problem, system) else {
+    let Some(force_columns) = wrench::force_columns(problem, &system.layout) else {
         return Channel::Longitudinal;
     };
     let mut likeness = [0.0; 3];

@@ -98,7 +98,7 @@ fn found(
     let tables = sensitivities(problem, &layout, at);
     let mut system = linearise(problem, &layout, &tables, at, noise);
     drop(tables);
-    let forces = force_columns(problem, &system)?;
+    let forces = force_columns(problem, &system.layout)?;
     for soil in system.soil() {
         system.precision[soil] += LINEAR.powi(-2);
     }

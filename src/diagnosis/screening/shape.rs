@@ -15,10 +15,11 @@
 //! prediction of its own, and Laplace's method integrates it out.
 
 use super::screen::Projection;
-use super::sensitivity::{Layout, sensitivities};
+use super::sensitivity::{Layout, SegmentTable, sensitivities};
 use super::system::{System, linearise};
 use super::wrench::force_columns;
 use crate::diagnosis::hypothesis::candidate::Target;
+use crate::diagnosis::hypothesis::likelihood::FurtherColumns;
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::effects::{Acts, CATALOGUE, Declaration};
 use crate::fit::exact::ExactPredictor;
@@ -29,7 +30,7 @@ use crate::fit::segment::Segment;
 use crate::fit::sensor::{SensorParameter, SensorValues};
 use crate::simulation::{Simulation, State, WheelSpeeds};
 use crate::vehicle::{GRAVITY, Specification, Vehicle, VehicleModel};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
 /// Components of the wrench.
@@ -122,8 +123,9 @@ impl Shapes {
     }
 }
 
-/// Evidence of an even mixture of two models, the first of which has the evidence 0.
-fn mixed(evidence: f64) -> f64 {
+/// Log evidence of an even mixture of two models, the first of which has the log evidence 0.
+#[must_use]
+pub fn mixed(evidence: f64) -> f64 {
     evidence.max(0.0) + (-evidence.abs()).exp().ln_1p() - EVEN
 }
 
@@ -182,37 +184,17 @@ fn effects(problem: &Problem, on: &[usize]) -> Vec<usize> {
 #[must_use]
 pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut System) -> Shapes {
     let mut shapes = Shapes::default();
-    let Some(forces) = force_columns(problem, system) else {
+    let Some(forces) = force_columns(problem, &system.layout) else {
         return shapes;
     };
     for effect in effects(problem, on) {
-        let each = system.segments.par_iter().map(|segment| {
-            let start = &at.starts[segment.index];
-            let data = &problem.segments[segment.index];
-            let all = problem.candidates.coefficients.iter().enumerate();
-            let own = all.filter(|(_, one)| one.effect == effect);
-            let own: Vec<usize> = own.map(|(place, _)| place).collect();
-            acting(problem, &own, at, data, start, &segment.edges).unwrap_or_default()
-        });
-        let each: Vec<Vec<Acting>> = each.collect();
-        let arguments = arguments(effect);
-        let features = features(&each, arguments.len());
-        let deviations = deviations(arguments.len());
-        let first = system.parameters.len();
-        let columns = each.iter().zip(&system.segments).map(|(acting, segment)| {
-            let mut columns = DMatrix::zeros(segment.gradient.len(), deviations.len());
-            for (time_bin, acting) in acting.iter().enumerate() {
-                let features = features(acting);
-                for axis in 0..AXES {
-                    let row =
-                        system.layout.whole() + time_bin * system.layout.per_bin() + forces[axis];
-                    for (k, feature) in features[axis].iter().enumerate() {
-                        columns[(row, axis * features[axis].len() + k)] = *feature;
-                    }
-                }
-            }
-            columns
-        });
+        let places = system.segments.iter();
+        let places: Vec<(usize, &[f64])> = places.map(|s| (s.index, s.edges.as_slice())).collect();
+        let (each, deviations) = combinations(problem, effect, at, &system.layout, forces, &places);
+        let (first, whole) = (system.parameters.len(), system.layout.whole());
+        let columns = each
+            .into_iter()
+            .map(|binned| binned.insert_rows(0, whole, 0.0));
         let columns: Vec<DMatrix<f64>> = columns.collect();
         let parameters = deviations.iter().map(|deviation| FreeParameter {
             name: format!("shape of {}", CATALOGUE[effect].name),
@@ -229,6 +211,95 @@ pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut Syste
         shapes.unknowns.extend(first..system.parameters.len());
     }
     shapes
+}
+
+/// Derivatives of all samples by the shapes of the effects that are on; `None` where none of them has shape freedom.
+#[must_use]
+pub fn sample_columns(problem: &Problem, on: &[usize], at: &Solution) -> Option<FurtherColumns> {
+    let effects = effects(problem, on);
+    if effects.is_empty() {
+        return None;
+    }
+    let layout = Layout::beside(problem, on);
+    let forces = force_columns(problem, &layout)?;
+    let tables = sensitivities(problem, &layout, at);
+    let known = tables.iter().enumerate();
+    let known = known.filter_map(|(k, table)| Some((k, table.as_ref()?)));
+    let known: Vec<(usize, &SegmentTable)> = known.collect();
+    let places: Vec<(usize, &[f64])> = known
+        .iter()
+        .map(|(k, table)| (*k, table.edges.as_slice()))
+        .collect();
+    let of_effects = effects.iter().map(|effect| {
+        let (mut each, deviations) = combinations(problem, *effect, at, &layout, forces, &places);
+        for combination in &mut each {
+            for (mut column, deviation) in combination.column_iter_mut().zip(&deviations) {
+                column *= *deviation;
+            }
+        }
+        each
+    });
+    let of_effects: Vec<Vec<DMatrix<f64>>> = of_effects.collect();
+    let count = of_effects
+        .iter()
+        .map(|each| each.first().map_or(0, DMatrix::ncols))
+        .sum();
+    let mut samples = vec![None; tables.len()];
+    for (place, (index, table)) in known.iter().enumerate() {
+        let channels = table.binned.iter().map(|binned| {
+            let width = layout.per_bin() * (table.edges.len() - 1);
+            let rows = binned.chunks_exact(width.max(1)).flat_map(|row| {
+                let row = RowDVector::from_row_slice(row);
+                let each = of_effects.iter().map(|each| &row * &each[place]);
+                each.flat_map(|part| part.iter().copied().collect::<Vec<f64>>())
+                    .collect::<Vec<f64>>()
+            });
+            rows.collect()
+        });
+        samples[*index] = Some(channels.collect());
+    }
+    Some(FurtherColumns {
+        count,
+        each: samples,
+    })
+}
+
+/// How the shapes of an effect combine the forces in the time bins of some segments, a matrix for each, and the shapes'
+/// prior deviations. Segments are given by their index and the edges of their time bins.
+fn combinations(
+    problem: &Problem,
+    effect: usize,
+    at: &Solution,
+    layout: &Layout,
+    forces: [usize; AXES],
+    places: &[(usize, &[f64])],
+) -> (Vec<DMatrix<f64>>, Vec<f64>) {
+    let all = problem.candidates.coefficients.iter().enumerate();
+    let own = all.filter(|(_, one)| one.effect == effect);
+    let own: Vec<usize> = own.map(|(place, _)| place).collect();
+    let each = places.par_iter().map(|(index, edges)| {
+        let (data, start) = (&problem.segments[*index], &at.starts[*index]);
+        acting(problem, &own, at, data, start, edges).unwrap_or_default()
+    });
+    let each: Vec<Vec<Acting>> = each.collect();
+    let arguments = arguments(effect);
+    let features = features(&each, arguments.len());
+    let deviations = deviations(arguments.len());
+    let columns = each.iter().zip(places).map(|(acting, (_, edges))| {
+        let width = (edges.len() - 1) * layout.per_bin();
+        let mut columns = DMatrix::zeros(width, deviations.len());
+        for (time_bin, acting) in acting.iter().enumerate() {
+            let features = features(acting);
+            for axis in 0..AXES {
+                let row = time_bin * layout.per_bin() + forces[axis];
+                for (k, feature) in features[axis].iter().enumerate() {
+                    columns[(row, axis * features[axis].len() + k)] = *feature;
+                }
+            }
+        }
+        columns
+    });
+    (columns.collect(), deviations)
 }
 
 /// Prior deviations of a component's shape: its direction, then exponent and bend by each argument; component by

@@ -6,6 +6,7 @@
 //! Optimal Estimation", 1974), is computed segment by segment together with both neighbours; farther segments are
 //! neglected.
 
+use super::sensitivity::Layout;
 use super::system::{SegmentSystem, System};
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::outcome::WrenchTrace;
@@ -30,17 +31,14 @@ pub struct LatentWrench {
 
 /// Binned columns of the three components within a time bin.
 #[must_use]
-pub fn force_columns(problem: &Problem, system: &System) -> Option<[usize; COUNT]> {
+pub fn force_columns(problem: &Problem, layout: &Layout) -> Option<[usize; COUNT]> {
     let mut found = problem
         .candidates
         .residual_models()
         .filter_map(|coefficient| {
-            let binned = system
-                .layout
-                .binned
-                .iter()
-                .position(|other| *other == coefficient)?;
-            Some(system.layout.soil + binned)
+            let mut binned = layout.binned.iter();
+            let binned = binned.position(|other| *other == coefficient)?;
+            Some(layout.soil + binned)
         });
     Some([found.next()?, found.next()?, found.next()?])
 }
@@ -83,7 +81,7 @@ fn process(size: [f64; COUNT], time_bins: usize, step: f64) -> DMatrix<f64> {
 /// The size of the latent wrench with the largest evidence, and that evidence.
 #[must_use]
 pub fn latent_wrench(problem: &Problem, system: &System) -> Option<LatentWrench> {
-    let columns = force_columns(problem, system)?;
+    let columns = force_columns(problem, &system.layout)?;
     let each: Vec<_> = system
         .segments
         .iter()
@@ -134,7 +132,7 @@ pub fn smooth(
     run: usize,
     size: [f64; COUNT],
 ) -> Option<WrenchTrace> {
-    let columns = force_columns(problem, system)?;
+    let columns = force_columns(problem, &system.layout)?;
     let own = |segment: &&SegmentSystem| {
         let data = &problem.segments[segment.index];
         (data.recording, data.run) == (recording, run)

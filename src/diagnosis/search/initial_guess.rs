@@ -222,15 +222,6 @@ pub fn compared(problem: &Problem, proposal: &Proposal, before: &Solution) -> Op
     changed.then_some(initial)
 }
 
-/// A solution with the given soil.
-#[must_use]
-pub fn on_given_soil(problem: &Problem, fit: &FittedHypothesis) -> Solution {
-    Solution {
-        soil: problem.initial().soil,
-        ..fit.solution.clone()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::naming::{ANY, partial_fit, placed};

@@ -7,7 +7,6 @@ pub mod accepted;
 pub mod choice;
 mod colocated;
 pub mod edges;
-pub mod given_soil;
 pub mod initial_guess;
 pub mod naming;
 pub mod path;
@@ -170,15 +169,15 @@ pub fn search<'a>(
     })
 }
 
-/// The soil refitted from where the likeliest candidate's fit ended, without the candidate: the first fit may be in a
-/// local optimum. `None` if it is no better.
+/// The hypothesis refitted from where the likeliest candidate's fit ended, without the candidate: its fit may be in a
+/// local optimum, and to leave that is not the candidate's merit. `None` if it is no better.
 fn unstuck(
     stage: &Stage,
     fitted: &[FittedCandidate],
     noise: &NoiseModel,
 ) -> Option<FittedHypothesis> {
-    let best = fitted.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
-    if best.gain < STUCK {
+    let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
+    if best.odds() < STUCK {
         return None;
     }
     let mut initial = best.fit.solution.clone();
@@ -231,6 +230,7 @@ mod tests {
             gain,
             shape: 0.0,
             mends: false,
+            own: None,
         };
         // Already optimal: no reason to repeat.
         assert!(unstuck(&stage, std::slice::from_ref(&beside), &noise).is_none());

@@ -5,9 +5,7 @@
 //! data no worse (blocked cross-validation, see `held_out`). Then everything is screened again beside it.
 
 use super::accepted::{NOTHING, TAKE};
-use super::initial_guess::{
-    LOST, after_steps, cheapest, compared, continued, is_unseen, on_given_soil, settled,
-};
+use super::initial_guess::{LOST, after_steps, cheapest, compared, continued, is_unseen, settled};
 use super::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
@@ -49,6 +47,8 @@ pub struct FittedCandidate<'a> {
     pub shape: f64,
     /// Whether it only mends the formulas of the effects accepted so far: their shape freedom explains it as well.
     pub mends: bool,
+    /// Its fit under the noise that it leaves, and that noise, for those that were ranked so.
+    pub own: Option<(FittedHypothesis, NoiseModel)>,
 }
 
 impl FittedCandidate<'_> {
@@ -56,6 +56,24 @@ impl FittedCandidate<'_> {
     #[must_use]
     pub fn odds(&self) -> f64 {
         self.gain + self.shape + self.proposal.log_prior()
+    }
+
+    /// Judges its fit: what shape freedom adds, and how it predicts what it was not fitted to.
+    fn judge(&mut self, before: &FittedHypothesis, noise: &NoiseModel) {
+        let Self { problem, fit, .. } = self;
+        fit.shape_gain = shape::gain_at(problem, &fit.coefficients, &fit.solution, noise);
+        self.scores = scores(problem, fit, noise);
+        let shape = fit.shape_gain - before.shape_gain;
+        let is_residual_model = self.proposal.kind() == ProposalKind::ResidualModel;
+        self.shape = if is_residual_model { 0.0 } else { shape };
+        self.mends = is_residual_model && self.odds() + shape < NOTHING + TAKE;
+    }
+
+    /// Takes another fit under the same noise.
+    pub fn refit(&mut self, fit: FittedHypothesis, before: &FittedHypothesis, noise: &NoiseModel) {
+        self.gain += self.fit.negative_log_evidence - fit.negative_log_evidence;
+        self.fit = fit;
+        self.judge(before, noise);
     }
 
     /// An unfinished candidate: it cannot be accepted, and is no likelier than the likeliest finished one.
@@ -90,7 +108,7 @@ pub struct PartialFit<'a> {
 
 /// The end of a proposal's first steps.
 pub fn first_steps(proposal: &Proposal) -> Stop {
-    if proposal.hidden || proposal.anew {
+    if proposal.hidden {
         LONG_PARTIAL_FIT
     } else {
         PARTIAL_FIT
@@ -118,7 +136,9 @@ impl<'a> PartialFit<'a> {
     /// With the shape freedom of the formulas that are on.
     #[must_use]
     fn shaped(mut self, before: &FittedHypothesis, noise: &NoiseModel) -> Self {
-        if self.proposal.kind() != ProposalKind::ResidualModel {
+        // Where it does nothing, there is nothing to shape.
+        let acts = self.gain + self.fit.predicted_reduction > 0.0;
+        if acts && self.proposal.kind() != ProposalKind::ResidualModel {
             let FittedHypothesis {
                 coefficients,
                 solution,
@@ -156,6 +176,7 @@ impl<'a> PartialFit<'a> {
             gain: self.promise() - self.shape - self.proposal.log_prior(),
             shape: self.shape,
             mends: false,
+            own: None,
             proposal: self.proposal,
             problem: self.problem,
             fit: self.fit,
@@ -181,17 +202,7 @@ pub fn partial_fit<'a>(
     let problem = placed(problem, proposal)?;
     let mut coefficients = before.coefficients.clone();
     coefficients.extend(&proposal.coefficients);
-    let cheapest = if proposal.anew {
-        cheapest(
-            &problem,
-            proposal,
-            &coefficients,
-            &on_given_soil(&problem, before),
-            noise,
-        )
-    } else {
-        cheapest(&problem, proposal, &coefficients, &before.solution, noise)
-    };
+    let cheapest = cheapest(&problem, proposal, &coefficients, &before.solution, noise);
     let stop = first_steps(proposal).unless_above(useful);
     // Delays from cross-correlation cost much until the starts follow: they have a separate fit.
     let initials = cheapest
@@ -262,21 +273,20 @@ pub fn finish<'a>(
     let PartialFit {
         proposal, problem, ..
     } = partial_fit;
-    let mut fit = fit_restarted(&problem, &partial_fit.fit, noise);
+    let fit = fit_restarted(&problem, &partial_fit.fit, noise);
     let without = negative_log_evidence_without(&problem, &proposal, &fit, before, noise);
-    let gain = without - fit.negative_log_evidence - proposal.price;
-    fit.shape_gain = shape::gain_at(&problem, &fit.coefficients, &fit.solution, noise);
-    let shape = fit.shape_gain - before.shape_gain;
-    let is_residual_model = proposal.kind() == ProposalKind::ResidualModel;
-    Some(FittedCandidate {
-        gain,
-        shape: if is_residual_model { 0.0 } else { shape },
-        mends: is_residual_model && gain + shape + proposal.log_prior() < NOTHING + TAKE,
-        scores: scores(&problem, &fit, noise),
+    let mut candidate = FittedCandidate {
+        gain: without - fit.negative_log_evidence - proposal.price,
+        shape: 0.0,
+        mends: false,
+        own: None,
+        scores: None,
         proposal,
         problem,
         fit,
-    })
+    };
+    candidate.judge(before, noise);
+    Some(candidate)
 }
 
 /// Negative log evidence without a proposal. A fit from afar may have reached a better soil, which is not the
@@ -288,7 +298,7 @@ fn negative_log_evidence_without(
     before: &FittedHypothesis,
     noise: &NoiseModel,
 ) -> f64 {
-    if !proposal.hidden && !proposal.anew {
+    if !proposal.hidden {
         return before.negative_log_evidence;
     }
     let mut initial = fit.solution.clone();

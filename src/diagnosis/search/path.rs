@@ -9,12 +9,12 @@ use super::edges::refine_under_own_noise;
 use super::naming::FittedCandidate;
 use super::proposal::{Proposal, ProposalKind};
 use super::prune::{prune, without};
+use super::rerank::under_own_noise;
 use super::stage::{Stage, screen_again};
 use super::trial::try_all;
+use super::{AGAIN, unstuck};
 use crate::diagnosis::hypothesis::Problem;
-use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, continue_fit, fit_hypothesis, fit_with_noise,
-};
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, fit_with_noise};
 use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::problem::NoiseModel;
@@ -111,11 +111,27 @@ impl<'a> Path<'a> {
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
+        let mut restarts = 0;
         while self.accepted.len() < self.rounds() {
+            // Before the first one the search has done so.
+            if !self.accepted.is_empty()
+                && restarts < AGAIN
+                && !progress.is_late()
+                && let Some(better) = unstuck(&self.stage, &fitted, &self.noise)
+            {
+                restarts += 1;
+                let problem = self.stage.problem.clone();
+                self.stage = self.rescreened(problem, better, options, progress)?;
+                fitted = self.further_candidates(progress)?;
+                continue;
+            }
             let Some(mut best) = choose(&fitted, &self.stage, prefer).cloned() else {
                 self.refused = self.rivals(&fitted);
                 break;
             };
+            if let Some((fit, noise)) = best.own.take() {
+                (best.fit, self.noise) = (fit, noise);
+            }
             refine_under_own_noise(&mut best, &self.noise);
             self.accepted.push(AcceptedEffect {
                 proposal: best.proposal,
@@ -396,23 +412,16 @@ impl<'a> Path<'a> {
         candidate
     }
 
-    /// Log odds of this path over another, under the noise of both on average.
+    /// Log odds of this path over another, each under its own noise.
     fn advantage(&self, other: &Self) -> f64 {
         let price = |path: &Self| -> f64 {
             let accepted = path.accepted.iter().map(|effect| &effect.proposal);
             accepted.map(|m| NOTHING - m.log_prior() + m.price).sum()
         };
-        let negative_log_evidence = |path: &Self, noise: &NoiseModel| -> f64 {
-            let stage = &path.stage;
-            continue_fit(&stage.problem, &stage.fit, noise, HELD).negative_log_evidence
-                - stage.fit.shape_gain
-                + price(path)
+        let negative_log_evidence = |path: &Self| -> f64 {
+            let Stage { problem, fit, .. } = &path.stage;
+            under_own_noise(problem, fit, &path.noise).evidence + price(path)
         };
-        [&self.noise, &other.noise]
-            .map(|noise| {
-                0.5 * (negative_log_evidence(other, noise) - negative_log_evidence(self, noise))
-            })
-            .iter()
-            .sum()
+        negative_log_evidence(other) - negative_log_evidence(self)
     }
 }

@@ -32,8 +32,6 @@ pub struct Proposal {
     pub soil: DVector<f64>,
     /// Whether it is proposed without evidence on the linearised problem.
     pub hidden: bool,
-    /// Whether its fit starts on the given soil, far from the refitted one.
-    pub anew: bool,
 }
 
 /// A screened candidate.
@@ -350,7 +348,6 @@ impl Proposal {
             stability: Vec::new(),
             soil: DVector::zeros(0),
             hidden: false,
-            anew: false,
         }
     }
 

@@ -1,6 +1,5 @@
 //! A hypothesis with its screening, its proposals and its held-out score.
 
-use super::given_soil::seen_from_given_soil;
 use super::proposal::{Proposal, ScreenedCandidate, hidden, proposals, screened, shortlist};
 use super::view::View;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
@@ -127,16 +126,6 @@ pub fn screen<'a>(
     let took = progress.elapsed().saturating_sub(began);
     if on.is_empty() {
         proposals.extend(hidden(&view, &screened));
-        if !progress.lacks(took) {
-            let seen: Vec<Proposal> = proposals
-                .iter()
-                .filter(|one| !one.hidden)
-                .cloned()
-                .collect();
-            let further = seen_from_given_soil(&problem, &again, &own, &seen, seed);
-            in_time()?;
-            proposals.extend(further);
-        }
     }
     let scores = scores(&problem, &again, &own);
     *noise = own;

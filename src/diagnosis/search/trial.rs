@@ -99,7 +99,7 @@ pub fn try_all<'a>(
         if !progress.is_late() {
             take_over(&mut fitted, other);
         }
-        rerank(&mut fitted, noise);
+        rerank(&mut fitted, stage, noise);
     }
     let largest = best(&fitted);
     let unfinished = unfinished.into_iter();
