@@ -17,12 +17,12 @@ pub mod rerank;
 pub mod stage;
 pub mod subsample_search;
 pub mod trial;
+mod unstuck;
 pub mod view;
 pub mod wheels;
 
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, LONG_PARTIAL_FIT, continue_fit, fit_hypothesis, fit_until,
-    fit_with_noise, own_noise,
+    FittedHypothesis, HELD, continue_fit, fit_hypothesis, fit_with_noise, own_noise,
 };
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
@@ -33,9 +33,10 @@ pub use accepted::AcceptedEffect;
 use choice::held_out_gain;
 use naming::FittedCandidate;
 use path::Path;
-use stage::{Screening, Stage, screen};
+use stage::{Screening, screen};
 use std::sync::Arc;
 use trial::try_all;
+use unstuck::{AGAIN, unstuck};
 use wheels::reconstructed;
 
 /// The result of a search.
@@ -85,10 +86,6 @@ impl SearchResult<'_> {
         self.last = Arc::clone(&self.first);
     }
 }
-
-/// The fit of the soil is repeated if that gains this much \[log odds\], and at most this often.
-const STUCK: f64 = 5.0;
-const AGAIN: usize = 2;
 
 /// Searches for missing effects. From the first screening on there is an answer: at the deadline the search returns it.
 ///
@@ -169,31 +166,6 @@ pub fn search<'a>(
     })
 }
 
-/// The hypothesis refitted from where the likeliest candidate's fit ended, without the candidate: its fit may be in a
-/// local optimum, and to leave that is not the candidate's merit. `None` if it is no better.
-fn unstuck(
-    stage: &Stage,
-    fitted: &[FittedCandidate],
-    noise: &NoiseModel,
-) -> Option<FittedHypothesis> {
-    let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
-    if best.odds() < STUCK {
-        return None;
-    }
-    let mut initial = best.fit.solution.clone();
-    initial.take(&best.proposal.coefficients, &stage.fit.solution);
-    let coefficients = &stage.fit.coefficients;
-    let again = fit_until(
-        &stage.problem,
-        coefficients,
-        &initial,
-        noise,
-        LONG_PARTIAL_FIT,
-    )
-    .ok()?;
-    (again.negative_log_evidence < stage.fit.negative_log_evidence - STUCK).then_some(again)
-}
-
 /// The refitted model under the final noise and weights, from the final starts, or from the earlier ones if the model
 /// cannot follow those.
 fn refit_soil(
@@ -207,50 +179,4 @@ fn refit_soil(
     initial.soil.clone_from(&baseline.soil);
     fit_hypothesis(problem, &[], &initial, noise)
         .or_else(|_| fit_hypothesis(problem, &[], baseline, noise))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::testing::{driven, on, refitted};
-
-    #[test]
-    fn re_tuning_begins_again_where_another_way_led_further() {
-        let recordings = [driven(&on("sandy_loam"), "spiral")];
-        let nominal = on("dry_sand");
-        let (mut stage, noise) = refitted(&nominal, &recordings);
-        let problem = stage.problem.clone();
-        let proposal = stage.proposals.first().cloned().unwrap();
-        let gain = 10.0 * STUCK;
-        let beside = FittedCandidate {
-            problem: problem.clone(),
-            fit: stage.fit.clone(),
-            scores: None,
-            proposal,
-            gain,
-            shape: 0.0,
-            mends: false,
-            own: None,
-        };
-        // Already optimal: no reason to repeat.
-        assert!(unstuck(&stage, std::slice::from_ref(&beside), &noise).is_none());
-        // Not moved from the initial guess.
-        let still = Stop::after(0, 0.0);
-        stage.fit = fit_until(&problem, &[], &problem.initial(), &noise, still).unwrap();
-        assert!(stage.fit.negative_log_evidence > beside.fit.negative_log_evidence + STUCK);
-        let found = unstuck(&stage, std::slice::from_ref(&beside), &noise).unwrap();
-        assert!((found.negative_log_evidence - beside.fit.negative_log_evidence).abs() < 1.0);
-        // A candidate without gain is no better way.
-        assert!(
-            unstuck(
-                &stage,
-                &[FittedCandidate {
-                    gain: 0.0,
-                    ..beside
-                }],
-                &noise
-            )
-            .is_none()
-        );
-    }
 }

@@ -12,7 +12,7 @@ use super::prune::{prune, without};
 use super::rerank::under_own_noise;
 use super::stage::{Stage, screen_again};
 use super::trial::try_all;
-use super::{AGAIN, unstuck};
+use super::unstuck::{AGAIN, unstuck};
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, fit_with_noise};
 use crate::diagnosis::hypothesis::subsample::Subsample;
