@@ -31,10 +31,27 @@ const OUTLIER: f64 = 0.5;
 /// Steps of the search in the logarithms: the first, and the last.
 const FIRST_STEP: f64 = 0.6;
 const LAST_STEP: f64 = 0.06;
+/// The last where log likelihoods are compared: N samples whose noise is off by a share d lose N d^2, and a last step of
+/// 0.06 left 9 units between two searches of one fit to 60 s.
+const LAST_FINE_STEP: f64 = 0.01;
 
 /// Estimates the noise of every channel of every recording anew; returns the largest change of
 /// a standard deviation or correlation time, as a logarithm. At the deadline channels keep what they have.
 pub fn update(problem: &Linearised, tables: &[Tables], by: &mut NoiseModel) -> f64 {
+    update_until(problem, tables, by, LAST_STEP)
+}
+
+/// As [`update`], precise enough for [`restricted`].
+pub fn update_finely(problem: &Linearised, tables: &[Tables], by: &mut NoiseModel) -> f64 {
+    update_until(problem, tables, by, LAST_FINE_STEP)
+}
+
+fn update_until(
+    problem: &Linearised,
+    tables: &[Tables],
+    by: &mut NoiseModel,
+    last_step: f64,
+) -> f64 {
     let mut largest: f64 = 0.0;
     let mut plain = with_outliers_only(by);
     let mut others = Others::new(problem, tables, &plain);
@@ -51,7 +68,7 @@ pub fn update(problem: &Linearised, tables: &[Tables], by: &mut NoiseModel) -> f
                 continue;
             }
             let old = by.noise[recording][group as usize];
-            let new = part.search(&plain);
+            let new = part.search(&plain, last_step);
             by.noise[recording][group as usize] = new;
             plain.noise[recording][group as usize] = new;
             let moved = to_logarithms(&new).into_iter().zip(to_logarithms(&old));
@@ -221,7 +238,7 @@ impl Part<'_, '_> {
     }
 
     /// Compass search in the three logarithms.
-    fn search(&self, by: &NoiseModel) -> ChannelNoise {
+    fn search(&self, by: &NoiseModel, last_step: f64) -> ChannelNoise {
         let rest = Rest::new(self, by);
         let guess = self.group.first_guess();
         let mut best = to_logarithms(&by.noise[self.recording][self.group as usize]);
@@ -242,7 +259,7 @@ impl Part<'_, '_> {
         let mut step = FIRST_STEP;
         // The direction that is tried next, and how many have failed since the last move: none is tried twice in vain.
         let (mut next, mut failed) = (0, 0);
-        while step > LAST_STEP {
+        while step > last_step {
             let direction = DIRECTIONS[next];
             next = (next + 1) % DIRECTIONS.len();
             failed += 1;

@@ -50,6 +50,7 @@ pub const HELD: Stop = Stop::after(20, 1.0);
 const TURNS: usize = 8;
 const STILL: f64 = 1.0;
 const STILL_NOISE: f64 = 0.1;
+const STILL_EVIDENCE: f64 = 0.02;
 const FIRST: Stop = Stop::after(40, 1.0);
 const NEXT: Stop = Stop::after(8, 0.5);
 
@@ -250,13 +251,13 @@ pub fn evidence_under_own_noise(
         let tables: Vec<Tables> = tables.collect();
         let mut own = noise.clone();
         for _ in 0..TURNS {
-            let change = noise_estimate::update(&linearised, &tables, &mut own);
+            let change = noise_estimate::update_finely(&linearised, &tables, &mut own);
             let Some(residuals) = noise_estimate::residuals_after_step(&linearised, &tables, &own)
             else {
                 return f64::INFINITY;
             };
             reweigh(shooting, &residuals, &mut own);
-            if change < STILL_NOISE {
+            if change < STILL_EVIDENCE {
                 break;
             }
         }

@@ -8,6 +8,8 @@ use crate::effects::CATALOGUE;
 pub const TAKE: f64 = 0.5;
 /// Log prior of "nothing more" relative to one effect of the catalogue.
 pub const NOTHING: f64 = 4.5;
+/// Log prior odds that what the neighbourhood of a name explains is that mechanism and none outside the catalogue.
+pub const CATALOGUED: f64 = 5.0;
 
 /// Candidates are close within this difference and share of the largest log odds.
 const CLOSE: f64 = 4.5;

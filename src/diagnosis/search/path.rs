@@ -3,7 +3,7 @@
 //! In a long recording, further effects are searched on a subsample, unless the first one is local. Then everything
 //! is screened once more on the whole recording, which decides what is removed and what else is accepted.
 
-use super::accepted::{AcceptedEffect, NOTHING};
+use super::accepted::{AcceptedEffect, CATALOGUED, NOTHING};
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
 use super::edges::refine_under_own_noise;
 use super::naming::FittedCandidate;
@@ -19,8 +19,6 @@ use crate::diagnosis::hypothesis::subsample::Subsample;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::problem::NoiseModel;
 
-/// Log prior odds that what the neighbourhood of a name explains is that mechanism and none outside the catalogue.
-const CATALOGUED: f64 = 5.0;
 /// Maximum number of rounds.
 const ROUNDS: usize = 4;
 

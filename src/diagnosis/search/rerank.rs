@@ -6,7 +6,7 @@
 //! own share. The formulas' shape freedom (see [`crate::diagnosis::screening::shape`]) is integrated out in them: what
 //! another formula explains is no noise. The log odds become the differences to the model without the candidates.
 
-use super::accepted::{NOTHING, TAKE};
+use super::accepted::{CATALOGUED, NOTHING, TAKE};
 use super::naming::FittedCandidate;
 use super::proposal::ProposalKind;
 use super::stage::Stage;
@@ -54,10 +54,11 @@ pub fn rerank(fitted: &mut [FittedCandidate], stage: &Stage, noise: &NoiseModel)
         let candidate = &mut fitted[place];
         let proposal = &candidate.proposal;
         let found = under_own_noise(&candidate.problem, &candidate.fit, noise);
-        let beside = proposal.log_prior() - proposal.price;
+        let is_residual_model = proposal.kind() == ProposalKind::ResidualModel;
+        let catalogued = if is_residual_model { CATALOGUED } else { 0.0 };
+        let beside = proposal.log_prior() - proposal.price - catalogued;
         let lead = without.evidence - found.evidence + beside;
         // A residual model may be what mends the formulas, so it does without their shapes.
-        let is_residual_model = proposal.kind() == ProposalKind::ResidualModel;
         leads[place] = if is_residual_model {
             without.exact - found.exact + beside
         } else {
