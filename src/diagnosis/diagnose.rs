@@ -62,12 +62,14 @@ use crate::vehicle::Specification;
 /// 9. *Selection.* The candidate with the largest log odds is accepted, if these exceed those of "nothing" by a
 ///    margin. Steps 5 to 8 repeat beside it, up to four times. Then accepted effects that the others explain are
 ///    removed, and close rivals are fitted once more beside the final set.
-/// 10. *Posterior.* The rivals of each accepted effect and "nothing" share its probability by their log odds,
-///     divided by a temperature for the scatter of evidence between recordings. "Unknown" takes a fixed share, and
-///     more if residual models or a latent Ornstein–Uhlenbeck wrench explain part of the misfit. The verdict
-///     is a single name from 0.75 on, else the smallest set with 0.95 of the probability of all rivals.
+/// 10. *Posterior.* The rivals of each accepted effect and "nothing" share its probability by their log odds l. For
+///     those that were ranked, l / sqrt(1 + pi s^2 / 8), with the standard error s of their distance from blocks of
+///     time; for the others, l divided by a temperature for the scatter of evidence between recordings. "Unknown" takes
+///     a fixed share, and more if residual models or a latent Ornstein–Uhlenbeck wrench explain part of the misfit. The
+///     verdict is a single name from 0.75 on, else the smallest set with 0.95 of the probability of all rivals.
 /// 11. *Check.* The given, the refitted and the augmented model are compared once more with parameters fitted anew
-///     without each block. If the augmented model is worse by a standard error, its findings are withdrawn.
+///     without each block. If the augmented model is worse by a standard error, its findings are withdrawn,
+///     unless all of them are local: what acts in a region is not known without it.
 /// 12. *Next manoeuvre.* Manoeuvres are simulated; the one that best separates the rivals (T-optimality) is proposed.
 ///
 /// ```no_run
@@ -143,7 +145,8 @@ pub fn diagnose(
     let compared = |searched: &_| compare(searched).filter(|_| !deadline.is_over());
     let mut held = compared(&searched);
     let is_worse = |held: &Comparison| held.errors.gain.0 < -held.errors.gain.1;
-    if held.as_ref().is_some_and(is_worse) {
+    // What acts in a region alone is not known without it.
+    if !searched.is_local() && held.as_ref().is_some_and(is_worse) {
         searched.withdraw();
         held = compared(&searched);
     }

@@ -1,12 +1,12 @@
 //! Ways down from a start, past answers that are known.
 
 use super::noise_model::reweigh;
-use super::normal::Eliminated;
+use super::normal::Reduced;
 use super::optimiser::{Minimum, Stop, minimise, normals};
 use super::predictor::Predictor;
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::robust;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Answers are the same where no parameter differs by more of its standard deviations.
 const SAME: f64 = 1.0;
@@ -161,11 +161,17 @@ fn deviations<P: Predictor>(
     point: &Point,
     by: &NoiseModel,
 ) -> Option<DVector<f64>> {
-    let mut matrix = DMatrix::from_diagonal(&problem.prior(&point.coordinates).0);
-    for normal in normals(problem, tables, point, by) {
-        matrix += Eliminated::new(&normal, 0.0)?.matrix;
-    }
-    Some(matrix.cholesky()?.inverse().diagonal().map(f64::sqrt))
+    let (precision, pull) = problem.prior(&point.coordinates);
+    let normals = normals(problem, tables, point, by);
+    let reduced = Reduced::new(&normals, &precision, &pull, 0.0)?;
+    Some(
+        reduced
+            .matrix
+            .cholesky()?
+            .inverse()
+            .diagonal()
+            .map(f64::sqrt),
+    )
 }
 
 pub(super) fn close(a: &Point, b: &Point, deviations: &DVector<f64>) -> bool {

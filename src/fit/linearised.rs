@@ -6,6 +6,7 @@ use super::normal::{Normal, START};
 use super::segment::Segment;
 use super::signal::NoiseGroup;
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 /// How residuals are weighed.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +69,14 @@ impl Linearised<'_> {
         add_segment(&mut normal, segment, index, places, tables, by);
         self.add_start_prior(index, &mut normal);
         normal
+    }
+
+    /// Normal equations of all segments.
+    #[must_use]
+    pub fn normals(&self, tables: &[Tables], by: &NoiseModel) -> Vec<Normal> {
+        let all = tables.par_iter().enumerate();
+        all.map(|(index, tables)| self.normal(index, tables, by))
+            .collect()
     }
 
     /// The same with further unknowns, on which all segments depend by columns after their others; the precision of the

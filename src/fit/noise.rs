@@ -90,6 +90,19 @@ impl ChannelNoise {
         log_determinant
     }
 
+    /// Log likelihood of each residual given those before it, but for a constant.
+    #[must_use]
+    pub fn log_likelihoods(&self, time: &[f64], weight: &[f64], residual: &[f64]) -> Vec<f64> {
+        let mut each = Vec::with_capacity(residual.len());
+        let mut expected = 0.0;
+        self.gains(time, weight, |index, at| {
+            let innovation = residual[index] - expected;
+            expected = at.decay * (expected + at.gain * innovation);
+            each.push(-0.5 * (innovation * innovation / at.variance + at.variance.ln()));
+        });
+        each
+    }
+
     /// The white part of residuals: at each sample its expected value w = R S^-1 r and its
     /// variance R - R (S^-1)_ii R, with the white part's covariance R and the whole noise's S. The
     /// filter gives L of S^-1 = L^T L; its adjoint runs backward (Bryson & Frazier's smoother; J.

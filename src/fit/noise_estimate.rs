@@ -11,7 +11,7 @@
 
 use super::linearised::Linearised;
 use super::noise::ChannelNoise;
-use super::normal::{Eliminated, Normal};
+use super::normal::{Eliminated, Normal, Reduced};
 use super::problem::{NoiseModel, Tables};
 use super::robust::penalty;
 use super::signal::NoiseGroup;
@@ -93,16 +93,13 @@ pub fn restricted(
     by: &NoiseModel,
 ) -> f64 {
     let mut value = prior_cost - problem.precision.iter().map(|p| p.ln()).sum::<f64>();
-    let mut matrix = DMatrix::from_diagonal(&problem.precision);
-    let mut gradient = problem.pull.clone();
+    let normals = problem.normals(tables, by);
+    let Some(reduced) = Reduced::new(&normals, &problem.precision, &problem.pull, 0.0) else {
+        return f64::INFINITY;
+    };
     for (index, segment) in problem.segments.iter().enumerate() {
-        let normal = problem.normal(index, &tables[index], by);
-        let Some(one) = Eliminated::new(&normal, 0.0) else {
-            return f64::INFINITY;
-        };
-        value += normal.cost - one.start_gain + one.log_determinant();
-        matrix += &one.matrix;
-        gradient += &one.gradient;
+        let one = &reduced.each[index];
+        value += normals[index].cost - one.start_gain + one.log_determinant();
         for (samples, weights) in segment.samples.iter().zip(&by.weights[index]) {
             let noise = by.noise[segment.recording][samples.signal.group() as usize];
             // The penalty has the weights' own part of the determinant.
@@ -110,6 +107,9 @@ pub fn restricted(
             value += weights.iter().map(|weight| penalty(*weight)).sum::<f64>();
         }
     }
+    let Reduced {
+        matrix, gradient, ..
+    } = reduced;
     let Some(factor) = matrix.cholesky() else {
         return f64::INFINITY;
     };
@@ -124,18 +124,13 @@ pub fn residuals_after_step(
     tables: &[Tables],
     by: &NoiseModel,
 ) -> Option<Vec<Tables>> {
-    let mut matrix = DMatrix::from_diagonal(&problem.precision);
-    let mut gradient = problem.pull.clone();
-    let mut each = Vec::new();
-    for (index, table) in tables.iter().enumerate() {
-        let normal = problem.normal(index, table, by);
-        let one = Eliminated::new(&normal, 0.0)?;
-        matrix += &one.matrix;
-        gradient += &one.gradient;
-        each.push((normal, one));
-    }
-    let step = matrix.cholesky()?.solve(&gradient);
-    let after = tables.iter().zip(&each).enumerate();
+    let normals = problem.normals(tables, by);
+    let reduced = Reduced::new(&normals, &problem.precision, &problem.pull, 0.0)?;
+    let step = reduced.matrix.cholesky()?.solve(&reduced.gradient);
+    let after = tables
+        .iter()
+        .zip(normals.iter().zip(&reduced.each))
+        .enumerate();
     let after = after.map(|(index, (table, (normal, one)))| {
         let places = &problem.places[problem.segments[index].recording];
         let own = one.start_step(normal, &step);
@@ -154,6 +149,37 @@ pub fn residuals_after_step(
         }
     });
     Some(after.collect())
+}
+
+/// Log likelihood of these residuals in each block of so many seconds of each segment, Student's t weights included, but
+/// for a constant.
+#[must_use]
+pub fn blockwise(
+    problem: &Linearised,
+    residuals: &[Tables],
+    by: &NoiseModel,
+    seconds: f64,
+) -> Vec<f64> {
+    let each = problem
+        .segments
+        .iter()
+        .enumerate()
+        .flat_map(|(index, segment)| {
+            let count = ((segment.end - segment.start) / seconds).ceil().max(1.0) as usize;
+            let mut blocks = vec![0.0; count];
+            for (channel, samples) in segment.samples.iter().enumerate() {
+                let noise = by.noise[segment.recording][samples.signal.group() as usize];
+                let weights = &by.weights[index][channel];
+                let residuals = &residuals[index].channels[channel];
+                let each = noise.log_likelihoods(&samples.time, weights, residuals);
+                for ((time, weight), log_likelihood) in samples.time.iter().zip(weights).zip(each) {
+                    let block = ((time - segment.start) / seconds).max(0.0) as usize;
+                    blocks[block.min(count - 1)] += log_likelihood - 0.5 * penalty(*weight);
+                }
+            }
+            blocks
+        });
+    each.collect()
 }
 
 /// The segments with their starts eliminated, for the recordings whose noise is not searched just then; none where there

@@ -8,6 +8,7 @@
 //! "Bundle adjustment — a modern synthesis", 2000, section 6.1).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SMatrix, SVector};
+use rayon::prelude::*;
 
 /// Components of a start.
 pub const START: usize = 6;
@@ -151,6 +152,44 @@ impl Eliminated {
     #[must_use]
     pub fn log_determinant(&self) -> f64 {
         2.0 * self.factor.l_dirty().diagonal().map(f64::ln).sum()
+    }
+}
+
+/// Normal equations of the parameters: the starts eliminated, the priors added.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    /// By parameters and parameters.
+    pub matrix: DMatrix<f64>,
+    /// By the parameters.
+    pub gradient: DVector<f64>,
+    /// The segments.
+    pub each: Vec<Eliminated>,
+}
+
+impl Reduced {
+    /// The equations of these segments and of a prior with this precision and pull, see [`Eliminated::new`]. `None` where
+    /// numbers are not finite.
+    #[must_use]
+    pub fn new(
+        normals: &[Normal],
+        precision: &DVector<f64>,
+        pull: &DVector<f64>,
+        damping: f64,
+    ) -> Option<Self> {
+        let each = normals.par_iter();
+        let each = each.map(|normal| Eliminated::new(normal, damping));
+        let each: Vec<Eliminated> = each.collect::<Option<_>>()?;
+        let mut matrix = DMatrix::from_diagonal(precision);
+        let mut gradient = pull.clone();
+        for one in &each {
+            matrix += &one.matrix;
+            gradient += &one.gradient;
+        }
+        Some(Self {
+            matrix,
+            gradient,
+            each,
+        })
     }
 }
 

@@ -7,11 +7,11 @@
 //! looked for anew (see [`super::restart`]). A search ends at the predictor's deadline with the best point so far.
 
 use super::bounded::{room, step_within};
-use super::normal::{Eliminated, Normal, START};
+use super::normal::{Normal, Reduced, START};
 use super::predictor::{PredictionError, Predictor};
 use super::problem::{NoiseModel, Point, ShootingProblem, Tables};
 use super::restart::{LEAST, moved, outlying_excess, outlying_restarted, settled};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// When to stop.
@@ -321,13 +321,11 @@ fn restarted<P: Predictor>(
 
 /// What the parameters could gain from here, the starts following them. `None` where the data do not determine them.
 fn parameter_gain<P: Predictor>(problem: &ShootingProblem<P>, here: &Stand) -> Option<f64> {
-    let (precision, mut gradient) = problem.prior(&here.point.coordinates);
-    let mut matrix = DMatrix::from_diagonal(&precision);
-    for normal in &here.normals {
-        let eliminated = Eliminated::new(normal, 0.0)?;
-        matrix += &eliminated.matrix;
-        gradient += &eliminated.gradient;
-    }
+    let (precision, pull) = problem.prior(&here.point.coordinates);
+    let reduced = Reduced::new(&here.normals, &precision, &pull, 0.0)?;
+    let Reduced {
+        matrix, gradient, ..
+    } = reduced;
     let room = room(&problem.parameters, &here.point.coordinates);
     let step = step_within(&matrix, &gradient, &room)?;
     Some(2.0 * gradient.dot(&step) - step.dot(&(&matrix * &step)))
@@ -410,18 +408,12 @@ fn propose<P: Predictor>(
     reach: f64,
 ) -> Option<Step> {
     let Stand { point, normals, .. } = here;
-    let eliminated: Vec<Option<Eliminated>> = normals
-        .par_iter()
-        .map(|normal| Eliminated::new(normal, damping))
-        .collect();
-    let eliminated: Vec<Eliminated> = eliminated.into_iter().collect::<Option<_>>()?;
     let (precision, pull) = problem.prior(&point.coordinates);
-    let mut matrix = DMatrix::from_diagonal(&precision);
-    let mut gradient = pull;
-    for one in &eliminated {
-        matrix += &one.matrix;
-        gradient += &one.gradient;
-    }
+    let Reduced {
+        mut matrix,
+        gradient,
+        each,
+    } = Reduced::new(normals, &precision, &pull, damping)?;
     for k in 0..matrix.nrows() {
         matrix[(k, k)] *= 1.0 + damping;
     }
@@ -450,7 +442,7 @@ fn propose<P: Predictor>(
     }
     let taken = &next.coordinates - &point.coordinates;
     let mut segment_costs = Vec::with_capacity(normals.len());
-    for (one, (normal, start)) in eliminated.iter().zip(normals.iter().zip(&mut next.starts)) {
+    for (one, (normal, start)) in each.iter().zip(normals.iter().zip(&mut next.starts)) {
         let step = one.start_step(normal, &taken);
         segment_costs.push(normal.cost_after(&step, &taken));
         for (value, step) in start.iter_mut().zip(step) {

@@ -1,6 +1,6 @@
 //! The account of a diagnosis: noise, thresholds, and remarks.
 
-use super::posterior::likeliest_first;
+use super::posterior::pairs;
 use crate::diagnosis::Options;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::Wheels;
@@ -34,7 +34,7 @@ pub fn account(searched: &SearchResult, options: &Options, left_out: f64) -> Acc
         noise: noise_estimates(&shooting, &searched.augmented.tables, &searched.noise),
         overdispersion: scatters.get(scatters.len() / 2).copied().unwrap_or(1.0),
         threshold: searched.first.threshold.sqrt(),
-        refused: likeliest_first(&searched.refused),
+        refused: pairs(&searched.refused),
         steps: Vec::new(),
         notes: notes(searched),
     }

@@ -1,6 +1,6 @@
 //! Findings in numbers and sentences.
 
-use super::posterior::likeliest_first;
+use super::posterior::pairs;
 use super::verdict::JudgedFinding;
 use super::words::{statement, whose};
 use crate::diagnosis::hypothesis::candidate::Target;
@@ -110,7 +110,7 @@ fn named(
         probability: judged.probability,
         ambiguous_with: judged.set.iter().map(|(subject, _)| *subject).collect(),
         evidence: effect.gain,
-        rivals: likeliest_first(&effect.rivals),
+        rivals: pairs(&effect.rivals),
         parameters,
         places,
         local,

@@ -1,12 +1,15 @@
 //! Posterior probabilities from log odds.
 
 use crate::diagnosis::Subject;
-use crate::diagnosis::search::accepted::NOTHING;
+use crate::diagnosis::search::accepted::{NOTHING, Rival, likeliest_first};
 
 /// Probability of "unknown" whatever the evidence: now and then something outside the catalogue imitates an effect
 /// exactly.
 pub const DOUBT: f64 = 0.03;
-/// Log odds are divided by a temperature: `SILENT` if "nothing" leads, rising linearly to `TEMPERATURE` where the leader
+/// Log odds of a rival that was compared under its own noise are divided by sqrt(1 + pi s^2 / 8), with the standard error
+/// s of its distance: the logistic approximation of the normal integral over it. Where no formula is the world's, which
+/// one is nearest depends on what was driven (J. Huggins & J. Miller, "Reproducible model selection using bagged
+/// posteriors", Bayesian Analysis 18 (2023)). Those of others and of "nothing" are divided by a temperature: `SILENT` if "nothing" leads, rising linearly to `TEMPERATURE` where the leader
 /// exceeds "nothing" by `CLEAR`, plus `PER_ROOT` times the root of the largest log odds.
 const SILENT: f64 = 0.75;
 const TEMPERATURE: f64 = 2.0;
@@ -37,19 +40,21 @@ fn further(subject: Subject, top: f64) -> f64 {
 pub struct Posterior(pub Vec<(Subject, f64)>);
 
 impl Posterior {
-    /// From log odds of subjects and of "nothing".
+    /// From rivals and the log odds of "nothing".
     #[must_use]
-    pub fn new(log_odds: &[(Subject, f64)], nothing: f64) -> Self {
-        let mut all = vec![(Subject::Nothing, nothing)];
-        all.extend_from_slice(log_odds);
+    pub fn new(rivals: &[Rival], nothing: f64) -> Self {
+        let mut all = vec![Rival::new(Subject::Nothing, nothing)];
+        all.extend_from_slice(rivals);
         let logs = likeliest_first(&all);
-        let top = logs[0].1;
-        let temperature = temperature(top);
-        let weight = |(subject, log): &(Subject, f64)| {
-            ((log - top) / (temperature + further(*subject, top))).exp()
+        let top = logs[0].odds;
+        let common = temperature(top);
+        let temperature = |one: &Rival| match one.scatter {
+            Some(scatter) => (1.0 + std::f64::consts::PI / 8.0 * scatter * scatter).sqrt(),
+            None => common + further(one.subject, top),
         };
+        let weight = |one: &Rival| ((one.odds - top) / temperature(one)).exp();
         let sum: f64 = logs.iter().map(weight).sum();
-        let share = |one: &(Subject, f64)| (one.0, weight(one) / sum);
+        let share = |one: &Rival| (one.subject, weight(one) / sum);
         Self(logs.iter().map(share).collect()).with(Subject::Unknown, DOUBT)
     }
 
@@ -137,18 +142,11 @@ pub fn mean(each: &[(Posterior, f64)]) -> Option<Posterior> {
     (!sum.is_empty()).then_some(Posterior(sum))
 }
 
-/// Each subject once, with its best odds.
+/// Each subject once, with its best odds, for a reader.
 #[must_use]
-pub fn likeliest_first(odds: &[(Subject, f64)]) -> Vec<(Subject, f64)> {
-    let mut sorted = odds.to_vec();
-    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut once: Vec<(Subject, f64)> = Vec::new();
-    for one in sorted {
-        if !once.iter().any(|(subject, _)| *subject == one.0) {
-            once.push(one);
-        }
-    }
-    once
+pub fn pairs(rivals: &[Rival]) -> Vec<(Subject, f64)> {
+    let each = likeliest_first(rivals).into_iter();
+    each.map(|one| (one.subject, one.odds)).collect()
 }
 
 #[cfg(test)]
@@ -158,23 +156,50 @@ mod tests {
     #[test]
     fn probabilities_sum_to_one_and_follow_the_evidence() {
         let (a, b) = (Subject::Effect(0), Subject::Effect(1));
-        let odds = Posterior::new(&[(a, 20.0), (b, 4.0), (a, 3.0)], NOTHING);
+        let of = |odds: &[(Subject, f64)]| {
+            let rivals = odds
+                .iter()
+                .map(|(subject, odds)| Rival::new(*subject, *odds));
+            Posterior::new(&rivals.collect::<Vec<_>>(), NOTHING)
+        };
+        let odds = of(&[(a, 20.0), (b, 4.0), (a, 3.0)]);
         let sum: f64 = odds.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12);
         assert!(odds.of(a) > 0.95 && odds.of(b) < odds.of(a));
         assert!((odds.of(Subject::Unknown) - DOUBT).abs() < 1e-12);
         // The same lead counts less at larger odds.
-        let ahead = |top: f64| Posterior::new(&[(a, top), (b, top - 8.0)], NOTHING).of(a);
+        let ahead = |top: f64| of(&[(a, top), (b, top - 8.0)]).of(a);
         assert!(ahead(20.0) > ahead(200.0) && ahead(200.0) > ahead(2000.0));
         assert!(ahead(2000.0) > 0.5);
         let shared = odds.with(Subject::Unknown, 0.5);
         let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
         // A residual model has no formula that could be another one.
-        let law = Posterior::new(&[(a, 2000.0), (Subject::Unknown, 1970.0)], NOTHING);
-        let name = Posterior::new(&[(a, 2000.0), (b, 1970.0)], NOTHING);
+        let law = of(&[(a, 2000.0), (Subject::Unknown, 1970.0)]);
+        let name = of(&[(a, 2000.0), (b, 1970.0)]);
         assert!(law.of(a) > 0.96 && name.of(a) < 0.92);
-        let nothing = Posterior::new(&[], NOTHING).of(Subject::Nothing);
+        let nothing = of(&[]).of(Subject::Nothing);
         assert!((nothing - (1.0 - DOUBT)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_lead_within_its_standard_error_decides_nothing() {
+        let (a, b) = (Subject::Effect(0), Subject::Effect(1));
+        let leader = |behind: f64, scatter: f64| {
+            let compared = |subject, odds, scatter| Rival {
+                scatter: Some(scatter),
+                ..Rival::new(subject, odds)
+            };
+            let rivals = [
+                compared(a, 200.0, 0.0),
+                compared(b, 200.0 - behind, scatter),
+            ];
+            Posterior::new(&rivals, NOTHING).of(a)
+        };
+        // Of a formula that is the world's, a lead of M has the standard error sqrt(2 M).
+        assert!(leader(20.0, 40.0_f64.sqrt()) > 0.95);
+        // Probability of a normal variable with this mean and deviation to be positive.
+        assert!((leader(20.0, 20.0) / (1.0 - DOUBT) - 0.841).abs() < 0.02);
+        assert!(leader(20.0, 80.0) < 0.6);
     }
 }

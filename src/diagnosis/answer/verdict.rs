@@ -10,7 +10,7 @@ use super::posterior::{DOUBT, Posterior, mean};
 use crate::diagnosis::outcome::{Insufficient, Subject, Verdict};
 use crate::diagnosis::search::accepted::NOTHING;
 use crate::diagnosis::search::proposal::ProposalKind;
-use crate::diagnosis::search::{AcceptedEffect, SearchResult};
+use crate::diagnosis::search::{AcceptedEffect, Rival, SearchResult};
 
 /// Doubt of a name per share of the evidence without a name, and its maximum.
 const UNNAMED_DOUBT: f64 = 2.0;
@@ -72,7 +72,7 @@ pub struct Evidence<'s> {
     /// The accepted effects.
     pub accepted: &'s [AcceptedEffect],
     /// Log odds of the rejected candidates.
-    pub refused: &'s [(Subject, f64)],
+    pub refused: &'s [Rival],
     /// Log evidence of a latent wrench beside the accepted effects.
     pub latent: f64,
     /// Log evidence of all accepted effects together.
@@ -384,7 +384,9 @@ mod tests {
     #[test]
     fn nothing_is_missing_only_where_that_leads_clearly() {
         let judged = |odds: f64| {
-            let refused: Vec<_> = (0..6).map(|k| (Subject::Effect(k), odds)).collect();
+            let refused: Vec<_> = (0..6)
+                .map(|k| Rival::new(Subject::Effect(k), odds))
+                .collect();
             Evidence {
                 accepted: &[],
                 refused: &refused,
@@ -416,8 +418,18 @@ mod tests {
         prop_oneof![-20.0..20.0, 3.0..7.0, 0.0..2000.0]
     }
 
-    fn rivals(most: usize) -> impl Strategy<Value = Vec<(Subject, f64)>> {
-        prop::collection::vec((subject(), odds()), 0..most)
+    fn rival() -> impl Strategy<Value = Rival> {
+        (subject(), odds(), prop::option::of(0.0..100.0)).prop_map(|(subject, odds, scatter)| {
+            Rival {
+                subject,
+                odds,
+                scatter,
+            }
+        })
+    }
+
+    fn rivals(most: usize) -> impl Strategy<Value = Vec<Rival>> {
+        prop::collection::vec(rival(), 0..most)
     }
 
     prop_compose! {
@@ -428,7 +440,7 @@ mod tests {
             mut rivals in rivals(5),
             mends in any::<bool>(),
         ) -> AcceptedEffect {
-            rivals.push((subject, own));
+            rivals.push(Rival::new(subject, own));
             AcceptedEffect {
                 proposal: Proposal::new(subject, vec![0]),
                 gain,

@@ -8,7 +8,7 @@
 use super::{Problem, Solution};
 use crate::fit::noise_estimate;
 use crate::fit::noise_model::reweigh;
-use crate::fit::normal::Eliminated;
+use crate::fit::normal::{Eliminated, Reduced};
 use crate::fit::optimiser::{Stop, minimise_from, normals};
 use crate::fit::predictor::{PredictionError, Predictor};
 use crate::fit::problem::{NoiseModel, Point, ShootingProblem, Tables};
@@ -51,6 +51,9 @@ const TURNS: usize = 8;
 const STILL: f64 = 1.0;
 const STILL_NOISE: f64 = 0.1;
 const STILL_EVIDENCE: f64 = 0.02;
+/// Duration of a block \[s\]. Misfits of formulas last for a manoeuvre, but local effects act in few blocks. In 38 pairs of
+/// rivals the scatter from blocks of 3 s was 1.15 of that from blocks of 1 s in the median, from 8 s 1.25.
+const BLOCK: f64 = 2.0;
 const FIRST: Stop = Stop::after(40, 1.0);
 const NEXT: Stop = Stop::after(8, 0.5);
 
@@ -231,15 +234,24 @@ pub struct FurtherColumns {
     pub each: Vec<Option<Vec<Vec<f64>>>>,
 }
 
-/// Negative log evidence of a hypothesis under the noise and weights that are likeliest for it, beginning with these:
-/// the restricted likelihood, in which further unknowns are integrated out as well. Infinite if numbers are not finite.
+/// Evidence of a hypothesis under the noise and weights that are likeliest for it.
+#[derive(Debug, Clone)]
+pub struct OwnEvidence {
+    /// Negative log evidence; infinite if numbers are not finite.
+    pub negative_log: f64,
+    /// Log likelihood of the likeliest residuals in each block of [`BLOCK`] seconds, but for a constant.
+    pub blocks: Vec<f64>,
+}
+
+/// The restricted likelihood, in which further unknowns are integrated out as well, under the noise and weights that are
+/// likeliest, beginning with these.
 #[must_use]
 pub fn evidence_under_own_noise(
     problem: &Problem,
     fit: &FittedHypothesis,
     further: Option<&FurtherColumns>,
     noise: &NoiseModel,
-) -> f64 {
+) -> OwnEvidence {
     problem.at(&fit.coefficients, &fit.solution, |shooting, point| {
         let count = further.map_or(0, |further| further.count);
         let linearised = shooting.linearised(&point).with_further(&vec![1.0; count]);
@@ -250,19 +262,27 @@ pub fn evidence_under_own_noise(
         });
         let tables: Vec<Tables> = tables.collect();
         let mut own = noise.clone();
+        let mut blocks = Vec::new();
         for _ in 0..TURNS {
             let change = noise_estimate::update_finely(&linearised, &tables, &mut own);
             let Some(residuals) = noise_estimate::residuals_after_step(&linearised, &tables, &own)
             else {
-                return f64::INFINITY;
+                return OwnEvidence {
+                    negative_log: f64::INFINITY,
+                    blocks: Vec::new(),
+                };
             };
             reweigh(shooting, &residuals, &mut own);
             if change < STILL_EVIDENCE {
+                blocks = noise_estimate::blockwise(&linearised, &residuals, &own, BLOCK);
                 break;
             }
         }
         let prior_cost = shooting.prior_cost(&point.coordinates);
-        0.5 * noise_estimate::restricted(&linearised, &tables, prior_cost, &own)
+        OwnEvidence {
+            negative_log: 0.5 * noise_estimate::restricted(&linearised, &tables, prior_cost, &own),
+            blocks,
+        }
     })
 }
 
@@ -306,19 +326,14 @@ fn evidence<P: Predictor>(
 ) -> (f64, DMatrix<f64>) {
     let count = shooting.parameters.len();
     let mut cost = shooting.prior_cost(&point.coordinates);
-    let (precision, _) = shooting.prior(&point.coordinates);
+    let (precision, pull) = shooting.prior(&point.coordinates);
     let prior: f64 = precision.iter().map(|p| p.ln()).sum();
-    let mut matrix = DMatrix::from_diagonal(&precision);
-    let mut starts = 0.0;
-    for normal in normals(shooting, tables, point, noise) {
-        let Some(one) = Eliminated::new(&normal, 0.0) else {
-            return (f64::INFINITY, DMatrix::identity(count, count));
-        };
-        cost += normal.cost;
-        starts += one.log_determinant();
-        matrix += &one.matrix;
-    }
-    let Some(factor) = matrix.cholesky() else {
+    let normals = normals(shooting, tables, point, noise);
+    cost += normals.iter().map(|normal| normal.cost).sum::<f64>();
+    let reduced = Reduced::new(&normals, &precision, &pull, 0.0);
+    let starts = |reduced: &Reduced| reduced.each.iter().map(Eliminated::log_determinant).sum();
+    let starts: f64 = reduced.as_ref().map_or(0.0, starts);
+    let Some(factor) = reduced.and_then(|reduced| reduced.matrix.cholesky()) else {
         return (f64::INFINITY, DMatrix::identity(count, count));
     };
     let whole = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
@@ -440,7 +455,8 @@ mod tests {
             }
             let noise = &noise;
             let negative = |fit: &FittedHypothesis, further: bool, noise: &NoiseModel| {
-                evidence_under_own_noise(problem, fit, further.then_some(&columns), noise)
+                let columns = further.then_some(&columns);
+                evidence_under_own_noise(problem, fit, columns, noise).negative_log
             };
             let plain = negative(&noisy, false, noise);
             // Where the noise begins does not matter.

@@ -21,6 +21,44 @@ pub fn close_to(best: f64) -> f64 {
     best - CLOSE - CLOSE_SHARE * best
 }
 
+/// A candidate with its log odds in the place of an accepted effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rival {
+    /// What.
+    pub subject: Subject,
+    /// Log odds, its prior included.
+    pub odds: f64,
+    /// Standard error of its distance to the accepted one, from the scatter of their log likelihoods in time; `None` if
+    /// they were not compared under their own noise.
+    pub scatter: Option<f64>,
+}
+
+impl Rival {
+    /// One that was not compared.
+    #[must_use]
+    pub fn new(subject: Subject, odds: f64) -> Self {
+        Self {
+            subject,
+            odds,
+            scatter: None,
+        }
+    }
+}
+
+/// Each subject once, with its best odds, the likeliest first.
+#[must_use]
+pub fn likeliest_first(rivals: &[Rival]) -> Vec<Rival> {
+    let mut sorted = rivals.to_vec();
+    sorted.sort_by(|a, b| b.odds.total_cmp(&a.odds));
+    let mut once: Vec<Rival> = Vec::new();
+    for one in sorted {
+        if !once.iter().any(|other| other.subject == one.subject) {
+            once.push(one);
+        }
+    }
+    once
+}
+
 /// An accepted effect.
 #[derive(Debug, Clone)]
 pub struct AcceptedEffect {
@@ -28,8 +66,8 @@ pub struct AcceptedEffect {
     pub proposal: Proposal,
     /// Log Bayes factor against the hypothesis without it.
     pub gain: f64,
-    /// What else was fitted in its place, with log Bayes factors and priors.
-    pub rivals: Vec<(Subject, f64)>,
+    /// All that was fitted in its place, itself among them.
+    pub rivals: Vec<Rival>,
     /// Whether it only mends the formulas of the others, as a residual model does within their shape freedom.
     pub mends: bool,
 }
@@ -44,45 +82,40 @@ pub fn is_mended(accepted: &[AcceptedEffect], index: usize) -> bool {
 impl AcceptedEffect {
     /// Log odds of a subject in its place.
     fn odds(&self, subject: Subject) -> f64 {
-        let own = self.rivals.iter().filter(|(other, _)| *other == subject);
-        own.map(|(_, odds)| *odds).fold(f64::NEG_INFINITY, f64::max)
+        let own = self.rivals.iter().filter(|one| one.subject == subject);
+        own.map(|one| one.odds).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// It and what came close to it, each once.
     #[must_use]
     pub fn close(&self) -> Vec<Subject> {
         let bar = close_to(self.odds(self.proposal.subject));
-        let close = self.rivals.iter().filter(|(_, odds)| *odds > bar);
-        let mut once: Vec<Subject> = Vec::new();
-        for (subject, _) in close {
-            if !once.contains(subject) {
-                once.push(*subject);
-            }
-        }
-        once
+        let close = likeliest_first(&self.rivals).into_iter();
+        let close = close.take_while(|one| one.odds > bar);
+        close.map(|one| one.subject).collect()
     }
 
     /// Takes over the odds of later fits. The other rivals keep their distance.
-    pub fn stand_anew(&mut self, fitted: &[(Subject, f64)]) {
+    pub fn stand_anew(&mut self, fitted: &[Rival]) {
+        let fitted = likeliest_first(fitted);
+        let anew = |subject: Subject| fitted.iter().find(|one| one.subject == subject);
         let subject = self.proposal.subject;
-        let anew = |subject: Subject| {
-            let same = fitted.iter().filter(|(other, _)| *other == subject);
-            same.map(|(_, odds)| *odds).reduce(f64::max)
-        };
         let (before, Some(now)) = (self.odds(subject), anew(subject)) else {
             return;
         };
-        for (other, odds) in &mut self.rivals {
-            *odds = anew(*other).unwrap_or(*odds - before + now);
+        for rival in &mut self.rivals {
+            match anew(rival.subject) {
+                Some(anew) => *rival = *anew,
+                None => rival.odds += now.odds - before,
+            }
         }
     }
 
     /// Lowers its own odds; those of its rivals stay.
     pub fn lose(&mut self, odds: f64) {
-        for (other, own) in &mut self.rivals {
-            if *other == self.proposal.subject {
-                *own -= odds;
-            }
+        let own = self.rivals.iter_mut();
+        for one in own.filter(|one| one.subject == self.proposal.subject) {
+            one.odds -= odds;
         }
     }
 
@@ -93,9 +126,9 @@ impl AcceptedEffect {
             return;
         }
         let own = self.odds(subject);
-        for (other, odds) in &mut self.rivals {
-            if *other == Subject::Unknown {
-                *odds = odds.min(own - advantage);
+        for rival in &mut self.rivals {
+            if rival.subject == Subject::Unknown {
+                rival.odds = rival.odds.min(own - advantage);
             }
         }
     }
@@ -106,11 +139,11 @@ mod tests {
     use super::*;
 
     fn effect(rivals: &[(usize, f64)]) -> AcceptedEffect {
-        let subject = |(effect, odds): &(usize, f64)| (Subject::Effect(*effect), *odds);
+        let rival = |(effect, odds): &(usize, f64)| Rival::new(Subject::Effect(*effect), *odds);
         AcceptedEffect {
             proposal: Proposal::new(Subject::Effect(0), Vec::new()),
             gain: rivals[0].1,
-            rivals: rivals.iter().map(subject).collect(),
+            rivals: rivals.iter().map(rival).collect(),
             mends: false,
         }
     }
@@ -127,11 +160,12 @@ mod tests {
     #[test]
     fn odds_of_a_later_fit_count_and_the_rest_stays_as_far_behind() {
         let mut one = effect(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
-        one.stand_anew(&[(Subject::Effect(1), 900.0), (Subject::Effect(0), 1000.0)]);
-        let odds: Vec<f64> = one.rivals.iter().map(|(_, odds)| *odds).collect();
+        let fitted = |effect: usize, odds: f64| Rival::new(Subject::Effect(effect), odds);
+        one.stand_anew(&[fitted(1, 900.0), fitted(0, 1000.0)]);
+        let odds: Vec<f64> = one.rivals.iter().map(|one| one.odds).collect();
         assert_eq!(odds, [1000.0, 900.0, 960.0]);
         // A rival that was not fitted again has no new odds.
-        one.stand_anew(&[(Subject::Effect(1), 5.0)]);
-        assert_eq!(one.rivals[1].1, 900.0);
+        one.stand_anew(&[fitted(1, 5.0)]);
+        assert_eq!(one.rivals[1].odds, 900.0);
     }
 }

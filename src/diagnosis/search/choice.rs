@@ -15,8 +15,15 @@ pub enum Prefer {
     Names,
 }
 
-/// Held-out gain, with the standard error.
+/// Held-out gain, with the standard error: each under its own noise, if it was ranked so. Under the common noise a fit may
+/// be in a local optimum. That of a local effect is under the common noise: without its region it is unknown, and under
+/// the small noise that it leaves its absence would count as a gross error.
 pub fn held_out_gain(candidate: &FittedCandidate, stage: &Stage) -> Option<(f64, f64)> {
+    if let Some(own) = &candidate.own
+        && candidate.proposal.kind() != ProposalKind::Local
+    {
+        return own.held_out;
+    }
     let pair = candidate.scores.as_ref().zip(stage.scores.as_ref());
     pair.map(|(with, without)| with.gain_over(without))
 }

@@ -279,6 +279,7 @@ mod tests {
             gain,
             shape: 0.0,
             mends: false,
+            ranked: None,
             own: None,
         }
     }

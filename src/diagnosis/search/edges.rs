@@ -15,7 +15,7 @@ use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, PARTIAL_FIT, continue_fit, cost, fit_until, own_noise,
 };
 use crate::diagnosis::screening::region::Region;
-use crate::fit::normal::{Eliminated, Normal};
+use crate::fit::normal::{Eliminated, Normal, Reduced};
 use crate::fit::problem::{NoiseModel, Tables};
 use nalgebra::{DMatrix, DVector};
 
@@ -132,18 +132,16 @@ impl EdgeSystem {
         let others = shooting.parameters.len();
         let linearised = shooting.linearised(&point);
         let linearised = linearised.with_further(&vec![PRIOR.powi(-2); after.len()]);
-        let mut matrix = DMatrix::from_diagonal(&linearised.precision);
-        let mut gradient = linearised.pull.clone();
-        let mut each = Vec::new();
-        for (index, segment) in tables.iter().enumerate() {
+        let tables = tables.iter().enumerate().map(|(index, segment)| {
             let after: Vec<&Tables> = after.iter().map(|all| &all[index]).collect();
-            let table = with_differences(segment, &here[index], &after);
-            let normal = linearised.normal(index, &table, noise);
-            let eliminated = Eliminated::new(&normal, 0.0)?;
-            matrix += &eliminated.matrix;
-            gradient += &eliminated.gradient;
-            each.push((normal, eliminated));
-        }
+            with_differences(segment, &here[index], &after)
+        });
+        let normals = linearised.normals(&tables.collect::<Vec<_>>(), noise);
+        let Reduced {
+            matrix,
+            gradient,
+            each,
+        } = Reduced::new(&normals, &linearised.precision, &linearised.pull, 0.0)?;
         let gain = |matrix: DMatrix<f64>, gradient: DVector<f64>| {
             let step = matrix.cholesky()?.solve(&gradient);
             Some(0.5 * step.dot(&gradient))
@@ -158,7 +156,7 @@ impl EdgeSystem {
             others,
             matrix,
             gradient,
-            segments: each,
+            segments: normals.into_iter().zip(each).collect(),
             cost: 0.5 * shooting.cost(&here, &point, noise),
         })
     }

@@ -29,10 +29,11 @@ use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::optimiser::Stop;
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::NoiseModel;
-pub use accepted::AcceptedEffect;
+pub use accepted::{AcceptedEffect, Rival};
 use choice::held_out_gain;
 use naming::FittedCandidate;
 use path::Path;
+use proposal::ProposalKind;
 use stage::{Screening, screen};
 use std::sync::Arc;
 use trial::try_all;
@@ -55,7 +56,7 @@ pub struct SearchResult<'a> {
     /// The accepted effects.
     pub accepted: Vec<AcceptedEffect>,
     /// Log odds of the candidates rejected in the last round.
-    pub refused: Vec<(Subject, f64)>,
+    pub refused: Vec<Rival>,
     /// Held-out gains of the candidates of the first round.
     pub gains: Vec<(Subject, (f64, f64))>,
     /// Whether there is a held-out score; without it nothing is accepted.
@@ -69,14 +70,21 @@ pub struct SearchResult<'a> {
 }
 
 impl SearchResult<'_> {
+    /// Whether all accepted effects act in a region only.
+    #[must_use]
+    pub fn is_local(&self) -> bool {
+        let mut accepted = self.accepted.iter();
+        accepted.all(|effect| effect.proposal.kind() == ProposalKind::Local)
+    }
+
     /// Returns to the refitted model: the accepted effects predict held-out data worse, so they are no likelier than
     /// "nothing".
     pub fn withdraw(&mut self) {
         for effect in self.accepted.drain(..) {
             self.refused.extend(effect.rivals);
         }
-        for (_, odds) in &mut self.refused {
-            *odds = odds.min(0.0);
+        for rival in &mut self.refused {
+            rival.odds = rival.odds.min(0.0);
         }
         self.noise = own_noise(&self.problem, &self.refitted, &self.noise);
         // The reported intervals belong to this noise.

@@ -7,6 +7,7 @@
 use super::accepted::{NOTHING, TAKE};
 use super::initial_guess::{LOST, after_steps, cheapest, compared, continued, is_unseen, settled};
 use super::proposal::{Proposal, ProposalKind};
+use super::rerank::OwnNoise;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, LONG_PARTIAL_FIT, PARTIAL_FIT, fit_restarted, fit_until,
@@ -47,15 +48,30 @@ pub struct FittedCandidate<'a> {
     pub shape: f64,
     /// Whether it only mends the formulas of the effects accepted so far: their shape freedom explains it as well.
     pub mends: bool,
-    /// Its fit under the noise that it leaves, and that noise, for those that were ranked so.
-    pub own: Option<(FittedHypothesis, NoiseModel)>,
+    /// Log odds as ranked, see [`super::rerank`].
+    pub ranked: Option<f64>,
+    /// Its fit under the noise that it leaves, for those that were ranked by it.
+    pub own: Option<OwnNoise>,
 }
 
 impl FittedCandidate<'_> {
     /// Log odds against the hypothesis without it.
     #[must_use]
     pub fn odds(&self) -> f64 {
+        self.ranked
+            .unwrap_or_else(|| self.odds_under_common_noise())
+    }
+
+    /// The same under the noise that all candidates were fitted under.
+    #[must_use]
+    pub fn odds_under_common_noise(&self) -> f64 {
         self.gain + self.shape + self.proposal.log_prior()
+    }
+
+    /// Log Bayes factor by the catalogue's formulas, as ranked.
+    #[must_use]
+    pub fn ranked_gain(&self) -> f64 {
+        self.odds() - self.shape - self.proposal.log_prior()
     }
 
     /// Judges its fit: what shape freedom adds, and how it predicts what it was not fitted to.
@@ -66,7 +82,8 @@ impl FittedCandidate<'_> {
         let shape = fit.shape_gain - before.shape_gain;
         let is_residual_model = self.proposal.kind() == ProposalKind::ResidualModel;
         self.shape = if is_residual_model { 0.0 } else { shape };
-        self.mends = is_residual_model && self.odds() + shape < NOTHING + TAKE;
+        let odds = self.odds_under_common_noise();
+        self.mends = is_residual_model && odds + shape < NOTHING + TAKE;
     }
 
     /// Takes another fit under the same noise.
@@ -176,6 +193,7 @@ impl<'a> PartialFit<'a> {
             gain: self.promise() - self.shape - self.proposal.log_prior(),
             shape: self.shape,
             mends: false,
+            ranked: None,
             own: None,
             proposal: self.proposal,
             problem: self.problem,
@@ -279,6 +297,7 @@ pub fn finish<'a>(
         gain: without - fit.negative_log_evidence - proposal.price,
         shape: 0.0,
         mends: false,
+        ranked: None,
         own: None,
         scores: None,
         proposal,

@@ -3,13 +3,13 @@
 //! In a long recording, further effects are searched on a subsample, unless the first one is local. Then everything
 //! is screened once more on the whole recording, which decides what is removed and what else is accepted.
 
-use super::accepted::{AcceptedEffect, CATALOGUED, NOTHING};
+use super::accepted::{AcceptedEffect, CATALOGUED, NOTHING, Rival};
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
 use super::edges::refine_under_own_noise;
 use super::naming::FittedCandidate;
 use super::proposal::{Proposal, ProposalKind};
 use super::prune::{prune, without};
-use super::rerank::under_own_noise;
+use super::rerank::{OwnNoise, under_own_noise};
 use super::stage::{Stage, screen_again};
 use super::trial::try_all;
 use super::unstuck::{AGAIN, unstuck};
@@ -32,8 +32,10 @@ pub struct Path<'a> {
     /// The accepted effects.
     pub accepted: Vec<AcceptedEffect>,
     /// Log odds of the candidates rejected in the last round.
-    pub refused: Vec<(Subject, f64)>,
+    pub refused: Vec<Rival>,
     scope: Scope<'a>,
+    /// Whether the noise is that of all accepted effects together.
+    settled: bool,
 }
 
 /// The segments that the next steps use.
@@ -57,6 +59,7 @@ impl<'a> Path<'a> {
             accepted: Vec::new(),
             refused: Vec::new(),
             scope: Scope::Whole,
+            settled: false,
         }
     }
 
@@ -124,17 +127,20 @@ impl<'a> Path<'a> {
                 continue;
             }
             let Some(mut best) = choose(&fitted, &self.stage, prefer).cloned() else {
-                self.refused = self.rivals(&fitted);
+                self.refused = self.rivals(&fitted, None);
                 break;
             };
-            if let Some((fit, noise)) = best.own.take() {
-                (best.fit, self.noise) = (fit, noise);
+            let gain = best.ranked_gain();
+            let rivals = self.rivals(&fitted, best.own.as_ref());
+            self.settled = best.own.is_some();
+            if let Some(own) = best.own.take() {
+                (best.fit, self.noise) = (own.fit, own.noise);
             }
             refine_under_own_noise(&mut best, &self.noise);
             self.accepted.push(AcceptedEffect {
                 proposal: best.proposal,
-                gain: self.on_whole(best.gain),
-                rivals: self.rivals(&fitted),
+                gain: self.on_whole(gain),
+                rivals,
                 mends: best.mends,
             });
             let (placed, fit) = self.narrowed(best.problem, best.fit);
@@ -147,10 +153,11 @@ impl<'a> Path<'a> {
         prune(&mut self.stage, &mut self.accepted, &self.noise, ratio);
         if self.accepted.is_empty() {
             let rivals = before.into_iter().flat_map(|effect| effect.rivals);
-            let refused = rivals.map(|(subject, odds)| (subject, odds.min(0.0)));
+            let refused = rivals.map(|one| Rival::new(one.subject, one.odds.min(0.0)));
             self.refused.extend(refused);
         }
         if self.stage.fit.coefficients != coefficients {
+            self.settled = false;
             let Stage { problem, fit, .. } = self.stage.clone();
             self.stage = self.rescreened(problem, fit, options, progress)?;
         }
@@ -177,13 +184,19 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Log odds of fitted candidates.
-    fn rivals(&self, fitted: &[FittedCandidate]) -> Vec<(Subject, f64)> {
-        let odds = |candidate: &FittedCandidate| self.on_whole(sound_odds(candidate, &self.stage));
-        let rivals = fitted.iter();
-        rivals
-            .map(|candidate| (candidate.proposal.subject, odds(candidate)))
-            .collect()
+    /// Log odds of fitted candidates, and the scatter of their distances to the accepted one.
+    fn rivals(&self, fitted: &[FittedCandidate], accepted: Option<&OwnNoise>) -> Vec<Rival> {
+        let rivals = fitted.iter().map(|candidate| {
+            let scatter = accepted.zip(candidate.own.as_ref());
+            let scatter = scatter.map(|(accepted, own)| own.scatter(accepted));
+            Rival {
+                subject: candidate.proposal.subject,
+                odds: self.on_whole(sound_odds(candidate, &self.stage)),
+                // That of a sum grows with the root of its length.
+                scatter: scatter.map(|scatter| scatter * self.on_whole(1.0).sqrt()),
+            }
+        });
+        rivals.collect()
     }
 
     /// Log odds of a subsample, scaled to all segments.
@@ -245,6 +258,7 @@ impl<'a> Path<'a> {
             return Ok(self);
         };
         let (first, fit, noise) = *whole;
+        self.settled = false;
         progress.step("fitting further candidates")?;
         self.noise.weights = noise.weights;
         let problem = Problem {
@@ -280,7 +294,7 @@ impl<'a> Path<'a> {
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
-        if self.accepted.is_empty() || progress.is_late() {
+        if self.accepted.is_empty() || self.settled || progress.is_late() {
             return Ok(self);
         }
         progress.step("estimating the noise")?;
@@ -344,7 +358,7 @@ impl<'a> Path<'a> {
             }
             match choose(&fitted, &path.stage, Prefer::Nothing) {
                 Some(best) if is(&best.proposal) => {
-                    let rivals = path.rivals(&fitted);
+                    let rivals = path.rivals(&fitted, best.own.as_ref());
                     self.accepted[index].stand_anew(&rivals);
                 }
                 Some(_) => {
@@ -389,6 +403,7 @@ impl<'a> Path<'a> {
     ) -> Result<Option<Self>, DiagnosisError> {
         let mut path = self.clone();
         let removed = path.accepted.remove(index).proposal;
+        path.settled = false;
         let (problem, fit) = without(&path.stage, &removed, &path.noise);
         let Ok(fit) = fit else { return Ok(None) };
         path.stage = path.rescreened(problem, fit, options, progress)?;
@@ -418,7 +433,10 @@ impl<'a> Path<'a> {
         };
         let negative_log_evidence = |path: &Self| -> f64 {
             let Stage { problem, fit, .. } = &path.stage;
-            under_own_noise(problem, fit, &path.noise).evidence + price(path)
+            under_own_noise(problem, fit, &path.noise)
+                .evidence
+                .negative_log
+                + price(path)
         };
         negative_log_evidence(other) - negative_log_evidence(self)
     }

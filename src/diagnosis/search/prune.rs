@@ -204,6 +204,7 @@ fn linear_loss(stage: &Stage, coefficients: &[usize]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::accepted::Rival;
     use super::*;
     use crate::diagnosis::Subject;
     use crate::diagnosis::hypothesis::candidate::CandidateParameter;
@@ -248,7 +249,7 @@ mod tests {
             evidence: gain,
             ..Proposal::new(subject, coefficients)
         };
-        let rivals = vec![(subject, gain)];
+        let rivals = vec![Rival::new(subject, gain)];
         let mut accepted = vec![AcceptedEffect {
             proposal,
             gain,

@@ -24,9 +24,11 @@ const BETTER: f64 = 2.5;
 /// Maximum number of fits.
 const MAX_FITS: usize = 3;
 
-/// The likeliest, if it acts throughout and its odds are high.
+/// The likeliest, if it acts throughout and its odds are high, also as ranked. All other odds here are under the common
+/// noise.
 fn replaceable<'n, 'a>(fitted: &'n [FittedCandidate<'a>]) -> Option<&'n FittedCandidate<'a>> {
-    let best = fitted.iter().max_by(|a, b| a.odds().total_cmp(&b.odds()))?;
+    let odds = FittedCandidate::odds_under_common_noise;
+    let best = fitted.iter().max_by(|a, b| odds(a).total_cmp(&odds(b)))?;
     let throughout = best.proposal.kind() != ProposalKind::Local;
     (throughout && best.odds() > AT_STAKE).then_some(best)
 }
@@ -38,7 +40,8 @@ pub fn take_over<'a>(fitted: &mut Vec<FittedCandidate<'a>>, other: Vec<FittedCan
             .iter()
             .position(|known| is_of(known, one.proposal.subject))
         {
-            Some(place) if fitted[place].odds() >= one.odds() => {}
+            Some(place)
+                if fitted[place].odds_under_common_noise() >= one.odds_under_common_noise() => {}
             Some(place) => fitted[place] = one,
             None => fitted.push(one),
         }
@@ -63,10 +66,10 @@ pub fn replaced<'a>(
     let own = &best.proposal.coefficients;
     let (all, removed) = replacements(&best.problem, &best.fit, own, noise);
     let linearised = |one: &Replacement| best.gain + best.proposal.log_prior() + one.odds;
-    let min_odds = best.odds() - UNSURE - UNSURE_SHARE * removed.max(0.0);
+    let min_odds = best.odds_under_common_noise() - UNSURE - UNSURE_SHARE * removed.max(0.0);
     let promising = all.iter().filter(|one| {
         let same = fitted.iter().filter(|known| is_of(known, one.subject));
-        let known = same.map(FittedCandidate::odds);
+        let known = same.map(FittedCandidate::odds_under_common_noise);
         let known = known.fold(f64::NEG_INFINITY, f64::max);
         linearised(one) > min_odds && linearised(one) > known + BETTER
     });

@@ -11,8 +11,10 @@ use super::naming::FittedCandidate;
 use super::proposal::ProposalKind;
 use super::stage::Stage;
 use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::held_out::scores;
 use crate::diagnosis::hypothesis::likelihood::{
-    FittedHypothesis, HELD, continue_fit, evidence_under_own_noise, fit_with_noise, own_noise,
+    FittedHypothesis, HELD, OwnEvidence, continue_fit, evidence_under_own_noise, fit_with_noise,
+    own_noise,
 };
 use crate::diagnosis::screening::shape::{mixed, sample_columns};
 use crate::fit::problem::NoiseModel;
@@ -24,84 +26,127 @@ pub const AT_STAKE: f64 = 20.0;
 const CLOSE: f64 = 15.0;
 const CLOSE_SHARE: f64 = 0.1;
 /// Maximum number of compared candidates.
-const MAX_COMPARED: usize = 4;
+pub const MAX_COMPARED: usize = 4;
 
 /// A candidate's fit must improve by this much to be taken, in log evidence.
 const BETTER: f64 = 1.0;
 
-/// Ranks close candidates beside a hypothesis. Where a candidate's fit ends elsewhere under its own noise, and is better
-/// there under this one too, it is taken: a small noise holds a fit in a local optimum.
-pub fn rerank(fitted: &mut [FittedCandidate], stage: &Stage, noise: &NoiseModel) {
-    fitted.sort_by(|a, b| b.odds().total_cmp(&a.odds()));
-    let best = fitted.first().map_or(0.0, FittedCandidate::odds);
-    if best < AT_STAKE {
-        return;
-    }
-    let near = |candidate: &FittedCandidate| candidate.odds() > best - CLOSE - CLOSE_SHARE * best;
-    let mut subjects = Vec::new();
-    let mut compared = vec![false; fitted.len()];
-    for (place, candidate) in fitted.iter().enumerate() {
-        // The same subject in another region is no rival.
-        let known = subjects.contains(&candidate.proposal.subject);
-        if near(candidate) && !known && subjects.len() < MAX_COMPARED {
-            subjects.push(candidate.proposal.subject);
-            compared[place] = true;
+/// Ranks close candidates beside a hypothesis.
+#[derive(Debug)]
+pub struct Ranking<'s, 'a> {
+    stage: &'s Stage<'a>,
+    noise: &'s NoiseModel,
+    /// The hypothesis itself.
+    without: Option<OwnNoise>,
+}
+
+impl<'s, 'a> Ranking<'s, 'a> {
+    /// Beside the hypothesis of a stage, under whose noise the candidates were fitted.
+    #[must_use]
+    pub fn new(stage: &'s Stage<'a>, noise: &'s NoiseModel) -> Self {
+        Self {
+            stage,
+            noise,
+            without: None,
         }
     }
-    let without = under_own_noise(&stage.problem, &stage.fit, noise);
-    let mut leads = vec![f64::NAN; fitted.len()];
-    for place in (0..fitted.len()).filter(|place| compared[*place]) {
-        let candidate = &mut fitted[place];
-        let proposal = &candidate.proposal;
-        let found = under_own_noise(&candidate.problem, &candidate.fit, noise);
-        let is_residual_model = proposal.kind() == ProposalKind::ResidualModel;
+
+    /// Ranks up to so many of the candidates close to the likeliest. Fits that were cut short do not compare: at the
+    /// deadline all keep their odds.
+    pub fn rank(&mut self, fitted: &mut [FittedCandidate], max_compared: usize) {
+        let odds = FittedCandidate::odds_under_common_noise;
+        fitted.sort_by(|a, b| odds(b).total_cmp(&odds(a)));
+        let best = fitted.first().map_or(0.0, odds);
+        if best < AT_STAKE {
+            return;
+        }
+        let near = best - CLOSE - CLOSE_SHARE * best;
+        let mut subjects = Vec::new();
+        let mut leads = vec![None; fitted.len()];
+        for (candidate, lead) in fitted.iter_mut().zip(&mut leads) {
+            // The same subject in another region is no rival.
+            let known = subjects.contains(&candidate.proposal.subject);
+            if odds(candidate) > near && !known && subjects.len() < max_compared {
+                subjects.push(candidate.proposal.subject);
+                *lead = Some(self.lead(candidate));
+            }
+        }
+        let Some(leading) = leads.iter().flatten().copied().reduce(f64::max) else {
+            return;
+        };
+        if self.stage.problem.deadline.is_over() {
+            return;
+        }
+        // Under the common noise, which is small, all odds are larger.
+        let scale = (leading / best).clamp(0.0, 1.0);
+        for (candidate, lead) in fitted.iter_mut().zip(leads) {
+            let others = || (scale * odds(candidate)).min(odds(candidate));
+            candidate.ranked = Some(lead.unwrap_or_else(others));
+        }
+    }
+
+    /// A candidate's log odds under its own noise. If its fit ends elsewhere there, and is better under the common noise
+    /// too, it is taken: a small noise holds a fit in a local optimum.
+    fn lead(&mut self, candidate: &mut FittedCandidate) -> f64 {
+        let Self { stage, noise, .. } = self;
+        let without = self
+            .without
+            .get_or_insert_with(|| under_own_noise(&stage.problem, &stage.fit, noise));
+        let is_residual_model = candidate.proposal.kind() == ProposalKind::ResidualModel;
+        if candidate.own.is_none() {
+            let mut own = under_own_noise(&candidate.problem, &candidate.fit, noise);
+            let moved = continue_fit(&candidate.problem, &own.fit, noise, HELD);
+            if candidate.fit.negative_log_evidence - moved.negative_log_evidence > BETTER {
+                candidate.refit(moved, &stage.fit, noise);
+            }
+            let with = scores(&candidate.problem, &own.fit, &own.noise);
+            let without = scores(&stage.problem, &without.fit, &without.noise);
+            own.held_out = with
+                .zip(without)
+                .map(|(with, without)| with.gain_over(&without));
+            candidate.own = Some(own);
+        }
+        let Some(own) = &candidate.own else {
+            return f64::NEG_INFINITY;
+        };
         let catalogued = if is_residual_model { CATALOGUED } else { 0.0 };
-        let beside = proposal.log_prior() - proposal.price - catalogued;
-        let lead = without.evidence - found.evidence + beside;
-        // A residual model may be what mends the formulas, so it does without their shapes.
-        leads[place] = if is_residual_model {
-            without.exact - found.exact + beside
-        } else {
-            lead
-        };
-        let moved = continue_fit(&candidate.problem, &found.fit, noise, HELD);
-        if candidate.fit.negative_log_evidence - moved.negative_log_evidence > BETTER {
-            candidate.refit(moved, &stage.fit, noise);
-        }
+        let beside = candidate.proposal.log_prior() - candidate.proposal.price - catalogued;
+        let lead = without.evidence.negative_log - own.evidence.negative_log + beside;
         candidate.mends = is_residual_model && lead < NOTHING + TAKE;
-        candidate.own = Some((found.fit, found.noise));
-    }
-    let leading = leads.iter().copied().filter(|lead| lead.is_finite());
-    let Some(leading) = leading.reduce(f64::max) else {
-        return;
-    };
-    if stage.problem.deadline.is_over() {
-        // Fits that were cut short do not compare.
-        return;
-    }
-    // Under the common noise, which is small, all odds are larger.
-    let scale = (leading / best).clamp(0.0, 1.0);
-    for (candidate, lead) in fitted.iter_mut().zip(leads) {
-        let odds = if lead.is_nan() {
-            (scale * candidate.odds()).min(candidate.odds())
+        if is_residual_model {
+            // It may be what mends the formulas, so it does without their shapes.
+            without.exact - own.exact + beside
         } else {
             lead
-        };
-        candidate.gain = odds - candidate.shape - candidate.proposal.log_prior();
+        }
     }
 }
 
 /// A fit under the noise that it leaves.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct OwnNoise {
     /// Negative log evidence by the catalogue's formulas.
     exact: f64,
-    /// Negative log evidence by the catalogue's formulas or by neighbours of them.
-    pub evidence: f64,
+    /// Evidence by the catalogue's formulas or by neighbours of them.
+    pub evidence: OwnEvidence,
     /// The fit.
     pub fit: FittedHypothesis,
     /// Noise and weights.
     pub noise: NoiseModel,
+    /// Held-out gain over the hypothesis without the candidate, each under its own noise, with the standard error.
+    pub held_out: Option<(f64, f64)>,
+}
+
+impl OwnNoise {
+    /// Standard error of the difference of two log likelihoods, from its scatter between blocks of time (Q. Vuong,
+    /// "Likelihood ratio tests for model selection and non-nested hypotheses", Econometrica 57 (1989)): around zero, as an
+    /// effect may act in few blocks only.
+    #[must_use]
+    pub fn scatter(&self, other: &Self) -> f64 {
+        let pairs = self.evidence.blocks.iter().zip(&other.evidence.blocks);
+        let squares = pairs.map(|(a, b)| (a - b).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
 }
 
 /// Continues a fit under the noise that it leaves, beginning with this.
@@ -110,16 +155,21 @@ pub fn under_own_noise(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseM
     let mut own = own_noise(problem, fit, noise);
     let again = fit_with_noise(problem, &fit.coefficients, &fit.solution, &mut own);
     let again = again.unwrap_or_else(|_| fit.clone());
-    let exact = evidence_under_own_noise(problem, &again, None, &own);
-    let shapes = sample_columns(problem, &again.coefficients, &again.solution);
-    let evidence = shapes.map_or(exact, |shapes| {
+    let mut evidence = evidence_under_own_noise(problem, &again, None, &own);
+    let exact = evidence.negative_log;
+    if let Some(shapes) = sample_columns(problem, &again.coefficients, &again.solution) {
         let shaped = evidence_under_own_noise(problem, &again, Some(&shapes), noise);
-        exact - mixed(exact - shaped)
-    });
+        let negative_log = exact - mixed(exact - shaped.negative_log);
+        if shaped.negative_log < exact {
+            evidence = shaped;
+        }
+        evidence.negative_log = negative_log;
+    }
     OwnNoise {
         exact,
         evidence,
         fit: again,
         noise: own,
+        held_out: None,
     }
 }

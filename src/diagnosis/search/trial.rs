@@ -5,7 +5,7 @@ use super::edges::refine_edges;
 use super::naming::{FittedCandidate, PartialFit, finish, partial_fit};
 use super::proposal::{Proposal, ProposalKind};
 use super::replaced::{replaced, take_over};
-use super::rerank::{AT_STAKE, rerank};
+use super::rerank::{AT_STAKE, MAX_COMPARED, Ranking};
 use super::stage::Stage;
 use super::subsample_search::SubsampleSearch;
 use crate::diagnosis::hypothesis::Problem;
@@ -95,11 +95,14 @@ pub fn try_all<'a>(
         }
     }
     if unfinished.is_empty() && !progress.is_late() {
+        let mut ranking = Ranking::new(stage, noise);
+        // What another noise explains as well is replaced in vain.
+        ranking.rank(&mut fitted, 1);
         let other = replaced(stage, &fitted, noise);
         if !progress.is_late() {
             take_over(&mut fitted, other);
         }
-        rerank(&mut fitted, stage, noise);
+        ranking.rank(&mut fitted, MAX_COMPARED);
     }
     let largest = best(&fitted);
     let unfinished = unfinished.into_iter();

@@ -57,6 +57,7 @@ mod tests {
             gain,
             shape: 0.0,
             mends: false,
+            ranked: None,
             own: None,
         };
         // Already optimal: no reason to repeat.
