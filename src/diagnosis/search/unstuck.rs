@@ -1,6 +1,7 @@
 //! A hypothesis that is stuck in a local optimum shows where a candidate's fit leaves it.
 
 use super::naming::FittedCandidate;
+use super::rerank::under_own_noise;
 use super::stage::Stage;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, LONG_PARTIAL_FIT, fit_until};
 use crate::fit::problem::NoiseModel;
@@ -10,7 +11,9 @@ const STUCK: f64 = 5.0;
 pub const AGAIN: usize = 2;
 
 /// The hypothesis refitted from where the likeliest candidate's fit ended, without the candidate: its fit may be in a
-/// local optimum, and to leave that is not the candidate's merit. `None` if it is no better.
+/// local optimum, and to leave that is not the candidate's merit. `None` if it is no better, also under its own noise if
+/// the candidate was ranked so: under the common noise a misfit of thousands of units differs by thousands between two
+/// optima that are alike under theirs.
 #[must_use]
 pub fn unstuck(
     stage: &Stage,
@@ -32,7 +35,16 @@ pub fn unstuck(
         LONG_PARTIAL_FIT,
     )
     .ok()?;
-    (again.negative_log_evidence < stage.fit.negative_log_evidence - STUCK).then_some(again)
+    if again.negative_log_evidence > stage.fit.negative_log_evidence - STUCK {
+        return None;
+    }
+    let own = |fit| {
+        under_own_noise(&stage.problem, fit, noise)
+            .evidence
+            .negative_log
+    };
+    let better = best.own.is_none() || own(&again) < own(&stage.fit) - STUCK;
+    better.then_some(again)
 }
 
 #[cfg(test)]
@@ -68,6 +80,12 @@ mod tests {
         assert!(stage.fit.negative_log_evidence > beside.fit.negative_log_evidence + STUCK);
         let found = unstuck(&stage, std::slice::from_ref(&beside), &noise).unwrap();
         assert!((found.negative_log_evidence - beside.fit.negative_log_evidence).abs() < 1.0);
+        // Under its own noise the hypothesis gets there by itself.
+        let ranked = FittedCandidate {
+            own: Some(under_own_noise(&problem, &beside.fit, &noise)),
+            ..beside.clone()
+        };
+        assert!(unstuck(&stage, &[ranked], &noise).is_none());
         // A candidate without gain is no better way.
         assert!(
             unstuck(
