@@ -1,6 +1,7 @@
 //! The ladder of claims about the finding that a verdict is about: where it acts, which mechanism it is, by which
 //! formula. Each has its own probability: what is safe to say of the direction may not be of the name.
 
+use super::posterior::DOUBT;
 use super::verdict::Judgement;
 use super::words::{numbers, phrase};
 use crate::diagnosis::outcome::{Claim, ClaimLevel, Finding, Subject};
@@ -13,7 +14,8 @@ use crate::effects::{CATALOGUE, Class};
 /// # Algorithm
 /// 1. *Where.* Names of one class, such as all that resist the motion, share their probability. What resists does so
 ///    along the vehicle or aside, whichever has the larger share of the wrench that the finding exerts: all of its
-///    rivals explain the same misfit. *Unknown* physics counts as a resistance there.
+///    rivals explain the same misfit. *Unknown* physics counts as a resistance there, but for the constant share that it
+///    has whatever the evidence.
 /// 2. *Mechanism.* The probability of the finding's name.
 /// 3. *Formula.* That times the probability of the catalogue's own formula against the neighbours of it
 ///    ([`crate::diagnosis::screening::shape`]), or against what mends it.
@@ -27,13 +29,18 @@ pub fn claims(searched: &SearchResult, judgement: &Judgement, findings: &[Findin
     let of_class = judged.posterior.iter();
     let of_class = of_class.filter(|(subject, _)| *subject != Subject::Nothing);
     let of_class = of_class.filter(|(subject, _)| self::class(*subject) == class);
-    let together: f64 = of_class.map(|(_, probability)| probability).sum();
+    let together: f64 = of_class
+        .map(|(subject, probability)| match subject {
+            Subject::Unknown => (probability - DOUBT).max(0.0),
+            _ => *probability,
+        })
+        .sum();
     let (name, words) = words(class, exerts_along(searched, judged.effect));
     let mut claims = vec![Claim {
         level: ClaimLevel::Where,
         name,
         statement: words.into(),
-        probability: together.max(finding.probability).min(1.0),
+        probability: together.max(finding.probability),
     }];
     let Subject::Effect(_) = finding.subject else {
         return claims;
