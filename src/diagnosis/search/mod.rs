@@ -9,6 +9,7 @@ mod colocated;
 pub mod edges;
 pub mod initial_guess;
 pub mod naming;
+pub mod own_noise;
 pub mod path;
 pub mod proposal;
 pub mod prune;

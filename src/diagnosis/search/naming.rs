@@ -6,8 +6,8 @@
 
 use super::accepted::{NOTHING, TAKE};
 use super::initial_guess::{LOST, after_steps, cheapest, compared, continued, is_unseen, settled};
+use super::own_noise::OwnNoise;
 use super::proposal::{Proposal, ProposalKind};
-use super::rerank::OwnNoise;
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, LONG_PARTIAL_FIT, PARTIAL_FIT, fit_restarted, fit_until,

@@ -1,7 +1,7 @@
 //! A hypothesis that is stuck in a local optimum shows where a candidate's fit leaves it.
 
 use super::naming::FittedCandidate;
-use super::rerank::under_own_noise;
+use super::own_noise::under_own_noise;
 use super::stage::Stage;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, LONG_PARTIAL_FIT, fit_until};
 use crate::fit::problem::NoiseModel;

@@ -1,0 +1,63 @@
+//! Fits under the noise that they leave.
+//!
+//! The noise that all candidates are fitted under contains a part of the missing effect, or is too small for the model
+//! without it. Under its own noise a fit shows what it is worth by itself.
+
+use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::likelihood::{
+    FittedHypothesis, OwnEvidence, evidence_under_own_noise, fit_with_noise, own_noise,
+};
+use crate::diagnosis::screening::shape::{mixed, sample_columns};
+use crate::fit::problem::NoiseModel;
+
+/// A fit under the noise that it leaves.
+#[derive(Debug, Clone)]
+pub struct OwnNoise {
+    /// Negative log evidence by the catalogue's formulas.
+    pub exact: f64,
+    /// Evidence by the catalogue's formulas or by neighbours of them.
+    pub evidence: OwnEvidence,
+    /// The fit.
+    pub fit: FittedHypothesis,
+    /// Noise and weights.
+    pub noise: NoiseModel,
+    /// Held-out gain over the hypothesis without the candidate, each under its own noise, with the standard error.
+    pub held_out: Option<(f64, f64)>,
+}
+
+impl OwnNoise {
+    /// Standard error of the difference of two log likelihoods, from its scatter between blocks of time (Q. Vuong,
+    /// "Likelihood ratio tests for model selection and non-nested hypotheses", Econometrica 57 (1989)): around zero, as an
+    /// effect may act in few blocks only.
+    #[must_use]
+    pub fn scatter(&self, other: &Self) -> f64 {
+        let pairs = self.evidence.blocks.iter().zip(&other.evidence.blocks);
+        let squares = pairs.map(|(a, b)| (a - b).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+}
+
+/// Continues a fit under the noise that it leaves, beginning with this.
+#[must_use]
+pub fn under_own_noise(problem: &Problem, fit: &FittedHypothesis, noise: &NoiseModel) -> OwnNoise {
+    let mut own = own_noise(problem, fit, noise);
+    let again = fit_with_noise(problem, &fit.coefficients, &fit.solution, &mut own);
+    let again = again.unwrap_or_else(|_| fit.clone());
+    let mut evidence = evidence_under_own_noise(problem, &again, None, &own);
+    let exact = evidence.negative_log;
+    if let Some(shapes) = sample_columns(problem, &again.coefficients, &again.solution) {
+        let shaped = evidence_under_own_noise(problem, &again, Some(&shapes), noise);
+        let negative_log = exact - mixed(exact - shaped.negative_log);
+        if shaped.negative_log < exact {
+            evidence = shaped;
+        }
+        evidence.negative_log = negative_log;
+    }
+    OwnNoise {
+        exact,
+        evidence,
+        fit: again,
+        noise: own,
+        held_out: None,
+    }
+}
