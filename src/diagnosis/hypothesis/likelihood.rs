@@ -262,26 +262,26 @@ pub fn evidence_under_own_noise(
         });
         let tables: Vec<Tables> = tables.collect();
         let mut own = noise.clone();
-        let mut blocks = Vec::new();
+        let mut residuals = Vec::new();
         for _ in 0..TURNS {
             let change = noise_estimate::update_finely(&linearised, &tables, &mut own);
-            let Some(residuals) = noise_estimate::residuals_after_step(&linearised, &tables, &own)
+            let Some(after) = noise_estimate::residuals_after_step(&linearised, &tables, &own)
             else {
                 return OwnEvidence {
                     negative_log: f64::INFINITY,
                     blocks: Vec::new(),
                 };
             };
-            reweigh(shooting, &residuals, &mut own);
+            reweigh(shooting, &after, &mut own);
+            residuals = after;
             if change < STILL_EVIDENCE {
-                blocks = noise_estimate::blockwise(&linearised, &residuals, &own, BLOCK);
                 break;
             }
         }
         let prior_cost = shooting.prior_cost(&point.coordinates);
         OwnEvidence {
             negative_log: 0.5 * noise_estimate::restricted(&linearised, &tables, prior_cost, &own),
-            blocks,
+            blocks: noise_estimate::blockwise(&linearised, &residuals, &own, BLOCK),
         }
     })
 }

@@ -28,12 +28,13 @@ pub struct OwnNoise {
 impl OwnNoise {
     /// Standard error of the difference of two log likelihoods, from its scatter between blocks of time (Q. Vuong,
     /// "Likelihood ratio tests for model selection and non-nested hypotheses", Econometrica 57 (1989)): around zero, as an
-    /// effect may act in few blocks only.
+    /// effect may act in few blocks only. `None` where numbers were not finite.
     #[must_use]
-    pub fn scatter(&self, other: &Self) -> f64 {
-        let pairs = self.evidence.blocks.iter().zip(&other.evidence.blocks);
-        let squares = pairs.map(|(a, b)| (a - b).powi(2));
-        squares.sum::<f64>().sqrt()
+    pub fn scatter(&self, other: &Self) -> Option<f64> {
+        let (own, other) = (&self.evidence.blocks, &other.evidence.blocks);
+        let squares = own.iter().zip(other).map(|(a, b)| (a - b).powi(2));
+        let scatter = squares.sum::<f64>().sqrt();
+        (!own.is_empty() && own.len() == other.len() && scatter.is_finite()).then_some(scatter)
     }
 }
 

@@ -188,7 +188,7 @@ impl<'a> Path<'a> {
     fn rivals(&self, fitted: &[FittedCandidate], accepted: Option<&OwnNoise>) -> Vec<Rival> {
         let rivals = fitted.iter().map(|candidate| {
             let scatter = accepted.zip(candidate.own.as_ref());
-            let scatter = scatter.map(|(accepted, own)| own.scatter(accepted));
+            let scatter = scatter.and_then(|(accepted, own)| own.scatter(accepted));
             Rival {
                 subject: candidate.proposal.subject,
                 odds: self.on_whole(sound_odds(candidate, &self.stage)),

@@ -64,7 +64,7 @@ impl<'s, 'a> Ranking<'s, 'a> {
             let known = subjects.contains(&candidate.proposal.subject);
             if odds(candidate) > near && !known && subjects.len() < max_compared {
                 subjects.push(candidate.proposal.subject);
-                *lead = Some(self.lead(candidate));
+                *lead = Some(self.lead(candidate)).filter(|lead| lead.is_finite());
             }
         }
         let Some(leading) = leads.iter().flatten().copied().reduce(f64::max) else {
