@@ -216,7 +216,7 @@ fn turns<P: Predictor>(
         let State { point, by, .. } = state;
         let stop = if turn == 1 { FIRST_TURN } else { TURN };
         let outcome = minimise(problem, point, by, stop).map_err(FitError::Start)?;
-        let change = noise_estimate::update(&problem.linearised(point), &outcome.tables, by);
+        let change = noise_estimate::update(&problem.linearised(point), &outcome.tables, by, None);
         if options.robust {
             reweigh(problem, &outcome.tables, by);
         }

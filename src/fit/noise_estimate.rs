@@ -28,29 +28,49 @@ const TIME_RANGE: (f64, f64) = (0.03, 10.0);
 const SMALLEST: f64 = 1e-3;
 /// Samples that weigh less are outliers: beyond 2.6 standard deviations.
 const OUTLIER: f64 = 0.5;
-/// Steps of the search in the logarithms: the first, and the last.
+/// First and last step of a search in the logarithms.
 const FIRST_STEP: f64 = 0.6;
 const LAST_STEP: f64 = 0.06;
+/// The first is twice the change in the search before, within this and [`FIRST_STEP`]. With this from the second search on,
+/// noise stayed in a local optimum, and a term that is zero in the world was sure.
+const NEXT_STEP: f64 = 0.15;
 /// The last where log likelihoods are compared: N samples whose noise is off by a share d lose N d^2, and a last step of
 /// 0.06 left 9 units between two searches of one fit to 60 s.
 const LAST_FINE_STEP: f64 = 0.01;
 
-/// Estimates the noise of every channel of every recording anew; returns the largest change of
-/// a standard deviation or correlation time, as a logarithm. At the deadline channels keep what they have.
-pub fn update(problem: &Linearised, tables: &[Tables], by: &mut NoiseModel) -> f64 {
-    update_until(problem, tables, by, LAST_STEP)
+/// Estimates the noise of every channel of every recording anew, after a search with this change if there was one; returns
+/// the largest change of a standard deviation or correlation time, as a logarithm. At the deadline channels keep what they
+/// have.
+pub fn update(
+    problem: &Linearised,
+    tables: &[Tables],
+    by: &mut NoiseModel,
+    before: Option<f64>,
+) -> f64 {
+    update_until(problem, tables, by, [first_step(before), LAST_STEP])
 }
 
 /// As [`update`], precise enough for [`restricted`].
-pub fn update_finely(problem: &Linearised, tables: &[Tables], by: &mut NoiseModel) -> f64 {
-    update_until(problem, tables, by, LAST_FINE_STEP)
+pub fn update_finely(
+    problem: &Linearised,
+    tables: &[Tables],
+    by: &mut NoiseModel,
+    before: Option<f64>,
+) -> f64 {
+    update_until(problem, tables, by, [first_step(before), LAST_FINE_STEP])
+}
+
+fn first_step(before: Option<f64>) -> f64 {
+    before.map_or(FIRST_STEP, |change| {
+        (2.0 * change).clamp(NEXT_STEP, FIRST_STEP)
+    })
 }
 
 fn update_until(
     problem: &Linearised,
     tables: &[Tables],
     by: &mut NoiseModel,
-    last_step: f64,
+    steps: [f64; 2],
 ) -> f64 {
     let mut largest: f64 = 0.0;
     let mut plain = with_outliers_only(by);
@@ -68,7 +88,7 @@ fn update_until(
                 continue;
             }
             let old = by.noise[recording][group as usize];
-            let new = part.search(&plain, last_step);
+            let new = part.search(&plain, steps);
             by.noise[recording][group as usize] = new;
             plain.noise[recording][group as usize] = new;
             let moved = to_logarithms(&new).into_iter().zip(to_logarithms(&old));
@@ -264,7 +284,7 @@ impl Part<'_, '_> {
     }
 
     /// Compass search in the three logarithms.
-    fn search(&self, by: &NoiseModel, last_step: f64) -> ChannelNoise {
+    fn search(&self, by: &NoiseModel, [first, last]: [f64; 2]) -> ChannelNoise {
         let rest = Rest::new(self, by);
         let guess = self.group.first_guess();
         let mut best = to_logarithms(&by.noise[self.recording][self.group as usize]);
@@ -282,10 +302,10 @@ impl Part<'_, '_> {
             }
         };
         let mut lowest = objective(&best);
-        let mut step = FIRST_STEP;
+        let mut step = first;
         // The direction that is tried next, and how many have failed since the last move: none is tried twice in vain.
         let (mut next, mut failed) = (0, 0);
-        while step > last_step {
+        while step > last {
             let direction = DIRECTIONS[next];
             next = (next + 1) % DIRECTIONS.len();
             failed += 1;

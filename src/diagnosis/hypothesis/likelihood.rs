@@ -190,9 +190,13 @@ pub fn fit_with_noise(
     let mut point = problem.point(&shooting, coefficients, initial);
     let mut tables = shooting.evaluate(&point, true)?;
     let mut stop = FIRST;
+    let mut before = None;
     for _ in 0..TURNS {
         let outcome = minimise_from(&shooting, &mut point, tables, noise, stop);
-        let change = follow(&shooting, &point, &outcome.tables, noise);
+        let linearised = shooting.linearised(&point);
+        let change = noise_estimate::update(&linearised, &outcome.tables, noise, before);
+        before = Some(change);
+        reweigh(&shooting, &outcome.tables, noise);
         tables = outcome.tables;
         let still = outcome.converged && outcome.gain < STILL && change < STILL_NOISE;
         if still || problem.deadline.is_over() {
@@ -263,8 +267,10 @@ pub fn evidence_under_own_noise(
         let tables: Vec<Tables> = tables.collect();
         let mut own = noise.clone();
         let mut residuals = Vec::new();
+        let mut before = None;
         for _ in 0..TURNS {
-            let change = noise_estimate::update_finely(&linearised, &tables, &mut own);
+            let change = noise_estimate::update_finely(&linearised, &tables, &mut own, before);
+            before = Some(change);
             let Some(after) = noise_estimate::residuals_after_step(&linearised, &tables, &own)
             else {
                 return OwnEvidence {
@@ -312,7 +318,7 @@ pub fn follow<P: Predictor>(
     tables: &[Tables],
     noise: &mut NoiseModel,
 ) -> f64 {
-    let change = noise_estimate::update(&shooting.linearised(point), tables, noise);
+    let change = noise_estimate::update(&shooting.linearised(point), tables, noise, None);
     reweigh(shooting, tables, noise);
     change
 }

@@ -5,6 +5,7 @@
 //! evidence is taken (a generalised likelihood ratio: D. O. Siegmund, "Sequential Analysis", 1985), less the
 //! logarithm of the number of sets.
 
+use super::identifiable::Accepted;
 use super::region::Region;
 use super::scan::{BinnedFit, Scan, discs};
 use super::screen::{Projection, Score};
@@ -12,7 +13,7 @@ use super::system::System;
 use super::time_bins::chains;
 use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::Problem;
-use crate::diagnosis::hypothesis::candidate::TERRAIN_CHANGE;
+use crate::diagnosis::hypothesis::candidate::{TERRAIN_CHANGE, is_residual_model};
 use crate::effects::CATALOGUE;
 use rayon::prelude::*;
 
@@ -40,6 +41,8 @@ pub struct ScanTarget {
     pub coefficients: Vec<usize>,
     /// For each coefficient its binned column, and a factor.
     columns: Vec<(usize, f64)>,
+    /// Unknowns of accepted effects that keep their sizes beside it.
+    accepted: Vec<usize>,
 }
 
 impl ScanTarget {
@@ -64,6 +67,7 @@ impl ScanTarget {
             subject,
             coefficients,
             columns,
+            accepted: Vec::new(),
         })
     }
 
@@ -98,6 +102,7 @@ impl ScanTarget {
             subject: Subject::Effect(effect),
             coefficients,
             columns,
+            accepted: Vec::new(),
         })
     }
 }
@@ -122,6 +127,11 @@ pub fn scanned(problem: &Problem, system: &System, soil: &[f64], on: &[usize]) -
         Subject::Unknown,
         &off(problem.candidates.residual_models().collect()),
     );
+    let named = on.iter().filter(|k| !is_residual_model(effect(k)));
+    let push = push.map(|push| ScanTarget {
+        accepted: named.flat_map(|k| system.unknowns(*k)).collect(),
+        ..push
+    });
     let change =
         ScanTarget::soil(problem, soil).filter(|s| !s.coefficients.iter().any(|k| on.contains(k)));
     effects.chain(push).chain(change).collect()
@@ -196,8 +206,10 @@ fn each<I: IntoIterator<Item = (Region, Score, f64)>>(
         let coefficients = one.coefficients.iter();
         let unknowns =
             coefficients.filter_map(|coefficient| system.unknowns(*coefficient).first().copied());
+        let accepted = Accepted::new(system, projection, one.accepted.iter().copied());
         let scan = Scan {
             system,
+            accepted: &accepted,
             projection,
             nuisance: &nuisance,
             inverse: &inverse,

@@ -1,5 +1,6 @@
 //! Screening of all candidates on the linearised problem: evidence, region and uncertainty.
 
+pub mod identifiable;
 pub mod locate;
 pub mod noise;
 pub mod regime;

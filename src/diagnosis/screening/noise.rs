@@ -96,7 +96,7 @@ pub fn update(
         })
         .collect();
     let mut noise_model = noise.of(&known);
-    noise_estimate::update(&shooting, &combined, &mut noise_model);
+    noise_estimate::update(&shooting, &combined, &mut noise_model, None);
     noise.noise = noise_model.noise;
 }
 

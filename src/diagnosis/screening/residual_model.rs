@@ -6,10 +6,12 @@
 //! stability is the share of bootstrap samples of the segments in which it is selected (N. Meinshausen & P. Buhlmann,
 //! "Stability selection", J. R. Stat. Soc. B 72 (2010)). The selected model is then refitted inside the motion.
 
+use super::identifiable::Accepted;
 use super::screen::Projection;
 use super::system::System;
 use crate::diagnosis::Channel;
 use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::candidate::is_residual_model;
 use crate::effects::{Acts, Axis, CATALOGUE};
 use rayon::prelude::*;
 
@@ -31,14 +33,21 @@ const DRAWS: usize = 40;
 /// A further term must raise the evidence by more than this.
 const WORTH: f64 = 3.0;
 
-/// The residual model with the largest evidence beyond soil and the coefficients that are on.
+/// The residual model with the largest evidence beyond soil and the coefficients that are on, which are projected out.
+/// Accepted effects of the catalogue keep their sizes beside it.
 #[must_use]
 pub fn residual_model(
     problem: &Problem,
     system: &System,
-    nuisance: &[usize],
+    on: &[usize],
+    projection: &Projection,
     seed: u64,
 ) -> Option<ResidualModel> {
+    let nuisance = projection.nuisance();
+    let named = on
+        .iter()
+        .filter(|k| !is_residual_model(problem.candidates[**k].effect));
+    let named = named.flat_map(|k| system.unknowns(*k));
     let is_off = |coefficient: &usize| {
         system
             .unknowns(*coefficient)
@@ -52,7 +61,14 @@ pub fn residual_model(
     let coefficients = problem.candidates.residual_models();
     let coefficients: Vec<usize> = coefficients.filter(|k| is_off(k) && !confined(k)).collect();
     let all: Vec<usize> = (0..system.segments.len()).collect();
-    let (chosen, evidence) = select(system, nuisance, &all, &coefficients, MOST_TERMS)?;
+    let choice = Choice {
+        system,
+        nuisance,
+        coefficients: &coefficients,
+        whole: projection,
+        accepted: Accepted::new(system, projection, named),
+    };
+    let (chosen, evidence) = choice.select(&all, MOST_TERMS)?;
     let mut random = fastrand::Rng::with_seed(seed);
     let draws: Vec<Vec<usize>> = (0..DRAWS)
         .map(|_| {
@@ -65,7 +81,7 @@ pub fn residual_model(
         if problem.deadline.is_over() {
             return None;
         }
-        select(system, nuisance, draw, &coefficients, chosen.len())
+        choice.select(draw, chosen.len())
     };
     let again: Vec<_> = draws.par_iter().map(again).collect();
     let chosen_again = |coefficient: &usize| {
@@ -82,43 +98,61 @@ pub fn residual_model(
     })
 }
 
-/// Takes terms one by one. `None` where not even one is worth it.
-fn select(
-    system: &System,
-    nuisance: &[usize],
-    segments: &[usize],
-    coefficients: &[usize],
-    max_terms: usize,
-) -> Option<(Vec<usize>, f64)> {
-    let projection = Projection::new(system, nuisance, segments)?;
-    let (mut chosen, mut best): (Vec<usize>, f64) = (Vec::new(), 0.0);
-    // Logarithm of the number of sets of so many terms.
-    let mut price = 0.0;
-    while chosen.len() < max_terms {
-        let with = |coefficient: &usize| {
-            let set: Vec<usize> = chosen
-                .iter()
-                .chain(std::iter::once(coefficient))
-                .copied()
-                .collect();
-            let unknowns: Vec<usize> = set.iter().flat_map(|k| system.unknowns(*k)).collect();
-            let score = projection.score_with(&projection.of(&unknowns), 1.0);
-            (*coefficient, score.evidence)
-        };
-        let remaining = coefficients
-            .iter()
-            .filter(|coefficient| !chosen.contains(coefficient));
-        let next = remaining.map(with).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let choice = ((coefficients.len() - chosen.len()) as f64 / (chosen.len() + 1) as f64).ln();
-        price += choice;
-        let evidence = next.1 - price;
-        if evidence < best + WORTH {
-            break;
+/// The choice of terms.
+struct Choice<'a> {
+    system: &'a System,
+    nuisance: &'a [usize],
+    coefficients: &'a [usize],
+    /// Over all segments.
+    whole: &'a Projection<'a>,
+    accepted: Accepted,
+}
+
+impl Choice<'_> {
+    /// Takes terms one by one. `None` where not even one is worth it.
+    fn select(&self, segments: &[usize], max_terms: usize) -> Option<(Vec<usize>, f64)> {
+        let projection = Projection::new(self.system, self.nuisance, segments)?;
+        let (mut chosen, mut best): (Vec<usize>, f64) = (Vec::new(), 0.0);
+        // Logarithm of the number of sets of so many terms.
+        let mut price = 0.0;
+        while chosen.len() < max_terms {
+            let with = |coefficient: &usize| {
+                let set: Vec<usize> = chosen
+                    .iter()
+                    .chain(std::iter::once(coefficient))
+                    .copied()
+                    .collect();
+                let unknowns: Vec<usize> =
+                    set.iter().flat_map(|k| self.system.unknowns(*k)).collect();
+                let score = projection.score_with(&projection.of(&unknowns), 1.0);
+                let keeps = self.keeps_sizes(&unknowns);
+                keeps.then_some((*coefficient, score.evidence))
+            };
+            let remaining = self.coefficients.iter();
+            let remaining = remaining.filter(|coefficient| !chosen.contains(coefficient));
+            let next = remaining.filter_map(with);
+            let Some(next) = next.max_by(|a, b| a.1.total_cmp(&b.1)) else {
+                break;
+            };
+            let count = self.coefficients.len() - chosen.len();
+            price += (count as f64 / (chosen.len() + 1) as f64).ln();
+            let evidence = next.1 - price;
+            if evidence < best + WORTH {
+                break;
+            }
+            chosen.push(next.0);
+            best = evidence;
         }
-        chosen.push(next.0);
-        best = evidence;
+        (!chosen.is_empty()).then_some((chosen, best))
     }
-    (!chosen.is_empty()).then_some((chosen, best))
+
+    /// Whether accepted effects keep their sizes beside terms.
+    fn keeps_sizes(&self, terms: &[usize]) -> bool {
+        let projected = self.whole.of(terms);
+        let remainder = self.whole.with_prior(&projected);
+        self.accepted
+            .keep_sizes(&self.whole.cross(terms), &remainder)
+    }
 }
 
 /// The dimensionless group that a residual model's coefficient multiplies, as its effect's equation has it:
@@ -154,6 +188,41 @@ pub fn channel(effect: usize) -> Channel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+
+    #[test]
+    fn a_residual_model_leaves_an_accepted_effect_its_size() {
+        let nominal = on("sandy_loam");
+        let truth = with_effects(&nominal, r#"{"drag": {"coefficient": 150}}"#);
+        let recordings = [driven(&truth, "slalom")];
+        let (stage, _) = refitted(&nominal, &recordings);
+        let (problem, system) = (&stage.problem, stage.screening.system.as_ref());
+        let find = |name: &str| {
+            let mut all = problem.candidates.coefficients.iter();
+            all.position(|one| one.parameter.name == name).unwrap()
+        };
+        let drag = find("drag.coefficient");
+        let along = ["speed", "speed_squared"];
+        let along = along.map(|name| find(&format!("residual_longitudinal.{name}")));
+        let repeats = |on: &[usize], projection: &Projection| {
+            let found = residual_model(problem, system, on, projection, 1);
+            found.is_some_and(|found| found.coefficients.iter().any(|k| along.contains(k)))
+        };
+        let soil_alone = Projection::over_all(system, &[]).unwrap();
+        assert!(repeats(&[], &soil_alone));
+        let unknowns = system.unknowns(drag);
+        let beside = Projection::over_all(system, &unknowns).unwrap();
+        assert!(!repeats(&[drag], &beside));
+        let accepted = Accepted::new(system, &beside, unknowns.into_iter());
+        let keeps = |name: &str| {
+            let terms = system.unknowns(find(name));
+            let remainder = beside.with_prior(&beside.of(&terms));
+            accepted.keep_sizes(&beside.cross(&terms), &remainder)
+        };
+        assert!(!keeps("residual_longitudinal.speed_squared"));
+        assert!(keeps("residual_lateral.sideways"));
+        assert!(keeps("residual_yaw.constant"));
+    }
 
     #[test]
     fn every_term_of_a_law_has_its_group() {

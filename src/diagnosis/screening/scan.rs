@@ -1,5 +1,6 @@
 //! Regions as sets of time bins, and the score of a candidate that acts in one of them alone.
 
+use super::identifiable::Accepted;
 use super::region::{Region, RunInterval};
 use super::screen::{Projected, Projection, Score};
 use super::system::System;
@@ -66,6 +67,8 @@ pub struct Scan<'a> {
     pub settled: &'a DVector<f64>,
     /// The candidate.
     pub binned: BinnedFit,
+    /// Accepted effects that keep their sizes beside it.
+    pub accepted: &'a Accepted,
     /// End of the scan; a scan that is cut short finds nothing.
     pub deadline: Deadline<'a>,
 }
@@ -144,7 +147,7 @@ impl Scan<'_> {
         }
     }
 
-    /// The one-step fit of a set.
+    /// The one-step fit of a set; without evidence where an accepted effect loses its size.
     fn score(&self, sums: &BinSums) -> Score {
         let projected = Projected {
             unknowns: self.binned.unknowns.clone(),
@@ -152,7 +155,19 @@ impl Scan<'_> {
             gradient: &sums.gradient - &sums.cross * self.settled,
             raw: sums.matrix.clone(),
         };
-        self.projection.score_with(&projected, 1.0)
+        let score = self.projection.score_with(&projected, 1.0);
+        let remainder = self.projection.with_prior(&projected);
+        if self
+            .accepted
+            .keep_sizes(&sums.cross.transpose(), &remainder)
+        {
+            score
+        } else {
+            Score {
+                evidence: f64::NEG_INFINITY,
+                ..score
+            }
+        }
     }
 
     /// Sums over the shares of time bins that lie somewhere, and the seconds that they last.

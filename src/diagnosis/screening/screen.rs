@@ -100,17 +100,27 @@ impl<'a> Projection<'a> {
         (self.factor.inverse(), self.factor.solve(&self.pull))
     }
 
-    /// How the nuisance follows a step of other unknowns.
+    /// The normal equations' block of the nuisance (rows) and other unknowns (columns).
     #[must_use]
-    pub fn following(&self, unknowns: &[usize], step: &DVector<f64>) -> DVector<f64> {
+    pub fn cross(&self, unknowns: &[usize]) -> DMatrix<f64> {
         let together: Vec<usize> = self.nuisance.iter().chain(unknowns).copied().collect();
         let chosen = self.segments.iter().map(|k| &self.system.segments[*k]);
         let (matrix, _) = self.system.sum(&together, chosen);
-        let cross = matrix.view(
-            (0, self.nuisance.len()),
-            (self.nuisance.len(), unknowns.len()),
-        );
-        -self.factor.solve(&(cross * step))
+        let (n, c) = (self.nuisance.len(), unknowns.len());
+        matrix.view((0, n), (n, c)).into_owned()
+    }
+
+    /// How the nuisance follows a step of other unknowns.
+    #[must_use]
+    pub fn following(&self, unknowns: &[usize], step: &DVector<f64>) -> DVector<f64> {
+        -self.factor.solve(&(self.cross(unknowns) * step))
+    }
+
+    /// A candidate's projected equations with its prior.
+    #[must_use]
+    pub fn with_prior(&self, candidate: &Projected) -> DMatrix<f64> {
+        let precision = self.precisions(&candidate.unknowns);
+        &candidate.matrix + DMatrix::from_diagonal(&DVector::from_vec(precision))
     }
 
     /// A candidate's projected equations.

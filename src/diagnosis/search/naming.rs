@@ -152,7 +152,7 @@ impl<'a> PartialFit<'a> {
 
     /// With the shape freedom of the formulas that are on.
     #[must_use]
-    fn shaped(mut self, before: &FittedHypothesis, noise: &NoiseModel) -> Self {
+    pub fn shaped(mut self, before: &FittedHypothesis, noise: &NoiseModel) -> Self {
         // Where it does nothing, there is nothing to shape.
         let acts = self.gain + self.fit.predicted_reduction > 0.0;
         if acts && self.proposal.kind() != ProposalKind::ResidualModel {

@@ -143,7 +143,7 @@ pub fn proposals(
         found.retain(|one| one.evidence > throughout(one.subject) + BETTER_LOCAL);
         all.extend(found);
     }
-    if let Some(residual_model) = residual_model(problem, system, view.exact.nuisance(), seed) {
+    if let Some(residual_model) = residual_model(problem, system, on, &view.exact, seed) {
         all.push(unnamed(view, residual_model));
     }
     all.retain(|proposal| proposal.evidence > FAINT);

@@ -75,15 +75,16 @@ pub fn replaced<'a>(
     });
     let fits = promising
         .take(MAX_FITS)
-        .filter_map(|one| in_place_of(stage, best, one, noise));
+        .filter_map(|one| in_place_of(stage, best, one, min_odds, noise));
     fits.collect()
 }
 
-/// A mechanism's fit from where the linearised problem puts it.
+/// A mechanism's fit from where the linearised problem puts it, finished if it may reach `min_odds`.
 fn in_place_of<'a>(
     stage: &Stage<'a>,
     best: &FittedCandidate<'a>,
     one: &Replacement,
+    min_odds: f64,
     noise: &NoiseModel,
 ) -> Option<FittedCandidate<'a>> {
     let before = &stage.fit;
@@ -106,13 +107,17 @@ fn in_place_of<'a>(
     }
     let start = after_steps(problem, &proposal, &there, 1.0);
     let fit = fit_until(problem, &coefficients, &start, noise, LONG_PARTIAL_FIT).ok()?;
-    let fit = finish(
-        PartialFit::new(&proposal, problem, fit, before),
-        before,
-        noise,
-    )?;
     // All of them relative to the same.
     let without = best.gain + best.fit.negative_log_evidence + best.proposal.price;
+    let partial = PartialFit {
+        gain: without - fit.negative_log_evidence,
+        ..PartialFit::new(&proposal, problem, fit, before)
+    };
+    let partial = partial.shaped(before, noise);
+    if partial.promise() < min_odds {
+        return None;
+    }
+    let fit = finish(partial, before, noise)?;
     Some(FittedCandidate {
         gain: without - fit.fit.negative_log_evidence,
         ..fit
