@@ -51,11 +51,9 @@ pub fn claims(searched: &SearchResult, judgement: &Judgement, findings: &[Findin
         statement: phrase(finding.subject),
         probability: finding.probability,
     });
-    let mending = searched.accepted.iter().filter(|effect| effect.mends);
-    let mending: f64 = mending.map(|effect| effect.gain).sum();
     let exact = match finding.subject {
         Subject::Effect(effect) if CATALOGUE[effect].formulas_differ => {
-            shape::exactness(searched.augmented.shape_gain + mending)
+            shape::exactness(searched.other_formulas())
         }
         _ => 1.0,
     };

@@ -78,6 +78,15 @@ impl SearchResult<'_> {
         accepted.all(|effect| effect.proposal.kind() == ProposalKind::Local)
     }
 
+    /// Log Bayes factor of other formulas of the accepted effects, by what mends them or their shape freedom, against the
+    /// catalogue's.
+    #[must_use]
+    pub fn other_formulas(&self) -> f64 {
+        let mending = self.accepted.iter().filter(|effect| effect.mends);
+        let mending: f64 = mending.map(|effect| effect.gain).sum();
+        self.augmented.shape_gain + mending
+    }
+
     /// Returns to the refitted model: the accepted effects predict held-out data worse, so they are no likelier than
     /// "nothing".
     pub fn withdraw(&mut self) {
