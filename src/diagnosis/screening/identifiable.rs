@@ -48,7 +48,14 @@ impl Accepted {
         }
     }
 
-    /// Whether all keep their sizes beside further unknowns: `cross` are the normal equations' block of these (columns) and
+    /// Whether all keep their sizes beside further unknowns.
+    #[must_use]
+    pub fn keep_sizes_beside(&self, projection: &Projection, further: &[usize]) -> bool {
+        let remainder = projection.with_prior(&projection.of(further));
+        self.keep_sizes(&projection.cross(further), &remainder)
+    }
+
+    /// The same from the normal equations: `cross` are the normal equations' block of these (columns) and
     /// the nuisance (rows), `remainder` that of these alone with their prior, the nuisance projected out.
     #[must_use]
     pub fn keep_sizes(&self, cross: &DMatrix<f64>, remainder: &DMatrix<f64>) -> bool {

@@ -63,7 +63,6 @@ pub fn residual_model(
     let all: Vec<usize> = (0..system.segments.len()).collect();
     let choice = Choice {
         system,
-        nuisance,
         coefficients: &coefficients,
         whole: projection,
         accepted: Accepted::new(system, projection, named),
@@ -101,7 +100,6 @@ pub fn residual_model(
 /// The choice of terms.
 struct Choice<'a> {
     system: &'a System,
-    nuisance: &'a [usize],
     coefficients: &'a [usize],
     /// Over all segments.
     whole: &'a Projection<'a>,
@@ -111,7 +109,7 @@ struct Choice<'a> {
 impl Choice<'_> {
     /// Takes terms one by one. `None` where not even one is worth it.
     fn select(&self, segments: &[usize], max_terms: usize) -> Option<(Vec<usize>, f64)> {
-        let projection = Projection::new(self.system, self.nuisance, segments)?;
+        let projection = Projection::new(self.system, self.whole.nuisance(), segments)?;
         let (mut chosen, mut best): (Vec<usize>, f64) = (Vec::new(), 0.0);
         // Logarithm of the number of sets of so many terms.
         let mut price = 0.0;
@@ -125,7 +123,7 @@ impl Choice<'_> {
                 let unknowns: Vec<usize> =
                     set.iter().flat_map(|k| self.system.unknowns(*k)).collect();
                 let score = projection.score_with(&projection.of(&unknowns), 1.0);
-                let keeps = self.keeps_sizes(&unknowns);
+                let keeps = self.accepted.keep_sizes_beside(self.whole, &unknowns);
                 keeps.then_some((*coefficient, score.evidence))
             };
             let remaining = self.coefficients.iter();
@@ -144,14 +142,6 @@ impl Choice<'_> {
             best = evidence;
         }
         (!chosen.is_empty()).then_some((chosen, best))
-    }
-
-    /// Whether accepted effects keep their sizes beside terms.
-    fn keeps_sizes(&self, terms: &[usize]) -> bool {
-        let projected = self.whole.of(terms);
-        let remainder = self.whole.with_prior(&projected);
-        self.accepted
-            .keep_sizes(&self.whole.cross(terms), &remainder)
     }
 }
 
@@ -214,11 +204,7 @@ mod tests {
         let beside = Projection::over_all(system, &unknowns).unwrap();
         assert!(!repeats(&[drag], &beside));
         let accepted = Accepted::new(system, &beside, unknowns.into_iter());
-        let keeps = |name: &str| {
-            let terms = system.unknowns(find(name));
-            let remainder = beside.with_prior(&beside.of(&terms));
-            accepted.keep_sizes(&beside.cross(&terms), &remainder)
-        };
+        let keeps = |name: &str| accepted.keep_sizes_beside(&beside, &system.unknowns(find(name)));
         assert!(!keeps("residual_longitudinal.speed_squared"));
         assert!(keeps("residual_lateral.sideways"));
         assert!(keeps("residual_yaw.constant"));

@@ -16,6 +16,8 @@ use super::unstuck::{AGAIN, unstuck};
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, fit_with_noise};
 use crate::diagnosis::hypothesis::subsample::Subsample;
+use crate::diagnosis::screening::identifiable::Accepted;
+use crate::diagnosis::screening::screen::Projection;
 use crate::diagnosis::{DiagnosisError, Options, Progress, Subject};
 use crate::fit::problem::NoiseModel;
 
@@ -145,6 +147,11 @@ impl<'a> Path<'a> {
             });
             let (placed, fit) = self.narrowed(best.problem, best.fit);
             self.stage = self.rescreened(placed, fit, options, progress)?;
+            if let Some(repeated) = self.repeated()
+                && let Some(path) = self.without_effect(repeated, options, progress)?
+            {
+                self = path;
+            }
             fitted = self.further_candidates(progress)?;
         }
         progress.step("removing redundant effects")?;
@@ -162,6 +169,30 @@ impl<'a> Path<'a> {
             self.stage = self.rescreened(problem, fit, options, progress)?;
         }
         Ok(self)
+    }
+
+    /// An accepted residual model beside which an accepted effect of the catalogue is not identifiable.
+    fn repeated(&self) -> Option<usize> {
+        let system = self.stage.screening.system.as_ref();
+        let unknowns = |effect: &AcceptedEffect| -> Vec<usize> {
+            let coefficients = effect.proposal.coefficients.iter();
+            coefficients.flat_map(|k| system.unknowns(*k)).collect()
+        };
+        let is_named = |effect: &&AcceptedEffect| effect.proposal.subject != Subject::Unknown;
+        let named = self.accepted.iter().filter(is_named);
+        let named: Vec<usize> = named.flat_map(unknowns).collect();
+        let takes_place = |index: usize| {
+            let others = self.accepted.iter().enumerate();
+            let others = others.filter(|(other, _)| *other != index);
+            let others: Vec<usize> = others.flat_map(|(_, effect)| unknowns(effect)).collect();
+            let terms = unknowns(&self.accepted[index]);
+            Projection::over_all(system, &others).is_some_and(|projection| {
+                let accepted = Accepted::new(system, &projection, named.iter().copied());
+                !accepted.keep_sizes_beside(&projection, &terms)
+            })
+        };
+        (0..self.accepted.len())
+            .find(|index| !is_named(&&self.accepted[*index]) && takes_place(*index))
     }
 
     /// A hypothesis, screened again.
@@ -439,5 +470,47 @@ impl<'a> Path<'a> {
                 + price(path)
         };
         negative_log_evidence(other) - negative_log_evidence(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+
+    #[test]
+    fn a_residual_model_that_repeats_a_later_name_is_found() {
+        let nominal = on("sandy_loam");
+        let truth = with_effects(&nominal, r#"{"drag": {"coefficient": 150}}"#);
+        let recordings = [driven(&truth, "slalom")];
+        let (stage, noise) = refitted(&nominal, &recordings);
+        let candidates = stage.problem.candidates.clone();
+        let accepted = |name: &str| {
+            let mut all = candidates.coefficients.iter();
+            let k = all.position(|one| one.parameter.name == name).unwrap();
+            let subject = if name.starts_with("residual_") {
+                Subject::Unknown
+            } else {
+                Subject::Effect(candidates[k].effect)
+            };
+            AcceptedEffect {
+                proposal: Proposal::new(subject, vec![k]),
+                gain: 100.0,
+                rivals: Vec::new(),
+                mends: false,
+            }
+        };
+        let mut path = Path::new(stage, noise);
+        let mut repeated = |names: [&str; 2]| {
+            path.accepted = names.map(accepted).to_vec();
+            path.repeated()
+        };
+        let along = "residual_longitudinal.speed_squared";
+        assert_eq!(repeated([along, "drag.coefficient"]), Some(0));
+        assert_eq!(repeated(["drag.coefficient", along]), Some(1));
+        let aside = "residual_lateral.sideways";
+        assert_eq!(repeated([aside, "drag.coefficient"]), None);
+        // Two residual models have no name that could lose its size.
+        assert_eq!(repeated([along, aside]), None);
     }
 }
